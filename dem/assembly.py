@@ -61,7 +61,7 @@ class DiscMaterials:
     layers : sequence of LayerSprings
         Constants of each layer.
     law, mean : str
-        Contact law; mean of the constants of two layers, see `springs.pair_table`.
+        Contact law; mean of the constants of two layers, see `pair_table.pair_table`.
     turns : bool
         Whether discs rotate. Those of layers with infinite rolling friction do not in any case.
     """

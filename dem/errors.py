@@ -4,7 +4,13 @@ from meshes.errors import NoAnswerError
 
 
 class DemError(NoAnswerError):
-    """A run of the discs that cannot be trusted from here on."""
+    """A run of the discs that cannot be trusted from here on.
+
+    Attributes
+    ----------
+    reason, remedy : str
+        What went wrong, and what to do about it.
+    """
 
 
 class StepTooLargeError(DemError, ValueError):

@@ -14,8 +14,8 @@ def share_left(faded: Sequence[float]) -> np.ndarray:
 
     faded: by layer, what is gone. A contact is gone as far as it is for the one of its layers that has less.
     """
-    own = 1.0 - np.array([*faded, 0.0])
-    return np.asarray(np.minimum(own[:, None], own[None, :]))
+    left = 1.0 - np.array([*faded, 0.0])
+    return np.asarray(np.minimum(left[:, None], left[None, :]))
 
 
 def fade(pairs: np.ndarray, left: np.ndarray) -> None:

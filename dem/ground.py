@@ -122,7 +122,22 @@ class Ground:
 
 
 def springs_of(section: Section, settings: DemSettings, radius: float) -> list[LayerSprings]:
-    """The springs of every stratum before calibration: Table 2 as printed, or by eqs. (5)-(13)."""
+    """Return the springs of every stratum before calibration: Table 2 as printed, or by eqs. (5)-(13).
+
+    Parameters
+    ----------
+    section : Section
+        The strata, from the top down.
+    settings : DemSettings
+        Which springs, their scale, damping and allowed overlap.
+    radius : float
+        Mean radius of the discs (m).
+
+    Returns
+    -------
+    list of LayerSprings
+        One for each stratum.
+    """
     if settings.springs == "table2":
         layers = table2()
     else:
@@ -136,7 +151,25 @@ def springs_of(section: Section, settings: DemSettings, radius: float) -> list[L
 
 
 def ground_of(section: Section, settings: DemSettings) -> Ground:
-    """Discs of a section as the settings say. Raises InputError where they cannot be had."""
+    """Lay discs into a section.
+
+    Parameters
+    ----------
+    section : Section
+        The layered ground.
+    settings : DemSettings
+        Radius and packing: "box", "lattice", "random" or "auto".
+
+    Returns
+    -------
+    Ground
+        The packing and its place in the section.
+
+    Raises
+    ------
+    InputError
+        If the packing does not fit the section.
+    """
     radius = settings.mean_radius(section)
     kind = settings.packing
     fits = box_fits(section, radius)

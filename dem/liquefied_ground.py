@@ -83,8 +83,8 @@ def list_liquefied(state: DiscState, in_ranges: Ranges = at_once) -> None:
     def find(begin: int, end: int) -> tuple[np.ndarray, ...]:
         return find_pairs(begin, end, near, grid, known, no_pores)
 
-    found = in_ranges(find, len(state))
-    first, second, old = found[0] if len(found) == 1 else map(np.concatenate, zip(*found, strict=True))
+    pairs = in_ranges(find, len(state))
+    first, second, old = pairs[0] if len(pairs) == 1 else map(np.concatenate, zip(*pairs, strict=True))
     state.bonds = np.concatenate([state.bonds, np.zeros((1, MEMORY))])[old]
     before = _in_pairs(state)
     state.liquefied_i, state.liquefied_j = order[first], order[second]
@@ -97,9 +97,9 @@ def list_liquefied(state: DiscState, in_ranges: Ranges = at_once) -> None:
 
 def _in_pairs(state: DiscState) -> np.ndarray:
     """Mask (n,) of the discs that have a liquefied one within reach, or are one."""
-    found = np.zeros(len(state), bool)
-    found[state.liquefied_i] = found[state.liquefied_j] = True
-    return found
+    is_in_pair = np.zeros(len(state), bool)
+    is_in_pair[state.liquefied_i] = is_in_pair[state.liquefied_j] = True
+    return is_in_pair
 
 
 def liquefy(model: DiscState, onset: Onset) -> None:

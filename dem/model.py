@@ -28,8 +28,9 @@ from dem.kernels.neighbours import (
 from dem.kernels.period import folded
 from dem.lines import with_line_strengths
 from dem.liquefied_ground import change_areas, list_liquefied
+from dem.pair_table import PairTable, pair_table
 from dem.ranges import Ranges, at_once
-from dem.springs import Law, LayerSprings, Mean, PairTable, Strength, pair_table
+from dem.springs import Law, LayerSprings, Mean, Strength
 from dem.state import LINE_MEMORY, MEMORY, ROLLING_MEMORY, DiscState
 
 # what changes its sign when the two discs of a pair change places
@@ -161,8 +162,8 @@ class DiscModel(DiscState):
         def find(begin: int, end: int) -> tuple[np.ndarray, ...]:
             return find_pairs(begin, end, near, grid, known, length)
 
-        found = in_ranges(find, len(self))
-        i, j, old = found[0] if len(found) == 1 else map(np.concatenate, zip(*found, strict=True))
+        pairs = in_ranges(find, len(self))
+        i, j, old = pairs[0] if len(pairs) == 1 else map(np.concatenate, zip(*pairs, strict=True))
         if self._gone.any():  # contacts that liquefied ground has lost would be computed in vain
             there = ~self._gone[self.kind(order[i], order[j])]
             i, j, old = i[there], j[there], old[there]
@@ -325,7 +326,7 @@ class DiscModel(DiscState):
         arrays |= {f"acceleration_{name}": value for name, value in vars(self.acceleration).items()}
         plain = {name: value for name, value in vars(self).items() if isinstance(value, int | float | str)}
         layers = [asdict(layer) for layer in self.springs.layers]
-        strengths = [one and asdict(one) for one in self.line_strength]
+        strengths = [strength and asdict(strength) for strength in self.line_strength]
         more = {"gravity": self.gravity, "period": self.period, "layers": layers, "line_strength": strengths}
         checkpoint.write(Path(path), arrays, plain | more)
 
@@ -337,7 +338,7 @@ class DiscModel(DiscState):
         layers = [LayerSprings(**layer) for layer in plain.pop("layers")]
         for name in ("gravity", "period"):  # JSON knows no tuples
             plain[name] = tuple(plain[name]) if plain[name] is not None else None
-        plain["line_strength"] = tuple(one and Strength(**one) for one in plain["line_strength"])
+        plain["line_strength"] = tuple(strength and Strength(**strength) for strength in plain["line_strength"])
         springs = _table(layers, plain["mean"], plain["law"], plain["skin"], plain["line_strength"])
         values: dict[str, Any] = arrays | plain
         return cls(**values, springs=springs, acceleration=series)

@@ -65,8 +65,8 @@ def _compiled(what: str, _: Tell) -> None:
 
 def types_of_a_step() -> tuple[Type, ...]:
     """Types of what the step loop is called with, of three discs."""
-    given = EngineRun(Engine(), three_discs(), dt=1e-6).arguments(steps=1)[0]
-    return tuple(typeof(one) for one in given)
+    arguments = EngineRun(Engine(), three_discs(), dt=1e-6).arguments(steps=1)[0]
+    return tuple(typeof(argument) for argument in arguments)
 
 
 def three_discs() -> DiscModel:

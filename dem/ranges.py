@@ -30,7 +30,7 @@ def side_by_side(pool: ThreadPoolExecutor | None, threads: int) -> Ranges:
         if pool is None or threads == 1 or n < FEW:
             return at_once(work, n)
         ends = [n * k // threads for k in range(threads + 1)]
-        others = [pool.submit(work, *one) for one in pairwise(ends[1:])]
+        others = [pool.submit(work, *ends_of_range) for ends_of_range in pairwise(ends[1:])]
         try:
             first = work(0, ends[1])
         finally:

@@ -124,31 +124,31 @@ class DemSettings(Model):
 
     def problems(self, section: Section) -> list[str]:
         """What does not fit the section, one sentence each."""
-        found = []
+        problems = []
         if self.model == "soil" and self.parameter not in ("auto", "strength", "none"):
-            found.append(
+            problems.append(
                 f'dem, parameter = "{self.parameter}": expected "strength" or "none"; soil discs have the stiffness of '
                 'their soil, other factors belong to model = "paper"'
             )
         if self.model == "soil" and self.packing not in ("auto", "random"):
-            found.append(
+            problems.append(
                 f'dem, packing = "{self.packing}": expected "random" or "auto"; rows belong to model = "paper"'
             )
         if self.springs == "table2" and len(section.strata) != TABLE2_STRATA:
-            found.append(
+            problems.append(
                 f'dem, springs = "table2": expected ten strata as in the paper, there are {len(section.strata)}; '
                 'take springs = "soil"'
             )
         if self.radius is not None:
             width, height = (float(v) for v in section.outline().max(axis=0) - section.outline().min(axis=0))
             if self.radius > min(width, height) / 6.0:
-                found.append(
+                problems.append(
                     f"dem, radius = {self.radius:g} m: expected at most a sixth of the section's smaller extent, "
                     f"{min(width, height) / 6.0:.3g} m"
                 )
         if self.range is not None and not 0.0 < self.range[0] < self.range[1]:
-            found.append(f"dem, range = {list(self.range)}: expected two rising positive numbers")
-        return found
+            problems.append(f"dem, range = {list(self.range)}: expected two rising positive numbers")
+        return problems
 
     def mean_radius(self, section: Section) -> float:
         """Mean radius of the discs (m): as given, or that with which `elements` fill the section as a lattice."""
@@ -299,7 +299,7 @@ class SlideSettings(Model):
         default=0.01, gt=0.0, description="at rest: movement of the surface (m) in 5 s, less than that twice in a row"
     )
     duration: float = Field(default=60.0, gt=0.0, description="seconds after which a slide is not followed further")
-    judges: tuple[Literal["discs", "mpm"], ...] = Field(
+    methods: tuple[Literal["discs", "mpm"], ...] = Field(
         default=("discs", "mpm"),
         min_length=1,
         description='by which methods the slides are computed: "discs", "mpm" (material point method), or both',
@@ -317,14 +317,14 @@ class SlideSettings(Model):
 
     def problems(self, strata: Sequence[str]) -> list[str]:
         """What does not fit strata of these names, or each other, one sentence each."""
-        told = []
+        problems = []
         if (self.kh_cycles is None) != (self.kh_period is None):
-            told.append("slide, kh_cycles and kh_period: expected both, or neither")
+            problems.append("slide, kh_cycles and kh_period: expected both, or neither")
         elif self.kh_cycles is not None and self.kh_seconds is not None:
-            told.append("slide, kh_cycles and kh_seconds: expected one of them; Kh reverses, or is held")
+            problems.append("slide, kh_cycles and kh_seconds: expected one of them; Kh reverses, or is held")
         elif self.kh_cycles is not None and self.accelerogram:
-            told.append("slide, kh_cycles and accelerogram: expected one of them; a record has its own cycles")
-        return told + [
+            problems.append("slide, kh_cycles and accelerogram: expected one of them; a record has its own cycles")
+        return problems + [
             f'slide, cases {number}, {key}: there is no "{name}"; expected one of {", ".join(strata)}'
             for number, case in enumerate(self.cases, start=1)
             for key in ("residual", "residual_strength")

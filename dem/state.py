@@ -13,7 +13,8 @@ from dem.acceleration import Acceleration
 from dem.kernels.liquefied_pairs import FIELDS, FORCE_X, FORCE_Z
 from dem.kernels.liquefied_pairs import MEMORY as BOND_MEMORY
 from dem.kernels.period import ENDLESS, Period
-from dem.springs import Law, Mean, PairTable, Strength
+from dem.pair_table import PairTable
+from dem.springs import Law, Mean, Strength
 
 # what a pair remembers, of the paper's discs and of soil discs besides; a new one starts with nothing
 MEMORY = ("pore_length", "shear", "pore_shear", "force_x", "force_z")

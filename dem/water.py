@@ -29,14 +29,16 @@ Outside = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 def still_water(section: Section, places: Places, discs: DiscState) -> np.ndarray:
     """Acceleration (n, 2) in m/s2 of discs by pore pressure at rest and by what presses on the ground."""
-    found = np.zeros((len(discs), 2))
+    acceleration = np.zeros((len(discs), 2))
     water, size = section.water_pressure, EDGE * float(discs.radius.mean())
     if water.present:
-        found += _of_pores(section, places, discs, water.at_rest, water.on_ground)
+        acceleration += _of_pores(section, places, discs, water.at_rest, water.on_ground)
     if section.surcharges:
         mesh = triangulate(section, size)
-        found += _at_nearest(discs, places, *_on_ground(mesh, lambda at, out: section.surface_loads.dead(at, at, out)))
-    return found
+        acceleration += _at_nearest(
+            discs, places, *_on_ground(mesh, lambda at, out: section.surface_loads.dead(at, at, out))
+        )
+    return acceleration
 
 
 def excess(section: Section, places: Places, discs: DiscState) -> np.ndarray | None:
@@ -67,11 +69,11 @@ def _of_pores(
     at, layer = np.column_stack(places)[free], discs.layer[free].astype(int)
     step = STEP * float(discs.radius.mean())
     density = np.array([s.density_seismic for s in section.strata])[layer]
-    found = np.zeros((len(discs), 2))
+    acceleration = np.zeros((len(discs), 2))
     for axis in (0, 1):
         away = step * np.eye(2)[axis]
         rise = pressure(at + away, at, layer) - pressure(at - away, at, layer)
-        found[free, axis] = -rise / (2.0 * step) / density
+        acceleration[free, axis] = -rise / (2.0 * step) / density
     mesh = triangulate(section, EDGE * float(discs.radius.mean()))
     corners = corner_pressure(mesh, pressure)
     ends = mesh.boundaries["surface"]
@@ -83,8 +85,8 @@ def _of_pores(
 
     jumps = edge_jumps(mesh, corners)
     between = _length(mesh, jumps.ends) * jumps.traction.mean(axis=1)
-    found += _at_nearest(discs, places, *_on_ground(mesh, pressed))
-    return found + _at_nearest(discs, places, mesh.points[jumps.ends].mean(axis=1), between)
+    acceleration += _at_nearest(discs, places, *_on_ground(mesh, pressed))
+    return acceleration + _at_nearest(discs, places, mesh.points[jumps.ends].mean(axis=1), between)
 
 
 def _on_ground(mesh: TriMesh, traction: Traction) -> tuple[np.ndarray, np.ndarray]:
@@ -99,9 +101,9 @@ def _at_nearest(discs: DiscState, places: Places, at: np.ndarray, force: np.ndar
     """Acceleration (n, 2) in m/s2 of discs, of which the nearest to places (k, 2) in m take forces (k, 2) in N/m."""
     free = np.flatnonzero(~discs.fixed)
     nearest = free[cKDTree(np.column_stack(places)[free]).query(at)[1]]
-    found = np.zeros((len(discs), 2))
-    np.add.at(found, nearest, force / discs.mass[nearest, None])
-    return found
+    acceleration = np.zeros((len(discs), 2))
+    np.add.at(acceleration, nearest, force / discs.mass[nearest, None])
+    return acceleration
 
 
 def _length(mesh: TriMesh, ends: np.ndarray) -> np.ndarray:

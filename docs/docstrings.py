@@ -1,7 +1,7 @@
 """Checks the docstrings of what the packages export, in the form of numpydoc: `python docs/docstrings.py`.
 
 A function names each of its parameters under Parameters, and has Returns unless it returns nothing; a class names its
-attributes, or has a description for every field where it holds settings.
+attributes or parameters, or has a description for every field where it holds settings.
 """
 
 import importlib
@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 from pydantic import BaseModel
 
-PACKAGES = ("meshes", "fem")
+PACKAGES = ("meshes", "fem", "dem")
 
 
 def exported(package: str) -> Iterator[tuple[str, object]]:
@@ -24,8 +24,8 @@ def exported(package: str) -> Iterator[tuple[str, object]]:
 
 def section(text: str, head: str) -> str:
     """What stands under a head of numpydoc; empty without it."""
-    found = re.search(rf"^{head}\n-+\n(.*?)(?=^\w[\w ]*\n-+\n|\Z)", text, flags=re.MULTILINE | re.DOTALL)
-    return found[1] if found else ""
+    match = re.search(rf"^{head}\n-+\n(.*?)(?=^\w[\w ]*\n-+\n|\Z)", text, flags=re.MULTILINE | re.DOTALL)
+    return match[1] if match else ""
 
 
 def faults(what: object) -> Iterator[str]:
@@ -39,10 +39,14 @@ def faults(what: object) -> Iterator[str]:
             yield from (
                 f"{name} has no description" for name, field in what.model_fields.items() if not field.description
             )
-        elif not section(text, "Attributes"):
-            yield "no Attributes"
+        elif not any(
+            section((base.__doc__ and inspect.cleandoc(base.__doc__)) or "", head)
+            for base in what.__mro__
+            for head in ("Attributes", "Parameters")
+        ):
+            yield "no Attributes or Parameters"
     elif inspect.isfunction(what):
-        named = set(re.findall(r"^(\w+(?:, \w+)*) :", section(text, "Parameters"), flags=re.MULTILINE))
+        named = set(re.findall(r"^(\w+(?:, \w+)*)(?: :|$)", section(text, "Parameters"), flags=re.MULTILINE))
         named = {name for names in named for name in names.split(", ")}
         yield from (
             f"{name} is not under Parameters" for name in inspect.signature(what).parameters if name not in named
@@ -53,14 +57,14 @@ def faults(what: object) -> Iterator[str]:
 
 def main() -> int:
     """Prints the faults; 1 if there are any."""
-    told = [
+    messages = [
         f"{package}.{name}: {fault}"
         for package in PACKAGES
         for name, what in exported(package)
         for fault in faults(what)
     ]
-    print("\n".join(told) or "docstrings: every exported name is documented")
-    return 1 if told else 0
+    print("\n".join(messages) or "docstrings: every exported name is documented")
+    return 1 if messages else 0
 
 
 if __name__ == "__main__":

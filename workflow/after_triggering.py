@@ -87,20 +87,20 @@ def ground_after_triggering(
     Raises InputError for triggered strata below water in which no boring has a blow count.
     """
     pairs = list(zip(section.strata, assessment.strata, strict=True))
-    told = 'liquefies_in = "triggered": no boring has a blow count in it; expected one, or cases, [] for none'
+    message = 'liquefies_in = "triggered": no boring has a blow count in it; expected one, or cases, [] for none'
     untested = [
-        f"{in_file(section.strata, k)}, {told}"
-        for k, (stratum, found) in enumerate(pairs)
-        if stratum.liquefies_in.triggered and found.share is None and reaches_water(section, k)
+        f"{in_file(section.strata, k)}, {message}"
+        for k, (stratum, stratum_answer) in enumerate(pairs)
+        if stratum.liquefies_in.triggered and stratum_answer.share is None and reaches_water(section, k)
     ]
     if untested:
         raise InputError(section.name, untested)
     numbers = range(1, cases + 1)
     strata = [
-        stratum.model_copy(update={"liquefies_in": Cases(numbers if found.liquefies else (), triggered=True)})
+        stratum.model_copy(update={"liquefies_in": Cases(numbers if stratum_answer.liquefies else (), triggered=True)})
         if stratum.liquefies_in.triggered
         else stratum
-        for stratum, found in pairs
+        for stratum, stratum_answer in pairs
     ]
     if settings.pore_pressure:
         strata = [
@@ -115,26 +115,28 @@ def ground_after_triggering(
 def cases_after_triggering(section: Section, assessment: Assessment, settings: TriggeringSettings) -> list[Case]:
     """The cases that follow from blow counts, by their names; raises InputError where no relation of strength holds."""
     strata = section.strata
-    remains = [one for one in left(assessment, settings) if strata[one.stratum].liquefies_in]
-    drained = min(0.2, max((one.volumetric_strain for one in remains), default=0.0))
-    found = []
+    remains = [layer for layer in left(assessment, settings) if strata[layer.stratum].liquefies_in]
+    drained = min(0.2, max((layer.volumetric_strain for layer in remains), default=0.0))
+    cases = []
     for name in settings.cases:
         try:
             if settings.residual == "ratio":
-                kept: dict[str, Any] = {"residual": {strata[one.stratum].name: one.ratio(name) for one in remains}}
+                kept: dict[str, Any] = {
+                    "residual": {strata[layer.stratum].name: layer.ratio(name) for layer in remains}
+                }
             else:
-                kept = {"residual_strength": {strata[one.stratum].name: one.strength(name) for one in remains}}
+                kept = {"residual_strength": {strata[layer.stratum].name: layer.strength(name) for layer in remains}}
         except ValueError as error:
             raise InputError(section.name, [f'triggering, cases, "{name}": {error}']) from None
-        found.append(Case(name=name, volumetric_strain=drained, **kept))
-    return found
+        cases.append(Case(name=name, volumetric_strain=drained, **kept))
+    return cases
 
 
 def average_kh(section: Section, response: SiteResponseSettings) -> float:
     """k_max of all above the slip surface (Makdisi & Seed 1978); raises InputError without a record or a depth."""
     if not response.record or response.slip_depth is None:
-        told = f'slide, kh = "{K_MAX}": expected record and slip_depth in [site_response], or a number'
-        raise InputError(section.name, [told])
+        message = f'slide, kh = "{K_MAX}": expected record and slip_depth in [site_response], or a number'
+        raise InputError(section.name, [message])
     return round(column_of(section, response).k_max(float(response.slip_depth)), 4)
 
 

@@ -307,7 +307,7 @@ def bounds(
     verbose: Verbose = False,
     json: Json = False,
 ) -> None:
-    """Strict lower and upper bound of the critical seismic coefficient, ψ = φ; the judge of the finite elements."""
+    """Strict lower and upper bound of the critical seismic coefficient, ψ = φ; they check the finite elements."""
     from workflow.request import Request
     from workflow.terminal import Voice
 
@@ -361,7 +361,7 @@ def slide(
 
     request, cases = Request.of(section, folder, {}, settings), tuple(case) if case else None
     request.refuse_unknown(cases or ())
-    both = model is None and "mpm" in request.config.slide.judges and request.config.section.liquefies
+    both = model is None and "mpm" in request.config.slide.methods and request.config.section.liquefies
     stage, beside = "mpm" if model == "mpm" else "slide", ("mpm",) if both else ()
     _up_to(stage, request, force, Voice.of(quiet, verbose, json), beside, cases=cases)
 
@@ -387,7 +387,9 @@ def _warn(voice: "Voice", request: "Request", command: str, chosen: Sequence[str
     from workflow.terminal import warn
     from workflow.unread import in_words
 
-    names = [one.name or one.callback.__name__ for one in app.registered_commands if one.callback]
+    names = [
+        registered.name or registered.callback.__name__ for registered in app.registered_commands if registered.callback
+    ]
     return warn([*request.notices, *in_words(request.unread(chosen), command, names)], voice)
 
 

@@ -115,7 +115,7 @@ class Config(Tables):
     @property
     def notices(self) -> list[str]:
         """What a person has to know of the section, of its mesh and of its records, one sentence each."""
-        cut_off = [line for one in self.reach.values() for line in one.notice.splitlines()]
+        cut_off = [line for reach in self.reach.values() for line in reach.notice.splitlines()]
         return [*self.section.notices, *self.mesh.notices(self.section), *cut_off, *self.notices_of_shaking]
 
     @property
@@ -146,7 +146,7 @@ class Config(Tables):
         if config.uncertain.numbers:
             config._written = {key: plain(value) for key, value in data.items() if key not in cls.tables()}
             problems = config.uncertain.problems(partial(config.with_drawn, judged=True))
-            problems += [line for one in config.reach.values() for line in one.problem.splitlines()]
+            problems += [line for reach in config.reach.values() for line in reach.problem.splitlines()]
             if problems:
                 raise InputError(source, problems)
         return config
@@ -158,8 +158,8 @@ class Config(Tables):
 
     def analysed(self, section: Section, slide: SlideSettings, cases: Sequence[Case], keys: Sequence[str]) -> Self:
         """The config with what analyses found: ground, slides, cases of blow counts; ``keys`` are of the earthquake."""
-        found = {name: getattr(self, name) for name in self.tables()}
-        config = type(self).model_construct(section=section, **{**found, "slide": slide})
+        tables = {name: getattr(self, name) for name in self.tables()}
+        config = type(self).model_construct(section=section, **{**tables, "slide": slide})
         config._written, config._derived_cases = self._written, tuple(cases)
         config._left_open = self._left_open | dict.fromkeys(keys, EARTHQUAKE)
         return config
@@ -212,12 +212,12 @@ class Config(Tables):
         data = read_toml(path)
         _find_beside(data, Path(path).parent)
         for table, values in (overrides or {}).items():
-            given = {key: value for key, value in values.items() if value is not None}
-            _find_beside({table: given}, Path())
-            if given and isinstance(data.get(table, {}), dict):
-                replaced = {other for key in given for other in REPLACES.get((table, key), ())} - given.keys()
+            set_values = {key: value for key, value in values.items() if value is not None}
+            _find_beside({table: set_values}, Path())
+            if set_values and isinstance(data.get(table, {}), dict):
+                replaced = {other for key in set_values for other in REPLACES.get((table, key), ())} - set_values.keys()
                 kept = {key: value for key, value in data.get(table, {}).items() if key not in replaced}
-                data[table] = merged(kept, given)
+                data[table] = merged(kept, set_values)
         read = cls.parse(data, str(path))
         if missing := [
             f"{key} = {file}: there is no such file" for key, file in read.files().items() if not file.is_file()

@@ -57,6 +57,6 @@ Model = Annotated[
     SlideModel | None,
     typer.Option(
         "--model", show_default=False,
-        help="By calibrated discs, or by the continuum with the material point method. [default: slide.judges]",
+        help="By calibrated discs, or by the continuum with the material point method. [default: slide.methods]",
     ),
 ]  # fmt: skip

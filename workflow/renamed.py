@@ -51,7 +51,17 @@ class Renamed:
         return {new if key == old else key: self.value(each) if key == old else each for key, each in table.items()}
 
 
-RENAMED = (Renamed("fem", "sides", values={"roller": "free-field", "tied": "periodic"}),)
+RENAMED = (
+    Renamed("fem", "sides", values={"roller": "free-field", "tied": "periodic"}),
+    Renamed("slide", "judges", new_key="methods"),
+)
+# Keys of the files that a run leaves.
+ANSWER_KEYS = {
+    "doubt": "warning",
+    "doubts": "warnings",
+    "skin": "shallow_failure",
+    "skins": "shallow_failures",
+}
 
 
 def current(data: Mapping[str, Any]) -> dict[str, Any]:
@@ -75,12 +85,12 @@ def current(data: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def current_answer(data: Any) -> Any:
-    """Replace the old words in what a JSON file of a run holds, wherever a key is that of a setting."""
+    """Replace the old words in what a JSON file of a run holds: keys, and the values of settings."""
     if isinstance(data, list):
         return [current_answer(each) for each in data]
     if not isinstance(data, dict):
         return data
-    found = {key: current_answer(each) for key, each in data.items()}
+    found = {ANSWER_KEYS.get(str(key), str(key)): current_answer(each) for key, each in data.items()}
     for one in RENAMED:
         found = one.moved(found, one.key, one.key_now)
     return found

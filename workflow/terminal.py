@@ -54,10 +54,10 @@ def say(line: str) -> None:
 
 def warn(lines: Iterable[str], voice: Voice) -> list[str]:
     """Tell, and return, what has to be known of a command: beside its output where that holds no sentences."""
-    told = list(lines)
-    for line in told:
+    messages = list(lines)
+    for line in messages:
         (out if voice.speaks else err).print(line, soft_wrap=True, markup=False)
-    return told
+    return messages
 
 
 def warn_of_old_words(section: Path, voice: Voice) -> None:
@@ -104,7 +104,9 @@ def show_plan(job: Job, choice: Choice, voice: Voice) -> None:
     decisions = plan(job, Record(job.store), choice)
     if voice == Voice.JSON:
         return say_data(data.of_plan(decisions))
-    rows = [(one.stage.name, VERBS[one.action], one.why or "nothing has changed") for one in decisions]
+    rows = [
+        (decision.stage.name, VERBS[decision.action], decision.why or "nothing has changed") for decision in decisions
+    ]
     show_table(("stage", "would", "because"), rows)
     return _show_shaking(job)
 
@@ -181,11 +183,11 @@ def redraw(job: Job, json: bool) -> None:
     from workflow.run.display import NORMAL, QUIET, Display
 
     with Display(out, err, job.stages, QUIET if json else NORMAL) as display:
-        told = pipeline.redraw_all(job, display)
+        messages = pipeline.redraw_all(job, display)
     if json:
         pictures = [str(job.store.folder / name) for name in job.store.matching(["figures/*"])]
-        return say_data({"pictures": pictures, "not_drawn": told})
-    return say("\n".join([*told, f"Pictures are in {job.store.folder / 'figures'}/"]))
+        return say_data({"pictures": pictures, "not_drawn": messages})
+    return say("\n".join([*messages, f"Pictures are in {job.store.folder / 'figures'}/"]))
 
 
 def show_runs(runs: "Sequence[ComparedRun]") -> None:

@@ -29,8 +29,8 @@ def is_read(key: str, reads: Iterable[str]) -> bool:
 def reads_of(stages: Sequence[Stage]) -> list[str]:
     """The settings that stages read, and the engine that runs them; of one that tells of all only what is not for
     studies."""
-    found = [name for stage in stages for name in stage.reads if not (stage.of_all and name in OF_STUDIES)]
-    return [*found, *OF_EVERY_RUN]
+    names = [name for stage in stages for name in stage.reads if not (stage.of_all and name in OF_STUDIES)]
+    return [*names, *OF_EVERY_RUN]
 
 
 def unread(settings: Sequence[str], job: Job, chosen: Sequence[str], without: Callable[[str], Job]) -> list[str]:
@@ -59,10 +59,14 @@ def in_words(keys: Sequence[str], command: str, commands: Sequence[str]) -> list
     from workflow.stages import STAGES, command_of
 
     reads = {command_of(stage.name): stage.reads for stage in STAGES if not stage.of_all}
-    told = []
+    phrases = []
     for key in keys:
-        others = [name for name, its in reads.items() if name in commands and name != command and is_read(key, its)]
+        others = [
+            name
+            for name, read_keys in reads.items()
+            if name in commands and name != command and is_read(key, read_keys)
+        ]
         others = ["study"] if key.split(".")[0] in OF_STUDIES else [*others, *(["run"] if command != "run" else [])]
         does = " and ".join(f"noshiro {name}" for name in others) or "no command"
-        told.append(f"Warning: noshiro {command} does not read {key}; it is read by {does}.")
-    return told
+        phrases.append(f"Warning: noshiro {command} does not read {key}; it is read by {does}.")
+    return phrases

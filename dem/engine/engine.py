@@ -203,8 +203,8 @@ class Engine:
         """The same, of a model whose contacts are in a layout."""
         now = model.acceleration.at(model.time)
         loads = Loads(now.times, now.with_level(model.gravity))
-        found = energies(layout, springs_of(model), self.law_of(model), loads, model.last_dt)
-        return Ledger.of(found, model.energy_sums, model.energy_edited, model.turnover)
+        measured = energies(layout, springs_of(model), self.law_of(model), loads, model.last_dt)
+        return Ledger.of(measured, model.energy_sums, model.energy_edited, model.turnover)
 
     def law_of(self, model: DiscModel) -> Law:
         """The law by which this engine moves a model."""
@@ -337,10 +337,10 @@ class EngineRun:
 
     def call_kernel(self, steps: int) -> int:
         """Up to `steps` steps in all threads; returns why it came back."""
-        given = self.arguments(steps)
+        arguments = self.arguments(steps)
         if self.pool is None:
-            return self.add(*take_steps(*given[0]))
-        self.working = [self.pool.submit(take_steps, *one) for one in given]
+            return self.add(*take_steps(*arguments[0]))
+        self.working = [self.pool.submit(take_steps, *part) for part in arguments]
         return self.collect()
 
     def arguments(self, steps: int) -> list[tuple[Any, ...]]:

@@ -9,8 +9,8 @@ plane.
 
 from dem.kernels.inner import inner
 
-# Rows of the table of pair constants (see springs.PairTable), one column per kind of pair: those of pore springs, those
-# of all discs, then those that soil discs have besides.
+# Rows of the table of pair constants (see pair_table.PairTable), one column per kind of pair: those of pore springs,
+# those of all discs, then those that soil discs have besides.
 FKPS, KPN, KPS, TAN, BC, BETA = range(6)
 KN, KS, CN, CT, MU, ALLOWED, FKS = range(6, 13)
 COHESION, MU_OTHER, COHESION_OTHER, MU_ROLLING, STOP, DEPTH, GAP = range(13, 20)

@@ -277,20 +277,20 @@ def list_links(
     """
     discs = len(order)
     for p in range(begin, end):
-        found = start[p]
+        count = start[p]
         for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
             for lane in range(LANES):
                 i = p * LANES + lane
                 j = np.int64(layout.partner[chunk * LANES + lane])
                 if i >= discs or j >= discs:
                     continue
-                owner[found] = order[i]
-                other[found] = order[j]
+                owner[count] = order[i]
+                other[count] = order[j]
                 base = chunk * LINK_FIELDS * LANES + lane
                 for k in range(5):
-                    memory[k][found] = layout.links[base + (k + 1) * LANES]
+                    memory[k][count] = layout.links[base + (k + 1) * LANES]
                 if len(layout.rolling) > 0:
                     base = chunk * ROLL_FIELDS * LANES + lane
-                    memory[5][found] = layout.rolling[base + LANES]
-                    memory[6][found] = layout.rolling[base + 2 * LANES]
-                found += 1
+                    memory[5][count] = layout.rolling[base + LANES]
+                    memory[6][count] = layout.rolling[base + 2 * LANES]
+                count += 1

@@ -169,12 +169,12 @@ def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, ahead: float, b
         w[q + DZ] = shared[b + ONE] - shared[a + ONE] + ahead * uz
         w[q + OX] = discs[j, AT_X] - discs[i, AT_X]
         w[q + OZ] = discs[j, AT_Z] - discs[i, AT_Z]
-        one, other = discs[i, AREA], discs[j, AREA]
-        w[q + AREA_1], w[q + AREA_2] = one, other
+        area_i, area_j = discs[i, AREA], discs[j, AREA]
+        w[q + AREA_1], w[q + AREA_2] = area_i, area_j
         if booked:
             # of a disc that has not liquefied the push is nothing
             alone = (discs[i, SHARE] > 0.0) != (discs[j, SHARE] > 0.0)
-            w[q + EDGE] = one * other * (discs[i, PUSH] + discs[j, PUSH]) if alone else 0.0
+            w[q + EDGE] = area_i * area_j * (discs[i, PUSH] + discs[j, PUSH]) if alone else 0.0
 
 
 @inner(nogil=True, _nrt=False)
@@ -198,7 +198,7 @@ def look_at_pairs(block: int, wet: Liquefied, period: Period, booked: bool) -> f
         nx, nz = dx * inverse, dz * inverse
         inside = apart if apart < reach else reach
         width, slope = density_kernel(inside, reach)
-        one, other, edge = w[q + AREA_1], w[q + AREA_2], w[q + EDGE]
+        area_i, area_j, edge = w[q + AREA_1], w[q + AREA_2], w[q + EDGE]
         if booked:
             was = before if before < reach else reach
             push = -edge * density_kernel(was, reach)[1]
@@ -209,8 +209,8 @@ def look_at_pairs(block: int, wet: Liquefied, period: Period, booked: bool) -> f
         w[q + NX], w[q + NZ], w[q + SPEED], w[q + TURN] = nx, nz, speed, uz * nx - ux * nz
         w[q + STRETCH], w[q + SLIP] = apart - before, 2.0 * (ox * dz - oz * dx) / (apart + before)
         w[q + APART], w[q + SLOPE] = apart, slope
-        w[q + WIDTH_1], w[q + WIDTH_2] = other * width, one * width
-        w[q + RATE_1], w[q + RATE_2] = other * slope * speed, one * slope * speed
+        w[q + WIDTH_1], w[q + WIDTH_2] = area_j * width, area_i * width
+        w[q + RATE_1], w[q + RATE_2] = area_j * slope * speed, area_i * slope * speed
         w[q + LEVER_1], w[q + LEVER_2] = lever, lever
     return (1.0 - 0.5 / wet.every) * work
 
@@ -219,7 +219,7 @@ def look_at_pairs(block: int, wet: Liquefied, period: Period, booked: bool) -> f
 def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahead: float, booked: bool) -> float:
     """Density, pressure and share of strength of some discs near; what viscosity took since the last look (J)."""
     discs, w, reach = wet.discs, wet.working, wet.reach
-    own = 7.0 / (math.pi * reach * reach)
+    self_kernel = 7.0 / (math.pi * reach * reach)
     lost = 0.0
     for k in range(begin, end):
         i = np.int64(wet.near[k])
@@ -229,7 +229,7 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahea
         share, area = discs[i, SHARE], discs[i, AREA]
         if share == 0.0:
             continue
-        density, rate, levers = area * own, 0.0, LESS * reach
+        density, rate, levers = area * self_kernel, 0.0, LESS * reach
         for m in range(wet.members[i], wet.members[i + 1]):
             q = np.uint64(wet.member[m])
             density += w[q]

@@ -63,9 +63,9 @@ def crack_loss(kpn: float, length: float, distance: float, stretch: float) -> fl
 
 
 @inner(forceinline=True, fastmath=BOOKS)
-def both(one: float, other: float) -> float:
+def both(first: float, second: float) -> float:
     """A sum of the ledger's."""
-    return one + other
+    return first + second
 
 
 @inner(forceinline=True, fastmath=BOOKS)

@@ -148,16 +148,16 @@ def add_pair(
         ks += records[constant + np.uint64(KPS)]
     cn, ct = records[constant + np.uint64(CN)], records[constant + np.uint64(CT)]
     turns = ct if rolls > 0.0 else 0.0
-    one, other = blocks_of(a), blocks_of(b)
-    add_block(blocks, one, 1.0, along, kn, ks)
-    add_block(blocks, one + DASHPOTS, 1.0, along, cn, ct)
-    add_block(blocks, other, -1.0, along, kn, ks)
-    add_block(blocks, other + DASHPOTS, -1.0, along, cn, ct)
+    block_a, block_b = blocks_of(a), blocks_of(b)
+    add_block(blocks, block_a, 1.0, along, kn, ks)
+    add_block(blocks, block_a + DASHPOTS, 1.0, along, cn, ct)
+    add_block(blocks, block_b, -1.0, along, kn, ks)
+    add_block(blocks, block_b + DASHPOTS, -1.0, along, cn, ct)
     if rolls > 0.0:
-        blocks[one + FIVE] += rolls * parts[1] ** 2
-        blocks[one + DASHPOTS + FIVE] += turns * parts[1] ** 2
-        blocks[other + FIVE] += rolls * parts[0] ** 2
-        blocks[other + DASHPOTS + FIVE] += turns * parts[0] ** 2
+        blocks[block_a + FIVE] += rolls * parts[1] ** 2
+        blocks[block_a + DASHPOTS + FIVE] += turns * parts[1] ** 2
+        blocks[block_b + FIVE] += rolls * parts[0] ** 2
+        blocks[block_b + DASHPOTS + FIVE] += turns * parts[0] ** 2
 
 
 @inner(nogil=True)

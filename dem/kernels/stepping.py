@@ -80,7 +80,7 @@ def sum_forces(p: int, layout: Layout, scratch: np.ndarray) -> None:
     """Forces and rim force on the 64 discs of slice p, from the contacts they own, then from the others."""
     wide_vectors()
     links = layout.links
-    own = np.uint64(layout.chunk_start[p])
+    first = np.uint64(layout.chunk_start[p])
     owned = layout.chunk_start[p + 1] - layout.chunk_start[p]
     others = np.uint64(layout.incoming_start[p])
     count = layout.incoming_start[p + 1] - layout.incoming_start[p]
@@ -90,14 +90,14 @@ def sum_forces(p: int, layout: Layout, scratch: np.ndarray) -> None:
         scratch[SUM_Z + q] = 0.0
         scratch[SUM_R + q] = 0.0
     for k in range(owned):
-        at = (own + np.uint64(k)) * LINK
+        at = (first + np.uint64(k)) * LINK
         for lane in range(LANES):
             q = np.uint64(lane)
             scratch[SUM_X + q] -= links[at + FX + q]
             scratch[SUM_Z + q] -= links[at + FZ + q]
             scratch[SUM_R + q] += links[at + FR + q]
         if len(layout.rolling) > 0:
-            at = (own + np.uint64(k)) * ROLL_LINK
+            at = (first + np.uint64(k)) * ROLL_LINK
             for lane in range(LANES):
                 q = np.uint64(lane)
                 scratch[SUM_R + q] += layout.rolling[at + TORQUE + q]

@@ -66,11 +66,11 @@ def element_tests(
     return executor.compute(_tested, tests)
 
 
-def _tested(given: tuple[Stratum, Sample, list[float]], _: Tell) -> dict[str, Any]:
+def _tested(task: tuple[Stratum, Sample, list[float]], _: Tell) -> dict[str, Any]:
     """One test."""
-    stratum, sample, pressures = given
+    stratum, sample, pressures = task
     try:
         return element_test(sample, pressures).as_json(stratum)
     except (DemError, ValueError) as error:
-        told = {"soil": None, "assembly": None, "reason": str(error)}
-        return {"stratum": stratum.name, "packing": sample.packing, **told}
+        row = {"soil": None, "assembly": None, "reason": str(error)}
+        return {"stratum": stratum.name, "packing": sample.packing, **row}

@@ -104,23 +104,23 @@ class ElementTest:
     @property
     def verdicts(self) -> tuple[str, ...]:
         """What keeps the strengths from being those of a peak or plateau, in words."""
-        found = []
+        verdicts = []
         for test in self.tests:
             for curve, result in ((test.biaxial, test.biaxial_strength), (test.shear, test.shear_strength)):
                 if result.verdict == "still rising":
-                    found.append(
+                    verdicts.append(
                         f"{curve.kind} at {test.pressure:.4g} Pa: no peak up to a strain of "
                         f"{curve.strain[-1]:.3g}; the strength is what was mobilised there"
                     )
                 elif curve.stopped:
-                    found.append(
+                    verdicts.append(
                         f"{curve.kind} at {test.pressure:.4g} Pa: stopped at a strain of {curve.strain[-1]:.3g}"
                         + ("; the strength is what was mobilised there" if result.verdict == "stopped" else "")
                         + f" ({curve.stopped})"
                     )
         if np.isnan(self.phi):
-            found.append("biaxial: the strength falls as the pressure grows, so there is neither c nor phi")
-        return tuple(found)
+            verdicts.append("biaxial: the strength falls as the pressure grows, so there is neither c nor phi")
+        return tuple(verdicts)
 
     @property
     def quality(self) -> dict[str, float]:

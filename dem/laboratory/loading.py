@@ -120,15 +120,15 @@ def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
     size = PROBE * pressure / lattice_elastic(patch.model.springs.layers[0]).M
     ways = {"none": np.zeros((2, 2)), "x": np.diag([-1.0, 0.0]), "z": np.diag([0.0, -1.0])}
     ways["shear"] = np.array([[0.0, 0.5], [0.5, 0.0]])
-    found = {}
+    responses = {}
     for name, way in ways.items():
         probed = patch.copy()
         unit = patch.time_unit
         with Press(probed) as press:
             press.strain(way * size / (PROBE_TIME * unit), PROBE_TIME * unit)
             press.strain(np.zeros((2, 2)), HOLD_TIME * unit)
-        found[name] = probed.carried().stress / size
-    x, z, shear = (found[name] - found["none"] for name in ("x", "z", "shear"))
+        responses[name] = probed.carried().stress / size
+    x, z, shear = (responses[name] - responses["none"] for name in ("x", "z", "shear"))
     stiffness = PlaneElastic(
         M=-0.5 * float(x[0, 0] + z[1, 1]), lame=-0.5 * float(x[1, 1] + z[0, 0]),
         G=0.5 * float(shear[0, 1] + shear[1, 0]),

@@ -59,12 +59,12 @@ def patch_strength(place: tuple[bool, float, float, int]) -> PatchStrength | Non
         return None
 
 
-def row_of(cohesion_number: float, found: Sequence[PatchStrength]) -> list[str]:
+def row_of(cohesion_number: float, patches: Sequence[PatchStrength]) -> list[str]:
     """The numbers of a place of the map, by its patches."""
-    after = np.array([one.after for one in found]) / PRESSURE
-    peak = np.mean([one.course for one in found], axis=0).max() / PRESSURE
-    modulus = np.mean([one.E for one in found]) / stiffness_of(cohesion_number)
-    dilation = np.degrees(np.mean([one.dilation for one in found]))
+    after = np.array([patch.after for patch in patches]) / PRESSURE
+    peak = np.mean([patch.course for patch in patches], axis=0).max() / PRESSURE
+    modulus = np.mean([patch.E for patch in patches]) / stiffness_of(cohesion_number)
+    dilation = np.degrees(np.mean([patch.dilation for patch in patches]))
     return [f"{value:.4g}" for value in (after.mean(), peak, after.std(ddof=1), modulus, dilation)]
 
 
@@ -76,13 +76,13 @@ def main() -> None:
     options = parser.parse_args()
     wanted = [(turns, mu, c, seed) for turns, mu, c, seeds in places() for seed in range(seeds)]
     with ProcessPoolExecutor(options.workers) as pool:
-        found = dict(zip(wanted, pool.map(patch_strength, wanted), strict=True))
+        strengths = dict(zip(wanted, pool.map(patch_strength, wanted), strict=True))
     with options.file.open("w", encoding="utf-8", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(HEADS)
         for turns, mu, c, seeds in places():
-            rest = [one for seed in range(seeds) if (one := found[turns, mu, c, seed]) is not None]
-            table.writerow([int(turns), mu, c, *row_of(c, rest), len(rest)])
+            known = [strength for seed in range(seeds) if (strength := strengths[turns, mu, c, seed]) is not None]
+            table.writerow([int(turns), mu, c, *row_of(c, known), len(known)])
 
 
 if __name__ == "__main__":

@@ -49,8 +49,8 @@ class Programme:
         """The tests of discs of a mean ``radius`` (m)."""
         wanted = [(layer.springs(radius, VOID_RATIO), float(p)) for layer in layers for p in layer.pressures]
         first: dict[Likeness, tuple[LayerSprings, float]] = {}
-        for one in wanted:
-            first.setdefault(_alike(*one), one)
+        for test in wanted:
+            first.setdefault(_alike(*test), test)
         return cls(layers, wanted, first, radius)
 
     @property
@@ -65,14 +65,18 @@ class Programme:
     def checks(self, done: Sequence[PatchStrength | str]) -> list[LayerCheck]:
         """All layers, by what became of the ``patches``, in their order."""
         by_kind = {like: done[k * len(SEEDS) : (k + 1) * len(SEEDS)] for k, like in enumerate(self.first)}
-        found = [
-            [_scaled(one, self.first[like], itself) for one in by_kind[like]]
+        scaled = [
+            [_scaled(patch, self.first[like], itself) for patch in by_kind[like]]
             for itself in self.wanted
             for like in [_alike(*itself)]
         ]
-        each = len(found) // max(1, len(self.layers))
+        per_layer = len(scaled) // max(1, len(self.layers))
         return [
-            _check(layer, self.wanted[k * each][0], [one for ones in found[k * each : (k + 1) * each] for one in ones])
+            _check(
+                layer,
+                self.wanted[k * per_layer][0],
+                [patch for patches in scaled[k * per_layer : (k + 1) * per_layer] for patch in patches],
+            )
             for k, layer in enumerate(self.layers)
         ]
 
@@ -84,34 +88,37 @@ def _alike(spring: LayerSprings, pressure: float) -> Likeness:
 
 
 def _scaled(
-    found: PatchStrength | str, tested: tuple[LayerSprings, float], wanted: tuple[LayerSprings, float]
+    patch: PatchStrength | str, tested: tuple[LayerSprings, float], wanted: tuple[LayerSprings, float]
 ) -> PatchStrength | str:
     """What a patch of other springs at another pressure shows: stresses go with the pressure, E with kn."""
-    if isinstance(found, str):
-        return found
-    (spring, pressure), (its_spring, its_pressure) = tested, wanted
-    share = its_pressure / pressure
+    if isinstance(patch, str):
+        return patch
+    (spring, pressure), (new_spring, new_pressure) = tested, wanted
+    share = new_pressure / pressure
     return replace(
-        found, pressure=its_pressure, E=found.E * its_spring.kn / spring.kn, peak=found.peak * share,
-        after=found.after * share, course=found.course * share,
+        patch, pressure=new_pressure, E=patch.E * new_spring.kn / spring.kn, peak=patch.peak * share,
+        after=patch.after * share, course=patch.course * share,
     )  # fmt: skip
 
 
-def compressed(given: tuple[Sample, float], _: Tell) -> PatchStrength | str:
+def compressed(task: tuple[Sample, float], _: Tell) -> PatchStrength | str:
     """One patch, or why it has no strength."""
-    sample, pressure = given
+    sample, pressure = task
     try:
         return compress(sample, pressure)
     except (DemError, ValueError) as error:
         return f"{pressure / 1e3:.3g} kPa, seed {sample.seed}: {error}"
 
 
-def _check(layer: SoilLayer, spring: LayerSprings, found: Sequence[PatchStrength | str]) -> LayerCheck:
-    good = [one for one in found if isinstance(one, PatchStrength)]
-    by_pressure = [[one for one in good if one.pressure == float(p)] for p in layer.pressures]
+def _check(layer: SoilLayer, spring: LayerSprings, patches: Sequence[PatchStrength | str]) -> LayerCheck:
+    good = [patch for patch in patches if isinstance(patch, PatchStrength)]
+    by_pressure = [[patch for patch in good if patch.pressure == float(p)] for p in layer.pressures]
 
     def means(key: str) -> tuple[float, ...]:
-        return tuple(float(np.mean([getattr(one, key) for one in ones])) if ones else np.nan for ones in by_pressure)
+        return tuple(
+            float(np.mean([getattr(patch, key) for patch in at_pressure])) if at_pressure else np.nan
+            for at_pressure in by_pressure
+        )
 
     after = np.array(means("after"))
     stratum = layer.stratum
@@ -124,7 +131,8 @@ def _check(layer: SoilLayer, spring: LayerSprings, found: Sequence[PatchStrength
         strength_soil_Pa=tuple(map(float, layer.wanted)),
         strength_discs_Pa=tuple(map(_known, after)),
         peak_discs_Pa=tuple(
-            float(np.mean([one.course for one in ones], axis=0).max()) if ones else None for ones in by_pressure
+            float(np.mean([patch.course for patch in at_pressure], axis=0).max()) if at_pressure else None
+            for at_pressure in by_pressure
         ),
         E_soil_Pa=float(stratum.youngs_modulus),
         E_discs_Pa=_known(float(np.nanmean(means("E")))),
@@ -136,7 +144,7 @@ def _check(layer: SoilLayer, spring: LayerSprings, found: Sequence[PatchStrength
         friction=spring.friction,
         cohesion_N=spring.contact_cohesion,
         stiffness_N_m=spring.kn,
-        notes=(*layer.notes, *(one for one in found if isinstance(one, str))),
+        notes=(*layer.notes, *(patch for patch in patches if isinstance(patch, str))),
     )
 
 

@@ -160,32 +160,32 @@ def soil_contacts(
     if youngs_modulus is not None:  # what is cohesive without being stiff would need contacts that open widely
         reach = np.minimum(reach, youngs_modulus / LEAST_RIGIDITY)
     aimed = np.minimum(wanted, reach)
-    found = table.fit(aimed, pressures, cohesive)
+    contacts = table.fit(aimed, pressures, cohesive)
     real = USUAL * stress
     if youngs_modulus is not None:
-        real = table.normal_stiffness(youngs_modulus, 0.5 * stress, found.friction, found.cohesion)
+        real = table.normal_stiffness(youngs_modulus, 0.5 * stress, contacts.friction, contacts.cohesion)
     stiffness = float(np.clip(real, SOFTEST * stress, STIFFEST * stress))
-    gain = table.gained_by_softness(stiffness, pressures, found.cohesion)
-    found = table.fit(aimed / gain, pressures, cohesive)
-    found = replace(found, expected=found.expected * gain)
-    notes = (*_on_strength(found, wanted, reach, pressures), *_on_stiffness(stiffness, real, stress))
+    gain = table.gained_by_softness(stiffness, pressures, contacts.cohesion)
+    contacts = table.fit(aimed / gain, pressures, cohesive)
+    contacts = replace(contacts, expected=contacts.expected * gain)
+    notes = (*_on_strength(contacts, wanted, reach, pressures), *_on_stiffness(stiffness, real, stress))
     return SoilContacts(
-        stress, pressures, wanted, found.expected, found.friction, found.cohesion, stiffness, turns, notes
+        stress, pressures, wanted, contacts.expected, contacts.friction, contacts.cohesion, stiffness, turns, notes
     )
 
 
-def _on_strength(found: ContactStrength, wanted: np.ndarray, reach: np.ndarray, pressures: np.ndarray) -> list[str]:
+def _on_strength(contacts: ContactStrength, wanted: np.ndarray, reach: np.ndarray, pressures: np.ndarray) -> list[str]:
     if (wanted > reach).any():
         return [
             f"no discs are as strong as this soil: it has {wanted[-1] / 1e3:.0f} kPa at {pressures[-1] / 1e3:.3g} kPa, "
-            f"they can have {found.expected[-1] / 1e3:.0f} kPa; that is what they get"
+            f"they can have {contacts.expected[-1] / 1e3:.0f} kPa; that is what they get"
         ]
-    miss = found.expected / wanted - 1.0
+    miss = contacts.expected / wanted - 1.0
     if np.abs(miss).max() <= NEAR:
         return []
-    told = ", ".join(f"{100.0 * m:+.0f} %" for m in miss)
+    misses = ", ".join(f"{100.0 * m:+.0f} %" for m in miss)
     return [
-        f"the strength of discs is off by {told} at a quarter, a half and all of the layer's stress: they keep some "
+        f"the strength of discs is off by {misses} at a quarter, a half and all of the layer's stress: they keep some "
         "friction where clay has none, and are stronger at little stress where they are stiff"
     ]
 

@@ -32,7 +32,18 @@ class SoilLayer(SoilContacts):
 
 
 def soil_layers(section: Section) -> list[SoilLayer]:
-    """All strata of a section, from the top down; one cohesion each, where it grows with depth that of the middle."""
+    """Fit contacts of discs to every stratum of a section.
+
+    Parameters
+    ----------
+    section : Section
+        The strata; a cohesion that grows with depth is replaced by that of the middle of its stratum.
+
+    Returns
+    -------
+    list of SoilLayer
+        From the top down.
+    """
     strata = evened(section.strata, section.layering)
     stresses = middle_stresses(section)
     typical = float(stresses[stresses > 0.0].min()) if (stresses > 0.0).any() else 1e4

@@ -184,26 +184,26 @@ class Calibrator:
         if key in self.searches:
             return self.searches[key]
         try:
-            found = self._found(key, self.settled_with(parameter, factor), threads, fine)
+            search = self._found(key, self.settled_with(parameter, factor), threads, fine)
         except DemError as error:  # critical_kh hands none on: the discs did not settle
-            found = Search(upper=0.0, verdict="fails under its own weight", reason=str(error))
-        self._know(key, found)
-        return found
+            search = Search(upper=0.0, verdict="fails under its own weight", reason=str(error))
+        self._know(key, search)
+        return search
 
-    def _know(self, key: Key, found: Search) -> None:
-        self.searches[key] = found
+    def _know(self, key: Key, search: Search) -> None:
+        self.searches[key] = search
         if self.on_search is not None:
-            self.on_search(*key, found)
+            self.on_search(*key, search)
 
     def _found(self, key: Key, settled: DiscModel, threads: int, fine: bool) -> Search:
         settings = self.settings
         if settings.model == "soil":
             if self.continuum is None:
                 raise ValueError("soil discs are pushed as far as a continuum says: give one")
-            found, self.pushed[key] = pushed_over(
+            search, self.pushed[key] = pushed_over(
                 settled, self.ground, settings, self.continuum, threads=threads, on_trial=self.on_trial
             )
-            return found
+            return search
         width = settings.resolution
         return critical_kh(
             settled, self.ground, settings, threads=threads,
@@ -217,22 +217,22 @@ class Calibrator:
         if self.executor.count < 2 or len(new) < 2:
             return [self.search(*key, fine=fine) for key in wanted]
         self.executor.compute(
-            _searched, [(self, *key, fine) for key in new], done=lambda k, found: self._know(new[k], found)
+            _searched, [(self, *key, fine) for key in new], done=lambda k, search: self._know(new[k], search)
         )
         return [self.searches[key] for key in wanted]
 
 
-def _searched(given: tuple[Calibrator, str, float, bool], _: Tell) -> Search:
+def _searched(task: tuple[Calibrator, str, float, bool], _: Tell) -> Search:
     """One search of several."""
-    calibrator, parameter, factor, fine = given
+    calibrator, parameter, factor, fine = task
     return calibrator.search(parameter, factor, fine=fine)
 
 
 def sensitivities(calibrator: Calibrator) -> list[tuple[str, float, Search]]:
     """The critical Kh with each parameter halved and doubled, one at a time."""
     wanted = [("", 1.0), *((p, f) for p in ONE_AT_A_TIME for f in SENSITIVITIES)]
-    found = calibrator.search_all(wanted, fine=False)
-    return [(p, f, search) for (p, f), search in zip(wanted, found, strict=True)]
+    searches = calibrator.search_all(wanted, fine=False)
+    return [(p, f, search) for (p, f), search in zip(wanted, searches, strict=True)]
 
 
 def choose(calibrator: Calibrator, table: Sequence[tuple[str, float, Search]], target: float) -> str:
@@ -267,11 +267,11 @@ def best(
         parameter = "strength"
     if parameter != "auto":
         return calibrate(calibrator, target, parameter, table)
-    found = calibrate(calibrator, target, choose(calibrator, table, target), table)
-    if found.verdict == "calibrated":
-        return found
+    calibration = calibrate(calibrator, target, choose(calibrator, table, target), table)
+    if calibration.verdict == "calibrated":
+        return calibration
     other = calibrate(calibrator, target, "all", table)
-    return min(found, other, key=lambda c: (c.verdict != "calibrated", abs(middle(c.search) - target)))
+    return min(calibration, other, key=lambda c: (c.verdict != "calibrated", abs(middle(c.search) - target)))
 
 
 def calibrated(
@@ -294,10 +294,25 @@ def middle(search: Search) -> float:
 def calibrate(
     calibrator: Calibrator, target: float, parameter: str, table: Sequence[tuple[str, float, Search]]
 ) -> Calibration:
-    """The factor at which the critical Kh is within the tolerance of the target.
+    """Find the factor at which the critical Kh of the discs is within the tolerance of a target.
 
-    Bracketed first by what is known of the parameter, then from 1 outwards to the end of the range; then narrowed down.
-    Only a search that ended in a bracket counts as met.
+    The factor is bracketed by what is known, then from 1 outwards to the end of the range, then narrowed down.
+
+    Parameters
+    ----------
+    calibrator : Calibrator
+        Searches for the critical Kh at a factor, and keeps what was found.
+    target : float
+        Critical Kh of the continuum (-).
+    parameter : str
+        What the factor multiplies, such as "strength".
+    table : sequence of (parameter, factor, Search)
+        Sensitivities, which go into the answer as they are.
+
+    Returns
+    -------
+    Calibration
+        Its verdict is "calibrated" only where the search with that factor ended in a bracket.
     """
     settings = calibrator.settings
     low, high = settings.factors
@@ -341,14 +356,14 @@ def _out_of_reach(
 ) -> str:
     """Why no factor meets the target, in words."""
     reach = [middle(search) for search in tried.values()]
-    told = (
+    message = (
         f"{parameter} times {min(tried):.3g} to {max(tried):.3g} reaches critical Kh from {min(reach):.3f} to "
         f"{max(reach):.3f}, closest to {target:.4f} at {value:.3g}: {middle(tried[value]):.4f}"
     )
     return (
-        f"calibration failed, the disc assembly cannot reproduce this strength: {told}"
+        f"calibration failed, the disc assembly cannot reproduce this strength: {message}"
         if settings.model == "soil"
-        else told
+        else message
     )
 
 

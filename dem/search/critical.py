@@ -65,13 +65,31 @@ def critical_kh(
     threads: int = 1,
     on_trial: OnTrial | None = None,
 ) -> Search:
-    """The critical Kh of settled discs: Kh rises by steps from one state that stands to the next, and a step that does
-    not hold is halved, down to the width of the bracket. A Kh that failed is only tried again from a width below it, so
-    that both ends of the bracket are reached from the same state.
+    """Find the critical seismic coefficient of discs at rest, as a bracket.
 
-    `settled` stays as it is. resolution: width of the bracket, that of the settings if not given. An undecided trial
-    counts as one that does not stand, and the answer is undecided if it remains the upper end. on_trial hears of every
-    trial with the discs as they ended.
+    Kh rises by steps from one state that stands to the next. A step that does not hold is halved, down to the width of
+    the bracket. A Kh that failed is tried again only from a width below it, so that both ends of the bracket are
+    reached from the same state. An undecided trial counts as one that does not stand.
+
+    Parameters
+    ----------
+    settled : DiscModel
+        Discs at rest under their weight; not changed.
+    ground : Ground
+        Where they lie in the section.
+    settings : DemSettings
+        Criteria of rest and of failure, and the limit of the search.
+    resolution : float, optional
+        Width of the bracket (-); that of the settings without it.
+    threads : int
+        Of the engine.
+    on_trial : callable, optional
+        Called with every trial and the discs at its end.
+
+    Returns
+    -------
+    Search
+        The bracket, its verdict and all trials. "undecided" where the upper end of the bracket is an undecided trial.
     """
 
     search = Search()

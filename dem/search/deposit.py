@@ -60,10 +60,28 @@ class Deposit:
 
 
 def deposit(section: Section, settings: DemSettings, layers_of: LayersOf) -> Deposit:
-    """Fills, settles and cuts.
+    """Fill a section with soil discs, let them settle, and cut them to its surface.
 
-    layers_of gives the springs of all strata for a mean radius and a void ratio. Raises InputError where no packing
-    fits, NotSettledError where the ground does not come to rest.
+    Parameters
+    ----------
+    section : Section
+        The layered ground.
+    settings : DemSettings
+        Radius, spread of the radii and packing of the discs.
+    layers_of : callable
+        Gives the springs of all strata for a mean radius (m) and a void ratio (-).
+
+    Returns
+    -------
+    Deposit
+        The discs at rest, their springs and the void ratio.
+
+    Raises
+    ------
+    InputError
+        If no packing fits into the section.
+    NotSettledError
+        If the ground does not come to rest.
     """
     radius = settings.mean_radius(section)
     ground = _filled(section, settings, radius)

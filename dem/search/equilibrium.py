@@ -164,10 +164,30 @@ def settle(
     model: DiscModel | None = None,
     shaken: bool = True,
 ) -> DiscModel:
-    """The discs at rest under their weight, with pore springs set: the start of everything.
+    """Bring discs to rest under their weight and set their pore springs.
 
-    model: discs to go on from instead of the packing, whose pore springs are taken away. The pore pressure that shaking
-    adds comes once they are at rest, if the ground is `shaken`; discs to go on from have it. Raises NotSettledError.
+    Parameters
+    ----------
+    ground : Ground
+        Where they lie in the section.
+    layers : list of LayerSprings
+        Their springs, one for each stratum.
+    settings : DemSettings
+        Contact law, and mean of the constants of two layers.
+    model : DiscModel, optional
+        Discs to continue from in place of the packing; they lose their pore springs.
+    shaken : bool
+        Whether a new packing gets the excess pore pressure of shaking once it is at rest.
+
+    Returns
+    -------
+    DiscModel
+        The discs at rest; ``model`` itself if it was given.
+
+    Raises
+    ------
+    NotSettledError
+        If they do not come to rest.
     """
     fresh = model is None
     if model is None:

@@ -102,14 +102,14 @@ def both_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[AtSid
     slide = np.abs(surface.movement(model, ground)[0])
     there = ground.to_section(model.x[surface.discs], model.z[surface.discs])[0]
     reach = NEAR * 2.0 * ground.radius
-    found = []
+    sides = []
     for name, side in (("left", before[0, 0]), ("right", before[-1, 0])):
         came = (np.abs(there - side) < reach) & (np.abs(surface.x - side) >= reach) & (slide > ground.radius)
         near_before, near_after = (line[np.abs(line[:, 0] - side) < reach, 1] for line in (before, after))
         rise = float(near_after.mean() - near_before.mean()) if len(near_before) and len(near_after) else 0.0
         furthest = float(slide[came].max() / slide.max()) if came.any() else 0.0
-        found.append(AtSide(name, int(came.sum()), furthest, rise, rise > PILED * ground.radius))
-    return found
+        sides.append(AtSide(name, int(came.sum()), furthest, rise, rise > PILED * ground.radius))
+    return sides
 
 
 def stopped_by(sides: Sequence[AtSide]) -> str | None:
@@ -122,36 +122,36 @@ def stopped_by(sides: Sequence[AtSide]) -> str | None:
 
 def at_the_sides(sides: Sequence[AtSide]) -> list[str]:
     """Which sides have something to do with the slide: discs of the surface come near, or ground piles up at them."""
-    told = []
+    notes = []
     for side in sides:
         if side.piled:
-            told.append(f"the ground has piled up by {side.rise:.2g} m at the {side.name} side: take a longer section")
+            notes.append(f"the ground has piled up by {side.rise:.2g} m at the {side.name} side: take a longer section")
         if side.came:
-            told.append(
+            notes.append(
                 f"{side.came} discs of the surface slid to within two diameters of the {side.name} side, which may "
                 "hold them: take a longer section (beyond)"
             )
-    return told
+    return notes
 
 
 def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[str]:
     """Liquefied layers that are less than two discs thick, each with the radius that it wants."""
-    told = []
+    notes = []
     free = ~start.fixed
     for k in strata:
         here = free & (start.layer == k)
         if not here.any():
             name = start.springs.layers[k].name
-            told.append(f'stratum "{name}" liquefies but has no disc: take a smaller radius')
+            notes.append(f'stratum "{name}" liquefies but has no disc: take a smaller radius')
             continue
         x, z = ground.to_section(start.x[here], start.z[here])
         column = ((x - x.min()) / (4.0 * ground.radius)).astype(int)
         depth = [float(np.ptp(z[column == c]) + 2.0 * start.radius[here].mean()) for c in np.unique(column)]
         thick = float(np.median(depth))
         if thick < 4.0 * ground.radius:
-            told.append(
+            notes.append(
                 f"stratum {spoken(start.springs.layers[k].name)} liquefies and is {thick:.2g} m thick in discs, less "
                 f"than two discs: it yields early, and the slide is likely to be too long; a "
                 f"radius of {thick / 4.0:.2g} m would show it"
             )
-    return told
+    return notes

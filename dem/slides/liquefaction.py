@@ -90,8 +90,8 @@ class Slider:
         self.step = settings.step_of(start.law)
         self.slide = Slide(surface_before=self.surface.points(start, ground).tolist(), step_share=self.step)
         self.layers = list(start.springs.layers)
-        given = start, ground, strata, settings
-        self.drive = held(*given) if shaking is None else shaken(*given, shaking)
+        setting = start, ground, strata, settings
+        self.drive = held(*setting) if shaking is None else shaken(*setting, shaking)
         self.cut: set[int] = set()
         self.frame = max(1, round(settings.duration / LOOK / settings.frames))
         self.kept = -np.inf  # when the last checkpoint was left (s)
@@ -253,20 +253,20 @@ class Slider:
         height = float(np.ptp(start.z[~start.fixed]))
         far = max((row.slide_max_m for row in slide.rows), default=0.0)
         asked = self.case is not None and self.settings.kh > 0.0 and far > FAR * height
-        told = self._flow() if asked else []
+        notes = self._flow() if asked else []
         sides = both_sides(model, start, self.ground)
         slide.stopped_by = stopped_by(sides)
-        told += at_the_sides(sides)
+        notes += at_the_sides(sides)
         if (through := pressed_through(model)) > 0:
-            told.append(
+            notes.append(
                 f"{through} discs are pressed into the fixed ones at the sides or the base by more than a radius: the "
                 "box no longer holds them, and their layer is too soft for discs of this size"
             )
-        told += on_loose_mass(slide.loose_share)
-        told += self._lost()
+        notes += on_loose_mass(slide.loose_share)
+        notes += self._lost()
         if self.case is not None:
-            told += thin_layers(start, self.ground, self.strata)
-        return told
+            notes += thin_layers(start, self.ground, self.strata)
+        return notes
 
     def _lost(self) -> list[str]:
         """A sentence on ground that is gone, or none."""

@@ -47,5 +47,7 @@ def what_drives(times: Sequence[float], weight: Sequence[float], shaking: Sequen
     if total <= LITTLE * float(np.ptp(weight) + np.ptp(shaking)):
         return "nothing drives it any more: it slows down, or swings"
     share = by_weight / total
-    told = f"in its last {WINDOW:g} s {100.0 * share:.0f} % of the energy came from its weight, the rest from shaking"
-    return f"{told}: it would go on without" if share > 0.9 else told
+    message = (
+        f"in its last {WINDOW:g} s {100.0 * share:.0f} % of the energy came from its weight, the rest from shaking"
+    )
+    return f"{message}: it would go on without" if share > 0.9 else message

@@ -67,7 +67,18 @@ def connected_ground(model: DiscModel) -> np.ndarray:
 
 
 def loose_share(model: DiscModel) -> float:
-    """Share of the mass of the free discs that has left the connected ground, see `connected_ground`."""
+    """Return the share of the mass of the free discs that has left the connected ground.
+
+    Parameters
+    ----------
+    model : DiscModel
+        Discs, see `connected_ground`.
+
+    Returns
+    -------
+    float
+        From 0 to 1.
+    """
     free = ~model.fixed
     return float(1.0 - model.mass[connected_ground(model)].sum() / model.mass[free].sum())
 
@@ -88,6 +99,11 @@ def mass_quantile(model: DiscModel, share: float) -> float:
         Discs.
     share
         From 0 to 1.
+
+    Returns
+    -------
+    float
+        In the frame of the discs.
 
     Raises
     ------

@@ -79,7 +79,11 @@ class Slide:
         kept = {key: last[key] for key in last if key.startswith(("settlement", "slide", "crack_"))}
         out = {
             **kept,
-            **{one.name: getattr(self, one.name) for one in fields(self) if one.name not in ("rows", "slide")},
+            **{
+                field_.name: getattr(self, field_.name)
+                for field_ in fields(self)
+                if field_.name not in ("rows", "slide")
+            },
             "cracked_pore_springs": self.rows[-1].cracked,
             "moved_lately_m": moved_lately([row.time_s for row in self.rows], [row.slide_max_m for row in self.rows]),
         }

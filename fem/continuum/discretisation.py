@@ -223,11 +223,11 @@ def _side_nodes(comm: Any, part: api.Distribution, edges: np.ndarray, degree: in
     span = max(span, int(part.corners.max(initial=0)) + 1)
     wanted = np.sort(edges, axis=1).astype(np.int64)
     keys = wanted[:, 0] * span + wanted[:, 1]
-    found = []
+    nodes = []
     for number, (a, b) in enumerate(api.REFERENCE_EDGES):
         pair = np.sort(part.corners[:, [a, b]], axis=1).astype(np.int64)
         on_side = np.isin(pair[:, 0] * span + pair[:, 1], keys)
-        found += [part.nodes[on_side, a], part.nodes[on_side, b]]
+        nodes += [part.nodes[on_side, a], part.nodes[on_side, b]]
         if degree == 2:
-            found.append(part.nodes[on_side, 4 + number])
-    return np.unique(np.concatenate(comm.allgather(np.concatenate(found))))
+            nodes.append(part.nodes[on_side, 4 + number])
+    return np.unique(np.concatenate(comm.allgather(np.concatenate(nodes))))

@@ -79,11 +79,11 @@ class LinearSolver:
         self._grid, self._exchange, self._symmetric = d, exchange, symmetric
         border = d.dofs.shape[1] - d.inside
         self._inside = d.global_dofs[d.dofs[:, border:]].ravel() - exchange.first
-        own = np.ones(exchange.last - exchange.first, dtype=bool)
-        own[self._inside] = False
-        self._own = np.flatnonzero(own)  # of the owned components those in the matrix
+        in_matrix = np.ones(exchange.last - exchange.first, dtype=bool)
+        in_matrix[self._inside] = False
+        self._own = np.flatnonzero(in_matrix)  # of the owned components those in the matrix
         first = d.comm.scan(len(self._own)) - len(self._own)
-        self._number = np.full(len(own), -1.0)
+        self._number = np.full(len(in_matrix), -1.0)
         self._number[self._own] = first + np.arange(len(self._own))
         self._rows = exchange.to_local(self._number)[d.dofs[:, :border]].astype(PETSc.IntType)
         self._inverse = np.zeros((len(d.dofs), d.inside, d.inside))

@@ -168,19 +168,19 @@ class PlaneStrain:
         self._free_local = ~held[self.grid.global_dofs]
         self._held_owned = self.exchange.first + np.flatnonzero(~self.free)
 
-    def tie(self, one: str, other: str, section: Section) -> None:
-        """Let the nodes of boundary ``other`` move like those of ``one``, with the base held.
+    def tie(self, first: str, second: str, section: Section) -> None:
+        """Let the nodes of boundary ``second`` move like those of ``first``, with the base held.
 
         Raises InputError unless the two have the same layers at the same heights, up to a shift.
         """
         grid = self.grid
         masters, slaves = (
-            nodes[np.argsort(grid.node_points[nodes, 1])] for nodes in (grid.sides[one], grid.sides[other])
+            nodes[np.argsort(grid.node_points[nodes, 1])] for nodes in (grid.sides[first], grid.sides[second])
         )
         here, there = (grid.node_points[nodes, 1] - grid.node_points[nodes[0], 1] for nodes in (masters, slaves))
         if len(masters) != len(slaves) or not np.allclose(here, there, atol=1e-6 * here[-1], rtol=0.0):
             wish = 'expected the same layers and the same height at both; use sides = "free-field" or "fixed"'
-            raise InputError(section.name, [f'fem, sides = "periodic": the {one} and {other} sides differ; {wish}'])
+            raise InputError(section.name, [f'fem, sides = "periodic": the {first} and {second} sides differ; {wish}'])
         self.tie_nodes(masters, slaves)
         self.repeats = True
         self.hold({"base": "xy"})

@@ -1,9 +1,9 @@
-"""The skin of a cohesionless face: the Kh at which its grains roll down, and the search for deeper failures.
+"""Shallow failure of a cohesionless face: the Kh at which its grains roll down, and the search for deeper failures.
 
 Sand without cohesion fails first at its inclined surface, in a layer of no thickness along the face. No mesh resolves
-that, and no practitioner means it: wanted is the slope as a whole. So the skin's Kh is found in closed form, and where
-it governs, the ground down to ``least_depth`` below such a face is given an apparent cohesion with which it does not
-fail by itself; then any failure is one of the ground below, or cuts through it.
+that, and no practitioner means it: wanted is the slope as a whole. So the Kh of the shallow failure is found in closed
+form, and where it governs, the ground down to ``least_depth`` below such a face is given an apparent cohesion with
+which it does not fail by itself; then any failure is one of the ground below, or cuts through it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,7 +23,7 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, Stratum
 
 # What the name of a strip has behind that of its stratum, before the x at which it begins.
-STRIP = ", skin at x = "
+STRIP = ", strengthened face at x = "
 # Pressures (Pa) that differ by less are the same.
 UNLIKE = 1.0
 # Water that begins less than the least depth below a face counts where it does so along so many times that depth.
@@ -33,7 +33,7 @@ SAME = 1e-9
 
 
 @dataclass(frozen=True)
-class Skin:
+class ShallowFailure:
     """A straight piece of the surface, falling in the direction of the push, of a stratum without cohesion, with one
     kind of pore pressure below.
 
@@ -64,11 +64,11 @@ class Skin:
     seepage: float = 0.0
     into_water: bool = False
 
-    def goes_on_as(self, other: "Skin") -> bool:
+    def continues_as(self, other: "ShallowFailure") -> bool:
         """Whether the piece to its right is of the same kind."""
-        mine, its = ((face.angle, face.kh, face.ratio, face.seepage) for face in (self, other))
+        here, there = ((face.angle, face.kh, face.ratio, face.seepage) for face in (self, other))
         joined = (self.end, self.stratum, self.into_water) == (other.start, other.stratum, other.into_water)
-        return joined and bool(np.allclose(mine, its, rtol=0.0, atol=SAME))
+        return joined and bool(np.allclose(here, there, rtol=0.0, atol=SAME))
 
 
 class _Piece(NamedTuple):
@@ -91,12 +91,12 @@ class _Piece(NamedTuple):
         return self.end - self.start >= LONG * depth
 
 
-def skins(
+def shallow_failures(
     section: Section,
     settings: FemSettings,
     friction: Sequence[float] | np.ndarray | None = None,
     shaken: bool = True,
-) -> list[Skin]:
+) -> list[ShallowFailure]:
     """All cohesionless faces of a section from left to right; ``friction`` (rad) takes the place of the strata's φ.
 
     On a face inclined by β a layer of any thickness slides when weight γ - Kv γs and push Kh γs together make the angle
@@ -109,7 +109,7 @@ def skins(
     """
     layers, sign = section.layering, push(section, settings)
     level = ROUNDING * float(layers.x[-1] - layers.x[0])
-    found: list[Skin] = []
+    faces: list[ShallowFailure] = []
     for piece in _pieces(section, settings.least_depth):
         i, soil = piece.interval, section.strata[piece.number]
         rise = sign * (layers.left[i, 0] - layers.right[i, 0])
@@ -123,27 +123,28 @@ def skins(
             (float(ratio * np.tan(phi - angle) - sign * drawn), ratio, sign * drawn)
             for ratio, drawn in _forces(section, piece, settings, shaken)
         ]
-        face = Skin(
+        face = ShallowFailure(
             soil.name, piece.start, piece.end, angle, *min(choices), into_water=max(piece.strata, len(choices)) > 1
         )
-        if found and found[-1].goes_on_as(face):
-            found[-1] = replace(found[-1], end=face.end)
+        if faces and faces[-1].continues_as(face):
+            faces[-1] = replace(faces[-1], end=face.end)
         else:
-            found.append(face)
-    return found
+            faces.append(face)
+    return faces
 
 
-def faces_at(section: Section, settings: FemSettings, kh: float) -> list[Skin]:
+def faces_at(section: Section, settings: FemSettings, kh: float) -> list[ShallowFailure]:
     """The cohesionless faces that fall in a direction of the push that is asked for; without shaking, in any."""
     directions = ("downhill", "uphill") if kh == 0.0 or settings.direction == "both" else (settings.direction,)
     wishes = [settings.model_copy(update={"direction": direction}) for direction in directions]
-    return [face for wish in wishes for face in skins(section, wish, shaken=kh != 0.0)]
+    return [face for wish in wishes for face in shallow_failures(section, wish, shaken=kh != 0.0)]
 
 
 def least_rolling_factor(
-    section: Section, faces: Sequence[Skin], kh: float, friction: Sequence[float] | np.ndarray
+    section: Section, faces: Sequence[ShallowFailure], kh: float, friction: Sequence[float] | np.ndarray
 ) -> float | None:
-    """The smallest factor of safety of the skins of ``faces`` whose strata have ``friction`` (rad), None without any.
+    """The smallest factor of safety of the shallow failures of ``faces`` whose strata have ``friction`` (rad), None
+    without any.
 
     It is tan φ / tan(β + atan k) with k = Kh γs / (γ - Kv γs). Water that seeps out adds to k what it takes off the
     face's Kh.
@@ -212,7 +213,7 @@ def _sheets(
 ) -> Iterator[tuple[int, float, float]]:
     """Stratum, top (m) and thickness (m) of what lies one below the other under a piece, down to the least depth.
 
-    Ground that a film of water's pocket was left with is parted at the water, too: its stratum is not cut there.
+    Too thin a film of water does not cut its stratum; its ground is parted at the water table here.
     """
     for k in range(piece.number, piece.number + piece.strata):
         top, lowest = float(bounds[k]), float(max(bounds[k + 1], bounds[0] - least_depth))
@@ -241,7 +242,7 @@ def _steepness(layers: Layering, piece: _Piece) -> float:
     return max(1.0, float(slopes.max()))
 
 
-def strengthened(section: Section, faces: Sequence[Skin], settings: FemSettings) -> Section:
+def strengthened(section: Section, faces: Sequence[ShallowFailure], settings: FemSettings) -> Section:
     """The section with a stratum of its own for the ground down to the least depth below each of the faces.
 
     These strata have the soil of the face and an apparent cohesion, Δγ d sin 2β / (2 cos² φ) with Δγ = γ - Kv γs and d
@@ -262,20 +263,20 @@ def strengthened(section: Section, faces: Sequence[Skin], settings: FemSettings)
 def without_strips(mesh: QuadMesh, section: Section) -> QuadMesh:
     """A mesh of the ``section`` strengthened, with the strata that the section had before."""
     names = [stratum.name for stratum in section.strata]
-    own = [names.index(name if name in names else name.rpartition(STRIP)[0]) for name in mesh.strata]
-    return replace(mesh, stratum=np.array(own)[mesh.stratum], strata=tuple(names))
+    stratum_of = [names.index(name if name in names else name.rpartition(STRIP)[0]) for name in mesh.strata]
+    return replace(mesh, stratum=np.array(stratum_of)[mesh.stratum], strata=tuple(names))
 
 
-def _number(section: Section, face: Skin) -> int:
+def _number(section: Section, face: ShallowFailure) -> int:
     return next(k for k, stratum in enumerate(section.strata) if stratum.name == face.stratum)
 
 
-def _strip(section: Section, face: Skin, k: int, of_face: int, settings: FemSettings) -> Iterator[Stratum]:
+def _strip(section: Section, face: ShallowFailure, k: int, of_face: int, settings: FemSettings) -> Iterator[Stratum]:
     """The ground of stratum k below a face, down to the least depth or to the bottom of the stratum; none where there
     is no such ground."""
-    soil, own = section.strata[k], section.strata[of_face]
+    soil, face_soil = section.strata[k], section.strata[of_face]
     points = _strip_bottom(section.layering, face, k, settings.least_depth)
-    weight = GRAVITY * face.ratio * own.density_seismic
+    weight = GRAVITY * face.ratio * face_soil.density_seismic
     cohesion = weight * settings.least_depth * np.sin(2.0 * face.angle) / (2.0 * np.cos(soil.friction_angle) ** 2)
     if points:
         yield soil.model_copy(
@@ -287,7 +288,7 @@ def _strip(section: Section, face: Skin, k: int, of_face: int, settings: FemSett
         )
 
 
-def _strip_bottom(layers: Layering, face: Skin, k: int, depth: float) -> list[list[float]]:
+def _strip_bottom(layers: Layering, face: ShallowFailure, k: int, depth: float) -> list[list[float]]:
     """The bottom of a strip in stratum k: points [x, elevation] (m); none where the stratum is not there."""
     x = np.unique(np.concatenate([[face.start, face.end], layers.x]))
     x = x[(x >= face.start) & (x <= face.end)]
@@ -305,6 +306,6 @@ def _strip_bottom(layers: Layering, face: Skin, k: int, depth: float) -> list[li
         ground, top, bottom = (line[0] + share * (line[1] - line[0]) for line in (ground, top, bottom))
         level = np.clip(ground - depth, bottom, top)
         thick = thick or bool((top - level > layers.tolerance).any())
-        found = [[float(a), float(b)] for a, b in zip(start + share * (end - start), level, strict=True)]
-        points += [point for point in found if point not in points]
+        line_points = [[float(a), float(b)] for a, b in zip(start + share * (end - start), level, strict=True)]
+        points += [point for point in line_points if point not in points]
     return points if thick else []

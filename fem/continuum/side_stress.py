@@ -55,7 +55,7 @@ def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndar
     elevation = layers.left[0] if side == "left" else layers.right[-1]
     effective = _vertical_stress(section, side, elevation)
     here = np.flatnonzero(elevation[:-1] > elevation[1:])
-    found = []
+    sides = []
     for k in here:
         soil = section.strata[k]
         vertical = effective[k]
@@ -69,8 +69,8 @@ def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndar
         passive = ((1.0 + sin) * vertical + 2.0 * cohesion * cos) / (1.0 - sin)
         # Half-way to either limit at most: loose ground at the limit at its surface would not stand any push.
         lowest, highest = (0.5 * (np.clip(plain, active, passive) + limit) for limit in (active, passive))
-        found.append(-np.clip(factor * plain, lowest, highest))
-    return SideStress(here, np.column_stack([elevation[here], elevation[here + 1]]), np.array(found))
+        sides.append(-np.clip(factor * plain, lowest, highest))
+    return SideStress(here, np.column_stack([elevation[here], elevation[here + 1]]), np.array(sides))
 
 
 def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.ndarray:
@@ -83,16 +83,16 @@ def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.n
     x, near = layers.x[0], layers.x[:2].mean()
     if side == "right":
         x, near = layers.x[-1], layers.x[-2:].mean()
-    found = np.zeros((strata, 2))
+    stress = np.zeros((strata, 2))
     thickness = elevation[:-1] - elevation[1:]
     weight = GRAVITY * np.array([s.density_ordinary for s in section.strata]) * thickness
-    found[:, 1] = np.cumsum(weight)
-    found[1:, 0] = found[:-1, 1]
+    stress[:, 1] = np.cumsum(weight)
+    stress[1:, 0] = stress[:-1, 1]
     if water.present or section.surcharges:
         places = np.column_stack([np.full(2 * strata, x), np.repeat(elevation, 2)[1:-1]])
         beside = np.column_stack([np.full(2 * strata, near), np.zeros(2 * strata)])
         ground = np.array([[x, elevation[0]]])
         on_ground = water.on_ground(ground, beside[:1]) - section.surface_loads.dead(ground, beside[:1], UPWARDS)[:, 1]
         pores = water.at_rest(places, beside, np.repeat(np.arange(strata), 2))
-        found = np.maximum(found + on_ground - pores.reshape(strata, 2), 0.0)
-    return found
+        stress = np.maximum(stress + on_ground - pores.reshape(strata, 2), 0.0)
+    return stress

@@ -90,15 +90,15 @@ def strength_of(strata: Sequence[Stratum], flow: FlowSetting, factor: float = 1.
     flow = flow_of(strata, flow)
     cohesion = np.array([s.cohesion for s in strata]) / factor
     tension = tensile_strengths(strata) / factor
-    given = np.array([s.friction_angle for s in strata])
+    full_friction = np.array([s.friction_angle for s in strata])
     dilation = np.array([s.dilation for s in strata])
-    friction = np.arctan(np.tan(given) / factor)
+    friction = np.arctan(np.tan(full_friction) / factor)
     if flow == "section":
         return Strength(cohesion, friction, np.minimum(dilation, friction), tension)
     if flow == "davis":
         match form:
             case "A":
-                beta = davis_factor(given, dilation)
+                beta = davis_factor(full_friction, dilation)
             case "B":
                 beta = davis_factor(friction, np.arctan(np.tan(dilation) / factor))
             case "C":

@@ -55,7 +55,7 @@ def _divided(l0: float, l1: float, l2: float, d0: float, d1: float, d2: float) -
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def corrections(
-    axis: np.ndarray, size: np.ndarray, z: np.ndarray, ds: np.ndarray, dz: np.ndarray, aim: float, found: np.ndarray
+    axis: np.ndarray, size: np.ndarray, z: np.ndarray, ds: np.ndarray, dz: np.ndarray, aim: float, out: np.ndarray
 ) -> None:
     """W (λ \\ (λ ∘ λ + (W⁻¹ ds) ∘ (W dz) - aim e)) (k, 3), the right-hand side of Mehrotra (1992)."""
     for k in range(len(z)):
@@ -66,13 +66,13 @@ def corrections(
         d0 = l0 * l0 + l1 * l1 + l2 * l2 + a0 * b0 + a1 * b1 + a2 * b2 - aim
         d1, d2 = 2.0 * l0 * l1 + a0 * b1 + b0 * a1, 2.0 * l0 * l2 + a0 * b2 + b0 * a2
         x0, x1, x2 = _divided(l0, l1, l2, d0, d1, d2)
-        found[k, 0], found[k, 1], found[k, 2] = _scaled(w, eta, x0, x1, x2, 1.0)
+        out[k, 0], out[k, 1], out[k, 2] = _scaled(w, eta, x0, x1, x2, 1.0)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def centrality(
     axis: np.ndarray, size: np.ndarray, z: np.ndarray, s_next: np.ndarray, z_next: np.ndarray,
-    aim: float, low: float, high: float, found: np.ndarray,
+    aim: float, low: float, high: float, out: np.ndarray,
 ) -> None:  # fmt: skip
     """W (λ \\ t) (k, 3), t what leads the products of a longer step back to ``low`` to ``high`` times the ``aim``.
 
@@ -89,7 +89,7 @@ def centrality(
         t0, share = 0.5 * (less + more), (0.5 * (more - less) / far if far > 0.0 else 0.0)
         l0, l1, l2 = _scaled(w, eta, z[k, 0], z[k, 1], z[k, 2], 1.0)
         x0, x1, x2 = _divided(l0, l1, l2, t0, share * p1, share * p2)
-        found[k, 0], found[k, 1], found[k, 2] = _scaled(w, eta, x0, x1, x2, 1.0)
+        out[k, 0], out[k, 1], out[k, 2] = _scaled(w, eta, x0, x1, x2, 1.0)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -114,8 +114,8 @@ def longest_step(v: np.ndarray, dv: np.ndarray) -> float:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def add_products(square: np.ndarray, v: np.ndarray, found: np.ndarray) -> None:
-    """Add W² v to ``found``, all (k, 3)."""
+def add_products(square: np.ndarray, v: np.ndarray, out: np.ndarray) -> None:
+    """Add W² v to ``out``, all (k, 3)."""
     for k in range(len(v)):
         for i in range(3):
-            found[k, i] += square[k, i, 0] * v[k, 0] + square[k, i, 1] * v[k, 1] + square[k, i, 2] * v[k, 2]
+            out[k, i] += square[k, i, 0] * v[k, 0] + square[k, i, 1] * v[k, 1] + square[k, i, 2] * v[k, 2]

@@ -22,7 +22,7 @@ LEAST_PIVOT = 1e-15
 @njit(cache=True, nogil=True, error_model="numpy")
 def stiffnesses(
     axis: np.ndarray, size: np.ndarray, lone: np.ndarray, sine: np.ndarray, clay: np.ndarray, single: np.ndarray,
-    triple: np.ndarray, torn_sine: float, soft: float, found: np.ndarray,
+    triple: np.ndarray, torn_sine: float, soft: float, out: np.ndarray,
 ) -> None:  # fmt: skip
     """C⁻¹ (k, 3, 3) of all corners; ``axis`` and ``size`` are w (cones, 3) and η (cones,), ``lone`` the w² (singles,)
     of single openings, and δ is ``soft`` times η² of a corner."""
@@ -30,7 +30,7 @@ def stiffnesses(
     c, low = np.empty((3, 3)), np.zeros((3, 3))
     for k in range(corners):
         if single[k] < 0 and triple[k] < 0:
-            _stiffness(axis[k], size[k] * size[k], sine[k], clay[k] >= 0, soft, found[k])
+            _stiffness(axis[k], size[k] * size[k], sine[k], clay[k] >= 0, soft, out[k])
             continue
         c[:] = 0.0
         _add_compliance(axis[k], size[k] * size[k], sine[k], clay[k] >= 0, soft, c)
@@ -39,25 +39,25 @@ def stiffnesses(
         else:
             other = corners + triple[k]
             _add_compliance(axis[other], size[other] * size[other], torn_sine, False, soft, c)
-        _invert(c, low, found[k])
+        _invert(c, low, out[k])
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _stiffness(w: np.ndarray, much: float, sine: float, is_clay: bool, soft: float, found: np.ndarray) -> None:
+def _stiffness(w: np.ndarray, much: float, sine: float, is_clay: bool, soft: float, out: np.ndarray) -> None:
     """C⁻¹ (3, 3) in closed form, free of differences."""
     if is_clay:
         scale = sine * sine / (much * (1.0 + 2.0 * (w[1] * w[1] + w[2] * w[2])))
-        found[0, 0] = sine * sine / (soft * much)
-        found[0, 1] = found[0, 2] = 0.0
-        found[1, 1], found[2, 2] = scale * (1.0 + 2.0 * w[2] * w[2]), scale * (1.0 + 2.0 * w[1] * w[1])
-        found[1, 2] = -2.0 * scale * w[1] * w[2]
+        out[0, 0] = sine * sine / (soft * much)
+        out[0, 1] = out[0, 2] = 0.0
+        out[1, 1], out[2, 2] = scale * (1.0 + 2.0 * w[2] * w[2]), scale * (1.0 + 2.0 * w[1] * w[1])
+        out[1, 2] = -2.0 * scale * w[1] * w[2]
     else:
-        found[0, 0] = (2.0 * w[0] * w[0] - 1.0) / much
-        found[0, 1], found[0, 2] = -2.0 * w[0] * w[1] * sine / much, -2.0 * w[0] * w[2] * sine / much
-        found[1, 1] = (2.0 * w[1] * w[1] + 1.0) * sine * sine / much
-        found[2, 2] = (2.0 * w[2] * w[2] + 1.0) * sine * sine / much
-        found[1, 2] = 2.0 * w[1] * w[2] * sine * sine / much
-    found[1, 0], found[2, 0], found[2, 1] = found[0, 1], found[0, 2], found[1, 2]
+        out[0, 0] = (2.0 * w[0] * w[0] - 1.0) / much
+        out[0, 1], out[0, 2] = -2.0 * w[0] * w[1] * sine / much, -2.0 * w[0] * w[2] * sine / much
+        out[1, 1] = (2.0 * w[1] * w[1] + 1.0) * sine * sine / much
+        out[2, 2] = (2.0 * w[2] * w[2] + 1.0) * sine * sine / much
+        out[1, 2] = 2.0 * w[1] * w[2] * sine * sine / much
+    out[1, 0], out[2, 0], out[2, 1] = out[0, 1], out[0, 2], out[1, 2]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
@@ -76,7 +76,7 @@ def _add_compliance(w: np.ndarray, much: float, sine: float, is_clay: bool, soft
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _invert(c: np.ndarray, low: np.ndarray, found: np.ndarray) -> None:
+def _invert(c: np.ndarray, low: np.ndarray, out: np.ndarray) -> None:
     """The inverse of a compliance, of which the upper triangle is given, by its Cholesky factor."""
     for j in range(3):
         for i in range(j, 3):
@@ -90,10 +90,10 @@ def _invert(c: np.ndarray, low: np.ndarray, found: np.ndarray) -> None:
     a, b, d = 1.0 / low[0, 0], 1.0 / low[1, 1], 1.0 / low[2, 2]
     e, f = -low[1, 0] * a * b, -low[2, 1] * b * d
     g = -(low[2, 0] * a + low[2, 1] * e) * d
-    found[0, 0], found[1, 1], found[2, 2] = a * a + e * e + g * g, b * b + f * f, d * d
-    found[0, 1] = found[1, 0] = e * b + g * f
-    found[0, 2] = found[2, 0] = g * d
-    found[1, 2] = found[2, 1] = f * d
+    out[0, 0], out[1, 1], out[2, 2] = a * a + e * e + g * g, b * b + f * f, d * d
+    out[0, 1] = out[1, 0] = e * b + g * f
+    out[0, 2] = out[2, 0] = g * d
+    out[1, 2] = out[2, 1] = f * d
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

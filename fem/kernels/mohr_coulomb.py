@@ -41,8 +41,8 @@ def table(
 
     Raises ValueError that names every bad value of every material.
     """
-    given = (young, poisson, cohesion, friction, dilation, tension)
-    E, nu, c, phi, psi, T = (np.array(a, dtype=float) for a in np.broadcast_arrays(*map(np.atleast_1d, given)))
+    properties = (young, poisson, cohesion, friction, dilation, tension)
+    E, nu, c, phi, psi, T = (np.array(a, dtype=float) for a in np.broadcast_arrays(*map(np.atleast_1d, properties)))
     T[np.isnan(T)] = np.inf
     _check(E, nu, c, phi, psi, T)
 
@@ -176,9 +176,9 @@ def update(
 def _in_chunks(work: Callable[[int, int], None], n: int, threads: int) -> None:
     """Do the work for n points, divided among threads; each is told its first point and the one after its last."""
     chunks = max(1, min(threads, n // SMALLEST_CHUNK))
-    own, *others = itertools.pairwise(n * k // chunks for k in range(chunks + 1))
+    first, *others = itertools.pairwise(n * k // chunks for k in range(chunks + 1))
     futures = [_pool(len(others)).submit(work, *bounds) for bounds in others]
-    work(*own)
+    work(*first)
     for future in futures:
         future.result()
 

@@ -117,14 +117,14 @@ def proven_lower_bound(
 
     def attempt(more_margin: np.ndarray | float, work: float) -> tuple[LowerBound, StressCheck]:
         nonlocal place
-        found = lower_bound(problem, more_margin, work, place)
-        place = found.solution.warm
-        return found, check_stress(problem, found.stress, found.multiplier)
+        bound = lower_bound(problem, more_margin, work, place)
+        place = bound.solution.warm
+        return bound, check_stress(problem, bound.stress, bound.multiplier)
 
     # More margin from the cone does not help where a cut-off is passed, from which no margin can be kept.
     attempts = 1 if np.isfinite(problem.tension).any() else ATTEMPTS
-    found, check, notes = _first_that_holds("lower bound", attempt, most_work, attempts)
-    return found, notes, StressField(problem, found.multiplier, found.stress, check) if check else None
+    bound, check, notes = _first_that_holds("lower bound", attempt, most_work, attempts)
+    return bound, notes, StressField(problem, bound.multiplier, bound.stress, check) if check else None
 
 
 def proven_upper_bound(
@@ -144,19 +144,19 @@ def proven_upper_bound(
         more_margin: np.ndarray | float, work: float, rigid: np.ndarray | None = None
     ) -> tuple[UpperBound, VelocityCheck]:
         nonlocal place
-        found = upper_bound(problem, more_margin, rigid, work, place)
-        place = found.solution.warm
-        return found, check_velocity(problem, found.velocity)
+        bound = upper_bound(problem, more_margin, rigid, work, place)
+        place = bound.solution.warm
+        return bound, check_velocity(problem, bound.velocity)
 
     steep = problem.friction > STEEP
     some = bool(steep.any() and not steep.all())
-    found, check, notes = _first_that_holds("upper bound", attempt, most_work, 1 if some else ATTEMPTS)
+    bound, check, notes = _first_that_holds("upper bound", attempt, most_work, 1 if some else ATTEMPTS)
     if check is None and some:
-        before, held = found.solution.work, partial(attempt, rigid=steep)
-        found, check, more_notes = _first_that_holds("upper bound, steep ground held", held, most_work - before)
-        found = replace(found, solution=replace(found.solution, work=before + found.solution.work))
+        before, held = bound.solution.work, partial(attempt, rigid=steep)
+        bound, check, more_notes = _first_that_holds("upper bound, steep ground held", held, most_work - before)
+        bound = replace(bound, solution=replace(bound.solution, work=before + bound.solution.work))
         notes += more_notes
-    return found, notes, Mechanism(problem, check.multiplier, found.velocity, check) if check else None
+    return bound, notes, Mechanism(problem, check.multiplier, bound.velocity, check) if check else None
 
 
 F = TypeVar("F", LowerBound, UpperBound)
@@ -177,26 +177,26 @@ def _first_that_holds(
     undone, and with so much margin there would be no stress at all.
     """
     notes: list[str] = []
-    found, check = attempt(0.0, most_work)
-    work, more_margin = found.solution.work, np.zeros(found.shortfall.shape)
-    if found.solution.none:
-        return found, None, [f"{name}: {NONE_FOUND[found.solution.none]}"]
+    bound, check = attempt(0.0, most_work)
+    work, more_margin = bound.solution.work, np.zeros(bound.shortfall.shape)
+    if bound.solution.none:
+        return bound, None, [f"{name}: {NONE_FOUND[bound.solution.none]}"]
     for _ in range(attempts - 1):
-        if check.holds or found.solution.ended or work >= most_work:
+        if check.holds or bound.solution.ended or work >= most_work:
             break
-        more_margin += SHORTFALLS * found.shortfall
+        more_margin += SHORTFALLS * bound.shortfall
         wider, check_of_wider = attempt(more_margin, most_work - work)
         work += wider.solution.work
         if wider.solution.none:
             break
-        found, check = wider, check_of_wider
-    if found.solution.ended:
-        why = "no more work is allowed" if found.solution.out_of_work else found.solution.ended
+        bound, check = wider, check_of_wider
+    if bound.solution.ended:
+        why = "no more work is allowed" if bound.solution.out_of_work else bound.solution.ended
         notes.append(f"{name}: the solver ended early ({why})")
-    found = replace(found, solution=replace(found.solution, work=work))  # that of all attempts
+    bound = replace(bound, solution=replace(bound.solution, work=work))  # that of all attempts
     if check.holds:
-        return found, check, notes
-    return found, None, [*notes, f"the {name} is none: {check}"]
+        return bound, check, notes
+    return bound, None, [*notes, f"the {name} is none: {check}"]
 
 
 NONE_FOUND: Mapping[NoSolution, str] = {

@@ -125,20 +125,20 @@ def check_stress(problem: LimitProblem, stress: np.ndarray, multiplier: float) -
     imbalance = np.hypot(*left.T) * np.sqrt(mesh.areas)
 
     inner = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
-    one, other = mesh.edge_cells[inner].T
+    first, second = mesh.edge_cells[inner].T
     ends = mesh.edges[inner]
     jumps = [0.0]
     wanted = np.zeros((len(mesh.edges), 2, 2))
     wanted[problem.jumps.edges] = problem.jumps.traction + multiplier * problem.jumps.live
-    normal = _unit_normals(problem, one, ends)
+    normal = _unit_normals(problem, first, ends)
     for end in (0, 1):
-        here, there = (_at_point(problem, stress, cells, ends[:, end]) for cells in (one, other))
+        here, there = (_at_point(problem, stress, cells, ends[:, end]) for cells in (first, second))
         jumps.append(float(np.abs(_traction(here - there, normal) - wanted[inner, end]).max(initial=0.0)))
     normal = _unit_normals(problem, outline.cells, outline.ends)
     for end in (0, 1):
         here = _at_point(problem, stress, outline.cells, outline.ends[:, end])
-        given = outline.dead[:, end] + multiplier * outline.live[:, end]
-        miss = np.where(outline.reacts, 0.0, _traction(here, normal) - given)
+        traction = outline.dead[:, end] + multiplier * outline.live[:, end]
+        miss = np.where(outline.reacts, 0.0, _traction(here, normal) - traction)
         jumps.append(float(np.abs(miss).max()))
         sides = []
         for ends in mesh.matched:
@@ -236,9 +236,9 @@ def work(problem: LimitProblem, velocity: np.ndarray) -> tuple[float, float]:
     first, last = (_node(problem, velocity, outline.ends[:, end]) for end in (0, 1))
     middle = velocity[outline.cells, 3 + np.argmax(mesh.cell_edges[outline.cells] == outline.edges[:, None], axis=1)]
     done = []
-    for force, given in ((problem.dead_force, outline.dead), (problem.live_force, outline.live)):
+    for force, traction in ((problem.dead_force, outline.dead), (problem.live_force, outline.live)):
         inside = float(np.sum(mesh.areas * np.sum(mean * force, axis=1)))
-        pressed = np.sum(given[:, 0] * (first + 2.0 * middle) + given[:, 1] * (last + 2.0 * middle), axis=1)
+        pressed = np.sum(traction[:, 0] * (first + 2.0 * middle) + traction[:, 1] * (last + 2.0 * middle), axis=1)
         done.append(inside + float(np.sum(length * pressed)) / 6.0)
     jumps = problem.jumps
     return done[0] + _work_at_jumps(problem, velocity, jumps.traction), done[1] + _work_at_jumps(

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.continuum.loads import Direction, lifted, push, soils
 from fem.continuum.repetition import refuse_other_sides
-from fem.continuum.shallow_failure import Skin, skins, strengthened
+from fem.continuum.shallow_failure import ShallowFailure, shallow_failures, strengthened
 from fem.continuum.strength import davis_factor, flow_of, is_dilating_fully, tensile_strengths
 from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import BoundSearch, proven_upper_bound
@@ -43,21 +43,22 @@ class KhBounds(SmallerKhBounds):
 
     Attributes
     ----------
-    skins : tuple of Skin
+    shallow_failures : tuple of ShallowFailure
         Cohesionless faces whose grains roll down at a smaller Kh than the bounds are for. Where there is one, the
         ground below all such faces was strengthened down to the least depth, as it is in the finite elements, and the
         bounds are those of the slope as a whole: strict for the ground so strengthened. Without any they are strict for
         the ground as it is given.
     shallow : float or None
         An upper bound of Kh of the ground as it is given, on coarse triangles, where that is below the Kh of all
-        ``skins``: ground above the least depth slips where faces of unlike water or slope meet. None elsewhere.
+        ``shallow_failures``: ground above the least depth slips where faces of unlike water or slope meet. None
+        elsewhere.
     section : Section
         What was analysed: the section, or that with its faces strengthened, for the direction that fails first.
     substitute : SmallerKhBounds or None
         Bounds of Davis's substitute, where ψ < φ and it was asked for; from the last meshes of those for ψ = φ.
     """
 
-    skins: tuple[Skin, ...] = ()
+    shallow_failures: tuple[ShallowFailure, ...] = ()
     shallow: float | None = None
     section: Section | None = None
     substitute: SmallerKhBounds | None = None
@@ -71,7 +72,7 @@ class _Ground:
 
     fem: FemSettings
     max_cells: int
-    skins: tuple[Skin, ...]
+    shallow_failures: tuple[ShallowFailure, ...]
     as_given: float
     section: Section
 
@@ -127,29 +128,29 @@ def kh_bounds(
     limits = Limits(settings.gap, settings.max_cells, seconds, enough=0.0, least=LEAST_KH)
     grounds = {direction: _ground_of(section, fem, settings.max_cells, direction) for direction in directions_of(fem)}
     searches = {direction: ground.search(limits) for direction, ground in grounds.items()}
-    found = search_all(tuple(searches.values()), limits, observer)
+    bounds = search_all(tuple(searches.values()), limits, observer)
     dropped = 0.0
     for direction, ground in grounds.items():
-        if ground.section is not section and not any(face.kh < found.upper for face in ground.skins):
+        if ground.section is not section and not any(face.kh < bounds.upper for face in ground.shallow_failures):
             # What coarse triangles bore too much decided: no face needs strength.
-            grounds[direction] = replace(ground, section=section, skins=())
+            grounds[direction] = replace(ground, section=section, shallow_failures=())
             dropped += searches[direction].work
             left = replace(limits, seconds=limits.seconds - dropped)
             searches[direction] = grounds[direction].search(left)
-    found = search_all(tuple(searches.values()), limits, observer)
-    if found.upper < 0.0:
-        raise _unstable(section, found.upper)
+    bounds = search_all(tuple(searches.values()), limits, observer)
+    if bounds.upper < 0.0:
+        raise _unstable(section, bounds.upper)
     substitute = None
     if with_davis:
         spent = dropped + sum(search.work for search in searches.values())
         left = replace(limits, seconds=settings.seconds - spent)
         weaker = [ground.search(left, after=searches[direction]) for direction, ground in grounds.items()]
         substitute = search_all(weaker, left, observer)
-    govern = tuple(face for ground in grounds.values() for face in ground.skins if face.kh < found.upper)
+    govern = tuple(face for ground in grounds.values() for face in ground.shallow_failures if face.kh < bounds.upper)
     as_given = min(ground.as_given for ground in grounds.values())
-    shallow = as_given if govern and as_given < min(found.upper, *(face.kh for face in govern)) else None
-    analysed = grounds[found.directions[0].direction].section.cut_at_films
-    return KhBounds(**vars(found), skins=govern, shallow=shallow, section=analysed, substitute=substitute)
+    shallow = as_given if govern and as_given < min(bounds.upper, *(face.kh for face in govern)) else None
+    analysed = grounds[bounds.directions[0].direction].section.cut_at_films
+    return KhBounds(**vars(bounds), shallow_failures=govern, shallow=shallow, section=analysed, substitute=substitute)
 
 
 def directions_of(fem: FemSettings) -> tuple[Direction, ...]:
@@ -159,10 +160,10 @@ def directions_of(fem: FemSettings) -> tuple[Direction, ...]:
 
 def _ground_of(section: Section, fem: FemSettings, max_cells: int, direction: Direction) -> _Ground:
     one_way = fem.model_copy(update={"direction": direction})
-    govern = tuple(governing_skins(section, one_way))
+    govern = tuple(governing_shallow_failures(section, one_way))
     if not govern:
         return _Ground(one_way, max_cells, govern, np.inf, section)
-    whole = strengthened(section, skins(section, one_way), one_way)
+    whole = strengthened(section, shallow_failures(section, one_way), one_way)
     return _Ground(one_way, max_cells, govern, _coarse_upper_bound(section, one_way), whole)
 
 
@@ -174,14 +175,14 @@ def _unstable(section: Section, upper: float) -> UnstableError:
     return UnstableError(f"the section fails under its own weight: {most}; check strengths, densities")
 
 
-def governing_skins(section: Section, fem: FemSettings) -> list[Skin]:
+def governing_shallow_failures(section: Section, fem: FemSettings) -> list[ShallowFailure]:
     """The cohesionless faces whose grains roll down at a smaller Kh than the slope as a whole fails at.
 
     They are compared with an upper bound on one coarse mesh of the section with all its faces strengthened, so that
     they may be a few too many, and none is missing. A mechanism of the section as it is given tells nothing here: where
     faces of unlike water meet, it may be a shallow one, too. Raises what ``first_mesh`` raises.
     """
-    faces = skins(section, fem)
+    faces = shallow_failures(section, fem)
     if faces:
         upper = _coarse_upper_bound(strengthened(section, faces, fem), fem)
         faces = [face for face in faces if face.kh < upper]

@@ -184,28 +184,28 @@ class Limits:
             return np.inf
         return (upper - lower) / max(self.gap * max(0.5 * (abs(upper) + abs(lower)), self.least), 1e-12)
 
-    def growth(self, found: Bracket, cells: int) -> float:
+    def growth(self, bracket: Bracket, cells: int) -> float:
         """How many times as many cells the next mesh has: as many as should close the gap, if one step can do that.
 
         The gap goes with one over the number of cells, or a little faster.
         """
-        needed = AIM_BEYOND * self.open(found.lower, found.upper)
+        needed = AIM_BEYOND * self.open(bracket.lower, bracket.upper)
         return min(max(needed, LEAST_GROWTH) if needed <= MOST_GROWTH else GROWTH, self.max_cells / cells)
 
-    def reached(self, found: Bracket, cells: int, others: float = 0.0) -> EndReason | None:
+    def reached(self, bracket: Bracket, cells: int, others: float = 0.0) -> EndReason | None:
         """Which of them ends the search; ``others`` is the work of other searches under the same limits."""
-        if self.open(found.lower, found.upper) <= 1.0:
+        if self.open(bracket.lower, bracket.upper) <= 1.0:
             return "gap"
-        if found.upper < self.enough:
+        if bracket.upper < self.enough:
             return "enough"
         if cells * LEAST_GROWTH > self.max_cells:
             return "triangles"
-        spent = others + sum(mesh.work for mesh in found.meshes)
-        if spent + GROWTH**COST_EXPONENT * found.meshes[-1].work > self.seconds:
+        spent = others + sum(mesh.work for mesh in bracket.meshes)
+        if spent + GROWTH**COST_EXPONENT * bracket.meshes[-1].work > self.seconds:
             return "time"
-        if _fails(found.meshes):
+        if _fails(bracket.meshes):
             return "solver"
-        return "stalled" if _stalled(found.meshes) else None
+        return "stalled" if _stalled(bracket.meshes) else None
 
 
 def _fails(meshes: Sequence[MeshBounds]) -> bool:

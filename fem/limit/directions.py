@@ -89,13 +89,13 @@ def sides_left_through(mechanism: Mechanism) -> tuple[SectionSide, ...]:
     return tuple(side for side in sides if speed[mesh.boundaries[side]].max() > LEAVES * speed.max())
 
 
-def smaller_of(found: Iterable[DirectionBounds]) -> SmallerKhBounds:
+def smaller_of(directions: Iterable[DirectionBounds]) -> SmallerKhBounds:
     """The bounds of the smaller Kh of all directions that count; work and meshes are those of the first to fail."""
-    order = sorted(found, key=lambda one: (one.upper, one.lower))
+    order = sorted(directions, key=lambda bounds: (bounds.upper, bounds.lower))
     counting = counting_of(order)
-    weakest = min(counting, key=lambda one: one.lower)
+    weakest = min(counting, key=lambda bounds: bounds.lower)
     first = counting[0]
-    rest = tuple(one for one in order if one is not first)
+    rest = tuple(bounds for bounds in order if bounds is not first)
     return SmallerKhBounds(
         stress=weakest.stress,
         mechanism=first.mechanism,
@@ -107,11 +107,11 @@ def smaller_of(found: Iterable[DirectionBounds]) -> SmallerKhBounds:
     )
 
 
-def counting_of(found: Sequence[DirectionBounds]) -> list[DirectionBounds]:
+def counting_of(directions: Sequence[DirectionBounds]) -> list[DirectionBounds]:
     """Those that count: all but an uphill one whose mechanism leaves through a side, beside a downhill one."""
-    if len(found) == 1:
-        return list(found)
-    return [one for one in found if one.direction == "downhill" or not one.leaves]
+    if len(directions) == 1:
+        return list(directions)
+    return [bounds for bounds in directions if bounds.direction == "downhill" or not bounds.leaves]
 
 
 def search_all(
@@ -122,32 +122,32 @@ def search_all(
         for search in searches:
             if not search.found.meshes:
                 search.advance(_work_of_others(search, searches))
-        found = smaller_of([search.bounds for search in searches])
+        smaller = smaller_of([search.bounds for search in searches])
         if observer:
-            observer(found)
-        if limits.open(found.lower, found.upper) <= 1.0:
+            observer(smaller)
+        if limits.open(smaller.lower, smaller.upper) <= 1.0:
             return SmallerKhBounds(
-                **{**_values(found), "ended": "gap", "open_at": None, "directions": found.directions}
+                **{**_values(smaller), "ended": "gap", "open_at": None, "directions": smaller.directions}
             )
         open_searches = [
             search
             for search in searches
-            if search.found.ended is None and search.found.lower < found.upper and _counts(search, found)
+            if search.found.ended is None and search.found.lower < smaller.upper and _counts(search, smaller)
         ]
-        if found.upper < limits.enough or not open_searches:
-            return found
-        search = min(open_searches, key=lambda one: one.found.lower)
+        if smaller.upper < limits.enough or not open_searches:
+            return smaller
+        search = min(open_searches, key=lambda candidate: candidate.found.lower)
         search.advance(_work_of_others(search, searches))
 
 
-def _counts(search: DirectionSearch, found: SmallerKhBounds) -> bool:
-    return any(one.direction == search.direction for one in counting_of(found.directions))
+def _counts(search: DirectionSearch, smaller: SmallerKhBounds) -> bool:
+    return any(bounds.direction == search.direction for bounds in counting_of(smaller.directions))
 
 
 def _work_of_others(search: DirectionSearch, searches: Sequence[DirectionSearch]) -> float:
     return sum(other.work for other in searches if other is not search)
 
 
-def _values(found: Bracket) -> dict[str, Any]:
+def _values(bracket: Bracket) -> dict[str, Any]:
     """The attributes of a bracket by their names."""
-    return {field.name: getattr(found, field.name) for field in fields(Bracket)}
+    return {field.name: getattr(bracket, field.name) for field in fields(Bracket)}

@@ -280,8 +280,8 @@ class FactorSearch:
 
     def middle(self, trial: Trial) -> float:
         """The middle of what the bounds exceed, or the one there is; -inf without any."""
-        found = [self.over(bound) for bound in (trial.lower, trial.upper) if bound is not None]
-        return sum(found) / len(found) if found else -math.inf
+        values = [self.over(bound) for bound in (trial.lower, trial.upper) if bound is not None]
+        return sum(values) / len(values) if values else -math.inf
 
     def gap_of(self, trial: Trial) -> float:
         """How far the factors at which the bounds of a trial come to what is to be borne are apart, as a share."""
@@ -334,8 +334,8 @@ class FactorSearch:
         last = self.trials[-1]
         here = [trial for trial in self.trials if (trial.cells, trial.gauge) == (last.cells, last.gauge)]
         bounds = [(trial.factor, getattr(trial, side)) for trial in here]
-        found = [(math.log(factor), self.over(bound)) for factor, bound in bounds if bound is not None]
-        return sorted(point for point in found if abs(point[1]) < FAR)
+        points = [(math.log(factor), self.over(bound)) for factor, bound in bounds if bound is not None]
+        return sorted(point for point in points if abs(point[1]) < FAR)
 
     def refine(self) -> None:
         """Finer triangles where the bounds of the last trial are apart: as many as should close the gap, if one step

@@ -233,10 +233,10 @@ def units_of(mesh: TriMesh, body: RigidPlasticBody) -> Units:
 
 def corner_cohesion(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
     """Cohesion (m, 3) at the corners of every cell (Pa), nowhere below zero."""
-    found = np.repeat(body.cohesion[mesh.stratum][:, None], 3, axis=1)
+    cohesion = np.repeat(body.cohesion[mesh.stratum][:, None], 3, axis=1)
     if body.growth is not None:
-        found = found - body.growth[mesh.stratum][:, None] * mesh.points[mesh.cells, 1]
-    return np.asarray(np.maximum(found, 0.0))
+        cohesion = cohesion - body.growth[mesh.stratum][:, None] * mesh.points[mesh.cells, 1]
+    return np.asarray(np.maximum(cohesion, 0.0))
 
 
 def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitProblem:
@@ -270,8 +270,8 @@ def _tension(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
     if body.tension is None:
         return np.full(len(mesh.cells), np.inf)
     tension, friction = body.tension[mesh.stratum], body.friction[mesh.stratum]
-    given = np.where(np.isfinite(tension), tension, 0.0)
-    acts = np.isfinite(tension) & (given * np.tan(friction) < corner_cohesion(mesh, body).max(axis=1))
+    finite = np.where(np.isfinite(tension), tension, 0.0)
+    acts = np.isfinite(tension) & (finite * np.tan(friction) < corner_cohesion(mesh, body).max(axis=1))
     return np.where(acts, tension, np.inf)
 
 
@@ -295,11 +295,11 @@ def bare_corners(problem: LimitProblem) -> np.ndarray:
     """Corners (m, 3), as a mask, on an edge of the outline of their cell on which there is no traction at all."""
     outline = problem.outline
     loaded = outline.loaded
-    found = np.zeros(problem.mesh.cells.shape, dtype=bool)
+    bare = np.zeros(problem.mesh.cells.shape, dtype=bool)
     for end in (0, 1):
         cells = outline.cells[~loaded[:, end]]
-        found[cells, np.argmax(problem.mesh.cells[cells] == outline.ends[~loaded[:, end], end, None], axis=1)] = True
-    return found
+        bare[cells, np.argmax(problem.mesh.cells[cells] == outline.ends[~loaded[:, end], end, None], axis=1)] = True
+    return bare
 
 
 def _on_skeleton(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
@@ -325,7 +325,7 @@ def _outline(mesh: TriMesh, body: RigidPlasticBody) -> Outline:
         held = np.tile([axis in side.held for axis in "xy"], (len(ends), 1))
         periodic = np.full(len(ends), side.periodic)
         places = edge_ends(mesh, ends, cells)
-        dead, live = (_traction(given, places) for given in (side.dead, side.live))
+        dead, live = (_traction(traction, places) for traction in (side.dead, side.live))
         if body.pore_pressure is not None and not side.periodic:
             inside = at_ends(mesh, pressure, cells, ends)
             outside = np.zeros(inside.shape) if side.pressure is None else side.pressure(places).reshape(-1, 2)
@@ -350,6 +350,6 @@ def edge_ends(mesh: TriMesh, ends: np.ndarray, cells: np.ndarray) -> Places:
     )
 
 
-def _traction(given: Traction | None, places: Places) -> np.ndarray:
+def _traction(traction: Traction | None, places: Places) -> np.ndarray:
     """A traction at both ends of edges, (k, 2, 2)."""
-    return np.zeros((len(places.points) // 2, 2, 2)) if given is None else given(places).reshape(-1, 2, 2)
+    return np.zeros((len(places.points) // 2, 2, 2)) if traction is None else traction(places).reshape(-1, 2, 2)

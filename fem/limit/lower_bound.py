@@ -89,12 +89,12 @@ def lower_bound(
         bare=bare_corners(problem).ravel()[free[::3]],
     )
     solution = cone_program.solve(program, cone_program.REGULARISATIONS_OF_STRESS, most_work=most_work, start=start)
-    found = solution.stress.ravel()
-    found = found + smallest_correction(balance, dead + solution.multiplier * live - balance @ found)
+    stresses = solution.stress.ravel()
+    stresses = stresses + smallest_correction(balance, dead + solution.multiplier * live - balance @ stresses)
     stress, work = np.zeros((2, 9 * len(problem.mesh.cells)))
-    stress[free], work[free] = found, np.abs(balance.T @ solution.rates)
+    stress[free], work[free] = stresses, np.abs(balance.T @ solution.rates)
     if solution.none != "no stress":  # else these rates are a mechanism of the dead load, whatever the stress
-        work[free] *= np.abs(found)
+        work[free] *= np.abs(stresses)
     stress, work = stress.reshape(-1, 3, 3), work.reshape(-1, 3, 3).sum(axis=2)
     without = ~free[::3].reshape(-1, 3)
     turns = without.sum(axis=1) == 1  # the stress turns round a corner that has none itself
@@ -184,13 +184,13 @@ def _continuity(problem: LimitProblem) -> Equations:
     mesh = problem.mesh
     inner = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
     ends = mesh.edges[inner]
-    one, other = mesh.edge_cells[inner].T
-    normal = _normals(problem, one, ends)
+    left, right = mesh.edge_cells[inner].T
+    normal = _normals(problem, left, ends)
     dead, live = np.zeros((2, len(inner), 2, 2))
     at = np.searchsorted(inner, problem.jumps.edges)
     half = np.hypot(*normal[at].T)[:, None, None]
     dead[at], live[at] = half * problem.jumps.traction, half * problem.jumps.live
-    matrix = _tractions(problem, one, ends, normal) - _tractions(problem, other, ends, normal)
+    matrix = _tractions(problem, left, ends, normal) - _tractions(problem, right, ends, normal)
     return matrix, dead.ravel(), live.ravel(), np.repeat(ends.ravel(), 2)
 
 

@@ -50,9 +50,9 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
     """
     outline, mesh = problem.outline, problem.mesh
     loose = (problem.cohesion == 0.0).all(axis=1)
-    given = ~outline.reacts[:, None, :] & (outline.dead == 0.0) & (outline.live == 0.0)  # (k, 2 ends, 2)
+    known = ~outline.reacts[:, None, :] & (outline.dead == 0.0) & (outline.live == 0.0)  # (k, 2 ends, 2)
     touches = np.zeros(len(mesh.points), dtype=bool)
-    touches[outline.ends[given.any(axis=2)]] = True
+    touches[outline.ends[known.any(axis=2)]] = True
     at_loose = np.zeros(len(mesh.points), dtype=bool)
     at_loose[mesh.cells[loose]] = True
     place = np.full(len(mesh.edges), -1)
@@ -60,7 +60,7 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
     place[problem.jumps.edges] = JUMPS
     free = np.zeros(mesh.cells.shape, dtype=bool)
     for point, cells, corners in fans(problem, np.flatnonzero(touches & at_loose)):
-        equations = _traction_equations(problem, point, cells, place, given)
+        equations = _traction_equations(problem, point, cells, place, known)
         zero = np.zeros(len(cells), dtype=bool)
         while True:
             fixed = np.kron(np.eye(len(cells))[zero], np.eye(3))
@@ -135,17 +135,17 @@ def unstrained_points(problem: LimitProblem) -> np.ndarray:
     held[outline.edges] = outline.held
     on_held = np.zeros(len(mesh.points), dtype=bool)
     on_held[outline.ends[outline.held.any(axis=1)]] = True
-    found = np.zeros(len(mesh.points), dtype=bool)
+    unstrained = np.zeros(len(mesh.points), dtype=bool)
     for point, cells, corners in fans(problem, np.flatnonzero(on_held)):
         friction = problem.friction[cells]
         if not friction.any():
             continue
-        own = np.column_stack([corners, (corners + 2) % 3])
-        edges = np.take_along_axis(mesh.cell_edges[cells], own, axis=1)
+        corner_edges = np.column_stack([corners, (corners + 2) % 3])
+        edges = np.take_along_axis(mesh.cell_edges[cells], corner_edges, axis=1)
         bounds = edges[held[edges].any(axis=2)]
         if not (friction.all() and _parallel(problem, bounds)):
-            found[point] = _largest_slack(problem, point, cells, edges, held) < UNSTRAINED
-    return found
+            unstrained[point] = _largest_slack(problem, point, cells, edges, held) < UNSTRAINED
+    return unstrained
 
 
 def _parallel(problem: LimitProblem, edges: np.ndarray) -> bool:

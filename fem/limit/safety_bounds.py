@@ -35,11 +35,11 @@ FactorEnd = Literal["gap", "triangles", "time", "solver"]
 class SafetyBounds:
     """Factors of safety: ``lower`` is carried, ``upper`` fails; 0 and inf where none was proven.
 
-    ``skin`` is that at which grains roll down a cohesionless face, or shallow ground slips where two of them meet, if
-    below ``upper``; the ground down to the least depth below such faces was then strengthened, as in the finite
-    elements, and the bounds are of the slope as a whole: strict for the ground so strengthened. Without it they are
-    strict for the ground as it is given. ``direction`` is that of the seismic force with which it fails, None without
-    any; ``ended`` says why the bounds are not closer.
+    ``shallow_failure`` is that at which grains roll down a cohesionless face, or shallow ground slips where two of them
+    meet, if below ``upper``; the ground down to the least depth below such faces was then strengthened, as in the
+    finite elements, and the bounds are of the slope as a whole: strict for the ground so strengthened. Without it they
+    are strict for the ground as it is given. ``direction`` is that of the seismic force with which it fails, None
+    without any; ``ended`` says why the bounds are not closer.
     """
 
     kh: float
@@ -47,7 +47,7 @@ class SafetyBounds:
     upper: float
     cells: int
     trials: list[Trial]
-    skin: float | None = None
+    shallow_failure: float | None = None
     direction: Direction | None = None
     ended: FactorEnd = "gap"
 
@@ -74,13 +74,15 @@ def safety_bounds(
     """
     start, work = Start(kh, guess, held), FactorWork(settings.seconds)
     faces = faces_at(section, fem, kh)
-    skin = least_rolling_factor(section, faces, kh, strengths(section.strata)[1])
-    if skin is not None:
+    shallow = least_rolling_factor(section, faces, kh, strengths(section.strata)[1])
+    if shallow is not None:
         whole = strengthened(section, faces, fem)
-        if not _coarse(whole, fem, settings, start, work).fails_at(skin):
-            found = _bounds_of(whole, fem, settings, start, work)
-            if skin < found.upper:
-                return replace(found, skin=_coarse(section, fem, settings, start, work).least_failing(skin))
+        if not _coarse(whole, fem, settings, start, work).fails_at(shallow):
+            bounds = _bounds_of(whole, fem, settings, start, work)
+            if shallow < bounds.upper:
+                return replace(
+                    bounds, shallow_failure=_coarse(section, fem, settings, start, work).least_failing(shallow)
+                )
     return _bounds_of(section, fem, settings, start, work)
 
 
@@ -148,8 +150,8 @@ def _bounds_of(
 def _nothing_found(settings: BoundsSettings, work: FactorWork) -> NoAnswerError:
     if not work.ran_out:
         return NoAnswerError("no factor of safety from 0.02 to 20 could be bounded", "check strengths and densities")
-    told = f"no factor of safety could be bounded within the work allowed ({settings.seconds:g} s)"
-    return NoAnswerError(told, "allow more: seconds in the table [bounds]")
+    message = f"no factor of safety could be bounded within the work allowed ({settings.seconds:g} s)"
+    return NoAnswerError(message, "allow more: seconds in the table [bounds]")
 
 
 def _direction(fem: FemSettings, turned: bool) -> Direction:

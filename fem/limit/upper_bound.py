@@ -73,8 +73,8 @@ def upper_bound(
     nodes, moves, dead, live = nodes_and_loads(problem)
     if rigid is not None:
         moves.reshape(-1, 2)[nodes[rigid]] = False
-    own = 2 * problem.mesh.own_node[:, None] + [0, 1]
-    np.logical_and.at(moves, own.ravel(), moves.copy())
+    velocities = 2 * problem.mesh.own_node[:, None] + [0, 1]
+    np.logical_and.at(moves, velocities.ravel(), moves.copy())
     basis = free_velocities(problem, moves)
     areas = np.repeat(problem.mesh.areas / 3.0, 3)
     size = np.sqrt(areas)  # strains times lengths: the solver's tolerance is one of velocities
@@ -127,11 +127,11 @@ def free_velocities(problem: LimitProblem, moves: np.ndarray) -> sparse.csr_matr
     middle, here, there = (
         2 * node[:, None] + [0, 1] for node in (len(mesh.points) + edges, point, ends.sum(1) - point)
     )
-    own = moves.astype(float)
-    own[middle] = 0.0
+    free = moves.astype(float)
+    free[middle] = 0.0
     rows, columns = np.concatenate([middle.ravel()] * 2), np.concatenate([here.ravel(), there.ravel()])
     shares = np.repeat([0.75, 0.25], middle.size) * moves[rows] * moves[columns]
-    full = sparse.diags(own) + sparse.csr_matrix((shares, (rows, columns)), shape=(len(moves), len(moves)))
+    full = sparse.diags(free) + sparse.csr_matrix((shares, (rows, columns)), shape=(len(moves), len(moves)))
     if mesh.repeats:
         same = (2 * mesh.own_node[:, None] + [0, 1]).ravel()
         alike = sparse.csr_matrix((np.ones(len(same)), (np.arange(len(same)), same)), shape=full.shape)

@@ -165,28 +165,30 @@ A = TypeVar("A")
 def told_to_all(problem: "PlaneStrain", find: Callable[[], A]) -> A:
     """What the first rank finds, or NoAnswerError as it is raised there, on all ranks."""
     comm = problem.grid.comm
-    found: A | NoAnswerError | None = None
+    answer: A | NoAnswerError | None = None
     if comm.rank == 0:
         try:
-            found = find()
+            answer = find()
         except NoAnswerError as error:
-            found = error
-    found = comm.bcast(found)
-    if isinstance(found, NoAnswerError):
-        raise found
-    return cast(A, found)
+            answer = error
+    answer = comm.bcast(answer)
+    if isinstance(answer, NoAnswerError):
+        raise answer
+    return cast(A, answer)
 
 
 def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Discretised:
     """The elements of all ranks under nodal forces (dofs,), for the first rank; others are left with their own."""
     grid = problem.grid
     material = problem.material.reshape(grid.weights.shape)
-    own = _Cells(
+    local_cells = _Cells(
         grid.matrix[:, :, [0, 1, 3]], grid.weights, grid.global_dofs[grid.dofs], grid.cell, grid.corners, material
     )
-    parts = grid.comm.gather((own, problem.free, *forces)) or [(own, problem.free, *forces)]
-    owns, *vectors = zip(*parts, strict=True)
-    cells = _Cells(*(np.concatenate(values) for values in zip(*(vars(part).values() for part in owns), strict=True)))
+    parts = grid.comm.gather((local_cells, problem.free, *forces)) or [(local_cells, problem.free, *forces)]
+    all_cells, *vectors = zip(*parts, strict=True)
+    cells = _Cells(
+        *(np.concatenate(values) for values in zip(*(vars(part).values() for part in all_cells), strict=True))
+    )
     free, *all_forces = (np.concatenate(vector) for vector in vectors)
     length = float(np.ptp(mesh.points[:, 1]))
     unit = SMALL * float(np.abs(all_forces[0][free]).sum()) / length

@@ -15,7 +15,7 @@ from fem.continuum.fields import State
 from fem.continuum.loads import Direction, push
 from fem.continuum.nodal_loads import seismic_load
 from fem.continuum.plane_strain import PlaneStrain
-from fem.continuum.shallow_failure import Skin, skins
+from fem.continuum.shallow_failure import ShallowFailure, shallow_failures
 from fem.continuum.strength import Flow, flow_of, is_associated, strength_of
 from fem.errors import UnstableError
 from fem.limit_load.conic_limit_load import DirectLimit, direct_limit
@@ -41,7 +41,7 @@ class Ground:
         Nodal forces that stay (N/m).
     gravity : EquilibriumPath or None
         How the weight was brought on.
-    faces : list of Skin
+    faces : list of ShallowFailure
         Cohesionless faces that were strengthened, since their grains roll down first.
     load : ndarray (dofs,)
         Nodal forces of Kh = 1 (N/m).
@@ -55,7 +55,7 @@ class Ground:
     weight: np.ndarray
     constant: np.ndarray
     gravity: EquilibriumPath | None
-    faces: list[Skin]
+    faces: list[ShallowFailure]
     load: np.ndarray
     limit: DirectLimit | None
     settings: FemSettings
@@ -79,7 +79,7 @@ class LimitLoadResult:
         What the verdict means.
     mechanism : State or None
         The mechanism; None without a limit load.
-    skins : list of Skin
+    shallow_failures : list of ShallowFailure
         Cohesionless faces whose grains roll down before.
     ground : Ground
         What was pushed.
@@ -91,7 +91,7 @@ class LimitLoadResult:
     direction: Direction
     reason: str
     mechanism: State | None
-    skins: list[Skin]
+    shallow_failures: list[ShallowFailure]
     ground: Ground
 
     @property
@@ -106,7 +106,7 @@ class LimitLoadResult:
 
 
 def critical_at_once(
-    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin] | None = None
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[ShallowFailure] | None = None
 ) -> LimitLoadResult:
     """The limit load for a push in the one direction of ``settings``, with the "reduced" element whatever they say.
 
@@ -118,13 +118,13 @@ def critical_at_once(
     return _told(section, mesh, settings, ground)
 
 
-def asked_again(found: LimitLoadResult, section: Section, mesh: QuadMesh, settings: FemSettings) -> LimitLoadResult:
-    """The limit load of ground that was ``found`` with other settings, by the flow rule and between the sides
+def asked_again(result: LimitLoadResult, section: Section, mesh: QuadMesh, settings: FemSettings) -> LimitLoadResult:
+    """The limit load of ground that was ``result`` with other settings, by the flow rule and between the sides
     of ``settings``.
 
     Raises NoAnswerError if the solver leaves no answer.
     """
-    ground = found.ground
+    ground = result.ground
     problem = copy(ground.problem)  # a path may go on with this one
     problem.flow = settings.flow
     problem.use_strength(1.0)
@@ -146,7 +146,7 @@ def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Groun
 
 
 def pushed(
-    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin] | None = None
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[ShallowFailure] | None = None
 ) -> Ground:
     """The ground with ``faces`` strengthened, and the limit load of a push if it is unique; at rest if it is not.
 
@@ -179,7 +179,7 @@ def is_unique(section: Section, settings: FemSettings) -> bool:
     return is_associated(section.strata, settings.flow) and element_for(section, settings) == "reduced"
 
 
-def _pushed(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin]) -> Ground:
+def _pushed(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[ShallowFailure]) -> Ground:
     """The ground with ``faces`` strengthened, and the limit load where there is one; at rest where there is none."""
     if is_unique(section, settings):
         problem, weight, constant = at_the_sides(section, mesh, settings, comm, faces)
@@ -199,6 +199,6 @@ def _pushed(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, 
     return Ground(problem, constant, constant, gravity, faces, load, None, settings)
 
 
-def cohesionless_faces(section: Section, settings: FemSettings) -> list[Skin]:
+def cohesionless_faces(section: Section, settings: FemSettings) -> list[ShallowFailure]:
     """The cohesionless faces that fall in the direction of the push, with the strength of the analysis."""
-    return skins(section, settings, strength_of(section.strata, settings.flow).friction)
+    return shallow_failures(section, settings, strength_of(section.strata, settings.flow).friction)

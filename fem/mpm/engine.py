@@ -159,7 +159,7 @@ class MaterialPointEngine:
             getattr(self.points, name)[:] = state[name]
         self.order, self._offsets, self._sorted_at = state["order"], state["offsets"], state["sorted_at"]
         self._gained[:], self._sums[:] = state["gained"], state["sums"]
-        self.time, steps, *began = (float(one) for one in state["clock"])
+        self.time, steps, *began = (float(value) for value in state["clock"])
         self.steps, self._began = int(steps), (began[0], began[1])
         self._share()
 

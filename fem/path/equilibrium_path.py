@@ -119,16 +119,16 @@ class EquilibriumPath:
             if self._step < self.settings.smallest:
                 self.reason = "no equilibrium was found even with the smallest step"
                 return False
-            found = self._try(self._step)
-            if found.converged:
+            result = self._try(self._step)
+            if result.converged:
                 break
             cutbacks += 1
             self._step *= 0.5
         taken = self._step
-        self._accept(found, taken, cutbacks, at_rest=False)
-        if found.iterations <= self.settings.few:
+        self._accept(result, taken, cutbacks, at_rest=False)
+        if result.iterations <= self.settings.few:
             self._step = min(self._step * self.settings.growth, self.settings.largest)
-        elif found.iterations > self.settings.many:
+        elif result.iterations > self.settings.many:
             self._step *= self.settings.shrink
         return True
 
@@ -155,11 +155,11 @@ class EquilibriumPath:
             increment = self._last[0] * (factor - self.factor) / self._last[2]
         mark = self.mark()
         self.problem.overstress = self._overstress(self._step)
-        found = self._newton(factor, increment, None)
+        result = self._newton(factor, increment, None)
         rate_independent = self.settings.relaxation <= 0.0
-        if found.converged:
-            self._accept(found, self._length_of(found), 0, at_rest=False)
-        if found.converged and (rate_independent or self._relax(None)):
+        if result.converged:
+            self._accept(result, self._length_of(result), 0, at_rest=False)
+        if result.converged and (rate_independent or self._relax(None)):
             if not rate_independent:
                 self._last = None
             return True
@@ -173,11 +173,11 @@ class EquilibriumPath:
         """
         for _ in range(self.settings.most_relaxations):
             self.problem.overstress = 1.0 / (1.0 + self.settings.relaxation_span)
-            found = self._newton(self.factor, np.zeros_like(self.control), constraint)
-            if not found.converged:
+            result = self._newton(self.factor, np.zeros_like(self.control), constraint)
+            if not result.converged:
                 return False
-            length = 0.0 if constraint else self._length_of(found)
-            self._accept(found, length, 0, at_rest=True)
+            length = 0.0 if constraint else self._length_of(result)
+            self._accept(result, length, 0, at_rest=True)
             if self._unbalanced_without_overstress() <= self.settings.relaxed_tolerance:
                 self.steps[-1] = replace(self.steps[-1], balanced=True)
                 return True
@@ -188,10 +188,10 @@ class EquilibriumPath:
         self.problem.overstress = 0.0
         return residual_of(self.problem, self.loading, np.zeros_like(self.control), self.factor, self.scale)[1]
 
-    def _length_of(self, found: NewtonResult) -> float:
+    def _length_of(self, result: NewtonResult) -> float:
         """The arc length of a step."""
-        moved = self.problem.exchange.dot(self.control, found.increment) / self.reference
-        return moved + self.beta * (found.multiplier - self.factor)
+        moved = self.problem.exchange.dot(self.control, result.increment) / self.reference
+        return moved + self.beta * (result.multiplier - self.factor)
 
     def mark(self) -> tuple[Any, ...]:
         """The place on the path, for ``back``."""
@@ -233,20 +233,27 @@ class EquilibriumPath:
 
     def _newton(self, factor: float, first: np.ndarray, constraint: Constraint | None) -> NewtonResult:
         newton = self.settings.newton
-        found = find_equilibrium(self.problem, self.loading, factor, first, constraint, self.scale, newton)
-        self.solves += found.iterations
-        return found
+        result = find_equilibrium(self.problem, self.loading, factor, first, constraint, self.scale, newton)
+        self.solves += result.iterations
+        return result
 
-    def _accept(self, found: NewtonResult, length: float, cutbacks: int, at_rest: bool) -> None:
+    def _accept(self, result: NewtonResult, length: float, cutbacks: int, at_rest: bool) -> None:
         share = self.problem.plastic_share()
-        self.problem.accept(found.increment)
+        self.problem.accept(result.increment)
         if length > 0.0:
-            self._last = found.increment, length, found.multiplier - self.factor
-        self.factor = found.multiplier
+            self._last = result.increment, length, result.multiplier - self.factor
+        self.factor = result.multiplier
         self.length += length
-        self.displacement += self.problem.exchange.dot(self.control, found.increment)
+        self.displacement += self.problem.exchange.dot(self.control, result.increment)
         self.steps.append(
             PathStep(
-                self.length, self.displacement, self.factor, found.iterations, found.residual, share, cutbacks, at_rest
+                self.length,
+                self.displacement,
+                self.factor,
+                result.iterations,
+                result.residual,
+                share,
+                cutbacks,
+                at_rest,
             )
         )

@@ -10,7 +10,7 @@ from fem.continuum.loads import soils
 from fem.continuum.nodal_loads import excess_load, pressed_sides, still_load
 from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.repetition import refuse_other_water
-from fem.continuum.shallow_failure import Skin, strengthened
+from fem.continuum.shallow_failure import ShallowFailure, strengthened
 from fem.continuum.side_force import side_force
 from fem.continuum.strength import is_associated
 from fem.errors import UnstableError
@@ -58,7 +58,7 @@ def gravity_equilibrium(
     mesh: QuadMesh,
     settings: FemSettings,
     comm: Any,
-    faces: Sequence[Skin] = (),
+    faces: Sequence[ShallowFailure] = (),
     strength_factor: float = 1.0,
     shaken: bool = True,
 ) -> tuple[PlaneStrain, np.ndarray, EquilibriumPath]:
@@ -91,7 +91,7 @@ def at_the_sides(
     mesh: QuadMesh,
     settings: FemSettings,
     comm: Any,
-    faces: Sequence[Skin] = (),
+    faces: Sequence[ShallowFailure] = (),
     shaken: bool = True,
 ) -> tuple[PlaneStrain, np.ndarray, np.ndarray]:
     """The section without stress, held as in the search for Kh; nodal forces (N/m) of its weight, and all that stay.
@@ -144,7 +144,7 @@ def sides_held(settings: FemSettings) -> dict[str, str]:
 
 
 def under_weight(
-    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: Sequence[Skin] = ()
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: Sequence[ShallowFailure] = ()
 ) -> tuple[PlaneStrain, np.ndarray]:
     """The section without stress, held as under gravity, and the nodal forces (N/m) of its weight.
 
@@ -184,10 +184,10 @@ def _lay(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> No
     With all strata: in a free mesh, the tips of layers that no cell follows.
     """
     inside = strong.stratum_at(*problem.points().T)
-    names, own = ([stratum.name for stratum in strata] for strata in (strong.strata, problem.strata))
+    names, stratum_names = ([stratum.name for stratum in strata] for strata in (strong.strata, problem.strata))
     for strip in strips:
         if strip.name in names:  # one that is strengthened as a whole is not
-            problem.material[inside == names.index(strip.name)] = own.index(strip.name)
+            problem.material[inside == names.index(strip.name)] = stratum_names.index(strip.name)
 
 
 def levels(stratum: Stratum, mesh: QuadMesh) -> list[Stratum]:

@@ -15,12 +15,12 @@ import numpy as np
 from fem.continuum.linear_solver import SingularMatrixError
 from fem.continuum.plane_strain import PlaneStrain
 from fem.path.line_search import Descent
-from fem.path.nonlinear_elimination import Pocket
+from fem.path.nonlinear_elimination import LocalSubproblem
 
 # Iterations without progress, a residual below 0.9 of the best, after which Newton's method is given up.
 MOST_STALLED, PROGRESS = 8, 0.9
-# Where there is a potential: the iterations granted, and the part of a correction below which a pocket of ground is
-# what makes it short.
+# Where there is a potential: the iterations granted, and the part of a correction below which a few cells are solved by
+# themselves (nonlinear elimination).
 DESCENTS, SHORT = 120, 0.5
 
 
@@ -205,7 +205,7 @@ def _lowest(
 
     The unbalanced force is its slope with the sign turned (the potential of an increment, Ortiz & Stainier 1999): every
     correction goes downhill, though the unbalanced force may grow on the way. Where a correction has to be short, the
-    pocket of ground that makes it so is brought to rest by itself (on one rank).
+    cells that make it so are solved by themselves (on one rank).
     """
     increment, iteration = first, 0
     residual, norm = residual_of(problem, loading, increment, multiplier, scale)
@@ -225,6 +225,6 @@ def _lowest(
         if not np.isfinite(norm):
             break
         if norm > settings.tolerance and search.part < SHORT and problem.grid.comm.size == 1:
-            increment = Pocket(problem, residual).at_rest(increment, residual)
+            increment = LocalSubproblem(problem, residual).at_rest(increment, residual)
             residual, norm = residual_of(problem, loading, increment, multiplier, scale)
     return NewtonResult(bool(norm <= settings.tolerance), iteration, norm, multiplier, increment)

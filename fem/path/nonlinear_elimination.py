@@ -1,9 +1,9 @@
-"""A pocket of ground whose forces are far from balance while those around it are near: brought to rest by itself.
+"""Nonlinear elimination: the few cells whose forces are far from balance are solved first, with the others held.
 
 Where sand without cohesion bears hardly any stress, at a toe under water or under a crest, a few cells change between
 yield and tension from one correction to the next and make every correction of the whole section a short one. Newton's
-method gets through in a fifth of its corrections if such a pocket is first brought down the same potential with all
-around it held (nonlinear elimination: Lanzkron, Rose & Wilkes 1996, SIAM J. Sci. Comput. 17, 538).
+method needs a fifth of its corrections if the same potential is first minimised over these cells alone (nonlinear
+elimination: Lanzkron, Rose & Wilkes 1996, SIAM J. Sci. Comput. 17, 538).
 
 Stress is positive in tension; Pa, m, N per metre out of plane.
 """
@@ -16,13 +16,13 @@ from fem.continuum.plane_strain import Part, PlaneStrain
 from fem.kernels import assembly, mohr_coulomb
 from fem.path.line_search import Descent
 
-# A node whose unbalanced force is this share of the largest belongs to a pocket, with so many rings of cells around it.
+# A node whose unbalanced force is this share of the largest belongs to the subproblem, with so many rings of cells.
 SHARE, RINGS = 0.2, 5
-# Corrections of a pocket, fewer if what is unbalanced within is this share of the largest force unbalanced outside.
+# Corrections of a subproblem; fewer if its unbalanced force is this share of the largest unbalanced force outside.
 CORRECTIONS, ALIKE = 20, 0.3
 
 
-class Pocket:
+class LocalSubproblem:
     """Cells around the nodes whose forces are the least balanced, and the displacement components that move in them.
 
     For one rank, associated flow and no overstress. ``unbalanced`` is the force of the last ``internal_force`` of the
@@ -45,8 +45,8 @@ class Pocket:
         self._outside = float(np.abs(unbalanced[~inside]).max(initial=0.0))
 
     def at_rest(self, increment: np.ndarray, unbalanced: np.ndarray) -> np.ndarray:
-        """The displacement ``increment`` (dofs,) since the accepted state, changed in the pocket until it is about as
-        near to balance as the ground around it; as it was if the pocket cannot be solved."""
+        """The displacement ``increment`` (dofs,) since the accepted state, solved in the subproblem until about as near
+        to balance as the ground around it; unchanged if the subproblem cannot be solved."""
         moving, moved = self.moving, increment[self.part.components]
         internal, tangent = _response(self.part, moved)
         left = unbalanced[self.components]
@@ -92,8 +92,8 @@ def _stiffness(part: Part, tangent: np.ndarray, number: np.ndarray) -> SuperLU:
     """The stiffness of the moving components, ``number`` (components,) of which is not negative, factorised."""
     elements = part.hourglass.copy()
     assembly.element_stiffness(part.matrix, part.weights, tangent + part.least, number >= 0, part.dofs, elements)
-    own = number[part.dofs]
-    rows, columns = (np.broadcast_to(axis, elements.shape) for axis in (own[:, :, None], own[:, None, :]))
+    numbers = number[part.dofs]
+    rows, columns = (np.broadcast_to(axis, elements.shape) for axis in (numbers[:, :, None], numbers[:, None, :]))
     moving = (rows >= 0) & (columns >= 0)
     size = int(number.max()) + 1
     return factorised(sparse.csc_matrix((elements[moving], (rows[moving], columns[moving])), shape=(size, size)))

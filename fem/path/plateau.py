@@ -13,7 +13,7 @@ from fem.settings import PathVerdict
 PathListener = Callable[[EquilibriumPath], None]
 
 
-class Ending(NamedTuple):
+class StopReason(NamedTuple):
     """Why a path is over."""
 
     verdict: PathVerdict
@@ -109,9 +109,9 @@ def find_limit_load(
             next_relaxation = rule.next_relaxation * now
         if listener is not None:
             listener(path)
-        ending = _ending(path, now, limit, rule)
-        if ending is not None:
-            verdict, reason, remedy = ending
+        stop = _stop_reason(path, now, limit, rule)
+        if stop is not None:
+            verdict, reason, remedy = stop
             break
     if held < (1.0 - rule.shortfall) * highest:
         held = max(held, _held_below(path, highest, summit))
@@ -141,31 +141,31 @@ def _held_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) 
     return held
 
 
-def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], float], rule: PlateauRule) -> Ending:
-    """The ending of a path on which there is no next step: a plateau if it hardly rose any more."""
+def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], float], rule: PlateauRule) -> StopReason:
+    """Why a path without a next step stopped: a plateau if its load hardly rose any more."""
     growth = growth_per_doubling(path)
     if path.steps and ductility(path) >= rule.earliest and 0.0 <= growth < rule.growth:
         reason = f"it changed by {100 * growth:.1f} % while the displacement doubled, after which {path.reason}"
-        return Ending("plateau", reason, "")
-    return Ending("undecided", path.reason, "try another mesh or element, or a smaller first_step")
+        return StopReason("plateau", reason, "")
+    return StopReason("undecided", path.reason, "try another mesh or element, or a smaller first_step")
 
 
-def _ending(path: EquilibriumPath, ductility: float, limit: float, rule: PlateauRule) -> Ending | None:
+def _stop_reason(path: EquilibriumPath, ductility: float, limit: float, rule: PlateauRule) -> StopReason | None:
     """Verdict, reason and remedy if the path is over."""
     growth = growth_per_doubling(path)
     moving = [step.factor for step in path.steps if not step.at_rest]  # relaxed states lie below these, peak or not
     highest, last = max(moving), moving[-1]
     doubled = f"changed by {100 * growth:.1f} % while the displacement doubled"
     if path.factor > limit:
-        return Ending("no failure", f"no failure up to {limit:g}", "raise the limit if more is of interest")
+        return StopReason("no failure", f"no failure up to {limit:g}", "raise the limit if more is of interest")
     if ductility >= rule.earliest and last < (1.0 - rule.fall) * highest:
-        return Ending("peak", f"it has fallen by {100 * (1.0 - last / highest):.0f} % from its peak", "")
+        return StopReason("peak", f"it has fallen by {100 * (1.0 - last / highest):.0f} % from its peak", "")
     if ductility >= rule.earliest and growth < rule.growth:
-        return Ending("plateau", f"it {doubled}", "")
+        return StopReason("plateau", f"it {doubled}", "")
     if ductility >= rule.latest or len(path.steps) >= path.settings.most_steps:
         verdict: PathVerdict = "plateau" if growth < rule.tolerated_growth else "undecided"
         remedy = "" if verdict == "plateau" else 'refine the mesh, or use the reduced element with flow = "davis"'
-        return Ending(verdict, f"at the end of the path it {doubled}", remedy)
+        return StopReason(verdict, f"at the end of the path it {doubled}", remedy)
     return None
 
 

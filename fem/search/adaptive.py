@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fem.continuum.loads import Direction
-from fem.continuum.shallow_failure import Skin, faces_at, strengthened, without_strips
+from fem.continuum.shallow_failure import ShallowFailure, faces_at, strengthened, without_strips
 from fem.continuum.strength import is_associated
 from fem.errors import UnstableError
 from fem.limit_load.limit_load import LimitLoadResult, asked_again, critical_at_once
@@ -77,7 +77,7 @@ def next_mesh(
     return without_strips(adapted(strong, meshing, mesh, moved, cells), section)
 
 
-def strong_below(section: Section, faces: Sequence[Skin], settings: FemSettings) -> Section | None:
+def strong_below(section: Section, faces: Sequence[ShallowFailure], settings: FemSettings) -> Section | None:
     """The section with the ground below ``faces`` strengthened; None without any."""
     return strengthened(section, faces, settings) if faces else None
 
@@ -141,9 +141,9 @@ class AdaptiveSearch:
         def solve(mesh: QuadMesh) -> LimitLoadResult:
             nonlocal faces
             self.tell(f"limit load of {len(mesh.cells)} cells, {direction}")
-            found = critical_at_once(self.section, mesh, wish, self.comm, faces)
-            faces = found.ground.faces
-            return found
+            result = critical_at_once(self.section, mesh, wish, self.comm, faces)
+            faces = result.ground.faces
+            return result
 
         def remade(mesh: QuadMesh, strain: np.ndarray, cells: int) -> QuadMesh:
             return self._next(mesh, strain, cells, faces or (), wish)
@@ -153,7 +153,7 @@ class AdaptiveSearch:
         )
 
     def _next(
-        self, mesh: QuadMesh, strain: np.ndarray, cells: int, faces: Sequence[Skin], settings: FemSettings
+        self, mesh: QuadMesh, strain: np.ndarray, cells: int, faces: Sequence[ShallowFailure], settings: FemSettings
     ) -> QuadMesh:
         """`next_mesh`, for ground that is strengthened below ``faces``."""
         strong = strong_below(self.section, faces, settings)
@@ -163,78 +163,78 @@ class AdaptiveSearch:
         """Cells of the finest mesh; 0 where none is made."""
         return settings.max_cells if is_adapted(self.section, self.meshing, self.first, settings) else 0
 
-    def beside(self, found: AdaptiveResult[LimitLoadResult], other: FemSettings) -> AdaptiveResult[LimitLoadResult]:
-        """What ``other`` settings, with ψ = φ, find on the mesh of ``found`` under the same forces, and on one with as
+    def beside(self, base: AdaptiveResult[LimitLoadResult], other: FemSettings) -> AdaptiveResult[LimitLoadResult]:
+        """What ``other`` settings, with ψ = φ, find on the mesh of ``base`` under the same forces, and on one with as
         many cells that is made for the mechanism of that.
 
         Both are in the sequence, the smaller one is the result. Raises NoAnswerError if the solver leaves none on the
-        mesh of ``found``.
+        mesh of ``base``.
         """
-        self.tell(f"limit load of {len(found.mesh.cells)} cells")
-        return self._or_on_its_own(found, asked_again(found.result, self.section, found.mesh, other), other)
+        self.tell(f"limit load of {len(base.mesh.cells)} cells")
+        return self._or_on_its_own(base, asked_again(base.result, self.section, base.mesh, other), other)
 
     def between_sides(
-        self, found: AdaptiveResult[LimitLoadResult], fixed: FemSettings
+        self, base: AdaptiveResult[LimitLoadResult], fixed: FemSettings
     ) -> AdaptiveResult[LimitLoadResult]:
-        """The same between ``fixed`` sides, on which no force acts: it leaves alone what ``found`` was found with."""
-        mesh = found.mesh
+        """The same between ``fixed`` sides, on which no force acts: it leaves alone what ``base`` was found with."""
+        mesh = base.mesh
         self.tell(f"limit load of {len(mesh.cells)} cells")
-        faces = self._rough_faces(mesh, fixed) if len(found.rounds) < 2 else found.result.ground.faces
-        return self._or_on_its_own(found, critical_at_once(self.section, mesh, fixed, self.comm, faces), fixed)
+        faces = self._rough_faces(mesh, fixed) if len(base.rounds) < 2 else base.result.ground.faces
+        return self._or_on_its_own(base, critical_at_once(self.section, mesh, fixed, self.comm, faces), fixed)
 
     def _or_on_its_own(
-        self, found: AdaptiveResult[LimitLoadResult], same: LimitLoadResult, other: FemSettings
+        self, base: AdaptiveResult[LimitLoadResult], same: LimitLoadResult, other: FemSettings
     ) -> AdaptiveResult[LimitLoadResult]:
         """The ``same`` ground by ``other`` settings, or what they find on a mesh that is made for its mechanism, if
         that is less."""
-        first = AdaptiveResult(same, found.mesh, [MeshRound(len(found.mesh.cells), same.kc, math.inf, math.inf)])
-        if same.mechanism is None or len(found.rounds) < 2:  # there is one mesh for all
+        first = AdaptiveResult(same, base.mesh, [MeshRound(len(base.mesh.cells), same.kc, math.inf, math.inf)])
+        if same.mechanism is None or len(base.rounds) < 2:  # there is one mesh for all
             return first
-        faces, strain = found.result.ground.faces, same.mechanism.plastic_shear_strain
+        faces, strain = base.result.ground.faces, same.mechanism.plastic_shear_strain
         try:
-            mesh = self._next(found.mesh, strain, len(found.mesh.cells), faces, other)
+            mesh = self._next(base.mesh, strain, len(base.mesh.cells), faces, other)
             self.tell(f"limit load of {len(mesh.cells)} cells")
-            own = critical_at_once(self.section, mesh, other, self.comm, faces)
+            separate = critical_at_once(self.section, mesh, other, self.comm, faces)
         except NoAnswerError:
             return first
-        if own.kc > same.kc:
+        if separate.kc > same.kc:
             return first
-        change = (same.kc - own.kc) / max(own.kc, SMALLEST_KH)
-        return AdaptiveResult(own, mesh, [*first.rounds, MeshRound(len(mesh.cells), own.kc, change, change)])
+        change = (same.kc - separate.kc) / max(separate.kc, SMALLEST_KH)
+        return AdaptiveResult(separate, mesh, [*first.rounds, MeshRound(len(mesh.cells), separate.kc, change, change)])
 
     def beside_full_dilation(
-        self, found: AdaptiveResult[LimitLoadResult], settings: FemSettings
+        self, base: AdaptiveResult[LimitLoadResult], settings: FemSettings
     ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult]]:
-        """``found``, and the answer with ψ = φ beside it.
+        """``base``, and the answer with ψ = φ beside it.
 
         On one mesh Davis's substitute, the weaker ground, bears no more. So where the mesh made for ψ = φ shows less
-        than that of ``found``, this one was the poorer, and the answer is found anew on the other; what contradicts the
+        than that of ``base``, this one was the poorer, and the answer is found anew on the other; what contradicts the
         order afterwards is no matter of meshes. Raises what `beside` does.
         """
         full = settings.model_copy(update={"flow": "associated"})
-        beside = self.beside(found, full)
-        if beside.result.kc >= found.result.kc:
-            return found, beside
-        again = critical_at_once(self.section, beside.mesh, settings, self.comm, found.result.ground.faces)
-        last = replace(found.rounds[-1], cells=len(beside.mesh.cells), value=again.kc)
+        beside = self.beside(base, full)
+        if beside.result.kc >= base.result.kc:
+            return base, beside
+        again = critical_at_once(self.section, beside.mesh, settings, self.comm, base.result.ground.faces)
+        last = replace(base.rounds[-1], cells=len(beside.mesh.cells), value=again.kc)
         same = asked_again(again, self.section, beside.mesh, full)
         return (
-            replace(found, result=again, mesh=beside.mesh, rounds=[*found.rounds[:-1], last]),
+            replace(base, result=again, mesh=beside.mesh, rounds=[*base.rounds[:-1], last]),
             replace(beside, result=same),
         )
 
     def davis_beside(
-        self, found: AdaptiveResult[LimitLoadResult], settings: FemSettings
+        self, base: AdaptiveResult[LimitLoadResult], settings: FemSettings
     ) -> AdaptiveResult[LimitLoadResult]:
-        """Davis's estimate of the critical Kh beside ``found``, which is with ψ = φ; 0 where the ground fails without
+        """Davis's estimate of the critical Kh beside ``base``, which is with ψ = φ; 0 where the ground fails without
         any.
 
-        On the mesh of ``found`` it is no more than that. Raises what `beside` does but for UnstableError.
+        On the mesh of ``base`` it is no more than that. Raises what `beside` does but for UnstableError.
         """
         try:
-            beside = self.beside(found, settings.model_copy(update={"flow": "davis"}))
+            beside = self.beside(base, settings.model_copy(update={"flow": "davis"}))
         except UnstableError:
-            beside = replace(found, result=replace(found.result, kc=-1.0, flow="davis"), other=None)
+            beside = replace(base, result=replace(base.result, kc=-1.0, flow="davis"), other=None)
         return beside if beside.result.kc > 0.0 else failing_by_itself(beside)
 
     def safety(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor]:
@@ -245,9 +245,9 @@ class AdaptiveSearch:
         def solve(mesh: QuadMesh) -> SafetyFactor:
             nonlocal guess
             self.tell(f"factor of safety at Kh = {kh:g}: {len(mesh.cells)} cells")
-            found = safety_at_once(self.section, mesh, settings, kh, self.comm, guess)
-            guess = found.factor
-            return found
+            result = safety_at_once(self.section, mesh, settings, kh, self.comm, guess)
+            guess = result.factor
+            return result
 
         def remade(mesh: QuadMesh, strain: np.ndarray, cells: int) -> QuadMesh:
             return self._next(mesh, strain, cells, faces, settings)
@@ -256,25 +256,25 @@ class AdaptiveSearch:
             self.first, remade, solve, Wish(FACTOR_SHARE * settings.accuracy, self._most_cells(settings))
         )
 
-    def safety_beside(self, found: AdaptiveResult[SafetyFactor], other: FemSettings, kh: float) -> float:
-        """The factor of safety by the flow rule of ``other`` settings on the mesh of ``found``, or on one of as many
-        cells that is made for its mechanism, if that is less; no less than ``found`` where that is Davis's estimate.
+    def safety_beside(self, base: AdaptiveResult[SafetyFactor], other: FemSettings, kh: float) -> float:
+        """The factor of safety by the flow rule of ``other`` settings on the mesh of ``base``, or on one of as many
+        cells that is made for its mechanism, if that is less; no less than ``base`` where that is Davis's estimate.
 
         Raises what ``safety_at_once`` does.
         """
-        same = safety_at_once(self.section, found.mesh, other, kh, self.comm, found.result.factor)
+        same = safety_at_once(self.section, base.mesh, other, kh, self.comm, base.result.factor)
         factor = same.factor
-        if same.mechanism is not None and len(found.rounds) > 1:
+        if same.mechanism is not None and len(base.rounds) > 1:
             strain = same.mechanism.plastic_shear_strain
             try:
                 faces = faces_at(self.section, other, kh)
-                mesh = self._next(found.mesh, strain, len(found.mesh.cells), faces, other)
+                mesh = self._next(base.mesh, strain, len(base.mesh.cells), faces, other)
                 factor = min(factor, safety_at_once(self.section, mesh, other, kh, self.comm, factor).factor)
             except NoAnswerError:
                 pass
-        return max(factor, found.result.factor) if other.flow == "associated" else factor
+        return max(factor, base.result.factor) if other.flow == "associated" else factor
 
-    def _rough_faces(self, first: QuadMesh, settings: FemSettings) -> list[Skin] | None:
+    def _rough_faces(self, first: QuadMesh, settings: FemSettings) -> list[ShallowFailure] | None:
         """The cohesionless faces to strengthen where a ``first`` mesh has many cells, as found on one of few; None
         where it has to tell itself, in one more limit load."""
         rough = self._rough_mesh(first)
@@ -303,7 +303,7 @@ class AdaptiveSearch:
             return None
 
 
-def failing_by_itself(found: AdaptiveResult[LimitLoadResult]) -> AdaptiveResult[LimitLoadResult]:
+def failing_by_itself(base: AdaptiveResult[LimitLoadResult]) -> AdaptiveResult[LimitLoadResult]:
     """The answer of ground that fails under its own weight: a critical Kh of 0."""
-    result = replace(found.result, kc=0.0, verdict="plateau", reason=FAILS_BY_ITSELF, mechanism=None)
-    return replace(found, result=result)
+    result = replace(base.result, kc=0.0, verdict="plateau", reason=FAILS_BY_ITSELF, mechanism=None)
+    return replace(base, result=result)

@@ -1,4 +1,4 @@
-"""All that is said of a section: critical Kh to both sides, ψ = φ and Davis's estimate, factors of safety, doubts."""
+"""All that is said of a section: critical Kh to both sides, ψ = φ and Davis's estimate, factors of safety, warnings."""
 
 from collections.abc import Callable
 from concurrent.futures import Future
@@ -13,10 +13,10 @@ from fem.limit_load.limit_load import LimitLoadResult
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import element_for
 from fem.search.adaptive import AdaptiveSearch, failing_by_itself
-from fem.search.checks import SAME_MESH, doubts_of, of_uplift
+from fem.search.checks import SAME_MESH, of_uplift, warnings_of
 from fem.search.critical import CriticalResult, critical_coefficient
-from fem.search.doubts import Doubt
 from fem.search.mesh_sequence import AdaptiveResult
+from fem.search.result_warnings import ResultWarning
 from fem.search.strength_reduction import SafetyFactor, safety_factor
 from fem.settings import FemSettings
 from fem.solvers.blas_threads import one_more_thread
@@ -30,7 +30,7 @@ from meshes.settings import MeshSettings
 AssessmentListener = Callable[[str, EquilibriumPath | None], None]
 
 # A factor of safety that is being looked for, or why there is none.
-Safety = Future[AdaptiveResult[SafetyFactor] | Doubt]
+Safety = Future[AdaptiveResult[SafetyFactor] | ResultWarning]
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Assessment:
         ψ = φ, since discs hardly dilate; None where it was not asked for.
     safety : list of AdaptiveResult
         Factors of safety at the Kh asked for, the first without shaking, each on meshes of its own.
-    doubts : list of Doubt
+    warnings : list of ResultWarning
         What contradicts the answer or is to be known.
     """
 
@@ -69,7 +69,7 @@ class Assessment:
     davis: AdaptiveResult[LimitLoadResult] | None
     rigid_box: AdaptiveResult[CriticalResult] | None
     safety: list[AdaptiveResult[SafetyFactor]]
-    doubts: list[Doubt]
+    warnings: list[ResultWarning]
 
 
 def assess(
@@ -119,15 +119,15 @@ def _together(
     safety: list[Safety],
 ) -> Assessment:
     """All answers, once those that were begun are there; ``beside`` is that by the other flow rule."""
-    told = [each.result() for each in safety]
-    factors = [each for each in told if not isinstance(each, Doubt)]
+    outcomes = [each.result() for each in safety]
+    factors = [each for each in outcomes if not isinstance(each, ResultWarning)]
     associated, davis = (None, beside) if critical.flow == "associated" else (beside, None)
     if davis is not None and any(f.result.kh == 0.0 and _fails(f.result.beside) for f in factors):
         davis = failing_by_itself(davis)
-    doubts = doubts_of(critical, mesh, associated.result if associated else None)
-    doubts += [each for each in told if isinstance(each, Doubt)]
+    warnings = warnings_of(critical, mesh, associated.result if associated else None)
+    warnings += [each for each in outcomes if isinstance(each, ResultWarning)]
     return Assessment(
-        critical, mesh, adapted, opposite, associated, davis, box.result() if box else None, factors, doubts
+        critical, mesh, adapted, opposite, associated, davis, box.result() if box else None, factors, warnings
     )  # fmt: skip
 
 
@@ -155,16 +155,16 @@ class _Search:
         try:
             adapted = self.limit_loads(settings)
             if adapted is None:
-                found = self.by_path(settings, safety)
+                assessment = self.by_path(settings, safety)
             else:
-                found = self.with_limit_loads(adapted, settings, safety)
+                assessment = self.with_limit_loads(adapted, settings, safety)
         except UnstableError as error:
             raise self.fails(settings, error) from error
-        below_one = [each.result for each in found.safety if each.result.kh == 0.0 and _fails(each.result.factor)]
+        below_one = [each.result for each in assessment.safety if each.result.kh == 0.0 and _fails(each.result.factor)]
         if adapted is not None and below_one:  # what little Kh there is, is the error of its mesh
             unstable = UnstableError("the section fails under its own weight, if not on every mesh")
             raise self.fails(settings, unstable, below_one[0])
-        return replace(found, doubts=[*found.doubts, *of_uplift(self.section.uplift)])
+        return replace(assessment, warnings=[*assessment.warnings, *of_uplift(self.section.uplift)])
 
     def with_limit_loads(
         self, adapted: AdaptiveResult[LimitLoadResult], settings: FemSettings, safety: list[Safety] | None
@@ -179,11 +179,11 @@ class _Search:
         safety = self.begin_safety(one_way) if safety is None else safety
         beside = self.executor.submit(partial(self.beside_limit_loads, adapted, one_way))
         critical = self.path_to(adapted, one_way)
-        found, other = beside.result()
-        if found is not adapted:
-            box = self.begin_box(one_way, found, found.mesh)
-            critical = self.path_to(found, one_way)
-        return _together(critical, found.mesh, found, found.other, other, box, safety)
+        better, other = beside.result()
+        if better is not adapted:
+            box = self.begin_box(one_way, better, better.mesh)
+            critical = self.path_to(better, one_way)
+        return _together(critical, better.mesh, better, better.other, other, box, safety)
 
     def path_to(self, limit: AdaptiveResult[LimitLoadResult], settings: FemSettings) -> CriticalResult:
         """The path to a limit load, on its mesh; raises UnstableError."""
@@ -206,7 +206,7 @@ class _Search:
 
     def begin_safety(self, settings: FemSettings) -> list[Safety]:
         """Begin with the factors of safety that are asked for."""
-        return [self.executor.submit(partial(self.or_doubt, settings, kh)) for kh in settings.safety_factor_at]
+        return [self.executor.submit(partial(self.or_warning, settings, kh)) for kh in settings.safety_factor_at]
 
     def begin_box(
         self, settings: FemSettings, adapted: AdaptiveResult[LimitLoadResult] | None, mesh: QuadMesh
@@ -242,20 +242,20 @@ class _Search:
             return None
 
     def beside_limit_loads(
-        self, found: AdaptiveResult[LimitLoadResult], settings: FemSettings
+        self, adapted: AdaptiveResult[LimitLoadResult], settings: FemSettings
     ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult] | None]:
         """Those, and beside them those by the other flow rule: ψ = φ, or Davis's estimate where ψ = φ is the flow; None
         where there are none, or where ψ = φ is given."""
         try:
             if self.dilates_more(settings):
-                return found, self.on_meshes("Kh by Davis's estimate").davis_beside(found, settings)
+                return adapted, self.on_meshes("Kh by Davis's estimate").davis_beside(adapted, settings)
             if not self.is_substituted(settings):
-                return found, None
-            return self.on_meshes("Kh with ψ = φ").beside_full_dilation(found, settings)
+                return adapted, None
+            return self.on_meshes("Kh with ψ = φ").beside_full_dilation(adapted, settings)
         except UnstableError:
             raise
         except NoAnswerError:
-            return found, None
+            return adapted, None
 
     def by_other_flow(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult] | None:
         """The limit load by the other flow rule, where a path has to do by its own; None where Davis's estimate has
@@ -306,8 +306,8 @@ class _Search:
         if limit is not None:
             mesh, ground = limit.mesh, limit.result.ground
             start = ground if ground.settings.sides == "fixed" and settings.element in ("auto", "reduced") else None
-        found = critical_coefficient(self.section, mesh, fixed, self.comm, self.told("fixed sides: Kh"), start)
-        return AdaptiveResult(found, mesh)
+        result = critical_coefficient(self.section, mesh, fixed, self.comm, self.told("fixed sides: Kh"), start)
+        return AdaptiveResult(result, mesh)
 
     def safety(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor]:
         """The factor of safety on meshes made for it; on the first one where the flow is not associated."""
@@ -318,49 +318,49 @@ class _Search:
                 raise
             except NoAnswerError:  # the solver left none: a path has to do
                 pass
-        found = safety_factor(self.section, self.first, settings, kh, self.comm, self.told("factor of safety"))
-        return AdaptiveResult(found, self.first)
+        result = safety_factor(self.section, self.first, settings, kh, self.comm, self.told("factor of safety"))
+        return AdaptiveResult(result, self.first)
 
     def with_factor_beside(
-        self, found: AdaptiveResult[SafetyFactor], settings: FemSettings, kh: float
+        self, adapted: AdaptiveResult[SafetyFactor], settings: FemSettings, kh: float
     ) -> AdaptiveResult[SafetyFactor]:
         """The factor of safety, and beside it that by the other flow rule, if there is one."""
         if is_dilating_fully(self.section.strata):
-            return found
+            return adapted
         other = settings.model_copy(update={"flow": "davis" if settings.flow == "associated" else "associated"})
         self.tell(f"factor of safety at Kh = {kh:g} {self.by(other.flow)}", None)
         try:
-            beside = self.on_meshes().safety_beside(found, other, kh)
+            beside = self.on_meshes().safety_beside(adapted, other, kh)
         except NoAnswerError:
-            return found
-        return replace(found, result=replace(found.result, beside=beside))
+            return adapted
+        return replace(adapted, result=replace(adapted.result, beside=beside))
 
-    def fails(self, settings: FemSettings, error: UnstableError, found: SafetyFactor | None = None) -> UnstableError:
-        """The same error with the factor of safety, by both flow rules where they make two grounds, ``found`` or still
-        to be; or with the factor against uplift, where pore pressure exceeds the weight above it."""
+    def fails(self, settings: FemSettings, error: UnstableError, known: SafetyFactor | None = None) -> UnstableError:
+        """The same error with the factor of safety, by both flow rules where they make two grounds; or with the factor
+        against uplift, where pore pressure exceeds the weight above it."""
         if self.section.uplift is not None:
             return error if self.section.uplift.words in error.reason else lifted(self.section.uplift, error.reason)
-        found = found or self.safety(settings, 0.0).result
-        told = f"{error.reason}; its factor of safety is {found.factor:.2f}"
+        factor = known or self.safety(settings, 0.0).result
+        message = f"{error.reason}; its factor of safety is {factor.factor:.2f}"
         if is_dilating_fully(self.section.strata):
-            return UnstableError(told, error.remedy)
+            return UnstableError(message, error.remedy)
         if not self.is_substituted(settings):
-            low = "" if found.beside is None else f", and {found.beside:.2f} {self.by('davis')}"
-            return UnstableError(f"{told} {self.by('associated')}{low}", error.remedy)
-        full = found.beside
+            low = "" if factor.beside is None else f", and {factor.beside:.2f} {self.by('davis')}"
+            return UnstableError(f"{message} {self.by('associated')}{low}", error.remedy)
+        full = factor.beside
         if full is None:
             full = self.safety(settings.model_copy(update={"flow": "associated"}), 0.0).result.factor
         rule = f" {self.by('davis')}" if settings.flow == "davis" else ""
         remedy = 'with fem.flow = "associated" it stands, and has a critical Kh' if full > 1.0 else error.remedy
-        return UnstableError(f"{told}{rule}, and {full:.2f} {self.by('associated')}", remedy)
+        return UnstableError(f"{message}{rule}, and {full:.2f} {self.by('associated')}", remedy)
 
-    def or_doubt(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor] | Doubt:
+    def or_warning(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor] | ResultWarning:
         """The factor of safety at ``kh``, or why there is none."""
         try:
             return self.safety(settings, kh)
         except NoAnswerError as error:
             why = f"There is no factor of safety at Kh = {kh:g}: {error}."
-            return Doubt(why, "look at a smaller Kh", False)
+            return ResultWarning(why, "look at a smaller Kh", False)
 
     def by(self, flow: FlowSetting) -> str:
         """A flow rule as a message tells of it."""

@@ -1,7 +1,6 @@
-"""Judges of an answer: what contradicts it or takes its firmness, each with what to do.
+"""Checks of an answer: each returns warnings of what contradicts it or makes it uncertain, with a remedy.
 
-Every judge is a function of answers that have been found; nothing is computed anew, and nothing is taken from another
-section than the one at hand.
+A check is a function of answers that have been found. It computes nothing anew.
 """
 
 from collections.abc import Iterator
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.continuum.fields import State, touched_sides
-from fem.search.doubts import Doubt
+from fem.search.result_warnings import ResultWarning
 from meshes.quad_mesh import QuadMesh
 from meshes.quality import corner_angles
 from meshes.section.uplift import Uplift
@@ -29,9 +28,9 @@ NARROW = 15.0
 AT_BASE = 0.1
 
 
-def doubts_of(
+def warnings_of(
     result: "CriticalResult", mesh: QuadMesh, associated: "LimitLoadResult | CriticalResult | None" = None
-) -> list[Doubt]:
+) -> list[ResultWarning]:
     """What an answer shows by itself and beside that with ψ = φ."""
     return [
         *of_verdict(result.verdict, result.reason, result.remedy),
@@ -41,45 +40,47 @@ def doubts_of(
     ]
 
 
-def of_uplift(uplift: Uplift | None) -> Iterator[Doubt]:
+def of_uplift(uplift: Uplift | None) -> Iterator[ResultWarning]:
     """Pore pressure above the total vertical stress: nothing but the strength of the ground holds it down."""
     if uplift is not None:
-        yield Doubt(
+        yield ResultWarning(
             f"{uplift.words[0].upper()}{uplift.words[1:]}.",
             "check the levels of the water, or relieve its pressure; no answer for such a section counts before",
         )
 
 
-def of_verdict(verdict: "PathVerdict", reason: str, remedy: str) -> Iterator[Doubt]:
+def of_verdict(verdict: "PathVerdict", reason: str, remedy: str) -> Iterator[ResultWarning]:
     """A path that ended before it had shown a limit load."""
     if verdict == "undecided":
-        yield Doubt(f"The path ended before a limit load was found: {reason}.", remedy)
+        yield ResultWarning(f"The path ended before a limit load was found: {reason}.", remedy)
 
 
-def of_dilation(result: "CriticalResult", associated: "LimitLoadResult | CriticalResult | None") -> Iterator[Doubt]:
+def of_dilation(
+    result: "CriticalResult", associated: "LimitLoadResult | CriticalResult | None"
+) -> Iterator[ResultWarning]:
     """Ground that dilates less cannot bear more: no limit load is above that of ψ = φ (Radenkovic 1961)."""
     if associated is None or associated.direction != result.direction:
         return
     if result.kc > (1.0 + SAME_MESH) * associated.kc:
-        yield Doubt(
+        yield ResultWarning(
             f"The critical Kh with ψ < φ, {result.kc:.3f}, is above {associated.kc:.3f}, that with ψ = φ.",
             f'take {associated.kc:.3f} as an upper limit, use flow = "davis", or refine the mesh',
         )
 
 
-def of_boundaries(mesh: QuadMesh, mechanism: State, verdict: "PathVerdict") -> Iterator[Doubt]:
+def of_boundaries(mesh: QuadMesh, mechanism: State, verdict: "PathVerdict") -> Iterator[ResultWarning]:
     """A mechanism that the edges of the section have a part in."""
     if verdict not in ("plateau", "peak"):
         return
     sides = touched_sides(mesh, mechanism)
     if sides:
-        yield Doubt(
+        yield ResultWarning(
             f"The ground that slides reaches the {' and the '.join(sides)} side: what is assumed there decides.",
             'make the section wider, or compare sides = "fixed", "smooth" and "free-field"',
             contradiction=False,
         )
     if touches_base(mesh, mechanism):
-        yield Doubt(
+        yield ResultWarning(
             "The slip surface runs along the base of the section: ground below it might fail with less.",
             "make the section deeper, unless firm rock lies there",
             contradiction=False,
@@ -92,13 +93,13 @@ def touches_base(mesh: QuadMesh, mechanism: State) -> bool:
     return bool(at_base.any() and mechanism.shear_strain[at_base].max() > AT_BASE * mechanism.shear_strain.max())
 
 
-def of_cells(mesh: QuadMesh) -> Iterator[Doubt]:
+def of_cells(mesh: QuadMesh) -> Iterator[ResultWarning]:
     """Cells with a narrow corner, in which displacements are poor."""
     narrowest = np.abs(corner_angles(mesh.points, mesh.cells)).min(axis=1)
     count = int(np.count_nonzero(narrowest < NARROW))
     if count:
         x, z = mesh.points[mesh.cells[int(narrowest.argmin())]].mean(axis=0)
-        yield Doubt(
+        yield ResultWarning(
             f"{count} of {len(mesh.cells)} cells have a corner below {NARROW:g}°; the narrowest, "
             f"{narrowest.min():.1f}°, is at x = {x:.1f} m, elevation {z:.1f} m.",
             "end thin layers in a step in the section"

@@ -12,7 +12,7 @@ import numpy as np
 from fem.continuum.fields import State, state_of, touched_sides
 from fem.continuum.loads import Direction, sign_of
 from fem.continuum.plane_strain import PlaneStrain
-from fem.continuum.shallow_failure import Skin
+from fem.continuum.shallow_failure import ShallowFailure
 from fem.continuum.strength import Flow, flow_of
 from fem.limit_load.limit_load import Ground, at_rest, cohesionless_faces, pushed
 from fem.path.equilibrium_path import EquilibriumPath
@@ -72,7 +72,7 @@ class CriticalResult:
         Linear systems factorised under gravity.
     gravity_plastic_share : float
         Share of the quadrature points that yield under gravity (-).
-    skins : list of Skin
+    shallow_failures : list of ShallowFailure
         Cohesionless faces whose grains roll down before; the ground below was searched for deeper failures.
     at_once : State or None
         The mechanism of the limit load that was found at once.
@@ -95,7 +95,7 @@ class CriticalResult:
     solves: int
     gravity_iterations: int
     gravity_plastic_share: float
-    skins: list[Skin]
+    shallow_failures: list[ShallowFailure]
     at_once: State | None = None
     other: "CriticalResult | None" = None
 
@@ -180,12 +180,12 @@ def _towards(
     ground = ground or pushed(section, mesh, settings, comm)
     while True:
         ground = at_rest(ground)
-        found = _followed(ground, mesh, sign, settings, listener)
+        result = _followed(ground, mesh, sign, settings, listener)
         sand = cohesionless_faces(section, settings)
-        if ground.limit is not None or ground.faces or all(face.kh >= found.kc for face in sand):
+        if ground.limit is not None or ground.faces or all(face.kh >= result.kc for face in sand):
             break
         ground = pushed(section, mesh, settings, comm, sand)
-    return replace(found, skins=[face for face in ground.faces if face.kh < found.kc])
+    return replace(result, shallow_failures=[face for face in ground.faces if face.kh < result.kc])
 
 
 def _followed(
@@ -233,7 +233,7 @@ def _followed(
         solves=path.solves,
         gravity_iterations=gravity.solves,
         gravity_plastic_share=gravity.steps[-1].plastic_share,
-        skins=[],
+        shallow_failures=[],
         at_once=known.mechanism if known is not None and limit.verdict == "plateau" else None,
     )
 

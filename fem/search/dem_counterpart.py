@@ -1,8 +1,8 @@
-"""The continuum as discs are: between fixed sides, with the dilation that the soil has, and pushed on once it yields.
+"""The FEM model with the boundary conditions of the DEM box: fixed sides, and non-associated flow with the given ψ.
 
 Davis's substitute weakens sand and leaves clay as it is, which moves the slip surface to where the sand is: that of
-S-13 between fixed sides lies 5 m from the one with ψ as given. Discs have the strength of the soil, and their own
-little dilation. So their slip surface is held against that of the non-associated path.
+S-13 between fixed sides lies 5 m from the one with ψ as given. Discs have the strength of the soil and dilate little.
+So the slip surface of the discs is compared with that of the non-associated path.
 """
 
 from dataclasses import dataclass, replace
@@ -22,8 +22,8 @@ from meshes.section.section import Section
 
 
 @dataclass(frozen=True)
-class AsDiscs:
-    """How the ground fails then.
+class RigidBoxPath:
+    """Equilibrium path and slip surface between fixed sides, with non-associated flow.
 
     Attributes
     ----------
@@ -48,9 +48,9 @@ class AsDiscs:
     slip_surface: np.ndarray
 
 
-def as_discs(
+def rigid_box_path(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
-) -> AsDiscs:
+) -> RigidBoxPath:
     """The non-associated path between fixed sides, in the direction of the ``settings``.
 
     Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
@@ -64,16 +64,16 @@ def as_discs(
         if listener is not None:
             listener(path)
 
-    found = critical_coefficient(section, mesh, wish, comm, step)
+    result = critical_coefficient(section, mesh, wish, comm, step)
     line = np.zeros((0, 2))
-    if found.verdict != "no failure":
-        last = next(state for state in reversed(found.states) if not state.past_equilibrium)
-        yielding = next((moved for kh, moved in way if kh >= YIELDED * found.kc), way[-1][1])
+    if result.verdict != "no failure":
+        last = next(state for state in reversed(result.states) if not state.past_equilibrium)
+        yielding = next((moved for kh, moved in way if kh >= YIELDED * result.kc), way[-1][1])
         line = slip_surface(mesh, replace(last, displacement=last.displacement - yielding))
-    return AsDiscs(found.kc, found.upper, found.verdict, found.reason, found.steps, line)
+    return RigidBoxPath(result.kc, result.upper, result.verdict, result.reason, result.steps, line)
 
 
-def dilating_fully(
+def associated_rigid_box_kc(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
 ) -> float:
     """The critical Kh between fixed sides with psi = phi: no ground that dilates less bears more (Radenkovic 1961).

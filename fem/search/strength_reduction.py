@@ -63,7 +63,7 @@ class SafetyFactor:
         Why the path ended, and what to do if it has no answer.
     steps : list of PathStep
         The path: the factor over the control displacement.
-    skin : float or None
+    shallow_failure : float or None
         The factor at which grains roll down a cohesionless face, if there is one (-).
     mechanism : State or None
         The mechanism, where the factor was found at once.
@@ -79,7 +79,7 @@ class SafetyFactor:
     reason: str
     remedy: str
     steps: list[PathStep]
-    skin: float | None = None
+    shallow_failure: float | None = None
     mechanism: State | None = None
     beside: float | None = None
 
@@ -107,9 +107,9 @@ def safety_at_once(
     if kh != 0.0:
         constant = constant + kh * seismic_load(problem, mesh, section, push(section, settings))
     factor, mechanism = direct_factor(problem, mesh, constant, kh, guess)
-    skin = least_rolling_factor(section, faces, kh, _friction(section, settings))
+    shallow = least_rolling_factor(section, faces, kh, _friction(section, settings))
     reason = f"it is that of {len(mesh.cells)} cells"
-    return SafetyFactor(kh, factor, factor, "plateau", reason, "", [], skin, mechanism)
+    return SafetyFactor(kh, factor, factor, "plateau", reason, "", [], shallow, mechanism)
 
 
 def safety_factor(
@@ -196,9 +196,9 @@ def safety_factor(
         return path.displacement / path.reference
 
     rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
-    found = find_limit_load(path, ductility, LARGEST_FACTOR, rule, listener)
-    skin = least_rolling_factor(section, faces, kh, _friction(section, settings))
-    return SafetyFactor(kh, found.held, found.upper, found.verdict, found.reason, found.remedy, path.steps, skin)
+    limit = find_limit_load(path, ductility, LARGEST_FACTOR, rule, listener)
+    shallow = least_rolling_factor(section, faces, kh, _friction(section, settings))
+    return SafetyFactor(kh, limit.held, limit.upper, limit.verdict, limit.reason, limit.remedy, path.steps, shallow)
 
 
 def _friction(section: Section, settings: FemSettings) -> np.ndarray:

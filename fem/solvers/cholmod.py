@@ -84,8 +84,8 @@ class Cholesky:
         self._work = tuple(c_void_p() for _ in range(3))  # solution and work space, kept for the next call
         matrix, order = self._matrix(np.zeros(len(self._rows))), np.zeros(self._size, dtype=np.int32)
         nested = self._library.cholmod_metis
-        given = nested(byref(matrix), None, 0, 1, order.ctypes.data_as(c_void_p), self._settings)
-        chosen = order.ctypes.data_as(c_void_p) if given else None
+        ordered = nested(byref(matrix), None, 0, 1, order.ctypes.data_as(c_void_p), self._settings)
+        chosen = order.ctypes.data_as(c_void_p) if ordered else None
         self._factor = c_void_p(self._library.cholmod_analyze_p(byref(matrix), chosen, None, 0, self._settings))
         if not self._factor:
             raise MemoryError("CHOLMOD could not analyse a matrix")
@@ -109,8 +109,8 @@ class Cholesky:
         )
         if not done:
             raise MemoryError("CHOLMOD could not solve equations")
-        found = ctypes.cast(solution, POINTER(_Dense)).contents
-        values = ctypes.cast(found.x, POINTER(c_double))
+        dense = ctypes.cast(solution, POINTER(_Dense)).contents
+        values = ctypes.cast(dense.x, POINTER(c_double))
         return np.ctypeslib.as_array(values, shape=(count, self._size)).T.copy(order="F")
 
     def _matrix(self, values: np.ndarray) -> _Sparse:
@@ -138,8 +138,8 @@ def available() -> bool:
         lower.sort_indices()
         factors = Cholesky(lower)
         factors.factorise(lower.data)
-        found = factors.solve(matrix @ wanted)
-        return bool(np.abs(found - wanted).max() < 1e-12)
+        solution = factors.solve(matrix @ wanted)
+        return bool(np.abs(solution - wanted).max() < 1e-12)
     except (OSError, MemoryError, ArithmeticError):
         return False
 

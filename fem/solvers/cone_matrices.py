@@ -61,8 +61,8 @@ class ConeProgram:
     def torn(self) -> np.ndarray:
         """Numbers of the corners with a tension cut-off that lies before the apex of their cone."""
         tension = np.broadcast_to(self.tension, self.cohesion.shape)
-        given = np.where(np.isfinite(tension), tension, 0.0)
-        return np.flatnonzero(np.isfinite(tension) & (given * np.tan(self.friction) < self.cohesion))
+        finite = np.where(np.isfinite(tension), tension, 0.0)
+        return np.flatnonzero(np.isfinite(tension) & (finite * np.tan(self.friction) < self.cohesion))
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,6 +212,6 @@ def standard(program: ConeProgram, data: Assembled, magnified: float) -> tuple[S
 
 def _numbers(corners: int, those: np.ndarray) -> np.ndarray:
     """The place of every corner (k,) among ``those``, -1 for others."""
-    found = np.full(corners, -1)
-    found[those] = np.arange(len(those))
-    return found
+    numbers = np.full(corners, -1)
+    numbers[those] = np.arange(len(those))
+    return numbers

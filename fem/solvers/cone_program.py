@@ -251,20 +251,22 @@ def _by_interior_point(
             most = max(LEAST_INTERIOR_ITERATIONS, int(most_work / cost))
         iterations = 0
         for place in (warm.place, None) if warm else (None,):
-            found = interior_point.interior_solution(form, magnified, gap, matrix, check_cancelled, place, most)
-            iterations += found.iterations
-            met = found.residual <= interior_point.NEARLY and found.gap <= WIDER * gap
+            solution = interior_point.interior_solution(form, magnified, gap, matrix, check_cancelled, place, most)
+            iterations += solution.iterations
+            met = solution.residual <= interior_point.NEARLY and solution.gap <= WIDER * gap
             if met:
                 break
     except (MemoryError, ArithmeticError) as error:  # the second where there is no place to begin
         return _End(type(error).__name__, np.empty(0), np.empty(0), False, 0, 0.0)
-    z = np.empty(len(found.z))
-    z[order] = found.z / magnified
+    z = np.empty(len(solution.z))
+    z[order] = solution.z / magnified
     work = cost * iterations
-    middle = 0.5 * (found.primal + found.dual) / magnified
-    kept = Warm(found.warm, matrix, form) if found.warm else None
+    middle = 0.5 * (solution.primal + solution.dual) / magnified
+    kept = Warm(solution.warm, matrix, form) if solution.warm else None
     status = "Solved" if met else "NumericalError"
-    return _End(status, found.y, z, met, iterations, work, middle, warm=kept, out_of_work=not met and work >= most_work)
+    return _End(
+        status, solution.y, z, met, iterations, work, middle, warm=kept, out_of_work=not met and work >= most_work
+    )
 
 
 def _by_clarabel(
@@ -280,13 +282,11 @@ def _by_clarabel(
         work += cost * end.iterations
         if _poorness(end) == 0 or work >= most_work:
             break
-    found = min(ends, key=_poorness)
-    x, z = np.asarray(found.x), np.asarray(found.z) / magnified
+    best = min(ends, key=_poorness)
+    x, z = np.asarray(best.x), np.asarray(best.z) / magnified
     iterations = sum(end.iterations for end in ends)
-    poorness = _poorness(found)
-    return _End(
-        str(found.status), x, z, poorness <= 1, iterations, work, out_of_work=poorness > 0 and work >= most_work
-    )
+    poorness = _poorness(best)
+    return _End(str(best.status), x, z, poorness <= 1, iterations, work, out_of_work=poorness > 0 and work >= most_work)
 
 
 def _solved(
@@ -304,12 +304,12 @@ def _solved(
     return solver.solve(), cost
 
 
-def _poorness(found: clarabel.DefaultSolution) -> int:
+def _poorness(solution: clarabel.DefaultSolution) -> int:
     """0 where the solver met its tolerances, or almost and its equations well, or proved that there is no solution; 1
     where it met them almost; 2 where it almost proved that, and 3 where it ended otherwise."""
-    status = str(found.status)
+    status = str(solution.status)
     if status == "AlmostSolved":
-        return int(max(found.r_prim, found.r_dual) > NEARLY)
+        return int(max(solution.r_prim, solution.r_dual) > NEARLY)
     if status.endswith("Infeasible"):
         return 2 if status.startswith("Almost") else 0
     return 0 if status == "Solved" else 3

@@ -83,12 +83,12 @@ def distribute(comm: Any, points: np.ndarray, cells: np.ndarray, degree: int) ->
     The space is bilinear (``degree`` 1) or biquadratic (``degree`` 2).
     """
     if comm.rank == 0:
-        given, x = cells[:, TENSOR_ORDER].astype(np.int64), np.ascontiguousarray(points, dtype=np.float64)
+        ordered, x = cells[:, TENSOR_ORDER].astype(np.int64), np.ascontiguousarray(points, dtype=np.float64)
     else:
-        given, x = np.empty((0, 4), dtype=np.int64), np.empty((0, 2))
+        ordered, x = np.empty((0, 4), dtype=np.int64), np.empty((0, 2))
     logging.disable(logging.INFO)  # FFCx would tell of every compiler call when it fills its cache
     try:
-        grid, space = _grid_and_space(comm, given, x, degree)
+        grid, space = _grid_and_space(comm, ordered, x, degree)
     finally:
         logging.disable(logging.NOTSET)
     owned_cells = grid.topology.index_map(2).size_local

@@ -99,7 +99,7 @@ class Iterate:
 
 
 def interior_solution(
-    given: Standard,
+    standard: Standard,
     unit: float,
     gap: float,
     matrix: CornerMatrix,
@@ -113,7 +113,7 @@ def interior_solution(
     the equations, if there is one. A ``start`` is a place that the same mesh with another strength went through: from
     well inside the cones half of the iterations do, from near the solution it often breaks down.
     """
-    return _Method(given, unit, gap, matrix).run(heed, start, most_iterations)
+    return _Method(standard, unit, gap, matrix).run(heed, start, most_iterations)
 
 
 class _BreakdownError(ArithmeticError):
@@ -123,20 +123,20 @@ class _BreakdownError(ArithmeticError):
 class _Method:
     """One program, the place it is at, and the factors there."""
 
-    def __init__(self, given: Standard, unit: float, gap: float, matrix: CornerMatrix) -> None:
-        self.given, self.unit, self.gap, self.stiffness_matrix = given, unit, gap, matrix
-        corners = given.corners
-        self.a, self.a_t = given.matrix, given.matrix.T.tocsr()
-        self.b, self.c = given.offset, given.cost
-        self.q, self.q_t = given.rates, given.rates.T.tocsr()
-        self.load = np.asarray(given.matrix[0].todense()).ravel()
+    def __init__(self, standard: Standard, unit: float, gap: float, matrix: CornerMatrix) -> None:
+        self.given, self.unit, self.gap, self.stiffness_matrix = standard, unit, gap, matrix
+        corners = standard.corners
+        self.a, self.a_t = standard.matrix, standard.matrix.T.tocsr()
+        self.b, self.c = standard.offset, standard.cost
+        self.q, self.q_t = standard.rates, standard.rates.T.tocsr()
+        self.load = np.asarray(standard.matrix[0].todense()).ravel()
         clays, singles, triples = (
             int(part.max(initial=-1)) + 1 for part in (corners.clay, corners.single, corners.triple)
         )
         count = len(corners.sine)
         self.first, self.cones = 1 + clays, count + triples
         self.lones = self.first + 3 * self.cones  # first row of single openings
-        self.velocities = given.rates.shape[1]
+        self.velocities = standard.rates.shape[1]
         at_corners = corners.sine, corners.clay, corners.single, corners.triple, corners.torn_sine
         self.eliminated = *at_corners, self.velocities, clays, self.velocities + clays + singles
         self.corners = at_corners
@@ -231,10 +231,10 @@ class _Method:
             raise _BreakdownError
         return best.dy, best.dz, best.ds, (steps[0], steps[1])
 
-    def is_exact(self, ry: np.ndarray, rz: np.ndarray, found: "_Trial", within: float) -> bool:
+    def is_exact(self, ry: np.ndarray, rz: np.ndarray, trial: "_Trial", within: float) -> bool:
         """Whether a direction could be refined well enough; where it could not, δ changes."""
-        ey = np.abs(ry - self.a_t @ found.dz).max()
-        ez = np.abs(rz - self.a @ found.dy + self.squared(found.dz)).max()
+        ey = np.abs(ry - self.a_t @ trial.dz).max()
+        ez = np.abs(rz - self.a @ trial.dy + self.squared(trial.dz)).max()
         beyond = max(ey, ez) / (1e-12 + within * max(np.abs(ry).max(), np.abs(rz).max()))
         if beyond > 1.0:
             much = OTHER_SOFT if ey > ez else 1.0 / OTHER_SOFT
@@ -245,13 +245,13 @@ class _Method:
         """What leads products back that a longer step would have far off the mean."""
         s_next = s + min(1.0, trial.primal + LONGER) * trial.ds
         z_next = z + min(1.0, trial.dual + LONGER) * trial.dz
-        found = np.zeros(len(s))
-        given = (self.cone(v) for v in (z, s_next, z_next))
-        centrality(self.axis, self.size, *given, aim, OFF_LOW, OFF_HIGH, self.cone(found))
+        residual = np.zeros(len(s))
+        cones = (self.cone(v) for v in (z, s_next, z_next))
+        centrality(self.axis, self.size, *cones, aim, OFF_LOW, OFF_HIGH, self.cone(residual))
         product = s_next[self.lones :] * z_next[self.lones :]
         back = np.clip(product, OFF_LOW * aim, OFF_HIGH * aim) - product
-        found[self.lones :] = np.maximum(back, -OFF_HIGH * aim) / z[self.lones :]
-        return found
+        residual[self.lones :] = np.maximum(back, -OFF_HIGH * aim) / z[self.lones :]
+        return residual
 
     def longest(self, v: np.ndarray, dv: np.ndarray) -> float:
         """The largest step that leaves all of v in its cones."""
@@ -262,10 +262,10 @@ class _Method:
 
     def squared(self, v: np.ndarray) -> np.ndarray:
         """W² v of a vector of rows; zero in the first ones."""
-        found = np.zeros(len(v))
-        add_products(self.square, self.cone(v), self.cone(found))
-        found[self.lones :] = self.lone * v[self.lones :]
-        return found
+        squares = np.zeros(len(v))
+        add_products(self.square, self.cone(v), self.cone(squares))
+        squares[self.lones :] = self.lone * v[self.lones :]
+        return squares
 
     def factorise(self) -> None:
         """Factors of the stiffness matrix at this place, and the answer to the load."""

@@ -25,15 +25,15 @@ def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.nda
     length = np.sqrt(np.asarray(matrix.multiply(matrix).sum(axis=1)).ravel())
     scaled = sparse.diags(1.0 / np.where(length > 0.0, length, 1.0)) @ matrix
     left = residual / np.where(length > 0.0, length, 1.0)
-    found = np.zeros(matrix.shape[1])
+    correction = np.zeros(matrix.shape[1])
     missed = np.inf
     for _ in range(MOST_CORRECTIONS):
-        rest = left - scaled @ found
+        rest = left - scaled @ correction
         if not 0.0 < np.abs(rest).max() < 0.5 * missed:  # met, no longer better, or no number
             break
         missed = np.abs(rest).max()
-        found += missed * interruptible(partial(_shortest, scaled.tocsc(), rest / missed))
-    return found
+        correction += missed * interruptible(partial(_shortest, scaled.tocsc(), rest / missed))
+    return correction
 
 
 def _shortest(matrix: sparse.csc_matrix, right: np.ndarray) -> np.ndarray:
@@ -45,6 +45,6 @@ def _shortest(matrix: sparse.csc_matrix, right: np.ndarray) -> np.ndarray:
     settings.equilibrate_enable = settings.presolve_enable = False
     settings.direct_solve_method = "qdldl"
     rows, size = matrix.shape
-    one, nothing = sparse.identity(size, format="csc"), np.zeros(size)
-    solver = clarabel.DefaultSolver(one, nothing, matrix, right, [clarabel.ZeroConeT(rows)], settings)
+    identity, zeros = sparse.identity(size, format="csc"), np.zeros(size)
+    solver = clarabel.DefaultSolver(identity, zeros, matrix, right, [clarabel.ZeroConeT(rows)], settings)
     return np.asarray(solver.solve().x)

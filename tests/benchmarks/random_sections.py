@@ -42,10 +42,11 @@ def main(gap: str = str(CLOSED), sides: str = "fixed") -> None:
     good = 0
     for entry in bounds_of_all(float(gap), sides):
         found = entry.found
-        skin = f", skin {min(face.kh for face in found.skins):.4f}" if found.skins else ""
+        least = min((face.kh for face in found.shallow_failures), default=None)
+        shallow = "" if least is None else f", shallow failure {least:.4f}"
         print(
             f"{entry.number:7d}  {found.lower:.4f}  {found.upper:.4f}  {100 * found.gap:5.2f} %  "
-            f"{found.meshes[-1].cells:9d}  {entry.seconds:7.1f}  {found.ended}{skin}",
+            f"{found.meshes[-1].cells:9d}  {entry.seconds:7.1f}  {found.ended}{shallow}",
             flush=True,
         )
         good += entry.good

@@ -21,9 +21,9 @@ from dem.slides.slip import compare, slip_surface
 from tests.support import SECTIONS
 from workflow.config import Config
 from workflow.results.continuum import FemAnswer
-from workflow.results.like_discs import LikeDiscs
+from workflow.results.dem_counterpart import DemCounterpart
 from workflow.run.store import Store
-from workflow.stages.like_discs import continuum_like_discs
+from workflow.stages.dem_counterpart import find_dem_counterpart
 
 
 def main() -> None:
@@ -44,7 +44,7 @@ def main() -> None:
 def predict(run: Path, seeds: int) -> None:
     """All packings of one section."""
     given = Config.load(run / "section.toml")
-    like, davis = continuum_like_discs(given, Store(run), lambda _: None), LikeDiscs.of(FemAnswer.read(Store(run)))
+    like, davis = find_dem_counterpart(given, Store(run), lambda _: None), DemCounterpart.of(FemAnswer.read(Store(run)))
     continuum = Continuum(like.kc, like.yielding_m)
     soil = soil_layers(given.section)
     ratios = []

@@ -24,8 +24,9 @@ def state(run: Config, kh: float, past: bool, failed: float) -> KeptState:
 def fem(run: Config, kc: float = 0.24, verdict: PathVerdict = "plateau") -> FemAnswer:
     return FemAnswer(
         section=SectionLabel.of(run.section), kc=kc, kc_lower=kc, kc_upper=kc + 0.004, verdict=verdict,
-        reason="it is flat", remedy="", judgement="sound", doubts=(), direction="downhill", towards="right",
-        opposite=None, associated=None, skins=(), flow=flow_of(run.section.strata, run.fem.flow), element="quadratic",
+        reason="it is flat", remedy="", judgement="sound", warnings=(), direction="downhill", towards="right",
+        opposite=None, associated=None, shallow_failures=(),
+        flow=flow_of(run.section.strata, run.fem.flow), element="quadratic",
         settings=run.fem, dilation_deg={},
         meshes=(), meshes_ended="", kc_limit=None,
         mesh=MeshCount(quadrilaterals=611, nodes=672, method="mapped"),
@@ -38,7 +39,7 @@ def bounds(run: Config, lower: float, upper: float, direction: Direction = "down
     part = DirectionPart(direction=direction, towards="right", lower=lower, upper=upper, leaves=(), history=())
     return BoundsAnswer(
         section=SectionLabel.of(run.section), lower=lower, upper=upper, directions=(part,), gap=0.1,
-        verdict="bracketed", reason="", words="so much", flow="associated, ψ = φ", substitute=None, skins=(),
+        verdict="bracketed", reason="", words="so much", flow="associated, ψ = φ", substitute=None, shallow_failures=(),
         least_depth=0.5, sides="free-field", direction=direction, vertical=0.0,
         cells=100, seconds=1.0, residuals=Residuals(lower=None, upper=None), history=(), settings=run.bounds,
     )  # fmt: skip

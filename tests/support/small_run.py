@@ -18,7 +18,7 @@ CONTINUUM = ("--only", "mesh", "--only", "fem", "--only", "report")
 # Discs for seconds: a few, only roughly at rest, not calibrated, and let slide for a moment.
 FEW_DISCS = {"elements": 60, "parameter": "none", "kh": [0.2], "resolution": 0.1, "unbalanced": 1e-2}
 SHORT_SLIDE = {
-    "judges": ["discs"], "seeds": [], "duration": 0.5, "frames": 2,
+    "methods": ["discs"], "seeds": [], "duration": 0.5, "frames": 2,
     "cases": [{"stiffness": k} for k in (0.1, 0.02, 0.01)],
 }  # fmt: skip
 

@@ -30,7 +30,7 @@ SECTION: dict[str, Any] = {
     "dem": {
         "model": "paper", "radius": "0.55 m", "kh": [], "resolution": 0.08, "parameter": "none", "element_tests": False,
     },
-    "slide": {"judges": ["discs"], "duration": 2.0, "frames": 2, "cases": [{"stiffness": 0.1}], "liquefies_at": 1.0},
+    "slide": {"methods": ["discs"], "duration": 2.0, "frames": 2, "cases": [{"stiffness": 0.1}], "liquefies_at": 1.0},
 }  # fmt: skip
 
 

@@ -33,7 +33,7 @@ def test_leaves_the_bracket_how_good_it_is_and_pictures(tmp_path: Path, capsys: 
     assert answer["verdict"] == "bracketed"
     assert answer["sides"] == "fixed"
     assert answer["substitute"]["upper"] < answer["upper"]
-    assert answer["skins"] == []
+    assert answer["shallow_failures"] == []
     assert answer["residuals"]["lower"]["yield_slack"] >= 0.0
     assert answer["residuals"]["upper"]["flow_slack"] >= 0.0
     assert answer["cells"] == answer["history"][-1]["cells"]
@@ -92,7 +92,7 @@ def test_grains_that_roll_down_are_told_and_the_slope_as_a_whole_is_bounded(
     path.write_text(tomli_w.dumps({**bank, "strata": [sand, layer("clay", cohesion="60 kPa", friction_angle="0 deg")]}))
     assert run("bounds", path, "--out", out, "--no-davis", *SMALL) == 0
     answer = json.loads((out / "fem/bounds.json").read_text())
-    [face] = answer["skins"]
+    [face] = answer["shallow_failures"]
     assert answer["upper"] > face["kh"] == pytest.approx(0.1482, abs=1e-4)
     told = " ".join(capsys.readouterr().out.split())
     assert 'Shallow failure of the face of "sand" from x = 10 to 20 m at Kh = 0.148' in told

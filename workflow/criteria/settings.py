@@ -71,10 +71,10 @@ class CriteriaSettings(Model):
         """The limits with those of the preset, its factor for a ``peak`` acceleration of the ground (over gravity)."""
         if self.preset is None:
             return self
-        told, factor = PRESETS[self.preset], self.factor_of_safety
+        preset, factor = PRESETS[self.preset], self.factor_of_safety
         if factor is None and peak is not None:
-            factor = FactorCriterion(limit=told.factor, kh=round(told.share * peak, 4), source=told.source)
-        displacement = self.displacement or LengthCriterion(limit=told.displacement, source=told.source)
+            factor = FactorCriterion(limit=preset.factor, kh=round(preset.share * peak, 4), source=preset.source)
+        displacement = self.displacement or LengthCriterion(limit=preset.displacement, source=preset.source)
         return self.model_copy(update={"factor_of_safety": factor, "displacement": displacement})
 
     @property

@@ -47,9 +47,9 @@ class Accelerogram:
 
     def scaled(self, factor: float) -> "Accelerogram":
         """The same with every acceleration multiplied."""
-        found = replace(self, acceleration=factor * self.acceleration)
-        told = [text for text in (_size(found.peak),) if text and factor != 1.0]
-        return replace(found, remarks=(*self.remarks, *(f"multiplied by {factor:g}, {text}" for text in told)))
+        scaled = replace(self, acceleration=factor * self.acceleration)
+        remarks = [text for text in (_size(scaled.peak),) if text and factor != 1.0]
+        return replace(scaled, remarks=(*self.remarks, *(f"multiplied by {factor:g}, {text}" for text in remarks)))
 
 
 def read(path: Path, unit: str = "", component: str = "") -> Accelerogram:
@@ -77,7 +77,7 @@ def read(path: Path, unit: str = "", component: str = "") -> Accelerogram:
     """
     lines = _lines(path)
     try:
-        known = next((one for one in FORMATS if one.recognised(lines)), None)
+        known = next((style for style in FORMATS if style.recognised(lines)), None)
         series = _chosen(table(lines) if known is None else known.read(lines), component)
         return _accelerogram(path.name, series, unit)
     except ValueError as error:
@@ -93,26 +93,28 @@ def _lines(path: Path) -> list[str]:
     return read_text(path).text.splitlines()
 
 
-def _chosen(found: list[RecordedSeries], wanted: str) -> RecordedSeries:
+def _chosen(components: list[RecordedSeries], wanted: str) -> RecordedSeries:
     """The component that is wanted, acceleration before what follows from it. Raises ValueError without a choice."""
-    of_acceleration = [one for one in found if one.quantity.lower().startswith("accel")]
-    found = of_acceleration or found
-    if not found:
+    of_acceleration = [component for component in components if component.quantity.lower().startswith("accel")]
+    components = of_acceleration or components
+    if not components:
         raise ValueError("its heading is that of a record, but no values follow")
     if not wanted:
-        if len(found) > 1:
-            raise ValueError(f"holds {len(found)} components, {_names(found)}: expected component = one of them")
-        return found[0]
+        if len(components) > 1:
+            raise ValueError(
+                f"holds {len(components)} components, {_names(components)}: expected component = one of them"
+            )
+        return components[0]
     key = _plain(wanted)
-    for number, one in enumerate(found, start=1):
-        parts = {_plain(one.component), *map(_plain, one.component.split(":")), str(number)}
-        if key in parts or (key.isalpha() and _plain(one.component).startswith(key)):
-            return one
-    raise ValueError(f'component = "{wanted}": holds {_names(found)}')
+    for number, component in enumerate(components, start=1):
+        parts = {_plain(component.component), *map(_plain, component.component.split(":")), str(number)}
+        if key in parts or (key.isalpha() and _plain(component.component).startswith(key)):
+            return component
+    raise ValueError(f'component = "{wanted}": holds {_names(components)}')
 
 
-def _names(found: list[RecordedSeries]) -> str:
-    return ", ".join(f'"{one.component or number}"' for number, one in enumerate(found, start=1))
+def _names(components: list[RecordedSeries]) -> str:
+    return ", ".join(f'"{component.component or number}"' for number, component in enumerate(components, start=1))
 
 
 def _plain(name: str) -> str:
@@ -130,32 +132,34 @@ def _accelerogram(name: str, series: RecordedSeries, unit: str) -> Accelerogram:
     elif series.counts:
         values = values - values.mean()
     else:
-        values, told = _without_offset(series.time, values)
-        remarks += told
-    found = Accelerogram(name, series.format, series.time, values)
-    if found.peak >= IMPOSSIBLE:
+        values, notes = _without_offset(series.time, values)
+        remarks += notes
+    record = Accelerogram(name, series.format, series.time, values)
+    if record.peak >= IMPOSSIBLE:
         raise ValueError(
-            f'its peak is {found.peak / GRAVITY:.3g} g where its unit is "{series.unit or unit}"; no ground has moved '
+            f'its peak is {record.peak / GRAVITY:.3g} g where its unit is "{series.unit or unit}"; no ground has moved '
             "so: expected acceleration, and its unit"
         )
     stated = None if series.peak is None else measured.factor * series.peak
-    return replace(found, remarks=(*remarks, *_doubts(found, stated if measured.motion == "acceleration" else None)))
+    return replace(
+        record, remarks=(*remarks, *_warnings(record, stated if measured.motion == "acceleration" else None))
+    )
 
 
 def _unit(series: RecordedSeries, given: str) -> MotionUnit:
     """What the values measure and in which unit. Raises ValueError where nothing says it, or two things say two."""
-    found = motion_unit(series.unit) if series.unit else None
-    if series.unit and found is None:
+    named = motion_unit(series.unit) if series.unit else None
+    if series.unit and named is None:
         raise ValueError(f'its heading gives the unit "{series.unit}", which is not understood; {EXPECTED}')
     wanted = motion_unit(given) if given else None
-    if found is None and wanted is None:
+    if named is None and wanted is None:
         raise ValueError(
             'its heading names no unit; expected unit = "g", "m/s^2" or "gal" beside the name of the file, or a '
             "heading such as time (s), acceleration (g)"
         )
-    if found is not None and wanted is not None and found != wanted:
+    if named is not None and wanted is not None and named != wanted:
         raise ValueError(f'unit = "{given}": its heading says "{series.unit}"; expected the same, or no unit')
-    unit = found or wanted
+    unit = named or wanted
     assert unit is not None
     if series.quantity and not unit.motion.startswith(series.quantity.lower()[:5]):
         said = f"its heading says {series.quantity.lower()}, in {series.unit or given}, a unit of {unit.motion}"
@@ -189,7 +193,7 @@ def _without_offset(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, l
     return values, [f"its mean is {size}, so that the ground does not end at rest; it was left as it is"]
 
 
-def _doubts(record: Accelerogram, stated: float | None) -> Iterator[str]:
+def _warnings(record: Accelerogram, stated: float | None) -> Iterator[str]:
     """What is doubtful about a record: its size, its steps, and a peak that is not that of its heading (m/s²)."""
     if text := _size(record.peak):
         yield text

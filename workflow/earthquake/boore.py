@@ -50,8 +50,8 @@ def boore(magnitude: float, distance: float, velocity: float, slip: Slip) -> Mot
     site = LINEAR * math.log(min(velocity, V_LIMIT) / V_REFERENCE) + softer * math.log((rock + F3) / F3)
     sigma = _spread(magnitude, kilometres, velocity) / math.log(10.0)
     validity = "M 3-8.5 (normal faults 3-7), 0-400 km, V_s30 150-1500 m/s; shallow crustal earthquakes; mean component"
-    told = f"{RELATION}, {slip} slip, V_s30 = {velocity:g} m/s"
-    return Motion(GRAVITY * rock * math.exp(site), sigma, told, BOORE, validity)
+    terms = f"{RELATION}, {slip} slip, V_s30 = {velocity:g} m/s"
+    return Motion(GRAVITY * rock * math.exp(site), sigma, terms, BOORE, validity)
 
 
 def _spread(magnitude: float, kilometres: float, velocity: float) -> float:

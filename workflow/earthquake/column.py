@@ -39,38 +39,38 @@ class Column:
         return float(np.abs(self.average_above(depth)).max()) / GRAVITY
 
 
-def column_of(given: Section, settings: SiteResponseSettings) -> Column:
+def column_of(section: Section, settings: SiteResponseSettings) -> Column:
     """The response of a section to the record that the settings name. Raises InputError, without a record too."""
     if not settings.record:
-        raise InputError(given.name, ["site_response, record: missing; expected a file with a record of the rock"])
+        raise InputError(section.name, ["site_response, record: missing; expected a file with a record of the rock"])
     record = accelerogram.read(Path(settings.record), settings.unit, settings.component).scaled(settings.scale)
-    left, right = given.given_extent
+    left, right = section.given_extent
     x = 0.5 * (left + right) if settings.x is None else float(settings.x)
-    problems = [f"site_response, {text}" for text in [outside(given, x, 0.0)] if text]
-    names = [stratum.name for stratum in given.strata]
+    problems = [f"site_response, {text}" for text in [outside(section, x, 0.0)] if text]
+    names = [stratum.name for stratum in section.strata]
     for key in ("velocities", "plasticity"):
         unknown = sorted(set(getattr(settings, key)) - set(names))
         problems += [f'site_response, {key}: there is no stratum "{name}"' for name in unknown]
     if problems:
-        raise InputError(given.name, problems)
-    layers, strata = _layers(given, settings, x)
+        raise InputError(section.name, problems)
+    layers, strata = _layers(section, settings, x)
     step = float(np.min(np.diff(record.time)[np.diff(record.time) > 0.0]))
     time = np.arange(record.time[0], record.time[-1] + 0.5 * step, step)
     outcrop = np.interp(time, record.time, record.acceleration)
     try:
-        found = response(layers, HalfSpace(settings.base_density, settings.base_velocity), step, outcrop)
+        motion = response(layers, HalfSpace(settings.base_density, settings.base_velocity), step, outcrop)
     except ValueError as error:
-        told = (
+        message = (
             f"site_response: {error}: too strong a record for equivalent linear layers; expected a nonlinear analysis"
         )
-        raise InputError(given.name, [told]) from None
-    return Column(x, record.name, step, outcrop, strata, found)
+        raise InputError(section.name, [message]) from None
+    return Column(x, record.name, step, outcrop, strata, motion)
 
 
-def _layers(given: Section, settings: SiteResponseSettings, x: float) -> tuple[list[Layer], tuple[str, ...]]:
-    levels = given.layering.interfaces(np.array([x]))[0]
+def _layers(section: Section, settings: SiteResponseSettings, x: float) -> tuple[list[Layer], tuple[str, ...]]:
+    levels = section.layering.interfaces(np.array([x]))[0]
     layers, strata = [], []
-    for k, stratum in enumerate(given.strata):
+    for k, stratum in enumerate(section.strata):
         thick = float(levels[k] - levels[k + 1])
         if thick <= 1e-6:
             continue
@@ -80,7 +80,7 @@ def _layers(given: Section, settings: SiteResponseSettings, x: float) -> tuple[l
         velocity = measured or float(np.sqrt(stratum.youngs_modulus / (2.0 * density * (1.0 + stratum.poissons_ratio))))
         for part in range(count):
             depth = float(levels[0] - levels[k]) + (part + 0.5) * thick / count
-            stress = overburden(given, x, depth).effective * (1.0 + 2.0 * AT_REST) / 3.0
+            stress = overburden(section, x, depth).effective * (1.0 + 2.0 * AT_REST) / 3.0
             plastic = by_stratum(settings.plasticity, stratum.name) or 0.0
             layers.append(Layer(thick / count, density, velocity, stress, plastic))
             strata.append(stratum.name)

@@ -37,7 +37,7 @@ def is_geonet(lines: Lines) -> bool:
 
 def geonet(lines: Lines) -> list[RecordedSeries]:
     """GeoNet V1 and V2: for each component a heading of 26 lines, acceleration (mm/s²), velocity and displacement."""
-    found: list[RecordedSeries] = []
+    components: list[RecordedSeries] = []
     place = 0
     while place < len(lines) and lines[place].strip():
         heading = GEONET.match(lines[place])
@@ -52,9 +52,9 @@ def geonet(lines: Lines) -> list[RecordedSeries]:
         time = steps(len(values), float(times[5]), f"line {first - GEONET_HEADING + TIMES + 1}")
         peak = abs(float(peaks[0] if raw else peaks[5]))
         name = named[1] if named else ""
-        found.append(RecordedSeries("GeoNet", name, time, values, "mm/s/s", "acceleration", peak or None, raw))
+        components.append(RecordedSeries("GeoNet", name, time, values, "mm/s/s", "acceleration", peak or None, raw))
         place += sum(-(-int(count) // 10) for count in counts[4:6])  # velocity and displacement, ten a line
-    return found
+    return components
 
 
 def _row(lines: Lines, place: int) -> np.ndarray:
@@ -78,7 +78,7 @@ def is_bhrc(lines: Lines) -> bool:
 
 def bhrc(lines: Lines) -> list[RecordedSeries]:
     """BHRC, volume 1: for each component a heading of 27 lines and acceleration, as a rule in tenths of g."""
-    found: list[RecordedSeries] = []
+    components: list[RecordedSeries] = []
     name, azimuths, count, duration, place = "", {}, 0, 0.0, 0  # type: tuple[str, dict[str, str], int, float, int]
     while place < len(lines):
         line = lines[place]
@@ -98,5 +98,5 @@ def bhrc(lines: Lines) -> list[RecordedSeries]:
             scale, measured = (1.0 / float(share[1]), "g") if share else (1.0, unit[1])
             time = steps(count, duration / max(count, 1), "DURATION over NO. OF POINTS")
             called = f"{name}: {azimuths[name]}" if name in azimuths else name
-            found.append(RecordedSeries("BHRC", called, time, scale * values, measured, "acceleration"))
-    return found
+            components.append(RecordedSeries("BHRC", called, time, scale * values, measured, "acceleration"))
+    return components

@@ -69,19 +69,19 @@ class NetworkFormat:
 def peer(lines: Lines) -> list[RecordedSeries]:
     """PEER .AT2, .VT2, .DT2: values after a line with their number and the time step; the line above names the unit."""
     place = next(k for k, line in enumerate(lines) if PEER_NEW.search(line) or PEER_OLD.search(line))
-    found = PEER_NEW.search(lines[place]) or PEER_OLD.search(lines[place])
-    assert found is not None
-    second = time_unit(found[3]) if found.re is PEER_NEW and found[3] else 1.0
+    match = PEER_NEW.search(lines[place]) or PEER_OLD.search(lines[place])
+    assert match is not None
+    second = time_unit(match[3]) if match.re is PEER_NEW and match[3] else 1.0
     if second is None:
-        raise ValueError(f'line {place + 1}: "{found[3]}" is no unit of time; expected SEC')
+        raise ValueError(f'line {place + 1}: "{match[3]}" is no unit of time; expected SEC')
     heading = [line for line in lines[:place] if IN_UNITS.search(line)]
     line = heading[-1] if heading else next((line for line in lines[:place] if QUANTITY.search(line)), "")
     quantity, unit = _word(line), unit_in(line)
     values = free_numbers(lines, place + 1)
-    if len(values) != int(found[1]):
+    if len(values) != int(match[1]):
         what = " ".join(word for word in (quantity.lower(), unit and f"in {unit}") if word)
-        raise ValueError(_wrong_number(len(values), int(found[1]), f"line {place + 1} (NPTS)", what))
-    time = steps(len(values), float(found[2]) * second, f"line {place + 1}")
+        raise ValueError(_wrong_number(len(values), int(match[1]), f"line {place + 1} (NPTS)", what))
+    time = steps(len(values), float(match[2]) * second, f"line {place + 1}")
     return [RecordedSeries("PEER", "", time, values, unit, quantity)]
 
 
@@ -105,7 +105,7 @@ def knet(lines: Lines) -> list[RecordedSeries]:
 
 def cosmos(lines: Lines) -> list[RecordedSeries]:
     """COSMOS V1 and V2: blocks of one series each, with the time step in the real values of their heading."""
-    found: list[RecordedSeries] = []
+    components: list[RecordedSeries] = []
     reals, channel = np.zeros(0), ""
     place = 0
     while place < len(lines):
@@ -120,16 +120,16 @@ def cosmos(lines: Lines) -> list[RecordedSeries]:
             step = float(reals[COSMOS_STEP - 1]) if len(reals) >= COSMOS_STEP else -999.0
             peak = float(abs(reals[COSMOS_PEAK - 1])) if len(reals) >= COSMOS_PEAK else 999.0
             time = steps(len(values), step, f"line {place}: real value {COSMOS_STEP} of its heading")
-            found.append(
+            components.append(
                 RecordedSeries("COSMOS", channel, time, values, block[3], block[2], None if peak == 999.0 else peak)
             )
             place = after
-    return found
+    return components
 
 
 def csmip(lines: Lines) -> list[RecordedSeries]:
     """CSMIP V1 and V2: blocks of one series each, whose first line has number, time step, unit and format."""
-    found: list[RecordedSeries] = []
+    components: list[RecordedSeries] = []
     channel = ""
     place = 0
     while place < len(lines):
@@ -144,9 +144,9 @@ def csmip(lines: Lines) -> list[RecordedSeries]:
         else:
             continue
         values, after = fixed_numbers(lines, place, count, form or "")
-        found.append(RecordedSeries("CSMIP", channel, steps(count, step, f"line {place}"), values, unit, quantity))
+        components.append(RecordedSeries("CSMIP", channel, steps(count, step, f"line {place}"), values, unit, quantity))
         place = after
-    return found
+    return components
 
 
 def esm(lines: Lines) -> list[RecordedSeries]:
@@ -154,9 +154,9 @@ def esm(lines: Lines) -> list[RecordedSeries]:
     keys: dict[str, str] = {}
     first = 0
     for line in lines:
-        if (found := ESM_KEY.match(line)) is None:
+        if (match := ESM_KEY.match(line)) is None:
             break
-        keys[found[1]] = found[2].strip()
+        keys[match[1]] = match[2].strip()
         first += 1
     missing = [key for key in ("SAMPLING_INTERVAL_S", "NDATA", "UNITS") if not keys.get(key)]
     if missing:
@@ -194,15 +194,15 @@ def _wrong_number(count: int, stated: int, where: str, what: str) -> str:
 
 def unit_in(heading: str) -> str:
     """The unit that a heading names behind "units of", "units:", "units =" or in brackets; empty without one."""
-    if found := IN_UNITS.search(heading):
-        return (found[1] or found[2]).strip(" .,;:")
+    if match := IN_UNITS.search(heading):
+        return (match[1] or match[2]).strip(" .,;:")
     brackets = re.findall(r"[(\[]\s*([^)\]]+?)\s*[)\]]", heading)
     return next((word for word in reversed(brackets) if motion_unit(word)), "")
 
 
 def _word(heading: str) -> str:
-    found = QUANTITY.search(heading)
-    return found[0] if found else ""
+    match = QUANTITY.search(heading)
+    return match[0] if match else ""
 
 
 def _any(*patterns: re.Pattern[str]) -> Callable[[Lines], bool]:

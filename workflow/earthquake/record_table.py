@@ -66,18 +66,18 @@ def _components(lines: Sequence[str]) -> list[RecordedSeries]:
     else:
         time, first = _times(values[:, 0], columns[0] if columns else Column("", "")), 1
     stated = unit_in(text) if not columns or not any(column.unit for column in columns[first:]) else ""
-    found = [
+    components = [
         RecordedSeries("columns", columns[k].name if columns else "", time, finite(values[:, k].tolist()),
                        (columns[k].unit if columns else "") or stated)
         for k in range(first, values.shape[1])
     ]  # fmt: skip
-    return found if len(found) == 1 else _of_acceleration(found)
+    return components if len(components) == 1 else _of_acceleration(components)
 
 
-def _of_acceleration(found: list[RecordedSeries]) -> list[RecordedSeries]:
+def _of_acceleration(components: list[RecordedSeries]) -> list[RecordedSeries]:
     """The components in units of acceleration where some are: others beside them are what follows from them."""
-    known = [(one, motion_unit(one.unit)) for one in found]
-    return [one for one, unit in known if unit is not None and unit.motion == "acceleration"] or found
+    known = [(component, motion_unit(component.unit)) for component in components]
+    return [component for component, unit in known if unit is not None and unit.motion == "acceleration"] or components
 
 
 def _split(lines: Sequence[str]) -> tuple[list[str], list[list[float]]]:
@@ -133,19 +133,19 @@ def _columns(heading: list[str], count: int) -> list[Column]:
 
 def _column(cell: str) -> Column:
     cell = cell.strip("\"' ")
-    found = BRACKETS.findall(cell)
-    words = [next(filter(None, groups)).strip() for groups in found] or [cell]
+    brackets = BRACKETS.findall(cell)
+    words = [next(filter(None, groups)).strip() for groups in brackets] or [cell]
     unit = next((w for w in reversed(words) if motion_unit(SUFFIXES.get(w.lower(), w)) or time_unit(w)), "")
     return Column(BRACKETS.sub("", cell).strip() or cell, SUFFIXES.get(unit.lower(), unit))
 
 
 def _step(text: str) -> float | None:
     """The time step (s) that a heading states, or one over its sampling rate; None where it states neither."""
-    if found := STEP.search(text):
-        second = time_unit(found[2]) if found[2] else 1.0
-        return float(found[1]) * (second if second is not None else 1.0)
-    if found := RATE.search(text):
-        return 1.0 / float(found[1]) if float(found[1]) > 0.0 else None
+    if match := STEP.search(text):
+        second = time_unit(match[2]) if match[2] else 1.0
+        return float(match[1]) * (second if second is not None else 1.0)
+    if match := RATE.search(text):
+        return 1.0 / float(match[1]) if float(match[1]) > 0.0 else None
     return None
 
 

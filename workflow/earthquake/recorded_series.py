@@ -42,9 +42,9 @@ def free_numbers(lines: Sequence[str], first: int) -> np.ndarray:
     """All numbers from a line on, apart by blanks or commas. Raises ValueError that names a line without."""
     values: list[float] = []
     for number, line in enumerate(lines[first:], start=first + 1):
-        if (found := _free(line)) is None:
+        if (numbers := _free(line)) is None:
             raise ValueError(f"line {number}: {line.strip()!r}: expected numbers")
-        values += found
+        values += numbers
     return finite(values)
 
 
@@ -62,9 +62,9 @@ def fixed_numbers(lines: Sequence[str], first: int, count: int, form: str) -> tu
             cells = [line[k : k + width].strip() for k in range(0, len(line), width)] if width else NUMBER.findall(line)
             values += [float(cell) for cell in cells if cell]
         except ValueError:  # not in these columns after all, or the end
-            if not (found := _free(line)):
+            if not (numbers := _free(line)):
                 break
-            values += found
+            values += numbers
         place += 1
     if len(values) != count:
         raise ValueError(f"line {first + 1}: {len(values)} numbers follow; the heading says {count}")

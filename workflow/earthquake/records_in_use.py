@@ -24,16 +24,16 @@ def records(config: Any) -> Iterator[tuple[str, Accelerogram]]:
         if name in ("", AVERAGE) or getattr(settings, "peak_acceleration", None) is not None:
             continue
         try:
-            found = read(Path(name), settings.unit, settings.component)
+            record = read(Path(name), settings.unit, settings.component)
         except InputError as error:
             raise InputError(error.source, [f"{table}, {key}: {text}" for text in error.problems]) from None
-        yield f"{table}, {key}", found.scaled(settings.scale)
+        yield f"{table}, {key}", record.scaled(settings.scale)
 
 
 def remarks(config: Any) -> list[str]:
     """What was done to the records in use, and what is doubtful about them; nothing where one cannot be read."""
     try:
-        told = [f"{place}, {found.name}: {text}" for place, found in records(config) for text in found.remarks]
+        texts = [f"{place}, {record.name}: {text}" for place, record in records(config) for text in record.remarks]
     except InputError:  # told when it is read
         return []
-    return told
+    return texts

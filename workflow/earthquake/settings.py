@@ -70,8 +70,8 @@ class EarthquakeSettings(Model):
         if self.peak_acceleration is not None:
             return Motion(float(self.peak_acceleration), 0.0, "as given", "the input", "as given")
         if self.record:
-            found = self._recorded()
-            return Motion(found.peak, 0.0, f"the peak of {found.name}", "the record", "as recorded")
+            motion = self._recorded()
+            return Motion(motion.peak, 0.0, f"the peak of {motion.name}", "the record", "as recorded")
         if self.magnitude is None or self.distance is None:
             return None
         return expected(self, self.magnitude, self.distance)
@@ -87,29 +87,29 @@ class EarthquakeSettings(Model):
 
         The peak counts then, and the distance does not.
         """
-        given = self.peak_acceleration is not None or bool(self.record)
-        if not given or self.magnitude is None or self.distance is None:
+        has_peak = self.peak_acceleration is not None or bool(self.record)
+        if not has_peak or self.magnitude is None or self.distance is None:
             return ""
         try:
-            found, let_expect = self.motion(), expected(self, self.magnitude, self.distance)
+            motion, let_expect = self.motion(), expected(self, self.magnitude, self.distance)
         except InputError:  # told by problems, or nothing is expected there
             return ""
-        if found is None or let_expect.low <= found.median <= let_expect.high:
+        if motion is None or let_expect.low <= motion.median <= let_expect.high:
             return ""
         low, median, high = (value / GAL for value in (let_expect.low, let_expect.median, let_expect.high))
         expectation = f"{median:.0f} gal are expected of M {self.magnitude:g} at {self.distance / 1000.0:g} km"
         return (
-            f"earthquake: its peak is {found.median / GAL:.0f} gal, {found.relation}, where {expectation} ({low:.0f} "
+            f"earthquake: its peak is {motion.median / GAL:.0f} gal, {motion.relation}, where {expectation} ({low:.0f} "
             f"to {high:.0f}; {let_expect.relation}): the peak counts, and relations that need the distance are not used"
         )
 
     def notices(self, slide: SlideSettings | None) -> list[str]:
         """What is doubtful, what contradicts itself, and where the Kh of the slides comes from, if it is of here."""
-        told, found = [self._unlikely_peak(), self.contradiction()], self.equivalent()
+        notices, cycles = [self._unlikely_peak(), self.contradiction()], self.equivalent()
         pushed = (slide.kh, slide.kh_cycles) if slide is not None and not slide.accelerogram else None
-        if found is not None and pushed == (found.kh, found.cycles):
-            told.append(f"slide, kh = {found.kh:g} of [earthquake]: {found.words}")
-        return [text for text in told if text]
+        if cycles is not None and pushed == (cycles.kh, cycles.cycles):
+            notices.append(f"slide, kh = {cycles.kh:g} of [earthquake]: {cycles.words}")
+        return [text for text in notices if text]
 
     def _unlikely_peak(self) -> str:
         """That a peak is above what was recorded, or a plain number that may be meant in g; empty where neither."""
@@ -183,33 +183,35 @@ def push_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], sou
     held = "kh_seconds" in slide or not kh_left
     left = [key for key in CYCLES if slide.get(key, None if held else EARTHQUAKE) == EARTHQUAKE]
     if asked and slide.get("accelerogram"):
-        told = f'slide, {asked[0]} = "{EARTHQUAKE}": expected no accelerogram beside it, which shakes the slides itself'
-        raise InputError(source, [told])
+        message = (
+            f'slide, {asked[0]} = "{EARTHQUAKE}": expected no accelerogram beside it, which shakes the slides itself'
+        )
+        raise InputError(source, [message])
     if slide.get("accelerogram") or not (kh_left or left):
         return {}
-    found = earthquake.equivalent()
-    if found is None and asked:
-        told = f'slide, {asked[0]} = "{EARTHQUAKE}": expected [earthquake] with a peak, a record, or magnitude and '
-        raise InputError(source, [told + "distance"])
-    if found is None:
+    cycles = earthquake.equivalent()
+    if cycles is None and asked:
+        message = f'slide, {asked[0]} = "{EARTHQUAKE}": expected [earthquake] with a peak, a record, or magnitude and '
+        raise InputError(source, [message + "distance"])
+    if cycles is None:
         return {}
-    values = {"kh": found.kh, "kh_cycles": found.cycles, "kh_period": found.period}
+    values = {"kh": cycles.kh, "kh_cycles": cycles.cycles, "kh_period": cycles.period}
     return {key: values[key] for key in [*(["kh"] if kh_left else []), *left]}
 
 
 def expected(settings: EarthquakeSettings, magnitude: float, distance: float) -> Motion:
     """What the relation that is asked for expects of a magnitude at a distance (m)."""
     if settings.relation == "boore":
-        told = []
+        problems = []
         if settings.vs30 is None:
-            told.append('relation = "boore": expected vs30, the mean V_s of the uppermost 30 m (m/s)')
+            problems.append('relation = "boore": expected vs30, the mean V_s of the uppermost 30 m (m/s)')
         try:
-            found = boore(magnitude, distance, settings.vs30 or FIRM, settings.slip)
+            motion = boore(magnitude, distance, settings.vs30 or FIRM, settings.slip)
         except InputError as error:
-            told += error.problems
-        if told:
-            raise InputError("earthquake", told)
-        return found
+            problems += error.problems
+        if problems:
+            raise InputError("earthquake", problems)
+        return motion
     if settings.relation == "si_midorikawa":
         return si_midorikawa(magnitude, distance, settings.depth, settings.mechanism)
     return fukushima_tanaka(magnitude, distance, settings.site)

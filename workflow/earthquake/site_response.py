@@ -71,9 +71,9 @@ class Response:
     change: float
 
     @property
-    def doubt(self) -> str:
+    def warning(self) -> str:
         """What is to be doubted of the answer, a sentence without its full stop; empty where nothing is."""
-        return doubt(float(self.strain.max()))
+        return warning(float(self.strain.max()))
 
     @property
     def k_max(self) -> np.ndarray:
@@ -152,13 +152,13 @@ def response(layers: Sequence[Layer], base: HalfSpace, step: float, outcrop: np.
     now = best = tuple(layers)
     least = np.inf
     for rounds in range(1, ROUNDS + 1):  # noqa: B007  # told below
-        found = _curves(now, _strain(now, base, motion))
-        change = max(_change(new, old) for new, old in zip(found, now, strict=True))
+        curves = _curves(now, _strain(now, base, motion))
+        change = max(_change(new, old) for new, old in zip(curves, now, strict=True))
         if change < least:
-            best, least = found, change
+            best, least = curves, change
         if change < CLOSE:
             break
-        now = found
+        now = curves
     if least > ENOUGH:
         raise ValueError(
             f"stiffness and damping still change by {100.0 * least:.1f} % after {ROUNDS} rounds (SHAKE: 5 %)"
@@ -166,27 +166,27 @@ def response(layers: Sequence[Layer], base: HalfSpace, step: float, outcrop: np.
     return _response(best, base, motion, rounds, least)
 
 
-def doubt(strain: float) -> str:
+def warning(strain: float) -> str:
     """What is to be doubted of equivalent linear layers by their largest shear strain; empty where nothing is."""
     if strain <= LARGE:
         return ""
-    told = f"the largest shear strain is {100.0 * strain:.3g} %"
+    message = f"the largest shear strain is {100.0 * strain:.3g} %"
     if strain <= TOO_LARGE:
         return (
-            f"{told}, above {100.0 * LARGE:g} %: equivalent linear layers have one stiffness and one damping for all "
-            "of the record, and soften motions of high frequency too much"
+            f"{message}, above {100.0 * LARGE:g} %: equivalent linear layers have one stiffness and one damping for "
+            "all of the record, and soften motions of high frequency too much"
         )
     return (
-        f"{told}, above {100.0 * TOO_LARGE:g} %: this is beyond equivalent linear layers, whose stresses know no "
+        f"{message}, above {100.0 * TOO_LARGE:g} %: this is beyond equivalent linear layers, whose stresses know no "
         "strength of the soil; acceleration, k_max and strain are no forecast, and a nonlinear analysis is needed"
     )
 
 
 def _curves(layers: Sequence[Layer], strain: np.ndarray) -> tuple[Layer, ...]:
     """The layers with stiffness and damping at 0.65 of their largest strains."""
-    pairs = [stiffness_and_damping(EFFECTIVE * g, one.mean_stress, one.plasticity)
-             for g, one in zip(strain, layers, strict=True)]  # fmt: skip
-    return tuple(replace(one, stiffness=r, damping=d) for one, (r, d) in zip(layers, pairs, strict=True))
+    pairs = [stiffness_and_damping(EFFECTIVE * g, layer.mean_stress, layer.plasticity)
+             for g, layer in zip(strain, layers, strict=True)]  # fmt: skip
+    return tuple(replace(layer, stiffness=r, damping=d) for layer, (r, d) in zip(layers, pairs, strict=True))
 
 
 def _change(new: Layer, old: Layer) -> float:

@@ -76,14 +76,14 @@ def estimates(
 
     ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty.
     """
-    found: list[Estimate] = []
+    rows: list[Estimate] = []
     if kc is not None and kc > 0.0:
         resisted = f"resisted by kc = {kc:.3f} {flow_words(section, settings.fem.flow)}"
-        found.append(_constant(settings, kc, resisted))
+        rows.append(_constant(settings, kc, resisted))
         if settings.sliding_block.accelerogram:
-            found += _newmark(settings, kc, resisted)
-    found.append(_smooth(section))
-    return [*found, *_regressions(section), *empirical(section, settings, kc, slip_surface)]
+            rows += _newmark(settings, kc, resisted)
+    rows.append(_smooth(section))
+    return [*rows, *_regressions(section), *empirical(section, settings, kc, slip_surface)]
 
 
 @dataclass(frozen=True)

@@ -75,11 +75,11 @@ def embankments(ground: np.ndarray) -> tuple[Crest, ...]:
     -------
     tuple of Crest
     """
-    found: list[Crest] = []
-    for crest in sorted(_standing_out(ground), key=lambda one: -one.elevation):
-        if all(crest.end <= other.start or crest.start >= other.end for other in found):
-            found.append(crest)
-    return tuple(sorted(found, key=lambda one: one.start))
+    crests: list[Crest] = []
+    for crest in sorted(_standing_out(ground), key=lambda bank: -bank.elevation):
+        if all(crest.end <= other.start or crest.start >= other.end for other in crests):
+            crests.append(crest)
+    return tuple(sorted(crests, key=lambda bank: bank.start))
 
 
 def _standing_out(ground: np.ndarray) -> Iterator[Crest]:

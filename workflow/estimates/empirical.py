@@ -133,14 +133,14 @@ def _depth_of(slip_surface: np.ndarray, section: Section, x: float) -> float | N
         return None
     depths = np.interp(slip_surface[:, 0], *section.ground.T) - slip_surface[:, 1]
     passes = slip_surface[0, 0] <= x <= slip_surface[-1, 0]
-    found = float(np.interp(x, slip_surface[:, 0], depths)) if passes else float(depths.max())
-    return found if found > 0.0 else None
+    depth = float(np.interp(x, slip_surface[:, 0], depths)) if passes else float(depths.max())
+    return depth if depth > 0.0 else None
 
 
 def _outside(*values: tuple[str, float, tuple[float, float]]) -> str:
-    told = [f"{name} = {value:g} is not within {low:g}-{high:g}" for name, value, (low, high) in values
+    messages = [f"{name} = {value:g} is not within {low:g}-{high:g}" for name, value, (low, high) in values
             if not low <= value <= high]  # fmt: skip
-    return "; ".join(told)
+    return "; ".join(messages)
 
 
 def _spreading(section: Section, settings: Tables, tests: Sequence[Judged]) -> Iterator[Estimate]:
@@ -158,7 +158,7 @@ def _spreading(section: Section, settings: Tables, tests: Sequence[Judged]) -> I
         test for test in tests if test.found is not None and normalised_counts(test, settings.triggering)[0] < LOOSE
     ]
     known = [(test, test.sample) for test in loose if isinstance(test.sample, Sample)]
-    known = [(test, one) for test, one in known if one.fines is not None and one.d50 is not None]
+    known = [(test, soil) for test, soil in known if soil.fines is not None and soil.d50 is not None]
     if not known:
         words = "not computed: no blow count below 15 comes with both fines and D50"
         yield Estimate("spread", YOUD_TITLE, None, words, YOUD, YOUD_RANGE)
@@ -167,9 +167,9 @@ def _spreading(section: Section, settings: Tables, tests: Sequence[Judged]) -> I
         magnitude,
         distance / 1000.0,
         _slope(section, settings),
-        _mean_of_borings(tests, lambda its: sum(t.bottom - t.top for t in its if t in loose)),
-        _weighted([test for test, _ in known], [float(one.fines or 0.0) for _, one in known]),
-        _weighted([test for test, _ in known], [1000.0 * float(one.d50 or 0.0) for _, one in known]),
+        _mean_of_borings(tests, lambda tests_of_boring: sum(t.bottom - t.top for t in tests_of_boring if t in loose)),
+        _weighted([test for test, _ in known], [float(soil.fines or 0.0) for _, soil in known]),
+        _weighted([test for test, _ in known], [1000.0 * float(soil.d50 or 0.0) for _, soil in known]),
         bool(settings.free_face),
     )
     outside = why_not_youd(site)
@@ -190,11 +190,11 @@ def _slope(section: Section, settings: Tables) -> float:
 
 
 def _zhang(section: Section, settings: Tables, tests: Sequence[Judged]) -> Estimate:
-    def index(its: Sequence[Judged]) -> float:
+    def index(tests_of_boring: Sequence[Judged]) -> float:
         return displacement_index(
             [
                 (t.top, t.bottom, maximum_shear_strain(t.factor, normalised_counts(t, settings.triggering)[1]))
-                for t in its
+                for t in tests_of_boring
                 if t.factor is not None
             ]
         )
@@ -218,8 +218,10 @@ def _mean_of_borings(tests: Sequence[Judged], of_one: Callable[[Sequence[Judged]
     borings: dict[str, list[Judged]] = {}
     for test in tests:
         borings.setdefault(test.boring, []).append(test)
-    lengths = [its[0].length for its in borings.values()]
-    return sum(length * of_one(its) for length, its in zip(lengths, borings.values(), strict=True)) / sum(lengths)
+    lengths = [tests_of_boring[0].length for tests_of_boring in borings.values()]
+    return sum(
+        length * of_one(tests_of_boring) for length, tests_of_boring in zip(lengths, borings.values(), strict=True)
+    ) / sum(lengths)
 
 
 def _weighted(tests: Sequence[Judged], values: Sequence[float]) -> float:

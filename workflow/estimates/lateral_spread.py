@@ -67,9 +67,12 @@ def why_not_youd(site: Spreading) -> str:
         ("fines", site.fines, 0.0, 50.0, " %"),
         ("mean grain size", site.d50, 0.1, 1.0, " mm"),
     )
-    told = [f"{name} {value:.3g}{unit} is not within {low:g}-{high:g}{unit}" for name, value, low, high, unit in limits
-            if not low <= value <= high]  # fmt: skip
-    return "; ".join(told)
+    messages = [
+        f"{name} {value:.3g}{unit} is not within {low:g}-{high:g}{unit}"
+        for name, value, low, high, unit in limits
+        if not low <= value <= high
+    ]
+    return "; ".join(messages)
 
 
 def maximum_shear_strain(factor: float, clean: float) -> float:

@@ -64,9 +64,9 @@ def bishop_critical_kh(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.
     -------
     (surfaces,) ndarray
     """
-    one = np.ones(len(x))
-    still, m_alpha = _shear(slices, slices.vertical, one)
-    more = _shear(slices, slices.inertia_vertical, one)[0] - _shear(slices, 0.0 * slices.vertical, one)[0]
+    ones = np.ones(len(x))
+    still, m_alpha = _shear(slices, slices.vertical, ones)
+    more = _shear(slices, slices.inertia_vertical, ones)[0] - _shear(slices, 0.0 * slices.vertical, ones)[0]
     moments = _moments(slices, x, z)
     resisting, added = radius * still.sum(axis=1) + moments[:, 0], radius * more.sum(axis=1) + moments[:, 1]
     sound = (m_alpha.min(axis=1) >= LEAST_M_ALPHA) & (added < 0.0)
@@ -133,8 +133,8 @@ def spencer_factor(slices: Slices, kh: float = 0.0) -> Balance | None:
             brentq(lambda f: _residuals(slices, np.array([f]), kh, theta)[0][0], FACTORS[first + 1], FACTORS[first])
         )
 
-    found = _moment_balance(force_balance, lambda f, theta: float(_residuals(slices, np.array([f]), kh, theta)[1][0]))
-    return None if found is None else Balance(found[0], kh, found[1])
+    balance = _moment_balance(force_balance, lambda f, theta: float(_residuals(slices, np.array([f]), kh, theta)[1][0]))
+    return None if balance is None else Balance(balance[0], kh, balance[1])
 
 
 def spencer_critical_kh(slices: Slices) -> Balance | None:
@@ -150,15 +150,15 @@ def spencer_critical_kh(slices: Slices) -> Balance | None:
     Balance or None
         None where no coefficient between -5 and 5 balances forces and moments.
     """
-    one = np.ones(1)
+    ones = np.ones(1)
 
     def force_balance(theta: float) -> float:
-        still, shaken = (_residuals(slices, one, kh, theta)[0][0] for kh in (0.0, 1.0))
+        still, shaken = (_residuals(slices, ones, kh, theta)[0][0] for kh in (0.0, 1.0))
         kh = still / (still - shaken)  # linear in Kh
         return float(kh) if abs(kh) <= LARGEST_KH else np.nan
 
-    found = _moment_balance(force_balance, lambda kh, theta: float(_residuals(slices, one, kh, theta)[1][0]))
-    return None if found is None else Balance(1.0, *found)
+    balance = _moment_balance(force_balance, lambda kh, theta: float(_residuals(slices, ones, kh, theta)[1][0]))
+    return None if balance is None else Balance(1.0, *balance)
 
 
 def _residuals(slices: Slices, factor: np.ndarray, kh: float, theta: float) -> tuple[np.ndarray, np.ndarray]:

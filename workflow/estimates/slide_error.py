@@ -10,8 +10,8 @@ from importlib.resources import files
 from statistics import median
 from typing import Literal
 
-Judge = Literal["discs", "mpm"]
-BY: dict[Judge, str] = {"discs": "", "mpm": " by material points"}
+SlideMethod = Literal["discs", "mpm"]
+BY: dict[SlideMethod, str] = {"discs": "", "mpm": " by material points"}
 TABLE = "slide_errors.csv"
 FACTORS = (1.5, 2.0, 3.0, 5.0, 10.0)
 MOST = 2.0 / 3.0  # of the cases that the factor is to hold
@@ -32,7 +32,7 @@ class SlideError:
         In how many of how many cases.
     middle : float
         Within which half of the predictions were.
-    judge : str
+    method : str
         Whose predictions they were: "discs" or "mpm".
     """
 
@@ -41,14 +41,14 @@ class SlideError:
     held: int
     cases: int
     middle: float
-    judge: Judge = "discs"
+    method: SlideMethod = "discs"
 
     def sentence(self) -> str:
         """What a reader has to know of a slide."""
         named = f"{self.kind[0].upper()}{self.kind[1:]} of the collection"
         return (
-            f"{named} were predicted{BY[self.judge]} within a factor of {self.factor:g} in {self.held} of {self.cases} "
-            "cases"
+            f"{named} were predicted{BY[self.method]} within a factor of {self.factor:g} in {self.held} of "
+            f"{self.cases} cases"
         )
 
     def interval(self, low: float, high: float) -> tuple[float, float]:
@@ -56,14 +56,14 @@ class SlideError:
         return low / self.factor, high * self.factor
 
 
-def slide_error(flows: bool | None = None, judge: Judge = "discs") -> SlideError | None:
+def slide_error(flows: bool | None = None, method: SlideMethod = "discs") -> SlideError | None:
     """The error on known slides of the field, of flow failures or spreads alone where there are enough.
 
     Parameters
     ----------
     flows
         Whether the slide flows by its weight alone; None where that is not known.
-    judge
+    method
         Whose predictions count.
 
     Returns
@@ -71,32 +71,32 @@ def slide_error(flows: bool | None = None, judge: Judge = "discs") -> SlideError
     SlideError or None
         None where the collection has no field case that was run.
     """
-    rows = _rows(judge)
+    rows = _rows(method)
     field = [(kind, ratio) for group, kind, ratio in rows if group == "field"]
     if flows is not None:
         wanted = "flow" if flows else "spread"
         chosen = [ratio for kind, ratio in field if kind == wanted]
         if len(chosen) >= FEW:
-            return error_of("flow failures" if flows else "lateral spreads", chosen, judge)
-    return error_of("slides of the field", [ratio for _, ratio in field], judge)
+            return error_of("flow failures" if flows else "lateral spreads", chosen, method)
+    return error_of("slides of the field", [ratio for _, ratio in field], method)
 
 
-def error_of(kind: str, ratios: Sequence[float], judge: Judge = "discs") -> SlideError | None:
+def error_of(kind: str, ratios: Sequence[float], method: SlideMethod = "discs") -> SlideError | None:
     """The least factor of `FACTORS` that holds two thirds of the ratios, or the largest; None without any."""
     if not ratios:
         return None
     off = [max(ratio, 1.0 / ratio) if ratio > 0.0 else float("inf") for ratio in ratios]
     for factor in FACTORS:
-        held = sum(one <= factor for one in off)
+        held = sum(distance <= factor for distance in off)
         if held >= MOST * len(off):
             break
-    return SlideError(kind, factor, held, len(off), median(off), judge)
+    return SlideError(kind, factor, held, len(off), median(off), method)
 
 
-def _rows(judge: Judge) -> list[tuple[str, str, float]]:
+def _rows(method: SlideMethod) -> list[tuple[str, str, float]]:
     place = files("workflow.estimates") / TABLE
     if not place.is_file():
         return []
     with place.open(encoding="utf-8") as source:
-        rows = [row for row in csv.DictReader(source) if row["judge"] == judge]
+        rows = [row for row in csv.DictReader(source) if row["method"] == method]
     return [(row["group"], row["kind"], float(row["ratio"])) for row in rows]

@@ -75,8 +75,8 @@ def critical_circles(
     tuple of SlipCircle
         At most one towards each side, the least value first; empty where no circle slides.
     """
-    found = [critical_circle(section, towards, kh, least_depth, vertical, crest) for towards in (LEFT, RIGHT)]
-    return tuple(sorted((circle for circle in found if circle is not None), key=lambda circle: circle.bishop))
+    circles = [critical_circle(section, towards, kh, least_depth, vertical, crest) for towards in (LEFT, RIGHT)]
+    return tuple(sorted((circle for circle in circles if circle is not None), key=lambda circle: circle.bishop))
 
 
 def critical_circle(

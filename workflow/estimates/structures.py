@@ -28,7 +28,8 @@ def structures_of(section: Section) -> tuple[Standing, ...]:
     ground = section.ground
     if section.structures:
         return tuple(
-            Standing(one.name, one.kind, crest_between(ground, one.start, one.end)) for one in section.structures
+            Standing(structure.name, structure.kind, crest_between(ground, structure.start, structure.end))
+            for structure in section.structures
         )
     return tuple(
         Standing(f"embankment at x = {0.5 * (crest.left + crest.right):.0f} m", "levee", crest)

@@ -26,23 +26,27 @@ YIELD_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a
 ARROWS = "#1f6fb2"
 
 
-def draw_all(config: Config, found: KhBounds, store: Store) -> None:
+def draw_all(config: Config, bounds: KhBounds, store: Store) -> None:
     """bounds_mechanism.png and bounds_stress.png, where there is such a bound, and bounds_mesh.png."""
     window = Window.around(config.section.outline())
-    if found.mechanism:
+    if bounds.mechanism:
         with store.writing("figures/bounds_mechanism.png") as path:
-            _mechanism_sheet(config, found, found.mechanism, window).save(path)
-    if found.stress:
+            _mechanism_sheet(config, bounds, bounds.mechanism, window).save(path)
+    if bounds.stress:
         with store.writing("figures/bounds_stress.png") as path:
-            _stress_sheet(config, found, found.stress, window).save(path)
+            _stress_sheet(config, bounds, bounds.stress, window).save(path)
     with store.writing("figures/bounds_mesh.png") as path:
-        _mesh_sheet(config.section, found, window).save(path)
+        _mesh_sheet(config.section, bounds, window).save(path)
 
 
-def conditions(config: Config, found: KhBounds, bound: Mechanism | StressField) -> str:
+def conditions(config: Config, bounds: KhBounds, bound: Mechanism | StressField) -> str:
     """What a bound depends on and must be said beside it."""
     kv = f", Kv = {config.fem.vertical:g}" if config.fem.vertical else ""
-    direction = next(one.direction for one in found.directions if bound in (one.mechanism, one.stress))
+    direction = next(
+        direction_bounds.direction
+        for direction_bounds in bounds.directions
+        if bound in (direction_bounds.mechanism, direction_bounds.stress)
+    )
     return f"sides {config.fem.sides}, ψ = φ, seismic force {direction}{kv}"
 
 
@@ -54,7 +58,7 @@ def yield_use(stress: StressField) -> np.ndarray:
     return np.max(np.divide(radius, strength, out=np.zeros_like(radius), where=strength > 0.0), axis=1)
 
 
-def _mechanism_sheet(config: Config, found: KhBounds, mechanism: Mechanism, window: Window) -> Sheet:
+def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, window: Window) -> Sheet:
     problem = mechanism.problem
     density = mechanism.dissipation / problem.mesh.areas
     density = density / max(float(density.max()), 1e-300)
@@ -90,26 +94,27 @@ def _mechanism_sheet(config: Config, found: KhBounds, mechanism: Mechanism, wind
         sheet.show(view, render(window, _classes(mesh, values, DISSIPATION, DISSIPATION_COLOURS)), window, what)
     label = "shear rate, dissipation per area: over the largest (-)"
     sheet.colour_bar(in_classes(DISSIPATION, DISSIPATION_COLOURS), label, DISSIPATION)
-    sheet.note(conditions(config, found, mechanism))
+    sheet.note(conditions(config, bounds, mechanism))
     return sheet
 
 
-def _stress_sheet(config: Config, found: KhBounds, stress: StressField, window: Window) -> Sheet:
+def _stress_sheet(config: Config, bounds: KhBounds, stress: StressField, window: Window) -> Sheet:
     mesh = stress.problem.mesh_in_metres
     title = f"Lower bound, Kh = {stress.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion], foot(config.section), legend_rows=3)
     image = render(window, _classes(mesh, yield_use(stress), YIELD, YIELD_COLOURS))
     sheet.show(0, image, window, "how much of its strength the ground needs, at the worst corner of each triangle")
     sheet.colour_bar(in_classes(YIELD, YIELD_COLOURS), "radius of Mohr's circle over the largest possible (-)", YIELD)
-    sheet.note(conditions(config, found, stress))
+    sheet.note(conditions(config, bounds, stress))
     return sheet
 
 
-def _mesh_sheet(section: Section, found: KhBounds, window: Window) -> Sheet:
-    mesh, strata = found.mesh, (found.section or section).strata
-    own = [stratum.name for stratum in section.strata]  # a strip of a skin, or a film, has the colour of its stratum
-    names = [name if (name := one.name.removesuffix(FILM_IN)) in own else name.rpartition(STRIP)[0] for one in strata]
-    colours = [soil_colours(own)[own.index(name)] for name in names]
+def _mesh_sheet(section: Section, bounds: KhBounds, window: Window) -> Sheet:
+    mesh, strata = bounds.mesh, (bounds.section or section).strata
+    known = [stratum.name for stratum in section.strata]  # a strengthened face, or a film, has its stratum's colour
+    whole = [layer.name.removesuffix(FILM_IN) for layer in strata]
+    names = [name if name in known else name.rpartition(STRIP)[0] for name in whole]
+    colours = [soil_colours(known)[known.index(name)] for name in names]
     handles = [
         Patch(facecolor=colour, edgecolor=INK, linewidth=0.6, label=f" {stratum.name}")
         for colour, stratum in zip(colours, strata, strict=True)

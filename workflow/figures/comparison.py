@@ -57,7 +57,7 @@ def _curves(results: Results, name: str) -> bool:
     axes.plot(x, [0.0, *(step.factor for step in path)], color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.3)
     handles = [_handle(CONTINUUM, "o", f"FEM, {answer.settings.sides} sides")]
     widest = x[-1]
-    like = results.like_discs
+    like = results.dem_counterpart
     if like is not None and discs is not None:
         curve = [(0.0, 0.0), *((step.displacement, step.factor) for step in like.curve if not step.at_rest)]
         axes.plot(*np.array(curve).T, color=CONTINUUM, linestyle=DASHED, linewidth=1.1)
@@ -112,7 +112,7 @@ def _brackets(results: Results) -> str:
         phrases.append(f"FEM {least}" + (f", at most {most}" if most != least else ""))
     after = results.dem.after if results.dem is not None else None
     if after is not None and after.kc is not None:
-        alike = results.like_discs
+        alike = results.dem_counterpart
         most = "" if alike is None or alike.kc_upper < alike.kc + SEEN else f" to {alike.kc_upper:.3f}"
         like = f" for {alike.kc:.3f}{most} of the FEM (dashed)" if alike is not None else ""
         phrases.append(f"discs {after.kc:.3f} ({after.kc_lower:.3f} to {after.kc_upper:.3f}){like}")
@@ -128,7 +128,7 @@ def _surfaces(results: Results, name: str) -> bool:
     lines = []
     both = results.dem.slip_surface if results.dem is not None else None
     if both is not None and both.fem:
-        terms = f", {results.like_discs.terms}" if results.like_discs is not None else ""
+        terms = f", {results.dem_counterpart.terms}" if results.dem_counterpart is not None else ""
         label = f"FEM{terms}: where it gives way"
         lines.append(Overlay(np.array(both.fem), CONTINUUM, SOLID, label))
     elif results.fem is not None:

@@ -23,19 +23,25 @@ def draw(series: Sequence[Series], title: str, path: Path) -> None:
     frames = np.ravel([figure.subplots(rows, ACROSS, squeeze=False)])
     for axes in frames[len(series) :]:
         axes.set_visible(False)
-    for axes, one in zip(frames, series, strict=False):
-        halves = [half or 0.0 for half in one.half_ci95]
-        axes.errorbar(one.sizes, one.values, yerr=halves, fmt="o", color=CONTINUUM, markersize=3.5, linewidth=0.9)
-        sizes = np.linspace(0.0, one.sizes[0], 60)
-        ends = (one.sizes[-1], one.values[-1])
-        power = one.order or 1.0
-        rise = (ends[1] - one.limit) / ends[0] ** power
-        axes.plot(sizes, one.limit + rise * sizes**power, color=CONTINUUM, linewidth=0.8, linestyle=(0, (4, 2)))
-        axes.plot(0.0, one.limit, "D", color=CONTINUUM if one.converged else CRITICAL, markersize=4, clip_on=False)
-        axes.set_title(
-            f"{one.name}\n{one.verdict.split(':')[0]}", fontsize=6.5, loc="left", color=INK, parse_math=False
+    for axes, quantity in zip(frames, series, strict=False):
+        halves = [half or 0.0 for half in quantity.half_ci95]
+        axes.errorbar(
+            quantity.sizes, quantity.values, yerr=halves, fmt="o", color=CONTINUUM, markersize=3.5, linewidth=0.9
         )
-        axes.set_xlabel("radius (m)" if one.over == "radius" else "step over the stable one", fontsize=7, color=INK)
+        sizes = np.linspace(0.0, quantity.sizes[0], 60)
+        ends = (quantity.sizes[-1], quantity.values[-1])
+        power = quantity.order or 1.0
+        rise = (ends[1] - quantity.limit) / ends[0] ** power
+        axes.plot(sizes, quantity.limit + rise * sizes**power, color=CONTINUUM, linewidth=0.8, linestyle=(0, (4, 2)))
+        axes.plot(
+            0.0, quantity.limit, "D", color=CONTINUUM if quantity.converged else CRITICAL, markersize=4, clip_on=False
+        )
+        axes.set_title(
+            f"{quantity.name}\n{quantity.verdict.split(':')[0]}", fontsize=6.5, loc="left", color=INK, parse_math=False
+        )
+        axes.set_xlabel(
+            "radius (m)" if quantity.over == "radius" else "step over the stable one", fontsize=7, color=INK
+        )
         axes.set_xlim(left=0.0)
         axes.tick_params(labelsize=6.5, colors=INK)
         axes.grid(color="#dddddd", linewidth=0.5)

@@ -49,12 +49,14 @@ def displacements(results: Results, name: str) -> bool:
     axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
     axes.set_yticks([-number for number in range(len(rows))], [row.words for row in rows], fontsize=6.5)
     observed = results.config.report.observed
-    most = max([SMALLEST, *(row.value or 0.0 for row in known), *(one.displacement for one in observed)])
+    most = max(
+        [SMALLEST, *(row.value or 0.0 for row in known), *(observation.displacement for observation in observed)]
+    )
     axes.set_xlim(0.8 * SMALLEST, 2.5 * most)  # so that the number beside the last point stands in the frame
     box = axes.get_position()
     axes.set_position((0.34, box.y0, box.x1 - 0.34, box.height))
-    for one in observed:
-        axes.axvline(one.displacement, color=CRITICAL, linewidth=1.2)
+    for observation in observed:
+        axes.axvline(observation.displacement, color=CRITICAL, linewidth=1.2)
     sheet.legend([*_handles(known), *_measured(results)], 4)
     with results.store.writing(name) as path:
         sheet.save(path)
@@ -75,11 +77,11 @@ def _draw(axes: Axes, row: Row, at: int) -> None:
 
 def _others(results: Results) -> Iterator[Row]:
     """The methods that the discs are compared with."""
-    for one in estimates(results.config.section, results.config, results.kc, results.slip_surface):
-        if one.displacement_m is not None:
-            yield Row(one.method, OTHERS, one.displacement_m)
-        elif one.kind != "smooth block":  # which never gives one
-            yield Row(one.method, OTHERS, None, _why_not(one.words))
+    for estimate in estimates(results.config.section, results.config, results.kc, results.slip_surface):
+        if estimate.displacement_m is not None:
+            yield Row(estimate.method, OTHERS, estimate.displacement_m)
+        elif estimate.kind != "smooth block":  # which never gives one
+            yield Row(estimate.method, OTHERS, None, _why_not(estimate.words))
 
 
 def slides(results: Results) -> Iterator[Row]:
@@ -97,15 +99,17 @@ def slides(results: Results) -> Iterator[Row]:
 def _why_not(words: str) -> str:
     """The reason within the words of an estimate that gives no displacement."""
     for sign in ("outside its range: ", "not computed: "):
-        _, found, reason = words.partition(sign)
-        if found:
+        _, separator, reason = words.partition(sign)
+        if separator:
             return f"{sign}{reason}"
     return words
 
 
 def _of_discs(results: Results, cases: dict[int, CaseAnswer]) -> Iterator[Row]:
     """The discs of each case: at every place where something was measured, and at most."""
-    places = dict.fromkeys(one.x for one in results.config.report.observed if results.slides_at(one.x) is not None)
+    places = dict.fromkeys(
+        observation.x for observation in results.config.report.observed if results.slides_at(observation.x) is not None
+    )
     for number, case in sorted(cases.items()):
         name = f"discs, {results.config.called(number)}"
         for x in places:
@@ -125,5 +129,5 @@ def _handles(rows: list[Row]) -> Iterator[Line2D]:
 def _measured(results: Results) -> Iterator[Line2D]:
     observed = results.config.report.observed
     if observed:
-        words = ", ".join(f"{one.name}: {one.displacement:.3g} m" for one in observed)
+        words = ", ".join(f"{observation.name}: {observation.displacement:.3g} m" for observation in observed)
         yield Line2D([], [], color=CRITICAL, label=words)

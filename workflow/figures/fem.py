@@ -50,10 +50,10 @@ def draw_all(config: Config, results: FemResults, store: Store) -> None:
 
 def _slips(answer: FemAnswer) -> list[Overlay]:
     """Where the ground slips with its strength over each factor of safety."""
-    found = [factor for factor in answer.safety_factors if factor.slip_surface]
+    factors = [factor for factor in answer.safety_factors if factor.slip_surface]
     return [
-        Overlay(np.array(one.slip_surface), CONTINUUM, DASHES[number % len(DASHES)], _named(one))
-        for number, one in enumerate(found)
+        Overlay(np.array(result.slip_surface), CONTINUUM, DASHES[number % len(DASHES)], _named(result))
+        for number, result in enumerate(factors)
     ]
 
 

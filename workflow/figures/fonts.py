@@ -16,13 +16,13 @@ ASKED_FOR = "Noto's fonts have them: on Debian and Ubuntu apt install fonts-noto
 
 def files_for(text: str) -> tuple[str, ...]:
     """The font files that together have the characters of a text, the plain one first, as far as there are any."""
-    found = [font_manager.findfont(PLAIN)]
-    left = _lacking(found, frozenset(text))
+    files = [font_manager.findfont(PLAIN)]
+    left = _lacking(files, frozenset(text))
     for file in _others() if left else ():
         if left and (more := left - _lacking([file], left)):
-            found.append(file)
+            files.append(file)
             left -= more
-    return tuple(found)
+    return tuple(files)
 
 
 def file_for(text: str) -> str:

@@ -41,7 +41,7 @@ def _largest(results: Results) -> tuple[int, CaseAnswer | None]:
     _, cases = results.case_set()
     if not cases:
         return 0, None
-    number = max(cases, key=lambda one: cases[one].slide_max_m)
+    number = max(cases, key=lambda case: cases[case].slide_max_m)
     return number, cases[number]
 
 

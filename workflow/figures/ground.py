@@ -146,7 +146,7 @@ def borders(section: Section) -> list[np.ndarray]:
     layers = section.layering
     numbers = np.array([*soil_numbers([stratum.name for stratum in section.strata]), -1])
     outlines = [polygon for k in range(layers.strata) for polygon in layers.polygons(k)]
-    edges = np.concatenate([np.stack([one, np.roll(one, -1, axis=0)], axis=1) for one in outlines])
+    edges = np.concatenate([np.stack([outline, np.roll(outline, -1, axis=0)], axis=1) for outline in outlines])
     middle = edges.mean(axis=1)
     beside = [
         numbers[layers.stratum_at(middle[:, 0] + side, middle[:, 1])] for side in (-layers.tolerance, layers.tolerance)

@@ -167,11 +167,11 @@ def _field(name: str) -> Field:
 def _states(results: FemResults, at: float | None) -> list[State]:
     if at is None:
         return results.states
-    found = [state for state in results.states if abs(state.kh - at) < SAME_KH]
-    if not found:
+    states = [state for state in results.states if abs(state.kh - at) < SAME_KH]
+    if not states:
         there = ", ".join(f"{state.kh:.3f}" for state in results.states)
         raise InputError("--at", [f"{at:g}: there is no state at this Kh; expected one of {there}, or set fem.kh"])
-    return found
+    return states
 
 
 def _grid(mesh: QuadMesh, state: State, field: Field) -> pv.UnstructuredGrid:

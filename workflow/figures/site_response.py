@@ -20,18 +20,22 @@ def draw(section: Section, answer: SiteResponseAnswer, path: Path) -> None:
     figure.suptitle(title, fontsize=11, weight="bold", color=INK, x=0.02, ha="left", parse_math=False)
     names = [stratum.name for stratum in section.strata]
     layers = answer.layers
-    tops, bottoms = [one.top_m for one in layers], [one.bottom_m for one in layers]
-    middles = [0.5 * (one.top_m + one.bottom_m) for one in layers]
+    tops, bottoms = [layer.top_m for layer in layers], [layer.bottom_m for layer in layers]
+    middles = [0.5 * (layer.top_m + layer.bottom_m) for layer in layers]
     curves = (
-        ("largest acceleration (gal)", [one.acceleration_gal for one in layers], tops),
-        ("largest shear strain (%)", [100.0 * one.strain for one in layers], middles),
-        ("largest shear stress (kPa)", [one.stress_kPa for one in layers], bottoms),
-        ("k_max of all above (-)", [one.k_max for one in layers], bottoms),
+        ("largest acceleration (gal)", [layer.acceleration_gal for layer in layers], tops),
+        ("largest shear strain (%)", [100.0 * layer.strain for layer in layers], middles),
+        ("largest shear stress (kPa)", [layer.stress_kPa for layer in layers], bottoms),
+        ("k_max of all above (-)", [layer.k_max for layer in layers], bottoms),
     )
     for axes, (label, values, depths) in zip(figure.subplots(1, 4, sharey=True), curves, strict=True):
-        for one in layers:
+        for layer in layers:
             axes.axhspan(
-                one.top_m, one.bottom_m, color=soil_colours(names)[names.index(one.stratum)], alpha=0.75, linewidth=0
+                layer.top_m,
+                layer.bottom_m,
+                color=soil_colours(names)[names.index(layer.stratum)],
+                alpha=0.75,
+                linewidth=0,
             )
         axes.plot(values, depths, color=CONTINUUM, marker="o", markersize=2.5)
         axes.set_xlabel(label, fontsize=8, color=INK, parse_math=False)

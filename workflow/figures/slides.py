@@ -208,7 +208,7 @@ def history(config: Config, slides: Sequence[SlideHistory], out: Path) -> None:
     largest = sheet.plot(0, "time since the onset (s)", "largest slide of the surface (m)")
     settlement = sheet.plot(1, "time since the onset (s)", "settlement, uphill third (m)")
     handles = []
-    for slide in sorted(slides, key=lambda one: (one.springs, one.case)):
+    for slide in sorted(slides, key=lambda shown: (shown.springs, shown.case)):
         style: dict[str, Any] = {
             "color": _colour(slide.case),
             "linestyle": "-" if slide.springs == "calibrated" else (0, (4, 2)),

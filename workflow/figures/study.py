@@ -36,22 +36,22 @@ def fails(values: np.ndarray, curve: Curve, title: str, path: Path) -> None:
 
 def effects(results: Sequence[Result], title: str, path: Path) -> None:
     """Bars for every uncertain number: rank correlations, or total Sobol' indices with intervals where there are."""
-    known = [result for result in results if any(one.correlation is not None for one in result.effects)]
+    known = [result for result in results if any(effect.correlation is not None for effect in result.effects)]
     shown = [result for result in known if not result.is_detail][:ACROSS] or known[:ACROSS]
     figure = _figure(1, f"{title}: what matters most")
     for axes, result in zip(np.ravel([figure.subplots(1, len(shown))]), shown, strict=True):
         bars = result.effects[:SHOWN]
-        indices = all(one.total is not None for one in bars)
-        lengths = [(one.total if indices else one.correlation) or 0.0 for one in bars]
+        indices = all(effect.total is not None for effect in bars)
+        lengths = [(effect.total if indices else effect.correlation) or 0.0 for effect in bars]
         places = -np.arange(len(bars))
         axes.barh(places, lengths, color=[CONTINUUM if length >= 0.0 else CRITICAL for length in lengths])
         if indices:
-            ends = np.array([one.total_ci95 for one in bars], dtype=float).T
+            ends = np.array([effect.total_ci95 for effect in bars], dtype=float).T
             axes.hlines(places, *ends, color=INK, linewidth=1.0)
         else:
             axes.axvspan(-result.by_chance, result.by_chance, color=PALE, alpha=0.6, linewidth=0, zorder=0)
             axes.set_xlim(-1.0, 1.0)
-        axes.set_yticks(places, [_broken(one.path) for one in bars])
+        axes.set_yticks(places, [_broken(effect.path) for effect in bars])
         axes.axvline(0.0, color=INK, linewidth=0.7)
         _label(axes, "total Sobol' index" if indices else "rank correlation (grey: chance alone)", "")
         axes.set_title(result.title, fontsize=9, loc="left", color=INK, parse_math=False)

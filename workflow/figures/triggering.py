@@ -68,8 +68,8 @@ def _boring(
     at = [test.depth_m for test in tests]
     cone = any(test.qc_Pa is not None for test in tests)
     most = MOST_RESISTANCE if cone else MOST_BLOWS
-    found = [(test.qc_Pa or 0.0) / 1e6 if cone else test.N or 0.0 for test in tests]
-    blows.plot(np.minimum(found, most), at, color=CONTINUUM, marker="" if cone else "o", markersize=3.5)
+    values = [(test.qc_Pa or 0.0) / 1e6 if cone else test.N or 0.0 for test in tests]
+    blows.plot(np.minimum(values, most), at, color=CONTINUUM, marker="" if cone else "o", markersize=3.5)
     blows.set_xlim(0.0, most)
     blows.set_xlabel("qc (MPa)" if cone else "N", fontsize=8, color=INK, parse_math=False)
     blows.set_ylabel("depth (m)", fontsize=8, color=INK)

@@ -32,8 +32,8 @@ def draw_weights(section: Section, path: Path) -> None:
     points = np.column_stack([corners, np.zeros(len(corners))])
     cells = np.arange(len(corners)).reshape(-1, 3)
     grid = pv.PolyData(points, faces=np.column_stack([np.full(len(cells), 3), cells]).ravel())
-    own = GRAVITY * np.array([s.density_ordinary for s in section.strata]) / 1e3
-    grid["weight"] = np.repeat(own[mesh.stratum], 3)
+    weights = GRAVITY * np.array([s.density_ordinary for s in section.strata]) / 1e3
+    grid["weight"] = np.repeat(weights[mesh.stratum], 3)
     grid["pressure"] = corner_pressure(mesh, section.water_pressure.at_rest).ravel() / 1e3
     views = ["weight", *(["pressure"] if section.water_pressure.present else [])]
     title = f"{section.heading}: unit weight" + (" and pore pressure" if len(views) > 1 else "")

@@ -46,7 +46,7 @@ def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
     if strict is None:
         return meshes
     low, high = strict
-    bounds = "by strict bounds" if results.bounds is None or not results.bounds.skins else "by bounds"
+    bounds = "by strict bounds" if results.bounds is None or not results.bounds.shallow_failures else "by bounds"
     if meshes is None or not meshes.sure or meshes.low > high or meshes.high < low:
         return Accuracy(low, high, bounds, True)
     return Accuracy(max(low, meshes.low), min(high, meshes.high), f"{bounds} and {meshes.by[3:]}", True)
@@ -58,7 +58,7 @@ def of_meshes(fem: FemAnswer, halved: float | None = None) -> Accuracy | None:
     ``halved`` is the critical Kh on cells of half the size, where that was looked at after a single mesh: what a mesh
     leaves open goes with one over its number of cells, so that a third of the difference is left (Richardson 1911).
     """
-    values = [one.kc for one in fem.meshes]
+    values = [mesh.kc for mesh in fem.meshes]
     if len(values) >= 2 and fem.kc_limit is not None:
         limit = fem.kc_limit
     elif halved is not None:
@@ -85,8 +85,8 @@ def _converges(values: Sequence[float]) -> bool:
 
 def _halved(results: Results) -> float | None:
     """The critical Kh on cells of half the size, if that was asked for."""
-    found = results.variants.variants if results.variants is not None else ()
-    return next((one.kc for one in found if one.name == "mesh" and one.kc_without is None), None)
+    variants = results.variants.variants if results.variants is not None else ()
+    return next((variant.kc for variant in variants if variant.name == "mesh" and variant.kc_without is None), None)
 
 
 def _strict(results: Results, fem: FemAnswer) -> tuple[float, float] | None:
@@ -96,16 +96,16 @@ def _strict(results: Results, fem: FemAnswer) -> tuple[float, float] | None:
         return None
     match fem.flow:
         case "associated":
-            own = bounds.towards(fem.direction)
+            bracket = bounds.towards(fem.direction)
         case "davis":
-            own = bounds.substitute.towards(fem.direction) if bounds.substitute is not None else None
+            bracket = bounds.substitute.towards(fem.direction) if bounds.substitute is not None else None
         case "section":
-            own = None
+            bracket = None
         case _:
             assert_never(fem.flow)
-    if own is None or own.lower is None or own.upper is None:
+    if bracket is None or bracket.lower is None or bracket.upper is None:
         return None
-    return own.lower, own.upper
+    return bracket.lower, bracket.upper
 
 
 def rounded_up(value: float) -> float:
@@ -115,17 +115,17 @@ def rounded_up(value: float) -> float:
     return float(f"{math.ceil(value / power - 1e-6) * power:.3g}")
 
 
-def numerical_error(found: Accuracy | None, kc: float) -> str:
+def numerical_error(estimate: Accuracy | None, kc: float) -> str:
     """The numerical error of ``kc``, in a sentence."""
-    if found is None:
+    if estimate is None:
         return (
             "The numerical error of the critical Kh is not known, since there is one mesh and no strict bound of the "
             'same flow rule; variants.which = ["mesh"] finds it.'
         )
-    error = f"{rounded_up(found.error(kc)):g}"
-    if not found.sure:
+    error = f"{rounded_up(estimate.error(kc)):g}"
+    if not estimate.sure:
         return (
             f"The sequence of meshes has not converged: the numerical error may be {error}, with the critical Kh "
-            f"anywhere from {between([found.low, found.high])}."
+            f"anywhere from {between([estimate.low, estimate.high])}."
         )
-    return f"The numerical error of the critical Kh is below {error}, {found.by}."
+    return f"The numerical error of the critical Kh is below {error}, {estimate.by}."

@@ -19,18 +19,18 @@ def in_short(results: Results) -> Iterator[str]:
     answer = results.liquefied
     if answer is None:
         return
-    for one in answer.cases:
-        if one.stands == "flows":
-            yield f"After liquefaction, in {_which(one)}, the continuum does not stand without shaking: {one.reason}."
-            yield from _by_weight(results, one)
+    for case in answer.cases:
+        if case.stands == "flows":
+            yield f"After liquefaction, in {_which(case)}, the continuum does not stand without shaking: {case.reason}."
+            yield from _by_weight(results, case)
         else:
-            most = one.kc if one.kc_upper is None or one.kc is None else min(one.kc, one.kc_upper)
-            bears = f", with a critical Kh of about {coefficient(most)}{_acting(one)}" if most is not None else ""
+            most = case.kc if case.kc_upper is None or case.kc is None else min(case.kc, case.kc_upper)
+            bears = f", with a critical Kh of about {coefficient(most)}{_acting(case)}" if most is not None else ""
             yield (
-                f"After liquefaction, in {_which(one)}, the continuum still stands without shaking{bears}: "
-                f"{one.reason}."
+                f"After liquefaction, in {_which(case)}, the continuum still stands without shaking{bears}: "
+                f"{case.reason}."
             )
-            yield from _slides_though_it_stands(results, one)
+            yield from _slides_though_it_stands(results, case)
     enough = just_enough(answer.cases)
     if enough is not None:
         yield f"{enough.words}."
@@ -41,7 +41,11 @@ def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
     """The slide of the discs by their weight alone, where the continuum fails and the discs do not flow."""
     _, cases = results.case_set()
     discs = {number: cases[number] for number in case.cases if number in cases and not cases[number].flows}
-    far = {number: one.slide_by_weight_m for number, one in discs.items() if one.slide_by_weight_m is not None}
+    far = {
+        number: discs_case.slide_by_weight_m
+        for number, discs_case in discs.items()
+        if discs_case.slide_by_weight_m is not None
+    }
     if not far:
         return
     phrase = f"by their weight alone they slide {span(list(far.values()))} in {of_cases(list(far))}"
@@ -98,21 +102,21 @@ def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
     the strength, being the least of what mechanisms ask for, each linear in it: a line through two cases that flow
     says more, and still too little.
     """
-    known = [(0.5 * (one.factor_lower + one.factor_upper), one) for one in cases
-             if one.factor_lower is not None and one.factor_upper is not None
-             and not any(s.friction_deg for s in one.strata)]  # fmt: skip
-    at_one = next((one for _, one in known if (one.factor_lower or 0.0) <= 1.0 <= (one.factor_upper or 0.0)), None)
+    known = [(0.5 * (case.factor_lower + case.factor_upper), case) for case in cases
+             if case.factor_lower is not None and case.factor_upper is not None
+             and not any(s.friction_deg for s in case.strata)]  # fmt: skip
+    at_one = next((case for _, case in known if (case.factor_lower or 0.0) <= 1.0 <= (case.factor_upper or 0.0)), None)
     if at_one is not None:
         return Enough("about", at_one.strata)
-    flowing = sorted(((f, one) for f, one in known if f < 1.0), key=_first)
-    standing = sorted(((f, one) for f, one in known if f >= 1.0), key=_first)
+    flowing = sorted(((f, case) for f, case in known if f < 1.0), key=_first)
+    standing = sorted(((f, case) for f, case in known if f >= 1.0), key=_first)
     if flowing and standing and _alike(flowing[-1][1], standing[0][1]):
         return Enough("about", _on_the_line(flowing[-1], standing[0]))
     if len(flowing) > 1 and flowing[-2][0] < flowing[-1][0] and _alike(flowing[-2][1], flowing[-1][1]):
         return Enough("more than", _on_the_line(flowing[-2], flowing[-1]))
-    for how, found in (("more than", flowing[-1:]), ("at most", standing[:1])):
-        for factor, one in found:
-            return Enough(how, tuple(_scaled(s, 1.0 / factor) for s in one.strata))
+    for how, chosen in (("more than", flowing[-1:]), ("at most", standing[:1])):
+        for factor, case in chosen:
+            return Enough(how, tuple(_scaled(s, 1.0 / factor) for s in case.strata))
     return None
 
 
@@ -141,20 +145,20 @@ def _scaled(stratum: LiquefiedStratum, by: float) -> LiquefiedStratum:
 
 def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
     """Whether a measured displacement contradicts a case: a flow failure does not stop after so little."""
-    measured = [float(one.displacement) for one in results.config.report.observed]
+    measured = [float(case.displacement) for case in results.config.report.observed]
     relief = _relief(results)
     if not measured or max(measured) >= FLOWS * relief:
         return
-    flow = [one for one in answer.cases if one.stands == "flows" and one.factor_upper is not None]
-    stand = [one for one in answer.cases if one.stands == "stands"]
+    flow = [case for case in answer.cases if case.stands == "flows" and case.factor_upper is not None]
+    stand = [case for case in answer.cases if case.stands == "stands"]
     far = (
         f"At most {max(measured):.3g} m were measured, on {relief:.3g} m of height, where a flow would not have stopped"
     )
     if not flow:
         yield f"{far}, and in no case does it flow."
         return
-    times = listed([f"{1.0 / one.factor_upper:.2f}" for one in flow if one.factor_upper])
-    names = listed([_which(one) for one in flow])
+    times = listed([f"{1.0 / case.factor_upper:.2f}" for case in flow if case.factor_upper])
+    names = listed([_which(case) for case in flow])
     yield (
         f"{far}. Either it is not as the section has it, or it kept more strength than {names} "
         f"leave{'s' if len(flow) == 1 else ''} it, at least {times} times as much: so far these strengths are on the "
@@ -162,22 +166,22 @@ def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
     )
     if stand:
         agree = "agrees" if len(stand) == 1 else "agree"
-        yield f"With what was measured {listed([_which(one) for one in stand])} {agree}."
+        yield f"With what was measured {listed([_which(case) for case in stand])} {agree}."
 
 
 def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
     """Every case with its numbers, for the terminal."""
-    for one in answer.cases:
-        which = f"Case {', '.join(map(str, one.cases))}" + (f" ({', '.join(one.names)})" if one.names else "")
-        kept = ", ".join(f"{spoken(s.name)} {s.cohesion_kPa:.3g} kPa" for s in one.strata)
-        word = "still stands" if one.stands == "stands" else "flows without any shaking"
-        yield f"{which}, strength left {kept}: after liquefaction it {word}; {one.reason}."
-        if one.factor is not None or one.factor_lower is not None:
-            yield f"    Factor of safety at Kh = 0, between held sides: {factors(one)}."
-        if one.kc is not None:
-            proven = f" (strict bounds {bracket(one.kc_lower, one.kc_upper, 3)})" if one.kc_lower is not None else ""
-            yield f"    Its critical Kh is {one.kc:.3f}{_acting(one)}{proven}."
-        for note in one.notes:
+    for case in answer.cases:
+        which = f"Case {', '.join(map(str, case.cases))}" + (f" ({', '.join(case.names)})" if case.names else "")
+        kept = ", ".join(f"{spoken(s.name)} {s.cohesion_kPa:.3g} kPa" for s in case.strata)
+        word = "still stands" if case.stands == "stands" else "flows without any shaking"
+        yield f"{which}, strength left {kept}: after liquefaction it {word}; {case.reason}."
+        if case.factor is not None or case.factor_lower is not None:
+            yield f"    Factor of safety at Kh = 0, between held sides: {factors(case)}."
+        if case.kc is not None:
+            proven = f" (strict bounds {bracket(case.kc_lower, case.kc_upper, 3)})" if case.kc_lower is not None else ""
+            yield f"    Its critical Kh is {case.kc:.3f}{_acting(case)}{proven}."
+        for note in case.notes:
             yield f"    Warning: {note}."
     enough = just_enough(answer.cases)
     if enough is not None:

@@ -125,20 +125,20 @@ class Picture:
 
 def collect(names: Sequence[str], folder: Path, width: int, texts: Texts | None = None) -> list[Picture]:
     """The pictures with these names in a folder, at most ``width`` pixels wide, in the report's order."""
-    found = list(_captioned(names, folder, texts or Texts()))
+    captions = list(_captioned(names, folder, texts or Texts()))
     with ThreadPoolExecutor() as threads:  # Pillow lets go of Python's lock
-        return list(threads.map(lambda each: _picture(folder / each[0], each[0], each[1], each[2], width), found))
+        return list(threads.map(lambda each: _picture(folder / each[0], each[0], each[1], each[2], width), captions))
 
 
 def _captioned(names: Sequence[str], folder: Path, texts: Texts) -> Iterator[tuple[str, Caption, str]]:
     """Every picture in the folder with the first caption whose pattern matches its name."""
     left = sorted((name for name in set(names) if name.endswith(".png") and (folder / name).is_file()), key=_by_number)
-    for one in CAPTIONS:
+    for caption in CAPTIONS:
         for name in list(left):
-            match = re.fullmatch(one.pattern, Path(name).stem)
+            match = re.fullmatch(caption.pattern, Path(name).stem)
             if match is not None:
                 left.remove(name)
-                yield name, one, texts(one.words).format(*match.groups())
+                yield name, caption, texts(caption.words).format(*match.groups())
 
 
 def _by_number(name: str) -> list[tuple[int, float, str]]:

@@ -60,8 +60,8 @@ def fem_sentences(answer: FemAnswer) -> Iterator[str]:
     yield from meshes_sentences(answer)
     yield from beside_sentences(answer)
     yield from (safety_sentence(factor, answer) for factor in answer.safety_factors)
-    for doubt in answer.doubts:
-        yield f"{'Contradiction' if doubt.contradiction else 'Warning'}: {doubt.what} To do: {doubt.remedy}."
+    for warning in answer.warnings:
+        yield f"{'Contradiction' if warning.contradiction else 'Warning'}: {warning.what} To do: {warning.remedy}."
 
 
 def safety_sentence(factor: FactorOfSafety, answer: FemAnswer) -> str:
@@ -77,15 +77,15 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer) -> str:
     if factor.slip_surface:
         x, z = zip(*factor.slip_surface, strict=True)
         phrase += f" It slips from x = {min(x):.1f} to {max(x):.1f} m, down to z = {min(z):.1f} m."
-    if factor.skin is not None and factor.skin < factor.factor:
-        phrase += f" Its cohesionless face fails (shallow failure) at {factor.skin:.3f}."
+    if factor.shallow_failure is not None and factor.shallow_failure < factor.factor:
+        phrase += f" Its cohesionless face fails (shallow failure) at {factor.shallow_failure:.3f}."
     return phrase
 
 
 def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
     """The critical Kh on every mesh that was adapted to the mechanism."""
     if answer.meshes:
-        phrase = ", ".join(f"{one.kc:.4f} ({one.cells} cells)" for one in answer.meshes)
+        phrase = ", ".join(f"{mesh.kc:.4f} ({mesh.cells} cells)" for mesh in answer.meshes)
         tends = f" The sequence tends to {answer.kc_limit:.4f}." if answer.kc_limit is not None else ""
         yield f"On meshes adapted to the mechanism: {phrase}. The sequence ended because {answer.meshes_ended}.{tends}"
 
@@ -98,10 +98,10 @@ def beside_sentences(answer: FemAnswer) -> Iterator[str]:
     if other is not None:
         kh = f"above {other.kc:.4f}" if other.verdict == "no failure" else f"{other.kc:.4f}"
         yield f"With the seismic force {FORCE[other.direction]} it is {kh}{_out_at(other.at_sides)}."
-    for skin in answer.skins:
+    for face in answer.shallow_failures:
         yield (
-            f"Shallow failure of the face of {spoken(skin.stratum)} from x = {skin.start_x_m:g} to {skin.end_x_m:g} m "
-            f"({skin.angle_deg:.0f}°) at Kh = {max(skin.kh, 0.0):.4f}; the slope as a whole fails at {answer.kc:.4f}."
+            f"Shallow failure of the face of {spoken(face.stratum)} from x = {face.start_x_m:g} to {face.end_x_m:g} m "
+            f"({face.angle_deg:.0f}°) at Kh = {max(face.kh, 0.0):.4f}; the slope as a whole fails at {answer.kc:.4f}."
         )
 
 
@@ -117,7 +117,7 @@ def proven(strengthened: bool) -> str:
 
 def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     """The strict bounds of fem/bounds.json, and the shallow failures of faces before them."""
-    for face in answer.skins:
+    for face in answer.shallow_failures:
         when = f"at Kh = {face.kh:.3f}" if face.kh > 0.0 else "by their own weight"
         yield (
             f"Shallow failure of the face of {spoken(face.stratum)} from x = {face.start:g} to {face.end:g} m {when}. "
@@ -126,15 +126,15 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     if answer.shallow is not None:
         when = f"at Kh of {answer.shallow:.3f} or less" if answer.shallow > 0.0 else "by its own weight"
         yield f"Where such faces meet, ground above that depth slips {when}: it needs cohesion, or protection."
-    yield f"{proven(bool(answer.skins))} with ψ = φ, the upper one for every ψ: {answer.words}."
+    yield f"{proven(bool(answer.shallow_failures))} with ψ = φ, the upper one for every ψ: {answer.words}."
     if answer.verdict != "bracketed":
         yield answer.reason
     for factor in answer.safety:
-        yield f"{proven(factor.skin is not None)} of the factor of safety, ψ = φ: {factor.words}."
+        yield f"{proven(factor.shallow_failure is not None)} of the factor of safety, ψ = φ: {factor.words}."
         if factor.reason:
             yield factor.reason
     if answer.substitute:
-        yield f"{proven(bool(answer.skins))} of Davis's estimate for ψ < φ: {answer.substitute.words}."
+        yield f"{proven(bool(answer.shallow_failures))} of Davis's estimate for ψ < φ: {answer.substitute.words}."
         if answer.substitute.verdict != "bracketed":
             yield answer.substitute.reason
 
@@ -205,14 +205,14 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
     magnitude = f", M {answer.magnitude:g}" if answer.magnitude is not None else ""
     yield f"{answer.method}, peak acceleration {motion.median_gal:.0f} gal{spread}{magnitude}, {motion.relation}."
     yield from map(stratum_sentence, answer.strata)
-    for one in answer.left:
-        phrases = [f"{pascals / 1e3:.1f} kPa or {one.residual[title]:.2f} σ'v ({title})"
-                for title, pascals in one.strength_Pa.items()]  # fmt: skip
-        drains = f"{100.0 * one.volumetric_strain:.1f} % of its volume drains away"
+    for stratum in answer.left:
+        phrases = [f"{pascals / 1e3:.1f} kPa or {stratum.residual[title]:.2f} σ'v ({title})"
+                for title, pascals in stratum.strength_Pa.items()]  # fmt: skip
+        drains = f"{100.0 * stratum.volumetric_strain:.1f} % of its volume drains away"
         keeps = (
             f"keeps a strength of {', '.join(phrases)}" if phrases else "is outside all relations of residual strength"
         )
-        yield f"{spoken(one.stratum)} {keeps}; {drains}."
+        yield f"{spoken(stratum.stratum)} {keeps}; {drains}."
     for boring in answer.borings:
         yield f"{boring.name}: P_L = {boring.potential:.1f}, risk {boring.risk}."
 
@@ -247,7 +247,7 @@ def mpm_sentences(config: Config, answer: PointSlidesAnswer) -> Iterator[str]:
 
 def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
     """The response of the layers to the record, from site_response.json."""
-    largest = max(answer.layers, key=lambda one: one.strain)
+    largest = max(answer.layers, key=lambda layer: layer.strain)
     yield (
         f"{answer.record}: {answer.peak_rock_gal:.0f} gal on rock, {answer.peak_surface_gal:.0f} gal at the surface at "
         f"x = {answer.x_m:g} m; largest shear strain {100.0 * largest.strain:.3g} % in {spoken(largest.stratum)} at "
@@ -258,20 +258,20 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
             f"Warning: after {answer.rounds} rounds one more would change a stiffness or a damping by "
             f"{100.0 * answer.change:.1f} %."
         )
-    if answer.doubt:
-        yield f"Warning: {answer.doubt}."
-    phrases = [one for one in answer.layers if abs(one.bottom_m - round(one.bottom_m / 5.0) * 5.0) < 0.26]
-    yield "k_max of all above: " + ", ".join(f"{one.k_max:.3f} ({one.bottom_m:.0f} m)" for one in phrases) + "."
+    if answer.warning:
+        yield f"Warning: {answer.warning}."
+    phrases = [layer for layer in answer.layers if abs(layer.bottom_m - round(layer.bottom_m / 5.0) * 5.0) < 0.26]
+    yield "k_max of all above: " + ", ".join(f"{layer.k_max:.3f} ({layer.bottom_m:.0f} m)" for layer in phrases) + "."
 
 
 def _slides(config: Config, store: Store) -> Iterator[str]:
     """How far discs slide, and beside it what material points made of the same section."""
     answer, label = CasesAnswer.read(store), SectionLabel.of(config.section)
     yield from slide_sentences(config, answer)
-    if "mpm" in config.slide.judges and (store.folder / PointSlidesAnswer.FILE).is_file():
+    if "mpm" in config.slide.methods and (store.folder / PointSlidesAnswer.FILE).is_file():
         points = PointSlidesAnswer.read(store)
         opinions = second_opinions(answer, points if points.section.sha256 == label.sha256 else None)
-        yield from (f"Warning: {one.what} {one.remedy}" for one in contradicting(opinions))
+        yield from (f"Warning: {opinion.what} {opinion.remedy}" for opinion in contradicting(opinions))
         yield from agreeing(opinions)
 
 
@@ -300,16 +300,16 @@ def sentences(name: str, config: Config, store: Store) -> Iterator[str]:
 
 def run_lines(answer: Summary) -> list[str]:
     """Tell what a run found, in at most ten lines: the three numbers, criteria, stages without answer, warnings."""
-    told = [
-        f"{one.name}: {one.value}" + (f" ({one.interval})" if one.interval else "") for one in answer.headlines
+    lines = [
+        f"{part.name}: {part.value}" + (f" ({part.interval})" if part.interval else "") for part in answer.headlines
     ]  # fmt: skip
-    told += verdict_paragraph(list(answer.criteria or ()))
+    lines += verdict_paragraph(list(answer.criteria or ()))
     failed = [f"{stage}: no answer: {entry.reason}" for stage, entry in answer.no_answer.items()]
-    told += failed[:1]
-    warnings = [one.what if not one.remedy else f"{one.what} {one.remedy}" for one in answer.warnings]
-    shown = warnings[: MOST_LINES - len(told) - 1]
-    told += [f"- {line}" for line in shown]
+    lines += failed[:1]
+    warnings = [part.what if not part.remedy else f"{part.what} {part.remedy}" for part in answer.warnings]
+    shown = warnings[: MOST_LINES - len(lines) - 1]
+    lines += [f"- {line}" for line in shown]
     if len(warnings) > len(shown):
         rest = len(warnings) - len(shown)
-        told.append(f"{rest} more {'warning stands' if rest == 1 else 'warnings stand'} in the report.")
-    return told
+        lines.append(f"{rest} more {'warning stands' if rest == 1 else 'warnings stand'} in the report.")
+    return lines

@@ -85,8 +85,8 @@ def of_sides(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
 
 def of_order(cases: Mapping[int, Case], slides: Mapping[int, float], strata: Sequence[str]) -> Iterator[str]:
     """Cases with less strength and no more stiffness of the ``strata`` than others, but shorter slides (m)."""
-    for one, other in combinations(sorted(set(cases) & set(slides)), 2):
-        for weak, strong in ((one, other), (other, one)):
+    for number, other in combinations(sorted(set(cases) & set(slides)), 2):
+        for weak, strong in ((number, other), (other, number)):
             short = slides[strong] - slides[weak]
             if is_weaker(cases[weak], cases[strong], strata) and short > max(LESS, LESS_SHARE * slides[strong]):
                 yield (
@@ -106,15 +106,15 @@ def is_weaker(case: Case, other: Case, strata: Sequence[str]) -> bool:
         if any(ratios) and any(strengths):  # a ratio and a strength cannot be compared
             return False
         pairs += [ratios, strengths]
-    return all(its <= others for its, others in pairs) and any(its < others for its, others in pairs)
+    return all(value <= other for value, other in pairs) and any(value < other for value, other in pairs)
 
 
 def of_settlement(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
     """Surfaces that fall much further somewhere than on average over a third of the section."""
-    found = {number: case.largest_fall for number, case in cases.items()}
+    largest = {number: case.largest_fall for number, case in cases.items()}
     far = {
         number: fall
-        for number, fall in found.items()
+        for number, fall in largest.items()
         if fall[0] > max(FALLS, FALLS_TIMES * abs(cases[number].settlement_uphill_m))
     }
     if far:
@@ -132,11 +132,11 @@ def _ends(places: Sequence[float]) -> str:
 
 def _largest_slides(cases: Mapping[int, CaseAnswer], random: RandomPackings | None) -> dict[int, float]:
     """The largest slide (m) of each case: its mean over random packings where there are several."""
-    found = {number: case.slide_max_m for number, case in cases.items()}
+    slides = {number: case.slide_max_m for number, case in cases.items()}
     for number, case in (random.cases if random is not None else {}).items():
-        if number in found and len(case.slide_max_m.values) > 1 and case.slide_max_m.mean is not None:
-            found[number] = case.slide_max_m.mean
-    return found
+        if number in slides and len(case.slide_max_m.values) > 1 and case.slide_max_m.mean is not None:
+            slides[number] = case.slide_max_m.mean
+    return slides
 
 
 def _cases(numbers: Sequence[int]) -> str:

@@ -30,10 +30,10 @@ def crest_parts(
                 lines = np.array(case.surface_before), np.array(case.surface_after)
                 value = crest_settlement(*lines, structure.crest)
                 random = cases.random.cases.get(number) if cases.random is not None else None
-                found = _over_packings(value, None if random is None else random.profile, structure.crest)
-                if found is not None:
+                values = _over_packings(value, None if random is None else random.profile, structure.crest)
+                if values is not None:
                     rests = case.settled or lies_still(case)
-                    yield _part(config, structure, f"discs, {config.called(number)}", number, found, rests)
+                    yield _part(config, structure, f"discs, {config.called(number)}", number, values, rests)
         for number, point in sorted(points.cases.items()) if points is not None else ():
             value = crest_settlement(np.array(point.surface_before), np.array(point.surface_after), structure.crest)
             if value is not None:
@@ -57,10 +57,11 @@ def _over_packings(value: float | None, profile: Profile | None, crest: Crest) -
 def _part(config: Config, structure: Standing, by: str, case: int, slide: Settlements, at_rest: bool) -> CrestPart:
     drained = reconsolidation_below(config, structure.crest, case)
     added = 0.0 if config.cases[case - 1].volumetric_strain > 0.0 else drained or 0.0
-    value, low, high = (one + added for one in slide)
+    value, low, high = (settlement + added for settlement in slide)
     water = water_beside(config, structure.crest)
     heights = [
-        None if water is None else freeboard(structure.crest.elevation, one, water) for one in (value, high, low)
+        None if water is None else freeboard(structure.crest.elevation, settlement, water)
+        for settlement in (value, high, low)
     ]
     return CrestPart(
         structure=structure.name,
@@ -97,7 +98,7 @@ def _strains_of_borings(config: Config) -> dict[int, float]:
         return {}
     try:
         judged = assess(config.section, config.earthquake, config.triggering)
-        return {one.stratum: one.volumetric_strain for one in left(judged, config.triggering)}
+        return {layer.stratum: layer.volumetric_strain for layer in left(judged, config.triggering)}
     except InputError:
         return {}
 

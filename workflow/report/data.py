@@ -42,7 +42,7 @@ def _parameters(stratum: Stratum) -> dict[str, Any]:
 
 def of_plan(decisions: Iterable[Decision]) -> list[dict[str, str]]:
     """The decision about every stage, with its reason."""
-    return [{"stage": one.stage.name, "would": one.action, "because": one.why} for one in decisions]
+    return [{"stage": decision.stage.name, "would": decision.action, "because": decision.why} for decision in decisions]
 
 
 def of_stages(job: Job, names: Iterable[str], warnings: Iterable[str] = ()) -> dict[str, Any]:
@@ -51,20 +51,20 @@ def of_stages(job: Job, names: Iterable[str], warnings: Iterable[str] = ()) -> d
     ``warnings`` are of the command; those of the section stand with them.
     """
     record = Record(job.store)
-    found: dict[str, Any] = {}
+    stages: dict[str, Any] = {}
     for stage in job.stages:
         entry = record[stage.name]
         if stage.name not in names or entry is None:
             continue
         ended = {"outcome": entry.outcome, "seconds": entry.seconds, "reason": entry.reason, "remedy": entry.remedy}
         files = {name: job.store.read_json(name) for name in entry.files if name.endswith(".json")}
-        found[stage.name] = {key: value for key, value in ended.items() if value != ""} | {"answers": files}
+        stages[stage.name] = {key: value for key, value in ended.items() if value != ""} | {"answers": files}
         if stage.name == "mesh" and entry.outcome == "done":
             mesh = stored_mesh(job.config.section, job.store)
-            found[stage.name]["mesh"] = {"method": mesh.method, **asdict(mesh.quality())}
+            stages[stage.name]["mesh"] = {"method": mesh.method, **asdict(mesh.quality())}
     return {
         "folder": str(job.store.folder),
         "mesh_options": dict(job.mesh_options or {}),
         "warnings": [*warnings, *job.config.notices],
-        "stages": found,
+        "stages": stages,
     }

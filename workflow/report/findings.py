@@ -31,25 +31,25 @@ STAYS = 0.1  # m: a slide of less is told as none
 
 def springs_of(results: Results) -> dict[str, str]:
     """What every set of slides was computed with, by its name."""
-    found = results.calibration
-    if found is not None and found.verdict == "out of reach":
-        own = "whose calibration failed, as near to the critical Kh of the finite elements as possible"
-    elif found is not None and (found.leaves_open or found.verdict == "not asked for"):
-        own = fail_alike(results)
+    calibration = results.calibration
+    if calibration is not None and calibration.verdict == "out of reach":
+        words = "whose calibration failed, as near to the critical Kh of the finite elements as possible"
+    elif calibration is not None and (calibration.leaves_open or calibration.verdict == "not asked for"):
+        words = fail_alike(results)
     else:
-        own = "calibrated to the critical Kh of the finite elements with the same boundary conditions"
+        words = "calibrated to the critical Kh of the finite elements with the same boundary conditions"
     return {
-        "calibrated": f"discs {own}",
+        "calibrated": f"discs {words}",
         "table2": "discs with the springs of the paper's Table 2 as printed",
     }
 
 
 def fail_alike(results: Results) -> str:
     """What calibrated packings have in common, in words."""
-    found = results.calibration
-    if found is not None and found.verdict == "not asked for":
+    calibration = results.calibration
+    if calibration is not None and calibration.verdict == "not asked for":
         return "with the strength of their element tests, not calibrated to the finite elements"
-    if found is not None and found.leaves_open:
+    if calibration is not None and calibration.leaves_open:
         return "calibrated to within the uncertainty of the finite elements"
     return "calibrated to the same critical Kh"
 
@@ -75,26 +75,29 @@ def _failure(results: Results) -> Iterator[str]:
         return
     if fem.davis is not None or fem.associated is not None:
         yield WHEN
-    found = accuracy(results, fem)
-    if found is None or fem.kc <= CONTRADICTED * found.high:
-        yield numerical_error(found, fem.kc)
-    yield from _assumed(results, fem, found)
+    error = accuracy(results, fem)
+    if error is None or fem.kc <= CONTRADICTED * error.high:
+        yield numerical_error(error, fem.kc)
+    yield from _assumed(results, fem, error)
     yield from _shallow(results, fem)
 
 
-def _assumed(results: Results, fem: FemAnswer, found: Accuracy | None) -> Iterator[str]:
+def _assumed(results: Results, fem: FemAnswer, error: Accuracy | None) -> Iterator[str]:
     """What the critical Kh would be with other assumptions, and whether they matter more than the computation."""
     most, variants = _most(results, fem), results.variants.variants if results.variants is not None else ()
-    others = {one: kc for one in variants if one.name in ASSUMED and (kc := one.of(fem.kc)) is not None}
+    others = {variant: kc for variant in variants if variant.name in ASSUMED and (kc := variant.of(fem.kc)) is not None}
     if not others:
         return
-    each = [f"kc = {coefficient(kc)} with {one.change}{_too_much(one.name, kc, most)}" for one, kc in others.items()]
+    phrases = [
+        f"kc = {coefficient(kc)} with {variant.change}{_too_much(variant.name, kc, most)}"
+        for variant, kc in others.items()
+    ]
     largest = max(abs(kc - fem.kc) for kc in others.values())
-    if found is None:
-        yield f"With other assumptions: {listed(each)}."
+    if error is None:
+        yield f"With other assumptions: {listed(phrases)}."
     else:
-        how = "more" if largest > found.error(fem.kc) else "no more than that"
-        yield f"The assumptions matter {how}: {listed(each)}."
+        how = "more" if largest > error.error(fem.kc) else "no more than that"
+        yield f"The assumptions matter {how}: {listed(phrases)}."
 
 
 def _most(results: Results, fem: FemAnswer) -> float:
@@ -116,10 +119,10 @@ def _too_much(name: str, kc: float, most: float) -> str:
 
 def _shallow(results: Results, fem: FemAnswer) -> Iterator[str]:
     """Shallow failures of cohesionless faces, and whether the mechanism leaves the section at a side."""
-    for skin in fem.skins:
+    for face in fem.shallow_failures:
         yield (
-            f"At Kh = {coefficient(max(skin.kh, 0.0))} already, the cohesionless face of "
-            f"{spoken(skin.stratum, quoted=False)} from x = {skin.start_x_m:g} to {skin.end_x_m:g} m fails as an "
+            f"At Kh = {coefficient(max(face.kh, 0.0))} already, the cohesionless face of "
+            f"{spoken(face.stratum, quoted=False)} from x = {face.start_x_m:g} to {face.end_x_m:g} m fails as an "
             "infinite slope (shallow failure)."
         )
     sides = fem.associated.at_sides if fem.associated is not None else ()
@@ -156,7 +159,7 @@ def _prediction(results: Results) -> Iterator[str]:
 
 def _alike(results: Results) -> str:
     """Boundary conditions and flow rule of the FEM model that the discs are compared with, and its critical Kh."""
-    like = results.like_discs
+    like = results.dem_counterpart
     if like is None:
         return ""
     why = f" ({like.instead})" if like.instead else ""
@@ -174,7 +177,7 @@ def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
         if number not in stays:
             end = "settled" if case.settled else "lying" if lies_still(case) else "moving"
             ends.setdefault((end, case.stopped_by), []).append(number)
-    for (end, side), numbers in sorted(ends.items(), key=lambda one: ENDS.index(one[0][0])):
+    for (end, side), numbers in sorted(ends.items(), key=lambda item: ENDS.index(item[0][0])):
         lengths = about([cases[number].slide_max_m for number in numbers])
         until = f", where the {side} side of the disc model stops it" if side else ""
         if end == "settled":
@@ -221,16 +224,16 @@ APART = {
 def _cases_are(config: Config) -> Iterator[str]:
     """What is left of the layers that liquefy in each case, where cases are spoken of for the first time."""
     numbers = sorted({number for stratum in config.section.strata for number in stratum.liquefies_in})
-    cases = [{**dict(one := config.cases[number - 1]), "damping": one.damping_left} for number in numbers]
+    cases = [{**dict(assumed := config.cases[number - 1]), "damping": assumed.damping_left} for number in numbers]
     layers = [spoken(stratum.name, quoted=False) for stratum in config.section.strata if stratum.liquefies_in]
-    told, lost = [], []
+    phrases, lost = [], []
     whose = "its" if len(layers) == 1 else "their"
     for name in [name for name in cases[0] if name != "name"]:
         shown = _shown(name, [case[name] for case in cases])
         if shown == "1" and name not in APART:
             continue  # as it was
         if shown != "0":
-            told.append(APART.get(name, "{} of {whose} " + name.replace("_", " ")).format(shown, whose=whose))
+            phrases.append(APART.get(name, "{} of {whose} " + name.replace("_", " ")).format(shown, whose=whose))
         elif name not in APART:
             lost.append(name.replace("_", " "))
     called = [case["name"] for case in cases if case["name"]]
@@ -238,7 +241,7 @@ def _cases_are(config: Config) -> Iterator[str]:
     names = f" ({listed(called)})" if len(called) == len(cases) else ""
     if config.dem.paper and any(case["residual"] or case["residual_strength"] for case in cases):
         nothing += "; the paper's own discs keep no residual strength"
-    yield f"In {of_cases(numbers)}{names} liquefaction leaves {listed(layers)} with {listed(told)}{nothing}."
+    yield f"In {of_cases(numbers)}{names} liquefaction leaves {listed(layers)} with {listed(phrases)}{nothing}."
 
 
 def _shown(name: str, values: Sequence[Any]) -> str:
@@ -311,19 +314,19 @@ def _disagreement(results: Results) -> Iterator[str]:
 def _measured(results: Results) -> Iterator[str]:
     """What was measured, beside the discs: at the same place where that is given, else with their largest slide."""
     _, cases = results.case_set()
-    for one in results.config.report.observed if cases else ():
-        phrase = f"The measured displacement is {one.displacement:.3g} m ({one.name})"
-        there = results.slides_at(one.x)
-        where = "at most" if there is None else f"there, at x = {one.x:g} m,"
+    for observation in results.config.report.observed if cases else ():
+        phrase = f"The measured displacement is {observation.displacement:.3g} m ({observation.name})"
+        there = results.slides_at(observation.x)
+        where = "at most" if there is None else f"there, at x = {observation.x:g} m,"
         slides = [case.slide_max_m for case in cases.values()] if there is None else there.values()
         numbers = listed([f"{max(slide, 0.0):.2g} m" for slide in slides])
         yield f"{phrase}; the discs slide {where} {numbers} in {of_cases(list(cases))}."
 
 
 def _displacements(results: Results, kind: Kind) -> list[float]:
-    found = (
-        one
-        for one in estimates(results.config.section, results.config, results.kc, results.slip_surface)
-        if one.kind == kind
+    rows = (
+        row
+        for row in estimates(results.config.section, results.config, results.kc, results.slip_surface)
+        if row.kind == kind
     )
-    return [one.displacement_m for one in found if one.displacement_m is not None]
+    return [row.displacement_m for row in rows if row.displacement_m is not None]

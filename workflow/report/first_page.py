@@ -39,8 +39,8 @@ def headlines(results: Results, _: Texts) -> tuple[HeadlinePart, ...]:
     _ : Texts
         The texts in the language of the report.
     """
-    found = (_critical(results, _), _safety(results, _), _slide(results, _))
-    return tuple(one.model_copy(update={"value": _.sentence(one.value)}) for one in found)
+    three = (_critical(results, _), _safety(results, _), _slide(results, _))
+    return tuple(headline.model_copy(update={"value": _.sentence(headline.value)}) for headline in three)
 
 
 def _critical(results: Results, _: Texts) -> HeadlinePart:
@@ -114,40 +114,42 @@ def _interval(error: Accuracy | None, _: Texts) -> str:
 
 def _safety(results: Results, _: Texts) -> HeadlinePart:
     fem, name = results.fem, _("factor of safety")
-    found = next((one for one in fem.safety_factors if one.kh == 0.0), None) if fem is not None else None
+    factor = (
+        next((candidate for candidate in fem.safety_factors if candidate.kh == 0.0), None) if fem is not None else None
+    )
     entry = results.no_answer("fem")
     if entry is not None:
         phrase = _("No factor of safety: {reason}.", reason=entry.reason)
         return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
-    if fem is None or found is None:
+    if fem is None or factor is None:
         phrase = _("No factor of safety was computed; fem.safety_factors = [0] asks for one.")
         return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
-    if found.verdict == "no failure":
+    if factor.verdict == "no failure":
         phrase = _(
-            "Without shaking the section stands with its strength divided by {factor}.", factor=f"{found.factor:.2f}"
+            "Without shaking the section stands with its strength divided by {factor}.", factor=f"{factor.factor:.2f}"
         )
-        return HeadlinePart(name=name, value=f"> {found.factor:.2f}", interval="", conclusion=phrase)
+        return HeadlinePart(name=name, value=f"> {factor.factor:.2f}", interval="", conclusion=phrase)
     word = "Without shaking the section stands, with a factor of safety of {factor} ({flow})."
-    if found.factor < 1.0:
+    if factor.factor < 1.0:
         word = "Without shaking the section does not stand: its factor of safety is {factor} ({flow})."
-    phrase = _(word, factor=f"{found.factor:.2f}", flow=_(FLOW[fem.flow]))
-    if found.davis is not None:
-        phrase += " " + _("With Davis reduced strength it is {factor}.", factor=f"{found.davis:.2f}")
+    phrase = _(word, factor=f"{factor.factor:.2f}", flow=_(FLOW[fem.flow]))
+    if factor.davis is not None:
+        phrase += " " + _("With Davis reduced strength it is {factor}.", factor=f"{factor.davis:.2f}")
     return HeadlinePart(
-        name=name, value=f"{found.factor:.2f}", interval=_of_safety(results, fem, found, _), conclusion=phrase
+        name=name, value=f"{factor.factor:.2f}", interval=_of_safety(results, fem, factor, _), conclusion=phrase
     )
 
 
-def _of_safety(results: Results, fem: FemAnswer, found: FactorOfSafety, _: Texts) -> str:
+def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Texts) -> str:
     """The interval of a factor of safety: strict bounds of the same conditions, else what its mesh leaves open."""
     bounds = results.bounds
     if bounds is not None and bounds.sides == fem.settings.sides and fem.flow == "associated":
-        for one in bounds.safety:
-            if one.kh == found.kh and one.lower is not None and one.upper is not None:
-                return _("{low} to {high} by strict bounds", low=f"{one.lower:.2f}", high=f"{one.upper:.2f}")
-    if found.rest is not None:
-        low = f"{found.factor * (1.0 - found.rest):.2f}"
-        return _("{low} to {high} by the sequence of meshes", low=low, high=f"{found.factor:.2f}")
+        for strict in bounds.safety:
+            if strict.kh == factor.kh and strict.lower is not None and strict.upper is not None:
+                return _("{low} to {high} by strict bounds", low=f"{strict.lower:.2f}", high=f"{strict.upper:.2f}")
+    if factor.rest is not None:
+        low = f"{factor.factor * (1.0 - factor.rest):.2f}"
+        return _("{low} to {high} by the sequence of meshes", low=low, high=f"{factor.factor:.2f}")
     return _("numerical error not known: one mesh, no strict bounds")
 
 
@@ -203,7 +205,7 @@ def _of_slides(results: Results, cases: Slides, _: Texts) -> str:
     for case in random.cases.values() if random is not None else ():
         slides += case.slide_max_m.values
     slides += [case.slide_max_m for case in results.mpm.cases.values()] if results.mpm is not None else []
-    moved = [one for one in slides if one > 0.0]
+    moved = [slide for slide in slides if slide > 0.0]
     if error is None or not moved:
         return _("the error on known slides is not known")
     if 2 * error.held < error.cases:
@@ -241,7 +243,7 @@ def _why_kh(results: Results, _: Texts) -> Iterator[str]:
     slide = results.config.slide
     if results.liquefied is None or not results.case_set()[1] or slide.accelerogram or slide.kh_cycles or not slide.kh:
         return
-    kc = [one.kc if one.kc is not None else 0.0 for one in results.liquefied.cases]
+    kc = [case.kc if case.kc is not None else 0.0 for case in results.liquefied.cases]
     if not kc:
         return
     low, high = min(kc), max(kc)

@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 
-from workflow.estimates.slide_error import Judge, slide_error
+from workflow.estimates.slide_error import SlideMethod, slide_error
 from workflow.report.numbers import span
 from workflow.results.results import Results
 
-NAMES: dict[Judge, str] = {"discs": "these discs", "mpm": "material points"}
+NAMES: dict[SlideMethod, str] = {"discs": "these discs", "mpm": "material points"}
 
 
 def model_error(results: Results) -> Iterator[str]:
@@ -25,16 +25,16 @@ def model_error(results: Results) -> Iterator[str]:
         yield said
 
 
-def error_sentence(slides: Sequence[float], flows: bool | None, judge: Judge = "discs") -> str:
+def error_sentence(slides: Sequence[float], flows: bool | None, method: SlideMethod = "discs") -> str:
     """The error of discs or material points on known slides, and the interval of these slides (m) with it.
 
     Empty where the collection has nothing to say, or nothing slides. flows: whether they flow by their weight alone;
     None where that is not known.
     """
-    error = slide_error(flows, judge)
-    moved = [one for one in slides if one > 0.0]
+    error = slide_error(flows, method)
+    moved = [slide for slide in slides if slide > 0.0]
     if error is None or not moved:
         return ""
     if 2 * error.held < error.cases:
-        return f"{error.sentence()}: how far such ground slides is not predicted by {NAMES[judge]}."
+        return f"{error.sentence()}: how far such ground slides is not predicted by {NAMES[method]}."
     return f"{error.sentence()}; with that the largest slide is {span(error.interval(min(moved), max(moved)))}."

@@ -30,7 +30,7 @@ from workflow.report.second_opinion import second_opinions
 from workflow.report.stability import stability_rows
 from workflow.report.structures import elsewhere, face_rows
 from workflow.report.texts import Texts
-from workflow.report.uncertainty import doubts
+from workflow.report.uncertainty import sources_of_uncertainty
 from workflow.report.verdicts import interval_words, limit_words
 from workflow.results.results import Results
 from workflow.results.summary import Summary
@@ -73,7 +73,7 @@ def page(results: Results, summary: Summary) -> str:
 
 def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]:
     """All that the template shows."""
-    config, rows_of_doubts = results.config, list(doubts(results))
+    config, uncertainty_rows = results.config, list(sources_of_uncertainty(results))
     return {
         "config": config,
         "results": results,
@@ -87,14 +87,14 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "springs": springs_of(results),
         "flow": flow_of(config.section.strata, config.fem.flow),
         "by_davis": not is_dilating_fully(config.section.strata),
-        "sensitivity": [row for row in rows_of_doubts if row[0] in VARIED],
-        "checks": [row for row in rows_of_doubts if row[0] not in VARIED],
+        "sensitivity": [row for row in uncertainty_rows if row[0] in VARIED],
+        "checks": [row for row in uncertainty_rows if row[0] not in VARIED],
         "stability": stability_rows(results, texts),
         "strata_sources": [tables.source_of(config.section, stratum) for stratum in config.section.strata],
         "parameters": list(tables.parameter_rows(config)),
         "cases": results.case_set()[1],
         "opinions": second_opinions(results.cases, results.mpm),
-        "first_warnings": [one for one in summary.warnings if one.weight < NOTE][:MOST_WARNINGS],
+        "first_warnings": [warning for warning in summary.warnings if warning.weight < NOTE][:MOST_WARNINGS],
         "thirds": _thirds(config.section, texts),
         "weights": {1: texts("contradiction"), 2: texts("changes the result"), 3: texts("note")},
         "assumptions": list(assumptions(config)),

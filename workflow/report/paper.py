@@ -47,15 +47,15 @@ def rows(results: Results) -> list[PaperRow]:
     """The paper against ours; empty for other sections."""
     if not is_s13(results.config.section):
         return []
-    found = [*_fem(results)]
+    table = [*_fem(results)]
     for which in _disc_sets(results):
-        found += _dem(results, which)
+        table += _dem(results, which)
     for name in _sets(results):
-        found += _slides(results, name)
-    found += [_measured(results), _smooth()]
+        table += _slides(results, name)
+    table += [_measured(results), _smooth()]
     return [
         row if row.agrees is False else PaperRow(row.quantity, row.paper, row.where, row.ours, row.agrees)
-        for row in found
+        for row in table
     ]
 
 
@@ -177,9 +177,9 @@ def _slides(results: Results, name: str) -> Iterator[PaperRow]:
         case = cases.get(number)
         if case is None:
             return PaperRow(quantity, paper, where, _absent(results, "slide"), None)
-        told, agrees = judge(case)
+        ours, agrees = judge(case)
         moving = "" if case.settled else f"; {case.reason}"
-        return PaperRow(quantity, paper, where, told, agrees, why + moving)
+        return PaperRow(quantity, paper, where, ours, agrees, why + moving)
 
     for number, metres in SETTLEMENT.items():
         yield row(number, "settlement uphill", f"{metres:g} m", "Sec. 4(3)", partial(_settles, metres))

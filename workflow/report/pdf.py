@@ -64,5 +64,5 @@ def _print(name: str, line: list[str], printed: Path) -> None:
     except (OSError, subprocess.TimeoutExpired) as error:
         raise InputError("--pdf", [f"{name} did not print: {error}"]) from None
     if done.returncode < 0 or not printed.is_file():
-        told = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
-        raise InputError("--pdf", [f"{name} did not print: {told[0]}"])
+        messages = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
+        raise InputError("--pdf", [f"{name} did not print: {messages[0]}"])

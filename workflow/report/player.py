@@ -56,7 +56,7 @@ def films(results: Results) -> list[Film]:
 def _slides(results: Results) -> Iterator[Film]:
     if results.cases is None or not results.store.has(FILE):
         return
-    histories = {(one.springs, one.case): one for one in read_histories(results.store)}
+    histories = {(history.springs, history.case): history for history in read_histories(results.store)}
     for springs, number, _ in results.cases.each():
         files = list(frames(results.store, case_name(springs, number)).values())
         if len(files) > 1:
@@ -79,7 +79,7 @@ def _slide(results: Results, title: str, states: list[Frame], history: SlideHist
     left, right = float(first.x.min() - reach), float(first.x.max() + reach)
     bottom, top = float(first.z.min() - reach), float(first.z.max() + reach)
     quantum = (right - left) / STEPS
-    places = np.array([np.rint(np.column_stack([one.x - left, one.z - bottom]) / quantum) for one in states])
+    places = np.array([np.rint(np.column_stack([state.x - left, state.z - bottom]) / quantum) for state in states])
     rows = history.rows if history is not None else ()
     rows = (*rows[:-1][:: max(1, len(rows) // HISTORY)], *rows[-1:])
     table = {
@@ -87,7 +87,7 @@ def _slide(results: Results, title: str, states: list[Frame], history: SlideHist
         "quantum": quantum,
         "left": left,
         "size": [right - left, top - bottom],
-        "times": [round(one.seconds, 3) for one in states],
+        "times": [round(state.seconds, 3) for state in states],
         "surface": _surface(first).tolist(),
         "far": float(last.scale().vmax or 1.0),
         "shades": [to_hex(colour) for colour in colormaps[FAR](np.linspace(0.0, 1.0, SHADES))],
@@ -113,19 +113,19 @@ def _path(results: Results) -> Iterator[Film]:
     """The path of Kh: the mesh, and displacement and mobilised strength of every state in equilibrium."""
     if results.kc is None or not results.store.has(COLLECTION):
         return
-    found = FemResults.load(results.config.section, results.store)
-    states = [state for state in found.states if not state.past_equilibrium]
-    path = [step for step in found.answer.curve if not step.at_rest]
-    if not states or not path or len(found.mesh.cells) > MOST_CELLS:
+    fields_of_fem = FemResults.load(results.config.section, results.store)
+    states = [state for state in fields_of_fem.states if not state.past_equilibrium]
+    path = [step for step in fields_of_fem.answer.curve if not step.at_rest]
+    if not states or not path or len(fields_of_fem.mesh.cells) > MOST_CELLS:
         return
-    points = found.mesh.points
+    points = fields_of_fem.mesh.points
     (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
     quantum = float(right - left) / STEPS
     largest = max(float(np.hypot(*state.displacement.T).max()) for state in states)
     fine = max(largest, 1e-9) / STEPS
     table = {
         "nodes": len(points),
-        "cells": len(found.mesh.cells),
+        "cells": len(fields_of_fem.mesh.cells),
         "quantum": quantum,
         "fine": fine,
         "left": float(left),
@@ -134,13 +134,13 @@ def _path(results: Results) -> Iterator[Film]:
         "states": [{"step": _step(path, state.kh, state.label), "label": state.label} for state in states],
         "kh": [round(step.factor, 5) for step in path],
         "displacement": [float(f"{step.displacement:.5g}") for step in path],
-        "kc": found.answer.kc,
+        "kc": fields_of_fem.answer.kc,
         "bounds": [float(bound) for bound in SAFETY_BOUNDS],
         "shades": list(SAFETY_COLOURS),
     }
-    fields = [part for one in states for part in (one.displacement / fine, 1000.0 * one.mobilised)]
+    fields = [part for fem_state in states for part in (fem_state.displacement / fine, 1000.0 * fem_state.mobilised)]
     places = np.column_stack([points[:, 0] - left, points[:, 1] - bottom]) / quantum
-    numbers = [np.rint(places), found.mesh.cells, *(np.rint(field) for field in fields)]
+    numbers = [np.rint(places), fields_of_fem.mesh.cells, *(np.rint(field) for field in fields)]
     yield Film.of("path", "the path of Kh", table, numbers)
 
 

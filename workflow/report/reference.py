@@ -51,14 +51,16 @@ def _of_fields(fields: dict[str, FieldInfo], table: str) -> Iterator[Key]:
         yield Key(table or COMMON, key, _default(field), _unit(field), _allowed(field), str(field.description or ""))
         inside += [(f"{table}.{key}" if table else key, model) for model in _tables_in(field)]
     for path, model in inside:
-        own = model.__annotations__ if issubclass(model, Zone) else model.model_fields  # the others are those of strata
-        yield from _of_fields({name: field for name, field in model.model_fields.items() if name in own}, path)
+        names = (
+            model.__annotations__ if issubclass(model, Zone) else model.model_fields
+        )  # the others are those of strata
+        yield from _of_fields({name: field for name, field in model.model_fields.items() if name in names}, path)
 
 
 def _tables_in(field: FieldInfo) -> list[type[BaseModel]]:
     """The models of lists of tables within a field; a line is written in one piece, and is none."""
-    found = [part for part in _parts(field.annotation) if isinstance(part, type) and issubclass(part, BaseModel)]
-    return [model for model in dict.fromkeys(found) if model is not Line]
+    models = [part for part in _parts(field.annotation) if isinstance(part, type) and issubclass(part, BaseModel)]
+    return [model for model in dict.fromkeys(models) if model is not Line]
 
 
 def _parts(annotation: Any) -> Iterator[Any]:

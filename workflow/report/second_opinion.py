@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from workflow.estimates.slide_error import Judge, slide_error
+from workflow.estimates.slide_error import SlideMethod, slide_error
 from workflow.report.findings import lies_still
 from workflow.report.model_error import NAMES
 from workflow.report.numbers import metres, span
@@ -63,7 +63,7 @@ class SecondOpinion:
             return ""
         near, far = sorted((discs, points), key=lambda error: error.middle)
         return (
-            f": rely on {NAMES[near.judge].removeprefix('these ')} first, which were within a factor of "
+            f": rely on {NAMES[near.method].removeprefix('these ')} first, which were within a factor of "
             f"{near.middle:.2g} in half of the known {near.kind}, the other model within {far.middle:.2g}"
         )
 
@@ -73,14 +73,14 @@ def second_opinions(cases: CasesAnswer | None, points: PointSlidesAnswer | None)
     if cases is None or points is None or not cases.first_set:
         return {}
     random = cases.random.cases if cases.random is not None else {}
-    found = {}
+    opinions = {}
     for number, case in sorted(cases.sets[cases.first_set].items()):
         other = points.cases.get(number)
         if other is not None:
             over = random[number].slide_max_m if number in random else None
             low, high = (None, None) if over is None else (over.low, over.high)
-            found[number] = _opinion(case, (low or case.slide_max_m, high or case.slide_max_m), other)
-    return found
+            opinions[number] = _opinion(case, (low or case.slide_max_m, high or case.slide_max_m), other)
+    return opinions
 
 
 def _opinion(case: CaseAnswer, packings: Span, other: PointCase) -> SecondOpinion:
@@ -94,20 +94,20 @@ def _opinion(case: CaseAnswer, packings: Span, other: PointCase) -> SecondOpinio
     return SecondOpinion(case.slide_max_m, other.slide_max_m, discs, points, agreed, case.flows, resting)
 
 
-def _with_error(low: float, high: float, flows: bool | None, judge: Judge) -> Span:
+def _with_error(low: float, high: float, flows: bool | None, method: SlideMethod) -> Span:
     """An interval with the error of the model on known slides, unless that is so large that all would agree."""
-    error = slide_error(flows, judge)
+    error = slide_error(flows, method)
     return (low, high) if error is None or error.factor > MOST_ERROR else error.interval(max(low, 0.0), high)
 
 
 def contradicting(opinions: dict[int, SecondOpinion]) -> Iterator[WarningPart]:
     """Warn of every case on which the models do not agree; what is alike in one."""
-    for told in joined({number: [one.told()] for number, one in opinions.items() if not one.agreed}):
-        what, remedy = split(told)
+    for warning in joined({number: [opinion.told()] for number, opinion in opinions.items() if not opinion.agreed}):
+        what, remedy = split(warning)
         yield WarningPart(weight=1, what=what, remedy=remedy)
 
 
 def agreeing(opinions: dict[int, SecondOpinion]) -> Iterator[str]:
     """Tell of every other case; what is alike in one."""
-    for told in joined({number: [one.told()] for number, one in opinions.items() if one.agreed}):
-        yield split(told)[0]
+    for sentence in joined({number: [opinion.told()] for number, opinion in opinions.items() if opinion.agreed}):
+        yield split(sentence)[0]

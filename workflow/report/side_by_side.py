@@ -31,24 +31,24 @@ class ComparedRun:
 
 def read(folders: Sequence[Path]) -> list[ComparedRun]:
     """The runs in some folders; raises InputError with every folder that holds none."""
-    found, problems = [], []
+    summaries, problems = [], []
     for folder in folders:
         try:
             path = folder / "section.toml"
             config = load_config(path)
-            found.append(ComparedRun(folder, config, Summary.read(Store(folder))))
+            summaries.append(ComparedRun(folder, config, Summary.read(Store(folder))))
         except InputError as error:
             problems += [f"{error.source}: {problem}" for problem in error.problems]
     if problems:
         raise InputError("compare", [*problems, "expected folders of runs with a report"])
-    return found
+    return summaries
 
 
 def differences(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
     """The keys in which the inputs differ, with what each has."""
     flat = [dict(_leaves(run.config.to_data(), "")) for run in runs]
-    for key in dict.fromkeys(key for one in flat for key in one):
-        values = [plain(one[key]) if key in one else "–" for one in flat]
+    for key in dict.fromkeys(key for values_of_run in flat for key in values_of_run):
+        values = [plain(values_of_run[key]) if key in values_of_run else "–" for values_of_run in flat]
         if len(set(values)) > 1:
             yield key, values
 
@@ -58,30 +58,39 @@ def _leaves(data: Any, name: str) -> Iterator[tuple[str, Any]]:
     if isinstance(data, dict):
         for key, value in data.items():
             yield from _leaves(value, f"{name}.{key}" if name else key)
-    elif isinstance(data, list) and data and all(isinstance(one, dict) for one in data):
-        for place, one in enumerate(data, start=1):
-            yield from _leaves(one, f"{name} {one.get('name', place)}")
+    elif isinstance(data, list) and data and all(isinstance(item, dict) for item in data):
+        for place, item in enumerate(data, start=1):
+            yield from _leaves(item, f"{name} {item.get('name', place)}")
     else:
         yield name, data
 
 
 def rows(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
     """What was found: the name of a quantity, and what each run has."""
-    told: dict[str, Callable[[Summary], str]] = {
-        "section": lambda one: f"{one.section.name}, {one.section.sha256[:12]}",
-        "sides": lambda one: one.fem.sides if one.fem else "–",
+    columns: dict[str, Callable[[Summary], str]] = {
+        "section": lambda summary: f"{summary.section.name}, {summary.section.sha256[:12]}",
+        "sides": lambda summary: summary.fem.sides if summary.fem else "–",
         "critical Kh, finite elements": _continuum,
-        "strict bounds, ψ = φ": lambda one: _range(one.bounds.lower, one.bounds.upper) if one.bounds else "–",
-        "critical Kh, discs without a factor": lambda one: number(one.dem.kc_uncalibrated) if one.dem else "–",
-        "critical Kh, discs": lambda one: number(one.dem.kc) if one.dem else "–",
-        "factor on the discs": lambda one: number(one.dem.calibrated.value) if one.dem and one.dem.calibrated else "–",
+        "strict bounds, ψ = φ": lambda summary: (
+            _range(summary.bounds.lower, summary.bounds.upper) if summary.bounds else "–"
+        ),
+        "critical Kh, discs without a factor": lambda summary: (
+            number(summary.dem.kc_uncalibrated) if summary.dem else "–"
+        ),
+        "critical Kh, discs": lambda summary: number(summary.dem.kc) if summary.dem else "–",
+        "factor on the discs": lambda summary: (
+            number(summary.dem.calibrated.value) if summary.dem and summary.dem.calibrated else "–"
+        ),
     }
-    for name, tell in told.items():
+    for name, tell in columns.items():
         yield name, [tell(run.summary) for run in runs]
     for case in sorted({case for run in runs for case in run.summary.cases or {}}):
         here = [(run.summary.cases or {}).get(case) for run in runs]
-        yield f"case {case}: largest slide", [_slide(one) for one in here]
-        yield f"case {case}: settlement uphill", [metres(one.settlement_uphill_m) if one else "–" for one in here]
+        yield f"case {case}: largest slide", [_slide(summary) for summary in here]
+        yield (
+            f"case {case}: settlement uphill",
+            [metres(summary.settlement_uphill_m) if summary else "–" for summary in here],
+        )
     yield "computing time", [f"{sum(run.summary.seconds.values()):.0f} s" for run in runs]
 
 
@@ -112,12 +121,12 @@ def page(runs: Sequence[ComparedRun]) -> str:
         undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
     pictures = [_pictures(run.folder) for run in runs]
-    names = dict.fromkeys(name for one in pictures for name in one)
+    names = dict.fromkeys(name for pictures_of_run in pictures for name in pictures_of_run)
     return environment.get_template("side_by_side.html.jinja").render(
         runs=[str(run.folder) for run in runs],
         differences=list(differences(runs)),
         rows=list(rows(runs)),
-        pictures=[(name, [one.get(name) for one in pictures]) for name in names],
+        pictures=[(name, [pictures_of_run.get(name) for pictures_of_run in pictures]) for name in names],
     )
 
 

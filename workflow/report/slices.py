@@ -26,16 +26,16 @@ def slices_sentences(answer: SlicesAnswer) -> Iterator[str]:
 
 def _listed(circles: Sequence[CirclePart], digits: int) -> str:
     return "; ".join(
-        f"to the {one.towards} {one.bishop:.{digits}f} by Bishop's method"
-        + ("" if one.spencer is None else f", {one.spencer:.{digits}f} by Spencer's")
-        for one in circles
+        f"to the {circle.towards} {circle.bishop:.{digits}f} by Bishop's method"
+        + ("" if circle.spencer is None else f", {circle.spencer:.{digits}f} by Spencer's")
+        for circle in circles
     )
 
 
 def factor_on_surface(config: Config, factor: FactorOfSafety) -> float | None:
     """Spencer's factor of safety on the slip surface of the elements, towards the side to which it slides."""
-    found = [_by_spencer(config, factor.slip_surface, side, factor.kh) for side in ("left", "right")]
-    return min((value for value in found if value is not None), default=None)
+    factors = [_by_spencer(config, factor.slip_surface, side, factor.kh) for side in ("left", "right")]
+    return min((value for value in factors if value is not None), default=None)
 
 
 def _by_spencer(config: Config, line: Sequence[tuple[float, float]], towards: str, kh: float | None) -> float | None:

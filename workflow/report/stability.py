@@ -42,10 +42,10 @@ def _elements(results: Results, _: Texts) -> Iterator[Row]:
         cut = _("; slides out at the side of the section") if other.at_sides else ""
         force = _("seismic force upslope") if other.direction == "uphill" else _("seismic force downslope")
         yield Row(name, value, "", force + cut)
-    for skin in fem.skins:
+    for shallow_failure in fem.shallow_failures:
         where = _("shallow failure of the face from x = {start} to {end} m",
-                  start=f"{skin.start_x_m:g}", end=f"{skin.end_x_m:g}")  # fmt: skip
-        yield Row(name, coefficient(max(skin.kh, 0.0)), "", where)
+                  start=f"{shallow_failure.start_x_m:g}", end=f"{shallow_failure.end_x_m:g}")  # fmt: skip
+        yield Row(name, coefficient(max(shallow_failure.kh, 0.0)), "", where)
     for factor in fem.safety_factors:
         of = _("factor of safety at Kh = {kh}, finite elements", kh=f"{factor.kh:g}")
         value = f"> {factor.factor:.2f}" if factor.verdict == "no failure" else f"{factor.factor:.2f}"
@@ -61,12 +61,12 @@ def _bounds(results: Results, _: Texts) -> Iterator[Row]:
         return
     interval = _("{low} to {high}", low=_or_dash(bounds.lower, 3), high=_or_dash(bounds.upper, 3))
     conditions = f"{_sides(bounds.sides, _)}, {_flow('associated', _)}"
-    if bounds.skins:
+    if bounds.shallow_failures:
         conditions += _("; failures deeper than {depth} m", depth=f"{bounds.least_depth:g}")
     yield Row(_("critical Kh, strict bounds"), "", interval, conditions)
-    for one in bounds.safety:
-        interval = _("{low} to {high}", low=_or_dash(one.lower, 2), high=_or_dash(one.upper, 2))
-        of = _("factor of safety at Kh = {kh}, strict bounds", kh=f"{one.kh:g}")
+    for factor in bounds.safety:
+        interval = _("{low} to {high}", low=_or_dash(factor.lower, 2), high=_or_dash(factor.upper, 2))
+        of = _("factor of safety at Kh = {kh}, strict bounds", kh=f"{factor.kh:g}")
         yield Row(of, "", interval, conditions)
 
 
@@ -78,9 +78,9 @@ def _slices(results: Results, _: Texts) -> Iterator[Row]:
         yield from (_circle(of, circle, 2, _) for circle in group.circles)
     yield from (_circle(_("critical Kh, slip circles"), circle, 3, _) for circle in results.slices.critical)
     for factor in results.fem.safety_factors if results.fem is not None else ():
-        if (found := factor_on_surface(results.config, factor)) is not None:
+        if (spencer := factor_on_surface(results.config, factor)) is not None:
             of = _("factor of safety at Kh = {kh}, Spencer", kh=f"{factor.kh:g}")
-            yield Row(of, f"{found:.2f}", "", _("slip surface of the finite elements"))
+            yield Row(of, f"{spencer:.2f}", "", _("slip surface of the finite elements"))
 
 
 def _circle(of: str, circle: CirclePart, digits: int, _: Texts) -> Row:
@@ -90,7 +90,7 @@ def _circle(of: str, circle: CirclePart, digits: int, _: Texts) -> Row:
 
 def _discs(results: Results, _: Texts) -> Iterator[Row]:
     """The discs, and the finite elements that they are compared with."""
-    like, calibration, discs = results.like_discs, results.calibration, results.dem
+    like, calibration, discs = results.dem_counterpart, results.calibration, results.dem
     if like is not None:
         most = _("to {kc}", kc=coefficient(like.kc_upper)) if _more(like.kc_upper, like.kc) else ""
         conditions = _(

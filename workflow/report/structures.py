@@ -41,7 +41,7 @@ def face_rows(config: Config, answer: SlicesAnswer) -> list[FaceRow]:
     rows = []
     for face in answer.faces:
         kc = None if face.critical is None else face.critical.bishop
-        factors = tuple((one.kh, face.factor(one.kh)) for one in face.factors)
+        factors = tuple((group.kh, face.factor(group.kh)) for group in face.factors)
         block = None if kc is None or kc <= 0.0 else block_slide(config, kc)
         rows.append(FaceRow(face, factors, kc, block, kc is not None and kc == least))
     return rows
@@ -63,8 +63,8 @@ def elsewhere(config: Config, answer: SlicesAnswer) -> Iterator[str]:
     if not answer.faces:
         return
     structures = structures_of(config.section)
-    at_rest = [("factor of safety at Kh = 0", one, 2) for group in answer.factors[:1] for one in group.circles]
-    for what, circle, digits in [*at_rest, *(("critical Kh", one, 3) for one in answer.critical)]:
+    at_rest = [("factor of safety at Kh = 0", slip, 2) for group in answer.factors[:1] for slip in group.circles]
+    for what, circle, digits in [*at_rest, *(("critical Kh", slip, 3) for slip in answer.critical)]:
         if not any(structure.slides_with(circle.surface_m) for structure in structures):
             yield (
                 f"Elsewhere, from x = {circle.surface_m[0][0]:.0f} to {circle.surface_m[-1][0]:.0f} m towards the "

@@ -40,7 +40,7 @@ def write_page(config: Config, answer: StudyAnswer, store: Store) -> Path:
         config=config,
         answer=answer,
         sentences=list(sentences(config, answer)),
-        numbers=[(path, in_words(one)) for path, one in config.uncertain.numbers.items()],
+        numbers=[(path, in_words(distribution)) for path, distribution in config.uncertain.numbers.items()],
         results=[_row(result) for result in answer.results],
         heads=("result", "samples with it", "mean", "95 % of the mean", "median", "5 %", "95 %", "standard deviation"),
         pictures=collect(store.matching(["figures/study_*.png"]), store.folder, config.figures.report_width),
@@ -66,7 +66,7 @@ def sentences(config: Config, answer: StudyAnswer) -> Iterator[str]:
             if group.samples:
                 phrase = _where(group.spread, group.samples)
                 yield f"{title} where {group.path} is {group.value} ({group.samples}): {phrase}."
-    yield from (f"{line}." for one in config.reach.values() for line in one.notice.splitlines())
+    yield from (f"{line}." for reach in config.reach.values() for line in reach.notice.splitlines())
     for failure in answer.failures:
         yield f"{failure.samples} without an answer: {failure.reason}."
 
@@ -79,7 +79,7 @@ def _where(spread: Spread, samples: int) -> str:
 
 
 def _strongest(result: Result) -> str:
-    first = next((one for one in result.effects if one.correlation is not None), None)
+    first = next((effect for effect in result.effects if effect.correlation is not None), None)
     if first is None or first.correlation is None:
         return ""
     if first.total is not None:
@@ -89,11 +89,13 @@ def _strongest(result: Result) -> str:
     return f"; it depends most on {first.path} (correlation {first.correlation:+.2f})"
 
 
-def in_words(one: Distribution) -> str:
+def in_words(distribution: Distribution) -> str:
     """A distribution as people write it."""
-    values = ", ".join(str(value) for value in getattr(one, one.kind))
-    phrase = f"{one.kind} {values}" + ("" if one.does == "value" else f", as a {one.does}")
-    return phrase + (f", between {one.between[0]} and {one.between[1]}" if one.between else "")
+    values = ", ".join(str(value) for value in getattr(distribution, distribution.kind))
+    phrase = f"{distribution.kind} {values}" + ("" if distribution.does == "value" else f", as a {distribution.does}")
+    return phrase + (
+        f", between {distribution.between[0]} and {distribution.between[1]}" if distribution.between else ""
+    )
 
 
 def _row(result: Result) -> list[str]:

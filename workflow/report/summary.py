@@ -44,7 +44,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
     judged, opinions = verdicts(results), second_opinions(results.cases, results.mpm)
     texts = Texts(config.report.language)
     numbers = headlines(results, texts)
-    short = [one.conclusion for one in numbers]
+    short = [part.conclusion for part in numbers]
     return Summary(
         headlines=numbers,
         in_short=(*short, *verdict_paragraph(judged), *conclusions(results, texts)),
@@ -71,8 +71,8 @@ def summary(results: Results, report_seconds: float) -> Summary:
         triggering=results.triggering.strata if results.triggering is not None else None,
         liquefied=results.liquefied.cases if results.liquefied is not None else None,
         comparison=tuple(
-            EstimateSummary.model_validate(one)
-            for one in estimates(config.section, config, results.kc, results.slip_surface)
+            EstimateSummary.model_validate(part)
+            for part in estimates(config.section, config, results.kc, results.slip_surface)
         ),
         paper=paper or None,
         no_answer={
@@ -110,14 +110,14 @@ def _numbers(cases: dict[int, CaseAnswer]) -> dict[int, CaseNumbers]:
 def _summaries(results: Results, cases: dict[int, CaseAnswer]) -> dict[int, CaseSummary]:
     """The numbers of every case with what several packings say of its largest slide."""
     random = results.cases.random if results.cases is not None else None
-    found = {}
+    summaries = {}
     for number, numbers in _numbers(cases).items():
         spread = random.cases[number].slide_max_m if random is not None and number in random.cases else None
         interval = {} if spread is None or spread.mean_ci95 is None else {
             "seeds": len(spread.values), "slide_max_m_mean": spread.mean, "slide_max_m_ci95": spread.mean_ci95
         }  # fmt: skip
-        found[number] = CaseSummary.model_validate({**dict(numbers), **interval})
-    return found
+        summaries[number] = CaseSummary.model_validate({**dict(numbers), **interval})
+    return summaries
 
 
 def _mesh(results: Results) -> MeshCount | None:
@@ -133,17 +133,17 @@ def _fem(results: Results) -> FemSummary | None:
     answer = results.fem
     if answer is None:
         return None
-    found = results.kc is not None
+    has_kc = results.kc is not None
     return FemSummary(
-        kc=answer.kc if found else None,
+        kc=answer.kc if has_kc else None,
         kc_lower=answer.kc_lower,
-        kc_upper=answer.kc_upper if found else None,
+        kc_upper=answer.kc_upper if has_kc else None,
         verdict=answer.verdict,
         reason=answer.reason,
         dilation="psi = phi" if answer.flow == "associated" else answer.dilation_deg,
         flow=answer.flow,
-        kc_davis=answer.davis.kc if found and answer.davis is not None else None,
-        kc_associated=answer.associated.kc if found and answer.associated is not None else None,
+        kc_davis=answer.davis.kc if has_kc and answer.davis is not None else None,
+        kc_associated=answer.associated.kc if has_kc and answer.associated is not None else None,
         safety_factors=tuple(SafetySummary.of(factor) for factor in answer.safety_factors),
         sides=answer.settings.sides,
         element=answer.element,
@@ -162,7 +162,7 @@ def _dem(results: Results) -> DemSummary | None:
     if discs is None:
         return None
     calibrated = None if calibration is None else Factor(parameter=calibration.parameter, value=calibration.value)
-    like = results.like_discs if discs.model.discs == "soil" else None
+    like = results.dem_counterpart if discs.model.discs == "soil" else None
     strength = calibration is not None and calibration.parameter == "strength"
     fem = results.fem
     return DemSummary(

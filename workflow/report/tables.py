@@ -87,8 +87,8 @@ def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
 
 def texts(section: Section) -> list[str]:
     """The names and descriptions in a section."""
-    own = [section.name, section.title, section.reconstruction_note]
-    return own + [text for stratum in section.strata for text in (stratum.name, stratum.description)]
+    names = [section.name, section.title, section.reconstruction_note]
+    return names + [text for stratum in section.strata for text in (stratum.name, stratum.description)]
 
 
 # What a case need not have: a column where one has it.
@@ -118,7 +118,9 @@ def case_rows(config: Config) -> Iterator[list[str]]:
 def factor(value: Any, name: str = "") -> str:
     """A factor of a case in three digits, a strength in kPa, by stratum where they differ."""
     if isinstance(value, dict):
-        return "; ".join(f"{stratum} {factor(its, name)}" for stratum, its in value.items())
+        return "; ".join(
+            f"{stratum} {factor(factors_of_stratum, name)}" for stratum, factors_of_stratum in value.items()
+        )
     if name == "residual_strength" and value:
         return f"{value / 1e3:.3g} kPa"
     return f"{value:.3g}" if isinstance(value, float) else str(value) or "–"

@@ -33,8 +33,8 @@ def catalogue(language: Language) -> dict[str, str]:
 @cache
 def sentences(language: Language) -> dict[str, str]:
     """Read the translations of whole sentences that stages leave, with {} in the place of their values."""
-    found: dict[str, str] = _file(language)[SENTENCES]
-    return found
+    translations: dict[str, str] = _file(language)[SENTENCES]
+    return translations
 
 
 @cache
@@ -64,9 +64,9 @@ class Texts:
         str
             The text in the language of the report; in English where the catalogue has no translation.
         """
-        found = self.translations.get(text, text)
-        told = {name: self._value(value) if isinstance(value, str) else value for name, value in values.items()}
-        return found.format(**told) if told else found
+        translated = self.translations.get(text, text)
+        words = {name: self._value(value) if isinstance(value, str) else value for name, value in values.items()}
+        return translated.format(**words) if words else translated
 
     def sentence(self, text: str) -> str:
         """Translate a whole sentence that a stage has left, numbers and all; unchanged where none fits it."""

@@ -27,7 +27,7 @@ FLOWS: Mapping[Flow, str] = {
 }
 
 
-def doubts(results: Results) -> Iterator[tuple[str, str]]:
+def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
     """Pairs of a heading and sentences."""
     if results.config.notices:
         yield "Ground and mesh", " ".join(f"{text[0].upper()}{text[1:]}." for text in results.config.notices)
@@ -117,8 +117,8 @@ def _dilation(fem: FemAnswer) -> str:
 def _bounds(results: Results, bounds: BoundsAnswer) -> str:
     """Whether the critical Kh of the FEM lies inside, where it is one of the same conditions."""
     phrase = f"{bounds.words} ({bounds.sides} sides; {bounds.flow.rstrip('.')})."
-    doubts = [f"{doubt.what} To do: {doubt.remedy}." for doubt in results.doubts_by_bounds()]
-    return " ".join([phrase, *(doubts or ["Nothing that the finite elements found contradicts it."])])
+    contradictions = [f"{warning.what} To do: {warning.remedy}." for warning in results.warnings_by_bounds()]
+    return " ".join([phrase, *(contradictions or ["Nothing that the finite elements found contradicts it."])])
 
 
 def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:

@@ -24,24 +24,24 @@ TINY = 1e-3  # m: slides of less have no spread
 def verdicts(results: Results) -> list[VerdictPart]:
     """Every quantity that has a limit, of every structure and by every method that has it."""
     limits = results.config.criteria
-    told: list[VerdictPart] = []
+    parts: list[VerdictPart] = []
     if (factor := limits.factor_of_safety) is not None:
-        told += _judged("factor of safety", factor.limit, factor.source, _factors(results, factor.kh), factor.kh)
+        parts += _judged("factor of safety", factor.limit, factor.source, _factors(results, factor.kh), factor.kh)
     if (kh := limits.critical_kh) is not None:
-        told += _judged("critical Kh", kh.limit, kh.source, _critical(results))
+        parts += _judged("critical Kh", kh.limit, kh.source, _critical(results))
     if (far := limits.displacement) is not None:
-        told += _judged("displacement", float(far.limit), far.source, _displacements(results))
+        parts += _judged("displacement", float(far.limit), far.source, _displacements(results))
     if (fall := limits.crest_settlement) is not None:
-        told += _judged("crest settlement", float(fall.limit), fall.source, _settlements(results))
+        parts += _judged("crest settlement", float(fall.limit), fall.source, _settlements(results))
     if (height := limits.freeboard) is not None:
-        told += _judged("freeboard", float(height.limit), height.source, _freeboards(results))
-    return told
+        parts += _judged("freeboard", float(height.limit), height.source, _freeboards(results))
+    return parts
 
 
 def _judged(
-    criterion: Criterion, limit: float, source: str, found: Iterator[Found], kh: float | None = None
+    criterion: Criterion, limit: float, source: str, ranges: Iterator[Found], kh: float | None = None
 ) -> Iterator[VerdictPart]:
-    answers = list(found) or [("the section", None, None, "there is no answer")]
+    answers = list(ranges) or [("the section", None, None, "there is no answer")]
     for of, low, high, reason in answers:
         verdict = judge(low, high, limit, criterion in AT_LEAST)
         if verdict == "not decided" and not reason:
@@ -61,20 +61,20 @@ def _judged(
 
 def _factors(results: Results, kh: float) -> Iterator[Found]:
     if results.slices is not None:
-        faces = [(f"{one.structure}, towards the {one.towards}", one.factors) for one in results.slices.faces]
+        faces = [(f"{group.structure}, towards the {group.towards}", group.factors) for group in results.slices.faces]
         for of, groups in faces or [("the section", results.slices.factors)]:
-            yield from _by_slices(of, [circle for one in groups if one.kh == kh for circle in one.circles])
+            yield from _by_slices(of, [circle for group in groups if group.kh == kh for circle in group.circles])
     fem = results.fem
-    for one in fem.safety_factors if fem is not None and not _has_faces(results.slices) else ():
-        if one.kh == kh:
-            yield "the section by finite elements", one.factor, max(one.factor, one.upper), ""
+    for group in fem.safety_factors if fem is not None and not _has_faces(results.slices) else ():
+        if group.kh == kh:
+            yield "the section by finite elements", group.factor, max(group.factor, group.upper), ""
 
 
 def _critical(results: Results) -> Iterator[Found]:
     if results.slices is not None:
         faces = [
-            (f"{one.structure}, towards the {one.towards}", [] if one.critical is None else [one.critical])
-            for one in results.slices.faces
+            (f"{face.structure}, towards the {face.towards}", [] if face.critical is None else [face.critical])
+            for face in results.slices.faces
         ]
         for of, circles in faces or [("the section", list(results.slices.critical))]:
             yield from _by_slices(of, circles)
@@ -175,14 +175,14 @@ def verdict_paragraph(parts: list[VerdictPart]) -> Iterator[str]:
     """Every criterion in a sentence, with what decides it."""
     phrases = []
     for criterion in dict.fromkeys(part.criterion for part in parts):
-        its = [part for part in parts if part.criterion == criterion]
-        verdict = together(tuple(part.verdict for part in its))
-        deciding = [part for part in its if part.verdict == verdict]
+        parts_of_criterion = [part for part in parts if part.criterion == criterion]
+        verdict = together(tuple(part.verdict for part in parts_of_criterion))
+        deciding = [part for part in parts_of_criterion if part.verdict == verdict]
         worst = deciding[:3] if verdict != "satisfied" else []
         why = "" if not worst else f" ({listed([_words(part) for part in worst])})"
         least = "at least" if criterion in AT_LEAST else "at most"
-        source = f" [{its[0].source}]" if its[0].source else ""
-        phrases.append(f"{criterion} {least} {limit_words(its[0])}{source}: {verdict}{why}")
+        source = f" [{parts_of_criterion[0].source}]" if parts_of_criterion[0].source else ""
+        phrases.append(f"{criterion} {least} {limit_words(parts_of_criterion[0])}{source}: {verdict}{why}")
     if phrases:
         yield f"Criteria: {'; '.join(phrases)}."
 
@@ -198,7 +198,7 @@ def limit_words(part: VerdictPart) -> str:
 
 def interval_words(part: VerdictPart) -> str:
     """The interval of the quantity with its unit, or a dash."""
-    ends = [_number(part.criterion, one) for one in (part.low, part.high) if one is not None]
+    ends = [_number(part.criterion, end) for end in (part.low, part.high) if end is not None]
     if len(ends) == 1:
         return f"{'at least' if part.high is None else 'at most'} {ends[0]}"
     return "–" if not ends else ends[0] if ends[0] == ends[1] else f"{ends[0]} to {ends[1]}"

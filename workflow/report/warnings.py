@@ -21,11 +21,11 @@ NUMBER = re.compile(r'("[^"]*")|(?<![\w.])(\d+(?:\.\d+)?)(?![\w.]*\w)')
 
 def warnings(results: Results) -> list[WarningPart]:
     """Find every warning, the weightiest first: contradictions, then what changes an answer, then notes."""
-    found: dict[tuple[str, str], WarningPart] = {}
+    merged: dict[tuple[str, str], WarningPart] = {}
     for weight, text in _warnings(results):
         what, remedy = split(text)
-        found.setdefault((what, remedy), WarningPart(weight=weight, what=what, remedy=remedy))
-    return sorted(found.values(), key=lambda one: one.weight)
+        merged.setdefault((what, remedy), WarningPart(weight=weight, what=what, remedy=remedy))
+    return sorted(merged.values(), key=lambda part: part.weight)
 
 
 def split(text: str) -> tuple[str, str]:
@@ -49,10 +49,10 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
     fem = results.fem
     if fem is not None and fem.verdict == "undecided":
         yield 1, f"the path of the finite elements ended undecided ({fem.reason}): {fem.remedy or 'refine the mesh'}"
-    for found in results.doubts:
-        yield (1 if found.contradiction else 3), f"{found.what.rstrip('.')}: {found.remedy}"
-    if results.response is not None and results.response.doubt:
-        yield 2, f"response of the layers to {results.response.record}: {results.response.doubt}"
+    for warning in results.warnings:
+        yield (1 if warning.contradiction else 3), f"{warning.what.rstrip('.')}: {warning.remedy}"
+    if results.response is not None and results.response.warning:
+        yield 2, f"response of the layers to {results.response.record}: {results.response.warning}"
     for text in _sides(results):
         yield 2, text
     if results.config.section.reconstruction:
@@ -80,7 +80,7 @@ def _of_cases(results: Results) -> Iterator[str]:
 
 def _target_range(results: Results) -> Iterator[str]:
     """That the critical Kh which the discs are calibrated to is known as a range only."""
-    like = results.like_discs
+    like = results.dem_counterpart
     if like is not None and results.dem is not None and like.kc_upper > OPEN * like.kc:
         yield (
             f"the finite elements with the boundary conditions of the discs ({like.terms}) fail between Kh = "
@@ -92,7 +92,11 @@ def _target_range(results: Results) -> Iterator[str]:
 def _sides(results: Results) -> Iterator[str]:
     """That the critical Kh depends on the condition at the sides of the section."""
     fem = results.fem
-    change = next((one for one in results.variants.variants if one.name == "sides"), None) if results.variants else None
+    change = (
+        next((variant for variant in results.variants.variants if variant.name == "sides"), None)
+        if results.variants
+        else None
+    )
     other = change.of(fem.kc) if change is not None and fem is not None else None
     if fem is None or change is None or other is None or not fem.kc > 0.0:
         return
@@ -138,20 +142,20 @@ def joined(notes: Mapping[int, Sequence[str]]) -> Iterator[str]:
 
     Every case has its notes in the order of their weight, and so have all of them.
     """
-    found: dict[str, dict[int, list[str]]] = {}
+    groups: dict[str, dict[int, list[str]]] = {}
     places: dict[str, int] = {}
     remedies: dict[str, str] = {}
     for case, texts in notes.items():
         for place, note in enumerate(texts):
             fact, _, remedy = note.partition(": ")
             same = NUMBER.sub(lambda match: match[1] or "{}", fact.replace("{", "(").replace("}", ")"))
-            found.setdefault(same, {})[case] = [number for quoted, number in NUMBER.findall(fact) if not quoted]
+            groups.setdefault(same, {})[case] = [number for quoted, number in NUMBER.findall(fact) if not quoted]
             places[same] = max(place, places.get(same, 0))
             remedies.setdefault(same, remedy)
-    for same in sorted(found, key=lambda words: places[words]):
-        numbers = zip(*found[same].values(), strict=True)
+    for same in sorted(groups, key=lambda words: places[words]):
+        numbers = zip(*groups[same].values(), strict=True)
         remedy = f": {remedies[same]}" if remedies[same] else ""
-        yield f"{same.format(*map(_range, numbers))} ({of_cases(list(found[same]))}){remedy}"
+        yield f"{same.format(*map(_range, numbers))} ({of_cases(list(groups[same]))}){remedy}"
 
 
 def _range(numbers: Sequence[str]) -> str:

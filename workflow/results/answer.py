@@ -70,13 +70,15 @@ class Answer(Part):
         Raises InputError if there is none or if it is no JSON, OtherVersionError if another version wrote it.
         """
         data = current_answer(store.read_json(cls.FILE))
-        found = data.pop("version", None) if isinstance(data, dict) else None
+        version = data.pop("version", None) if isinstance(data, dict) else None
         try:
             answer = cls.model_validate(data)
         except ValidationError as error:
             raise OtherVersionError(str(store.folder / cls.FILE), _problems(error)) from None
-        if found != cls.VERSION:
-            phrase = f"version {found} of this file; expected version {cls.VERSION}; run the stage that writes it again"
+        if version != cls.VERSION:
+            phrase = (
+                f"version {version} of this file; expected version {cls.VERSION}; run the stage that writes it again"
+            )
             raise OtherVersionError(str(store.folder / cls.FILE), [phrase])
         return answer
 
@@ -105,5 +107,5 @@ def line(points: np.ndarray) -> Line:
 
 def _problems(error: ValidationError) -> list[str]:
     """The first few keys that do not fit, each with what was expected."""
-    phrases = [f"{'.'.join(map(str, one['loc'])) or 'the file'}: {one['msg']}" for one in error.errors()]
+    phrases = [f"{'.'.join(map(str, fault['loc'])) or 'the file'}: {fault['msg']}" for fault in error.errors()]
     return [*phrases[:3], "it was written by another version of the program; run the stage that writes it again"]

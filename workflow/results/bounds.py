@@ -96,10 +96,10 @@ class BracketPart(Part):
 
     def towards(self, direction: Direction) -> DirectionPart | None:
         """The bounds in one direction, if there are any."""
-        return next((one for one in self.directions if one.direction == direction), None)
+        return next((part for part in self.directions if part.direction == direction), None)
 
 
-class SkinPart(Part):
+class ShallowBoundPart(Part):
     """A cohesionless face whose grains roll down before the slope as a whole fails."""
 
     stratum: str
@@ -115,7 +115,7 @@ class SafetyPart(Part):
     lower: float | None = Field(description="the section stands with its strength divided by this")
     upper: float | None = Field(description="the section fails with its strength divided by this")
     cells: int = Field(description="triangles of the last mesh")
-    skin: float | None = Field(
+    shallow_failure: float | None = Field(
         default=None, description="factor of a shallow failure of a face; the bounds are of the slope as a whole"
     )
     direction: Direction | None = Field(default=None, description="of the seismic force with which it fails")
@@ -127,7 +127,11 @@ class SafetyPart(Part):
         """The bracket as a person reads it."""
         low = "no lower bound" if self.lower is None else f"{self.lower:.3f}"
         high = "no upper bound" if self.upper is None else f"{self.upper:.3f}"
-        rolling = "" if self.skin is None else f"; a face fails before (shallow failure) at {self.skin:.3f}"
+        rolling = (
+            ""
+            if self.shallow_failure is None
+            else f"; a face fails before (shallow failure) at {self.shallow_failure:.3f}"
+        )
         force = f", force {self.direction}" if self.direction else ""
         return f"{low} <= FS <= {high} at Kh = {self.kh:g}{force}, {self.cells} triangles{rolling}"
 
@@ -141,7 +145,9 @@ class BoundsAnswer(BracketPart, Answer):
     flow: str = Field(description="which flow rule the bounds are for, in words")
     substitute: BracketPart | None = Field(description="bounds with Davis's reduced strength, where ψ < φ")
     safety: tuple[SafetyPart, ...] = Field(default=(), description="factors of safety, where they were asked for")
-    skins: tuple[SkinPart, ...] = Field(description="faces that fail first; the bounds are of the slope as a whole")
+    shallow_failures: tuple[ShallowBoundPart, ...] = Field(
+        description="faces that fail first; the bounds are of the slope as a whole"
+    )
     shallow: float | None = Field(
         default=None, description="Kh at which ground above that depth slips at the latest, where two such faces meet"
     )

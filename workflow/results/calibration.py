@@ -160,10 +160,10 @@ class CalibrationAnswer(Answer):
         return self.continuum_kc is not None and self.continuum_kc[1] - self.continuum_kc[0] > self.tolerance
 
     @classmethod
-    def of(cls, base: "Search", found: "Calibration | None", tolerance: float, **more: Any) -> Self:
+    def of(cls, base: "Search", calibration: "Calibration | None", tolerance: float, **more: Any) -> Self:
         """The calibration as an answer holds it, sensitivities by parameter, then by factor; without any the discs as
         they are, with the critical Kh of the search ``base``. ``more`` are fields that neither knows."""
-        if found is None:
+        if calibration is None:
             return cls(
                 target_kc=None,
                 tolerance=tolerance,
@@ -179,25 +179,25 @@ class CalibrationAnswer(Answer):
                 trials=(),
                 **more,
             )
-        parameters = dict.fromkeys(name for name, _, _ in found.sensitivity if name)
-        by_factor = sorted(found.sensitivity, key=lambda row: row[1])
+        parameters = dict.fromkeys(name for name, _, _ in calibration.sensitivity if name)
+        by_factor = sorted(calibration.sensitivity, key=lambda row: row[1])
         return cls(
-            target_kc=found.target,
-            tolerance=found.tolerance,
-            parameter=found.parameter,
-            value=found.value,
-            range=found.range,
-            kc=found.search.kc,
-            kc_lower=found.search.lower,
-            kc_upper=found.search.upper,
-            verdict=found.verdict,
-            reason=found.reason,
+            target_kc=calibration.target,
+            tolerance=calibration.tolerance,
+            parameter=calibration.parameter,
+            value=calibration.value,
+            range=calibration.range,
+            kc=calibration.search.kc,
+            kc_lower=calibration.search.lower,
+            kc_upper=calibration.search.upper,
+            verdict=calibration.verdict,
+            reason=calibration.reason,
             sensitivity=tuple(
                 Sensitivity.of(factor, search, parameter=name)
                 for name in parameters
                 for changed, factor, search in by_factor
                 if changed in ("", name)
             ),
-            trials=tuple(FactorTrial.of(factor, search) for factor, search in found.trials),
+            trials=tuple(FactorTrial.of(factor, search) for factor, search in calibration.trials),
             **more,
         )

@@ -181,8 +181,8 @@ class RandomCase(Part):
     @property
     def spreads(self) -> dict[str, Spread]:
         """Every quantity by its name in words; intervals of lengths that cannot be negative begin at 0."""
-        found = {name: getattr(self, name) for name in QUANTITIES if getattr(self, name) is not None}
-        return {QUANTITIES[name]: one.from_zero if name in LENGTHS else one for name, one in found.items()}
+        spreads = {name: getattr(self, name) for name in QUANTITIES if getattr(self, name) is not None}
+        return {QUANTITIES[name]: spread.from_zero if name in LENGTHS else spread for name, spread in spreads.items()}
 
 
 QUANTITIES = {

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from fem.continuum.strength import Flow, davis_words
 from fem.path.path_step import PathStep
-from fem.search.doubts import Doubt
+from fem.search.result_warnings import ResultWarning
 from fem.settings import YIELDED, Element, FemSettings, PathVerdict
 from workflow.results.answer import Answer, Line, Part, SectionLabel
 
@@ -56,7 +56,9 @@ class FactorOfSafety(Part):
     verdict: PathVerdict
     reason: str
     curve: tuple[PathStep, ...]
-    skin: float | None = Field(description="the factor of a shallow failure of a cohesionless face, if there is one")
+    shallow_failure: float | None = Field(
+        description="the factor of a shallow failure of a cohesionless face, if there is one"
+    )
     davis: float | None = Field(
         default=None, description="Davis's estimate where ψ = φ is the flow, a low one and no bound"
     )
@@ -76,7 +78,7 @@ class OtherWay(Part):
     at_sides: tuple[str, ...] = Field(description="sides, left or right, that the ground that fails reaches")
 
 
-class SkinFailure(Part):
+class ShallowFailurePart(Part):
     """A cohesionless face whose grains roll down before the slope as a whole fails."""
 
     stratum: str
@@ -145,7 +147,7 @@ class FemAnswer(Answer):
     reason: str
     remedy: str = Field(description="what to try for a better answer; empty where there is nothing to say")
     judgement: Literal["sound", "doubtful"] = Field(description="doubtful where a warning contradicts the answer")
-    doubts: tuple[Doubt, ...]
+    warnings: tuple[ResultWarning, ...]
     direction: Literal["downhill", "uphill"] = Field(description="where the ground fails, by the ends of its surface")
     towards: Literal["left", "right"]
     opposite: OtherWay | None = Field(
@@ -155,7 +157,7 @@ class FemAnswer(Answer):
     davis: OtherWay | None = Field(
         default=None, description="Davis's estimate, a low one and no bound, where the flow is ψ = φ and ψ is not"
     )
-    skins: tuple[SkinFailure, ...]
+    shallow_failures: tuple[ShallowFailurePart, ...]
     flow: Flow
     element: Element
     settings: FemSettings

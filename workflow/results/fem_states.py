@@ -33,18 +33,18 @@ class FemResults:
         """Read fem/ and mesh/ of a folder; raises InputError if something is missing."""
         answer = FemAnswer.read(store)
         states: list[State] = []
-        for told in answer.states:
-            if told.past_equilibrium:  # the answer shows the last state of the path in its place
+        for state_part in answer.states:
+            if state_part.past_equilibrium:  # the answer shows the last state of the path in its place
                 last = next(state for state in reversed(states) if not state.past_equilibrium)
-                states.append(replace(last, label=told.label, kh=told.kh, past_equilibrium=True))
+                states.append(replace(last, label=state_part.label, kh=state_part.kh, past_equilibrium=True))
             else:
                 grid = pv.read(store.folder / "fem" / fields_file(len(states)))
-                states.append(_state(grid, told.label, told.kh))
+                states.append(_state(grid, state_part.label, state_part.kh))
         return cls(fem_mesh(section, store, answer.mesh.method), answer, states)
 
     def slip_surface(self, state: State) -> np.ndarray:
         """Points (n, 2) in m of the slip surface of one of the ``states``; none where the ground does not fail."""
-        phrase = next(phrase for phrase, one in zip(self.answer.states, self.states, strict=True) if one is state)
+        phrase = next(phrase for phrase, loaded in zip(self.answer.states, self.states, strict=True) if loaded is state)
         return np.array(phrase.slip_surface).reshape(-1, 2)
 
 

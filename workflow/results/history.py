@@ -29,7 +29,7 @@ def write_histories(store: Store, slides: Iterable[SlideHistory]) -> None:
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(COLUMNS)
-    for slide in sorted(slides, key=lambda one: (one.springs, one.case)):
+    for slide in sorted(slides, key=lambda written: (written.springs, written.case)):
         for row in slide.rows:
             numbers = (str(v) if isinstance(v, int) else f"{v:.6g}" for v in asdict(row).values())
             table.writerow([slide.springs, slide.case, *numbers])
@@ -43,18 +43,18 @@ def read_histories(store: Store) -> list[SlideHistory]:
     """
     path = store.folder / FILE
     row_of = TypeAdapter(Row)
-    found: dict[tuple[str, int], list[Row]] = {}
+    histories: dict[tuple[str, int], list[Row]] = {}
     try:
         with path.open(encoding="utf-8", newline="") as file:
             table = csv.DictReader(file)
             if table.fieldnames != COLUMNS:
                 raise OtherVersionError(str(path), [f"expected the columns {', '.join(COLUMNS)}"])
             for line in table:
-                found.setdefault((line["set"], int(line["case"])), []).append(row_of.validate_python(line))
+                histories.setdefault((line["set"], int(line["case"])), []).append(row_of.validate_python(line))
     except OSError as error:
         raise InputError(str(path), [f"cannot be read: {error.strerror}; run the stage slide"]) from None
     except ValueError as error:
         if isinstance(error, OtherVersionError):
             raise
         raise OtherVersionError(str(path), [f"line {table.line_num} is none of this version: {error}"]) from None
-    return [SlideHistory(springs, case, tuple(rows)) for (springs, case), rows in found.items()]
+    return [SlideHistory(springs, case, tuple(rows)) for (springs, case), rows in histories.items()]

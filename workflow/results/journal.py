@@ -49,16 +49,16 @@ class Journal:
 
     def known(self) -> dict[Key, Search]:
         """All searches of the file; a line that was half written when someone pulled the plug is none."""
-        found: dict[Key, Search] = {}
+        searches: dict[Key, Search] = {}
         if not self.path.is_file():
-            return found
+            return searches
         for line in self.path.read_text(encoding="utf-8").splitlines():
             try:
                 entry = Entry.model_validate_json(line)
             except ValidationError:
                 continue
-            found[entry.parameter, entry.factor] = entry.found
-        return found
+            searches[entry.parameter, entry.factor] = entry.found
+        return searches
 
     def add(self, parameter: str, factor: float, search: Search) -> None:
         """One more."""

@@ -6,15 +6,15 @@ from typing import TypeVar
 
 import numpy as np
 
-from fem.search.doubts import Computed, Doubt, of_bounds, of_others
+from fem.search.result_warnings import Computed, ResultWarning, of_bounds, of_others
 from workflow.config import Config
 from workflow.results.answer import Answer
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer
 from workflow.results.continuum import FemAnswer, VariantsAnswer
+from workflow.results.dem_counterpart import DemCounterpart
 from workflow.results.discs import DiscsAnswer
-from workflow.results.like_discs import LikeDiscs
 from workflow.results.liquefied import LiquefiedAnswer
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.site_response import SiteResponseAnswer
@@ -47,7 +47,7 @@ class Results:
     bounds: BoundsAnswer | None = None
     dem: DiscsAnswer | None = None
     calibration: CalibrationAnswer | None = None
-    like_discs: LikeDiscs | None = None
+    dem_counterpart: DemCounterpart | None = None
     cases: CasesAnswer | None = None
     triggering: TriggeringAnswer | None = None
     slices: SlicesAnswer | None = None
@@ -89,7 +89,7 @@ class Results:
             bounds=None if bounds is None or bounds.verdict == "no bracket" else bounds,
             dem=left("calibrate", DiscsAnswer),
             calibration=left("calibrate", CalibrationAnswer),
-            like_discs=left("calibrate", LikeDiscs),
+            dem_counterpart=left("calibrate", DemCounterpart),
             cases=left("slide", CasesAnswer),
             triggering=left("triggering", TriggeringAnswer),
             slices=left("slices", SlicesAnswer),
@@ -119,18 +119,18 @@ class Results:
         return np.array(end.slip_surface if end is not None else []).reshape(-1, 2)
 
     @property
-    def doubts(self) -> list[Doubt]:
+    def warnings(self) -> list[ResultWarning]:
         """What contradicts the critical Kh of the FEM, or is to be known beside it."""
-        phrase = list(self.fem.doubts) if self.fem is not None else []
+        phrase = list(self.fem.warnings) if self.fem is not None else []
         others = [
-            Computed(one.change, one.kc, decisive=one.name == "mesh", without=one.kc_without)
-            for one in (self.variants.variants if self.variants is not None else ())
-            if self.kc and one.kc is not None and one.name in ("mesh", "element")
+            Computed(variant.change, variant.kc, decisive=variant.name == "mesh", without=variant.kc_without)
+            for variant in (self.variants.variants if self.variants is not None else ())
+            if self.kc and variant.kc is not None and variant.name in ("mesh", "element")
         ]
-        found = of_others(self.kc, others) if self.kc else ()
-        return [*phrase, *found, *self.doubts_by_bounds()]
+        contradictions = of_others(self.kc, others) if self.kc else ()
+        return [*phrase, *contradictions, *self.warnings_by_bounds()]
 
-    def doubts_by_bounds(self) -> list[Doubt]:
+    def warnings_by_bounds(self) -> list[ResultWarning]:
         """Where strict bounds contradict the FEM. Those of ψ = φ judge every smaller ψ, too, and upper ones between
         fixed sides those between sides that yield: what holds still at the sides takes no work from them."""
         fem, bounds = self.fem, self.bounds
@@ -141,9 +141,9 @@ class Results:
             return []
         judged = [*self._judged_by(bounds), *(self._safety_judged_by(bounds) if same else ())]
         return [
-            doubt
-            for what, value, low, high, own in judged
-            for doubt in of_bounds(value, low if same else None, high, own, what)
+            warning
+            for what, value, low, high, same_flow in judged
+            for warning in of_bounds(value, low if same else None, high, same_flow, what)
         ]
 
     def _judged_by(self, bounds: BoundsAnswer) -> Iterator[Judged]:
@@ -169,10 +169,10 @@ class Results:
     def _safety_judged_by(self, bounds: BoundsAnswer) -> Iterator[Judged]:
         """The factors of safety with ψ = φ that the bounds have, too."""
         strict = {part.kh: part for part in bounds.safety}
-        for found in self.fem.safety_factors if self.fem is not None else ():
-            full = found.factor if self.fem is not None and self.fem.flow == "associated" else found.associated
-            if full is not None and (part := strict.get(found.kh)) is not None:
-                yield f"factor of safety at Kh = {found.kh:g} with ψ = φ", full, part.lower, part.upper, True
+        for factor in self.fem.safety_factors if self.fem is not None else ():
+            full = factor.factor if self.fem is not None and self.fem.flow == "associated" else factor.associated
+            if full is not None and (part := strict.get(factor.kh)) is not None:
+                yield f"factor of safety at Kh = {factor.kh:g} with ψ = φ", full, part.lower, part.upper, True
 
     def case_set(self) -> tuple[str, dict[int, CaseAnswer]]:
         """The name of the set of cases that counts, the calibrated one if there is one, and its cases by number."""
@@ -186,5 +186,5 @@ class Results:
         _, cases = self.case_set()
         if x is None or not cases:
             return None
-        found = {number: slide for number, case in cases.items() if (slide := case.slide_at(x)) is not None}
-        return found if len(found) == len(cases) else None
+        slides = {number: slide for number, case in cases.items() if (slide := case.slide_at(x)) is not None}
+        return slides if len(slides) == len(cases) else None

@@ -34,7 +34,7 @@ class SiteResponseAnswer(Answer):
     peak_surface_gal: float
     rounds: int = Field(description="in which stiffness and damping came to rest")
     change: float = Field(description="largest change of a stiffness or a damping that one more round would make")
-    doubt: str = Field(description="what is to be doubted of it by its strains; empty where nothing is")
+    warning: str = Field(description="what is to be doubted of it by its strains; empty where nothing is")
     layers: tuple[ResponseLayer, ...]
     source: str
     average_source: str = Field(description="of the average acceleration")

@@ -40,8 +40,8 @@ class FacePart(Part):
 
     def factor(self, kh: float) -> float | None:
         """The least factor of safety at one Kh; None where no circle slides or the Kh was not asked for."""
-        found = [circle.bishop for one in self.factors if one.kh == kh for circle in one.circles]
-        return found[0] if found else None
+        factors = [circle.bishop for group in self.factors if group.kh == kh for circle in group.circles]
+        return factors[0] if factors else None
 
 
 class SlicesAnswer(Answer):

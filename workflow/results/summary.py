@@ -28,9 +28,9 @@ class SafetySummary(Part):
     associated: float | None = Field(description="with ψ = φ, where the factor is by Davis's estimate")
 
     @classmethod
-    def of(cls, found: FactorOfSafety) -> Self:
+    def of(cls, factor: FactorOfSafety) -> Self:
         """What is kept of a factor of safety."""
-        return cls(kh=found.kh, factor=found.factor, davis=found.davis, associated=found.associated)
+        return cls(kh=factor.kh, factor=factor.factor, davis=factor.davis, associated=factor.associated)
 
 
 class FemSummary(Part):
@@ -80,7 +80,7 @@ class CircleSummary(Part):
     @classmethod
     def of(cls, answer: SlicesAnswer) -> tuple[Self, ...]:
         """What is kept of all circles."""
-        groups = [(one.kh, one.circles) for one in answer.factors] + [(None, answer.critical)]
+        groups = [(group.kh, group.circles) for group in answer.factors] + [(None, answer.critical)]
         return tuple(
             cls(kh=kh, towards=circle.towards, bishop=circle.bishop, spencer=circle.spencer)
             for kh, circles in groups

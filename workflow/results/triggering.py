@@ -66,7 +66,7 @@ class TestPart(Part):
     @classmethod
     def of(cls, test: Judged, stratum: str) -> Self:
         """A test as an answer holds it."""
-        found = test.found
+        resistance = test.found
         return cls(
             boring=test.boring,
             x_m=test.x,
@@ -79,10 +79,10 @@ class TestPart(Part):
             fines_percent=test.sample.fines,
             total_Pa=test.where.total,
             effective_Pa=test.where.effective,
-            normalised=found.normalised if found else None,
-            corrected=found.corrected if found else None,
-            load=found.load if found else None,
-            resistance=found.resistance if found else None,
+            normalised=resistance.normalised if resistance else None,
+            corrected=resistance.corrected if resistance else None,
+            load=resistance.load if resistance else None,
+            resistance=resistance.resistance if resistance else None,
             factor=test.factor,
             reason=test.reason,
         )
@@ -168,30 +168,31 @@ class TriggeringAnswer(Answer):
     relations: tuple[RelationPart, ...] = Field(description="of residual strength, volumetric strain, pore pressure")
 
     @classmethod
-    def of(cls, config: Config, found: Assessment) -> Self:
+    def of(cls, config: Config, assessment: Assessment) -> Self:
         """An assessment as an answer holds it."""
-        pressures = pore_pressures(found, len(config.section.strata))
+        pressures = pore_pressures(assessment, len(config.section.strata))
         return cls(
             section=SectionLabel.of(config.section),
-            motion=MotionPart.of(found.motion),
-            magnitude=found.magnitude,
-            method=found.relation.title,
-            source=found.relation.source,
-            validity=found.relation.validity,
+            motion=MotionPart.of(assessment.motion),
+            magnitude=assessment.magnitude,
+            method=assessment.relation.title,
+            source=assessment.relation.source,
+            validity=assessment.relation.validity,
             share=config.triggering.share,
-            strata=tuple(map(StratumPart.of, found.strata, pressures)),
+            strata=tuple(map(StratumPart.of, assessment.strata, pressures)),
             borings=tuple(
-                BoringPart(name=name, potential=value, risk=risk(value)) for name, value in found.potentials.items()
+                BoringPart(name=name, potential=value, risk=risk(value))
+                for name, value in assessment.potentials.items()
             ),
-            tests=tuple(TestPart.of(test, config.section.strata[test.where.stratum].name) for test in found.tests),
+            tests=tuple(TestPart.of(test, config.section.strata[test.where.stratum].name) for test in assessment.tests),
             left=tuple(
                 LeftPart(
-                    stratum=config.section.strata[one.stratum].name,
-                    residual=one.ratios,
-                    strength_Pa=one.strengths,
-                    volumetric_strain=one.volumetric_strain,
+                    stratum=config.section.strata[layer.stratum].name,
+                    residual=layer.ratios,
+                    strength_Pa=layer.strengths,
+                    volumetric_strain=layer.volumetric_strain,
                 )
-                for one in left(found, config.triggering)
+                for layer in left(assessment, config.triggering)
             ),
             relations=(
                 *(RelationPart.model_validate(relation) for relation in RELATIONS),

@@ -13,8 +13,8 @@ NAME = ".noshiro/mesh_options.json"
 
 def kept(store: Store) -> dict[str, Any]:
     """Options of the mesh command that the folder keeps; empty without any."""
-    found = store.read_json(NAME) if store.has(NAME) else {}
-    return found if isinstance(found, dict) else {}
+    options = store.read_json(NAME) if store.has(NAME) else {}
+    return options if isinstance(options, dict) else {}
 
 
 def keep(store: Store, options: Mapping[str, Any] | None) -> None:

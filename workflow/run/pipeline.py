@@ -59,7 +59,7 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
         mesh_options.keep(job.store, job.mesh_options)
         log.done()
         if failures:
-            raise next(failures[one.stage.name] for one in decisions if one.stage.name in failures)
+            raise next(failures[decision.stage.name] for decision in decisions if decision.stage.name in failures)
 
 
 @dataclass
@@ -92,7 +92,7 @@ class Run:
         """Do what was decided, stage by stage, and those stages beside others that can be."""
         waiting = list(decisions)
         while waiting:
-            for decision in [one for one in waiting if self._can_go_beside(one, waiting)]:
+            for decision in [candidate for candidate in waiting if self._can_go_beside(candidate, waiting)]:
                 waiting.remove(decision)
                 self.work_beside(decision)
             decision = waiting.pop(0)
@@ -115,9 +115,9 @@ class Run:
         if self.executor.count < 2 or stage.beside is None or decision.action != "run":
             return False
         needed = {*stage.beside, *stage.needs}
-        if needed & {one.stage.name for one in waiting} or needed & self.failures.keys():
+        if needed & {other.stage.name for other in waiting} or needed & self.failures.keys():
             return False
-        return any(one.action == "run" and one.stage.beside is None and not one.stage.of_all for one in waiting)
+        return any(other.action == "run" and other.stage.beside is None and not other.stage.of_all for other in waiting)
 
     def do(self, decision: Decision) -> None:
         """Do what was decided about a stage, unless one that it needs has no answer."""
@@ -186,7 +186,7 @@ class Run:
             self._end(decision, begun, failure)
 
         work = partial(_worked, decision.stage.work, self._for_others())
-        self.beside.append(then(self.executor.begin(work, lambda told: begun.progress(*told)), end))
+        self.beside.append(then(self.executor.begin(work, lambda progress: begun.progress(*progress)), end))
 
     def _begin(self, decision: Decision) -> "Begun":
         """Clear up before a stage, and remember that it has begun."""
@@ -290,16 +290,16 @@ def leave_input(config: Config, store: Store) -> None:
 
 def redraw_all(job: Job, listener: Listener) -> list[str]:
     """Draw all pictures again from what is stored; returns the stages whose pictures could not be drawn, with why."""
-    told = []
+    messages = []
     with locked(job.store.folder):
         job.store.sweep()
         run = Run(job, Record(job.store), Log(job.store), listener)
         for decision in plan(job, run.record, Choice(())):
             stage = decision.stage
             if decision.action == "off" and not is_of_this_input(stage, job, run.record):
-                told.append(f"{stage.name}: no pictures: {decision.why}")
+                messages.append(f"{stage.name}: no pictures: {decision.why}")
             elif stage.draw is not None:
                 run.redraw(replace(decision, action="redraw", why="drawn again"), stage.draw)
             elif stage.pictures:
-                told.append(f"{stage.name}: its pictures are drawn only when it runs")
-    return told
+                messages.append(f"{stage.name}: its pictures are drawn only when it runs")
+    return messages

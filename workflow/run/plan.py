@@ -41,8 +41,8 @@ class Choice:
         """
         names = tuple(stage.name for stage in stages)
         asked = {"--from": [start] if start else [], "--only": list(only)}
-        for option, given in asked.items():
-            unknown = [name for name in given if name not in names]
+        for option, is_given in asked.items():
+            unknown = [name for name in is_given if name not in names]
             if unknown:
                 raise InputError(option, [f"{name!r}: expected a stage, one of {', '.join(names)}" for name in unknown])
         chosen = tuple(name for name in names if name in only) or names

@@ -110,14 +110,14 @@ class Store:
 
     def matching(self, patterns: Sequence[str]) -> list[str]:
         """Names of the whole files that match any of some patterns, in the order of the numbers in them."""
-        found = {path for pattern in patterns for path in self.folder.glob(pattern) if path.is_file()}
-        names = [str(path.relative_to(self.folder)) for path in found if not BESIDE.fullmatch(path.name)]
+        paths = {path for pattern in patterns for path in self.folder.glob(pattern) if path.is_file()}
+        names = [str(path.relative_to(self.folder)) for path in paths if not BESIDE.fullmatch(path.name)]
         return sorted(names, key=_by_numbers)
 
     def marks(self, patterns: Sequence[str]) -> dict[str, tuple[int, int]]:
         """Of every file that matches what changes when it is written again: its inode, and when it was written (ns)."""
-        found = {name: (self.folder / name).stat() for name in self.matching(patterns)}
-        return {name: (stat.st_ino, stat.st_mtime_ns) for name, stat in found.items()}
+        stats = {name: (self.folder / name).stat() for name in self.matching(patterns)}
+        return {name: (stat.st_ino, stat.st_mtime_ns) for name, stat in stats.items()}
 
     def written(self, patterns: Sequence[str], before: Mapping[str, object]) -> list[str]:
         """Names of the files that match and were written after their marks were taken."""

@@ -17,7 +17,7 @@ from workflow.results.bounds import (
     MeshRound,
     Residuals,
     SafetyPart,
-    SkinPart,
+    ShallowBoundPart,
     StressResiduals,
     VelocityResiduals,
     Verdict,
@@ -45,17 +45,17 @@ def work(job: Job) -> None:
     started = time.perf_counter()
     job.progress("first mesh", None)
     factors = tuple(_factors(job, config, asked)) if asked.safety_factor else ()
-    left = asked.model_copy(update={"seconds": asked.seconds - sum(one.work for one in factors)})
+    left = asked.model_copy(update={"seconds": asked.seconds - sum(factor.work for factor in factors)})
     try:
-        found = kh_bounds(config.section, config.fem, left, lambda so_far: job.progress(in_words(so_far), None))
+        bounds = kh_bounds(config.section, config.fem, left, lambda so_far: job.progress(in_words(so_far), None))
     except UnstableError as error:
         if not factors:
             raise
-        raise UnstableError(f"{error}; {'; '.join(one.words for one in factors)}") from None
-    answer = answer_of(config, found, asked, time.perf_counter() - started)
+        raise UnstableError(f"{error}; {'; '.join(factor.words for factor in factors)}") from None
+    answer = answer_of(config, bounds, asked, time.perf_counter() - started)
     answer = answer.model_copy(update={"safety": factors})
     answer.write(job.store)
-    draw_all(config, found, job.store)
+    draw_all(config, bounds, job.store)
     if answer.verdict == "no bracket":
         raise NoAnswerError(answer.reason, "allow more triangles: max_cells in the table [bounds]")
 
@@ -69,45 +69,45 @@ def _factors(job: Job, config: Config, asked: BoundsSettings) -> Iterator[Safety
     share = asked.of_factors.model_copy(update={"seconds": asked.seconds / count})
     for kh in config.fem.safety_factor_at:
         job.progress(f"factor of safety at Kh = {kh:g}", None)
-        found = safety_bounds(config.section, config.fem, share, kh, held=kh == 0.0)
+        bounds = safety_bounds(config.section, config.fem, share, kh, held=kh == 0.0)
         yield SafetyPart(
             kh=kh,
-            lower=found.lower or None,
-            upper=found.upper if math.isfinite(found.upper) else None,
-            cells=found.cells,
-            skin=found.skin,
-            direction=found.direction,
-            reason=_reason(found, asked),
-            work=sum(trial.work for trial in found.trials),
+            lower=bounds.lower or None,
+            upper=bounds.upper if math.isfinite(bounds.upper) else None,
+            cells=bounds.cells,
+            shallow_failure=bounds.shallow_failure,
+            direction=bounds.direction,
+            reason=_reason(bounds, asked),
+            work=sum(trial.work for trial in bounds.trials),
         )
 
 
-def _reason(found: "SafetyBounds", asked: BoundsSettings) -> str:
+def _reason(bounds: "SafetyBounds", asked: BoundsSettings) -> str:
     """Why the bounds of a factor of safety are no closer; empty where they are as close as was asked for."""
-    match found.ended:
+    match bounds.ended:
         case "gap":
             return ""
         case "triangles":
-            why = f"{found.cells} triangles, {asked.max_cells} allowed"
+            why = f"{bounds.cells} triangles, {asked.max_cells} allowed"
         case "time":
             why = f"its share of the work allowed ({asked.seconds:g} s) is used up"
         case "solver":
-            why = f"the solver of cone programs fails, up to {found.cells} triangles"
+            why = f"the solver of cone programs fails, up to {bounds.cells} triangles"
         case _:
-            assert_never(found.ended)
+            assert_never(bounds.ended)
     wanted = f"{100 * asked.of_factors.gap:g} %"
     return f"The factor of safety is bracketed less closely than to the {wanted} asked for: {why}."
 
 
-def answer_of(config: Config, found: "KhBounds", asked: BoundsSettings, seconds: float) -> BoundsAnswer:
+def answer_of(config: Config, bounds: "KhBounds", asked: BoundsSettings, seconds: float) -> BoundsAnswer:
     """The brackets of an input, how far each bound was checked, and every mesh; ``seconds`` it took to compute."""
     return BoundsAnswer(
-        **vars(bracket_part(found, asked)),
+        **vars(bracket_part(bounds, asked)),
         section=SectionLabel.of(config.section),
         flow="associated, ψ = φ",
-        substitute=bracket_part(found.substitute, asked) if found.substitute else None,
-        skins=tuple(SkinPart.model_validate(face) for face in found.skins),
-        shallow=found.shallow,
+        substitute=bracket_part(bounds.substitute, asked) if bounds.substitute else None,
+        shallow_failures=tuple(ShallowBoundPart.model_validate(face) for face in bounds.shallow_failures),
+        shallow=bounds.shallow,
         least_depth=config.fem.least_depth,
         sides=config.fem.sides,
         vertical=config.fem.vertical,
@@ -116,67 +116,67 @@ def answer_of(config: Config, found: "KhBounds", asked: BoundsSettings, seconds:
     )
 
 
-def bracket_part(found: "SmallerKhBounds", asked: BoundsSettings) -> BracketPart:
+def bracket_part(bounds: "SmallerKhBounds", asked: BoundsSettings) -> BracketPart:
     """One bracket as it is kept."""
-    verdict, reason = _verdict(found, asked)
-    directions = tuple(_direction_part(one) for one in found.directions)
+    verdict, reason = _verdict(bounds, asked)
+    directions = tuple(_direction_part(direction) for direction in bounds.directions)
     return BracketPart(
-        lower=found.stress.multiplier if found.stress else None,
-        upper=found.mechanism.multiplier if found.mechanism else None,
+        lower=bounds.stress.multiplier if bounds.stress else None,
+        upper=bounds.mechanism.multiplier if bounds.mechanism else None,
         direction=directions[0].direction,
         directions=directions,
-        gap=found.gap if math.isfinite(found.gap) else None,
+        gap=bounds.gap if math.isfinite(bounds.gap) else None,
         verdict=verdict,
         reason=reason,
-        words="; ".join([in_words(found), *(one.words for one in directions[1:])]),
-        cells=found.meshes[-1].cells,
+        words="; ".join([in_words(bounds), *(direction.words for direction in directions[1:])]),
+        cells=bounds.meshes[-1].cells,
         residuals=Residuals(
-            lower=StressResiduals.model_validate(found.stress.check) if found.stress else None,
-            upper=VelocityResiduals.model_validate(found.mechanism.check) if found.mechanism else None,
+            lower=StressResiduals.model_validate(bounds.stress.check) if bounds.stress else None,
+            upper=VelocityResiduals.model_validate(bounds.mechanism.check) if bounds.mechanism else None,
         ),
         history=directions[0].history,
     )
 
 
-def _direction_part(found: "DirectionBounds") -> DirectionPart:
+def _direction_part(bounds: "DirectionBounds") -> DirectionPart:
     return DirectionPart(
-        direction=found.direction,
-        towards=found.towards,
-        lower=found.stress.multiplier if found.stress else None,
-        upper=found.mechanism.multiplier if found.mechanism else None,
-        leaves=found.leaves,
-        history=tuple(MeshRound.model_validate(one) for one in found.meshes),
+        direction=bounds.direction,
+        towards=bounds.towards,
+        lower=bounds.stress.multiplier if bounds.stress else None,
+        upper=bounds.mechanism.multiplier if bounds.mechanism else None,
+        leaves=bounds.leaves,
+        history=tuple(MeshRound.model_validate(mesh) for mesh in bounds.meshes),
     )
 
 
-def _verdict(found: "Bracket", asked: BoundsSettings) -> tuple[Verdict, str]:
-    gap = f"The gap of {_gap(found)}"
-    if found.ended == "gap":
-        return "bracketed", f"{gap} is within the {_wanted(found, asked)} asked for."
-    if found.ended == "enough":
-        return "unstable", f"It fails under its own weight: its Kh is at most {found.upper:.4f}."
-    last = found.meshes[-1]
-    x, z = found.open_at or (math.nan, math.nan)
-    why = f"{_why(found.ended, last.cells, asked)}; it is widest near x = {x:.1f} m, z = {z:.1f} m."
+def _verdict(bracket: "Bracket", asked: BoundsSettings) -> tuple[Verdict, str]:
+    gap = f"The gap of {_gap(bracket)}"
+    if bracket.ended == "gap":
+        return "bracketed", f"{gap} is within the {_wanted(bracket, asked)} asked for."
+    if bracket.ended == "enough":
+        return "unstable", f"It fails under its own weight: its Kh is at most {bracket.upper:.4f}."
+    last = bracket.meshes[-1]
+    x, z = bracket.open_at or (math.nan, math.nan)
+    why = f"{_why(bracket.ended, last.cells, asked)}; it is widest near x = {x:.1f} m, z = {z:.1f} m."
     why += "".join(f" {note}." for note in last.notes)
-    if math.isfinite(found.gap):
-        return "wide", f"{gap} is above the {_wanted(found, asked)} asked for: {why}"
-    bounds = (("lower", found.stress), ("upper", found.mechanism))
+    if math.isfinite(bracket.gap):
+        return "wide", f"{gap} is above the {_wanted(bracket, asked)} asked for: {why}"
+    bounds = (("lower", bracket.stress), ("upper", bracket.mechanism))
     return "no bracket", f"There is no {' and no '.join(name for name, bound in bounds if bound is None)} bound: {why}"
 
 
-def _gap(found: "Bracket") -> str:
+def _gap(bracket: "Bracket") -> str:
     """How far the bounds are apart, as a share of their mean; in Kh where that is small or zero is between them."""
-    difference = f"{found.upper - found.lower:.4f} in Kh"
-    if found.lower * found.upper <= 0.0:
+    difference = f"{bracket.upper - bracket.lower:.4f} in Kh"
+    if bracket.lower * bracket.upper <= 0.0:
         return difference
-    small = 0.5 * (found.upper + found.lower) < LEAST_KH
-    return f"{difference} ({100 * found.gap:.1f} %)" if small else f"{100 * found.gap:.2f} %"
+    small = 0.5 * (bracket.upper + bracket.lower) < LEAST_KH
+    return f"{difference} ({100 * bracket.gap:.1f} %)" if small else f"{100 * bracket.gap:.2f} %"
 
 
-def _wanted(found: "Bracket", asked: BoundsSettings) -> str:
+def _wanted(bracket: "Bracket", asked: BoundsSettings) -> str:
     """How far apart the bounds may be: a share of Kh, or where Kh is small a difference in Kh."""
-    small = 0.5 * (abs(found.upper) + abs(found.lower)) < LEAST_KH
+    small = 0.5 * (abs(bracket.upper) + abs(bracket.lower)) < LEAST_KH
     return f"{asked.gap * LEAST_KH:.4f} in Kh" if small else f"{100 * asked.gap:g} %"
 
 
@@ -198,14 +198,14 @@ def _why(ended: "OpenEnd | None", cells: int, asked: BoundsSettings) -> str:
     assert_never(ended)
 
 
-def in_words(found: "SmallerKhBounds") -> str:
+def in_words(bounds: "SmallerKhBounds") -> str:
     """The bracket as a person reads it."""
-    low = f"{found.lower:.4f}" if found.stress else "no lower bound"
-    high = f"{found.upper:.4f}" if found.mechanism else "no upper bound"
-    gap = f", gap {_gap(found)}" if math.isfinite(found.gap) else ""
-    first = found.directions[0]
+    low = f"{bounds.lower:.4f}" if bounds.stress else "no lower bound"
+    high = f"{bounds.upper:.4f}" if bounds.mechanism else "no upper bound"
+    gap = f", gap {_gap(bounds)}" if math.isfinite(bounds.gap) else ""
+    first = bounds.directions[0]
     to = f"force {first.direction} (to the {first.towards})"
-    return f"{low} <= Kh <= {high}{gap}, {to}, {found.meshes[-1].cells} triangles"
+    return f"{low} <= Kh <= {high}{gap}, {to}, {bounds.meshes[-1].cells} triangles"
 
 
 STAGE = Stage(

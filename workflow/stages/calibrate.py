@@ -5,8 +5,8 @@ from meshes.errors import NoAnswerError
 from workflow.config import Config
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.continuum import FemAnswer
+from workflow.results.dem_counterpart import DemCounterpart
 from workflow.results.discs import DiscsAnswer
-from workflow.results.like_discs import LikeDiscs
 from workflow.run.stage import Job, Stage
 
 
@@ -43,7 +43,7 @@ STAGE = Stage(
     needs=("fem",),
     reads=("dem",),
     ignores=ignored,
-    results=(DiscsAnswer.FILE, CalibrationAnswer.FILE, LikeDiscs.FILE, "dem/trials.jsonl", "dem/*.h5"),
+    results=(DiscsAnswer.FILE, CalibrationAnswer.FILE, DemCounterpart.FILE, "dem/trials.jsonl", "dem/*.h5"),
     read=lambda store: (DiscsAnswer.read(store), CalibrationAnswer.read(store)),
     pictures=("figures/dem_*.png",),
     leftovers=("dem/**/*",),

@@ -52,6 +52,7 @@ from workflow.results.discs import (
 )
 from workflow.run.progress import Progress, SearchShare
 from workflow.run.store import Store
+from workflow.stages.dem_counterpart import dem_counterpart_piece
 from workflow.stages.disc_states import FAILING, NO_LINE, KeptStates, Sets, Start, keep_states, state_file
 from workflow.stages.discs_at_rest import (
     PAPER,
@@ -63,7 +64,6 @@ from workflow.stages.discs_at_rest import (
     ground_for,
     save,
 )
-from workflow.stages.like_discs import like_discs
 from workflow.stages.slip_surfaces import slip_surfaces
 
 JOURNAL = "dem/trials.jsonl"
@@ -79,21 +79,21 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
     """Discs that fail where the finite elements do. Raises InputError, NoAnswerError, DemError."""
     fem = FemAnswer.read(store)
     precompile(executor, lambda what: progress(what, None))
-    found, paper, layers = _searched(config, store, progress, executor)
+    searched, paper, layers = _searched(config, store, progress, executor)
     discs = discs_at_rest(config.section, store, config.dem, SETTLED, lambda what: progress(what, None))
-    if found.base.kc is None:
+    if searched.base.kc is None:
         none = slip_surfaces(config, store, NO_LINE, NO_LINE, fem)
-        discs_answer(config, discs, found, KeptStates(), none, discs.settled).write(store)
-        CalibrationAnswer.of(found.base, None, config.dem.tolerance).write(store)
+        discs_answer(config, discs, searched, KeptStates(), none, discs.settled).write(store)
+        CalibrationAnswer.of(searched.base, None, config.dem.tolerance).write(store)
         raise NoAnswerError(
-            f"the discs have no critical Kh before calibration: {found.base.verdict}, {found.base.reason}",
+            f"the discs have no critical Kh before calibration: {searched.base.verdict}, {searched.base.reason}",
             "other springs, or another packing in [dem], may have one",
         )
     progress("states of the discs at the recorded Kh", None)
     continuum = continuum_for(config, store) if config.dem.model == "soil" else None
     sets: Sets = {
-        "before": Start(discs.settled, discs.ground, found.base, config.dem, continuum),
-        "after": Start(DiscModel.load(store.folder / CALIBRATED), discs.ground, found.after, config.dem, continuum),
+        "before": Start(discs.settled, discs.ground, searched.base, config.dem, continuum),
+        "after": Start(DiscModel.load(store.folder / CALIBRATED), discs.ground, searched.after, config.dem, continuum),
     }
     papers_own = None
     if paper is not None:
@@ -101,12 +101,12 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
     kept = keep_states(config, store, sets, executor)
     progress("slip surfaces", None)
     surfaces = slip_surfaces(config, store, kept.surface("before"), kept.surface("after"), fem)
-    discs_answer(config, discs, found, kept, surfaces, sets["after"].settled, papers_own).write(store)
-    calibration_answer(config, found, continuum, layers=layers).write(store)
-    if tests := _layer_tests(config, discs, found, progress, executor):
-        calibration_answer(config, found, continuum, layers=layers, element_tests=tests).write(store)
+    discs_answer(config, discs, searched, kept, surfaces, sets["after"].settled, papers_own).write(store)
+    calibration_answer(config, searched, continuum, layers=layers).write(store)
+    if tests := _layer_tests(config, discs, searched, progress, executor):
+        calibration_answer(config, searched, continuum, layers=layers, element_tests=tests).write(store)
     calibrate_pictures(config, store, executor)
-    calibration = found.calibration
+    calibration = searched.calibration
     if config.dem.out_of_reach == "stop" and calibration is not None and calibration.verdict != "calibrated":
         raise NoAnswerError(
             calibration.reason,
@@ -158,7 +158,7 @@ def _searched(
     programme = Programme.of(
         soil_layers(config.section) if config.dem.element_tests else (), config.dem.mean_radius(config.section)
     )
-    first: list[Piece] = [(like_discs, (config, store)), (_at_rest, (config, store))]
+    first: list[Piece] = [(dem_counterpart_piece, (config, store)), (_at_rest, (config, store))]
     first += [(_paper, (config, store))] if config.dem.paper else []
     tests: list[Piece] = [(compressed, (patch,)) for patch in programme.patches]
 
@@ -169,9 +169,9 @@ def _searched(
             tell(f"element tests of the discs of every layer: {ended} of {len(tests)}")
 
     begun = executor.compute(_done, first, heard)
-    found, *tested = executor.compute(_done, [(_calibrated, (config, store)), *tests], heard, one_more)
+    outcome, *tested = executor.compute(_done, [(_calibrated, (config, store)), *tests], heard, one_more)
     layers = tuple(programme.checks(tested))
-    return found, begun[2] if config.dem.paper else None, layers
+    return outcome, begun[2] if config.dem.paper else None, layers
 
 
 Piece = tuple[Callable[..., Any], tuple[Any, ...]]  # what is done, and what it is given
@@ -205,26 +205,28 @@ def _calibrated(config: Config, store: Store, tell: Tell, executor: Executor = S
     if base.kc is None:
         return Searched(base)
     # soil discs take one factor on strength, so there is nothing to choose from
-    found = Searched(
+    searched = Searched(
         base, calibrated(calibrator, continuum, () if soil else sensitivities(calibrator)) if asked else None
     )
-    parameter, factor = next(iter(found.factor.items()), ("", 1.0))
+    parameter, factor = next(iter(searched.factor.items()), ("", 1.0))
     save(store, CALIBRATED, calibrator.settled_with(parameter, factor))
     keys: dict[SetOfSprings, Key] = {"before": key_of("", 1.0), "after": key_of(parameter, factor)}
     for which, key in keys.items():
         if key in calibrator.pushed:
             save(store, state_file(which, FAILING), calibrator.pushed[key])
-    return found
+    return searched
 
 
-def calibration_answer(config: Config, found: Searched, continuum: Continuum | None, **more: Any) -> CalibrationAnswer:
+def calibration_answer(
+    config: Config, searched: Searched, continuum: Continuum | None, **more: Any
+) -> CalibrationAnswer:
     """How the discs were brought to the critical Kh; of soil discs also what they had without a factor, beside that
     of the ``continuum``. ``more`` are tests of the layers."""
-    kc = found.base.kc
-    if continuum is not None and kc is not None and found.calibration is not None:
+    kc = searched.base.kc
+    if continuum is not None and kc is not None and searched.calibration is not None:
         more["continuum_kc"] = (continuum.kc, continuum.nearest(np.inf))
         more |= {"predicted_kc": kc, "predicted_ratio": kc / continuum.kc}
-    return CalibrationAnswer.of(found.base, found.calibration, config.dem.tolerance, **more)
+    return CalibrationAnswer.of(searched.base, searched.calibration, config.dem.tolerance, **more)
 
 
 def _paper(config: Config, store: Store, tell: Tell) -> Search:
@@ -250,13 +252,13 @@ def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDi
 
 
 def _layer_tests(
-    config: Config, discs: Discs, found: Searched, progress: Progress, executor: Executor
+    config: Config, discs: Discs, searched: Searched, progress: Progress, executor: Executor
 ) -> tuple[LayerTest, ...]:
     """Patches of the paper's discs of every layer, once calibrated, tested as soil samples are, if they are wanted."""
-    if config.dem.model == "soil" or not config.dem.element_tests or found.calibration is None:
+    if config.dem.model == "soil" or not config.dem.element_tests or searched.calibration is None:
         return ()
     progress("element tests of the discs of every layer", None)
-    springs = changed(discs.layers, found.calibration.parameter, found.calibration.value)
+    springs = changed(discs.layers, searched.calibration.parameter, searched.calibration.value)
     tests = element_tests(config.section, springs, discs.ground.radius, seed=config.dem.seed, executor=executor)
     return tuple(LayerTest.model_validate(test) for test in tests)
 
@@ -264,7 +266,7 @@ def _layer_tests(
 def discs_answer(
     config: Config,
     discs: Discs,
-    found: Searched,
+    searched: Searched,
     kept: KeptStates,
     surfaces: SlipSurfaces,
     sliding: DiscModel,
@@ -274,8 +276,8 @@ def discs_answer(
     return DiscsAnswer(
         section=SectionLabel.of(config.section),
         model=_model_answer(config, config.dem, discs, sliding),
-        before=DiscSearch.of(found.base, _parameters(config.dem, {})),
-        after=DiscSearch.of(found.after, _parameters(config.dem, found.factor)),
+        before=DiscSearch.of(searched.base, _parameters(config.dem, {})),
+        after=DiscSearch.of(searched.after, _parameters(config.dem, searched.factor)),
         states=kept.states,
         slip_surface=surfaces,
         paper=paper,

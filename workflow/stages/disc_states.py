@@ -72,9 +72,9 @@ def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) ->
         for which, start in sets.items()
         if start.search.upper is not None and start.search.flexibility
     ]
-    found = executor.compute(_reached, [*recorded, *ends])
-    failing = {state.set: np.array(state.slip_surface).reshape(-1, 2) for state in found[len(recorded) :]}
-    return KeptStates(tuple(found[: len(recorded)]), failing)
+    states = executor.compute(_reached, [*recorded, *ends])
+    failing = {state.set: np.array(state.slip_surface).reshape(-1, 2) for state in states[len(recorded) :]}
+    return KeptStates(tuple(states[: len(recorded)]), failing)
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,8 @@ from meshes.executor import SERIAL, Executor
 from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.continuum import FemAnswer
+from workflow.results.dem_counterpart import DemCounterpart
 from workflow.results.journal import Journal
-from workflow.results.like_discs import LikeDiscs
 from workflow.run.store import Store
 
 SETTLED = "dem/settled.h5"
@@ -78,18 +78,18 @@ def calibrator_for(
 def continuum_for(config: Config, store: Store) -> Continuum:
     """What discs are held against; the paper's against the continuum with its own sides, as in the paper."""
     if config.dem.model == "soil":
-        like = LikeDiscs.read(store)
+        like = DemCounterpart.read(store)
         return Continuum(like.kc, like.yielding_m, like.kc_upper)
     fem = FemAnswer.read(store)
-    return Continuum(fem.kc, LikeDiscs.of(fem).yielding_m)
+    return Continuum(fem.kc, DemCounterpart.of(fem).yielding_m)
 
 
 def _soil(section: Section, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
     soil = soil_layers(section)
     if not store.has(file):
         tell("soil discs are filled in, settle, are cut to the section and settle again")
-        found = deposit(section, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
-        save(store, file, found.settled)
+        laid = deposit(section, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
+        save(store, file, laid.settled)
     settled = DiscModel.load(store.folder / file)
     return Discs(ground_for(section, store, dem, settled), list(settled.springs.layers), settled, tuple(soil))
 

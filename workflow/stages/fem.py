@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.continuum.strength import Flow
-from fem.search.doubts import is_doubtful
+from fem.search.result_warnings import is_doubtful
 from meshes.errors import NoAnswerError
 from meshes.section.section import Section
 from workflow.config import Config
@@ -19,7 +19,7 @@ from workflow.results.continuum import (
     MeshStep,
     OtherWay,
     RigidBox,
-    SkinFailure,
+    ShallowFailurePart,
 )
 from workflow.results.stored_mesh import FEM_FILE
 from workflow.run.progress import Progress, silent
@@ -84,13 +84,13 @@ def fem_stage(config: Config, mesh: "QuadMesh", store: Store | None, comm: Any, 
         )
 
     progress("gravity", None)
-    found = assess(config.section, config.mesh, mesh, config.fem, comm, tell)
-    result = found.critical
+    assessment = assess(config.section, config.mesh, mesh, config.fem, comm, tell)
+    result = assessment.critical
     if store is not None:
         with store.writing(FEM_FILE) as path:
-            save(found.mesh, path)
-        answer_of(config, found).write(store)
-        write_fields(config.section, found.mesh, result.states, store)
+            save(assessment.mesh, path)
+        answer_of(config, assessment).write(store)
+        write_fields(config.section, assessment.mesh, result.states, store)
         progress(f"Kh = {result.kc:.4f}", None)
     if result.verdict == "undecided":
         raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
@@ -102,9 +102,9 @@ def _slip_line(mesh: "QuadMesh", state: "State") -> Line:
     return line(slip_surface(mesh, state))
 
 
-def answer_of(config: Config, found: "Assessment") -> FemAnswer:
+def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
     """The critical Kh with what stands beside it, the path to it, the states kept, and the factors of safety."""
-    result, mesh, adapted = found.critical, found.mesh, found.adapted
+    result, mesh, adapted = assessment.critical, assessment.mesh, assessment.adapted
     rounds = adapted.rounds if adapted and len(adapted.rounds) > 1 else []
     surface = _slip_line(mesh, result.mechanism)
     angles = {s.name: round(float(np.degrees(s.dilation)), 6) for s in config.section.strata}
@@ -116,53 +116,53 @@ def answer_of(config: Config, found: "Assessment") -> FemAnswer:
         verdict=result.verdict,
         reason=result.reason,
         remedy=result.remedy,
-        judgement="doubtful" if is_doubtful(found.doubts) else "sound",
-        doubts=tuple(found.doubts),
+        judgement="doubtful" if is_doubtful(assessment.warnings) else "sound",
+        warnings=tuple(assessment.warnings),
         direction=result.direction,
         towards="right" if result.sign > 0 else "left",
-        opposite=_other_way(found.opposite),
-        associated=_other_way(found.associated),
-        davis=_other_way(found.davis),
-        skins=tuple(
-            SkinFailure(
-                stratum=skin.stratum,
-                start_x_m=skin.start,
-                end_x_m=skin.end,
-                angle_deg=float(np.degrees(skin.angle)),
-                kh=skin.kh,
+        opposite=_other_way(assessment.opposite),
+        associated=_other_way(assessment.associated),
+        davis=_other_way(assessment.davis),
+        shallow_failures=tuple(
+            ShallowFailurePart(
+                stratum=shallow_failure.stratum,
+                start_x_m=shallow_failure.start,
+                end_x_m=shallow_failure.end,
+                angle_deg=float(np.degrees(shallow_failure.angle)),
+                kh=shallow_failure.kh,
             )
-            for skin in result.skins
+            for shallow_failure in result.shallow_failures
         ),
         flow=result.flow,
         element=result.element,
         settings=config.fem,
         dilation_deg=angles,
         mesh=MeshCount.of(mesh),
-        meshes=tuple(MeshStep(cells=one.cells, kc=one.value) for one in rounds),
+        meshes=tuple(MeshStep(cells=step.cells, kc=step.value) for step in rounds),
         meshes_ended=adapted.reason if adapted and rounds else "",
         kc_limit=adapted.limit if adapted and rounds else None,
         gravity=Gravity(iterations=result.gravity_iterations, plastic_share=result.gravity_plastic_share),
         linear_solves=result.solves,
         curve=tuple(result.steps),
         states=tuple(_kept(mesh, state, surface if _fails(state, result) else ()) for state in result.states),
-        safety_factors=tuple(_factor_of_safety(factor, result.flow) for factor in found.safety),
-        rigid_box=rigid_box_of(found.rigid_box) if found.rigid_box else None,
+        safety_factors=tuple(_factor_of_safety(factor, result.flow) for factor in assessment.safety),
+        rigid_box=rigid_box_of(assessment.rigid_box) if assessment.rigid_box else None,
     )
 
 
-def _other_way(found: "AdaptiveResult[Any] | None") -> OtherWay | None:
+def _other_way(adapted: "AdaptiveResult[Any] | None") -> OtherWay | None:
     from fem.continuum.fields import touched_sides
 
-    if found is None:
+    if adapted is None:
         return None
-    result, fails = found.result, found.result.verdict in ("plateau", "peak")
+    result, fails = adapted.result, adapted.result.verdict in ("plateau", "peak")
     return OtherWay(
         kc=result.kc,
         kc_upper=result.upper,
         verdict=result.verdict,
         reason=result.reason,
         direction=result.direction,
-        at_sides=touched_sides(found.mesh, result.mechanism) if fails and result.mechanism is not None else (),
+        at_sides=touched_sides(adapted.mesh, result.mechanism) if fails and result.mechanism is not None else (),
     )
 
 
@@ -182,8 +182,8 @@ def _kept(mesh: "QuadMesh", state: "State", surface: Line) -> KeptState:
     )
 
 
-def _factor_of_safety(found: "AdaptiveResult[SafetyFactor]", flow: Flow) -> FactorOfSafety:
-    result, rest = found.result, found.rounds[-1].rest if found.rounds else np.inf
+def _factor_of_safety(adapted: "AdaptiveResult[SafetyFactor]", flow: Flow) -> FactorOfSafety:
+    result, rest = adapted.result, adapted.rounds[-1].rest if adapted.rounds else np.inf
     return FactorOfSafety(
         kh=result.kh,
         factor=result.factor,
@@ -191,11 +191,11 @@ def _factor_of_safety(found: "AdaptiveResult[SafetyFactor]", flow: Flow) -> Fact
         verdict=result.verdict,
         reason=result.reason,
         curve=tuple(result.steps),
-        skin=result.skin,
+        shallow_failure=result.shallow_failure,
         davis=result.beside if flow == "associated" else None,
         associated=result.beside if flow == "davis" else None,
         rest=float(rest) if np.isfinite(rest) else None,
-        slip_surface=_slip_line(found.mesh, result.mechanism) if result.mechanism is not None else (),
+        slip_surface=_slip_line(adapted.mesh, result.mechanism) if result.mechanism is not None else (),
     )
 
 
@@ -225,17 +225,17 @@ def write_fields(section: Section, mesh: "QuadMesh", states: list["State"], stor
     store.remove(sorted(set(store.matching(["fem/fields_*.vtu"])) - kept))
 
 
-def rigid_box_of(found: "AdaptiveResult[CriticalResult]", depth: float | None = None) -> RigidBox:
+def rigid_box_of(adapted: "AdaptiveResult[CriticalResult]", depth: float | None = None) -> RigidBox:
     """What is kept of a search with fixed sides; ``depth`` (m): failures of cohesionless faces that are less deep were
     left out."""
     return RigidBox(
-        kc=found.result.kc,
-        kc_upper=found.result.upper,
-        flow=found.result.flow,
-        verdict=found.result.verdict,
-        reason=found.result.reason,
-        slip_surface=_slip_line(found.mesh, found.result.mechanism),
-        curve=tuple(found.result.steps),
+        kc=adapted.result.kc,
+        kc_upper=adapted.result.upper,
+        flow=adapted.result.flow,
+        verdict=adapted.result.verdict,
+        reason=adapted.result.reason,
+        slip_surface=_slip_line(adapted.mesh, adapted.result.mechanism),
+        curve=tuple(adapted.result.steps),
         deeper_than_m=depth,
     )
 

@@ -12,15 +12,17 @@ LOST = ("cohesion", "friction", "residual", "residual_strength")  # of a case, w
 def liquefying(config: Config) -> dict[int, list[int]]:
     """For every case the indices of the strata that liquefy in it; cases without any are left out."""
     numbers = range(1, len(config.cases) + 1)
-    found = {n: [k for k, stratum in enumerate(config.section.strata) if n in stratum.liquefies_in] for n in numbers}
-    return {n: strata for n, strata in found.items() if strata}
+    numbers_of_strata = {
+        n: [k for k, stratum in enumerate(config.section.strata) if n in stratum.liquefies_in] for n in numbers
+    }
+    return {n: strata for n, strata in numbers_of_strata.items() if strata}
 
 
 def lowest_factors(config: Config) -> list[float | None]:
     """The smallest F_L of every stratum by its blow counts, None where it has none; empty without any borings."""
     if not config.triggering.borings:
         return []
-    return [one.lowest for one in assess(config.section, config.earthquake, config.triggering).strata]
+    return [stratum.lowest for stratum in assess(config.section, config.earthquake, config.triggering).strata]
 
 
 def cases_as_data(config: Config, keys: Collection[str] | None = None) -> list[dict[str, Any]]:

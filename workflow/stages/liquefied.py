@@ -33,20 +33,20 @@ def work(job: Job) -> None:
     from workflow.results.stored_mesh import stored_mesh
 
     mesh = stored_mesh(job.config.section, job.store)
-    found = []
+    answers = []
     for remains, numbers in _different(job.config).items():
         job.progress(f"case {', '.join(map(str, numbers))}", None)
-        found.append(_case(job.config, mesh, dict(remains), numbers))
-    LiquefiedAnswer(section=SectionLabel.of(job.config.section), sides=job.config.fem.sides, cases=tuple(found)).write(
-        job.store
-    )
+        answers.append(_case(job.config, mesh, dict(remains), numbers))
+    LiquefiedAnswer(
+        section=SectionLabel.of(job.config.section), sides=job.config.fem.sides, cases=tuple(answers)
+    ).write(job.store)
 
 
 def _different(config: Config) -> dict[tuple[tuple[int, "Remains"], ...], list[int]]:
     """The numbers of the cases, by what is left of the strata that liquefy in them."""
     from fem.search.liquefied_ground import Remains
 
-    found: dict[tuple[tuple[int, Remains], ...], list[int]] = {}
+    groups: dict[tuple[tuple[int, Remains], ...], list[int]] = {}
     for number, case in enumerate(config.cases, start=1):
         kept = tuple(
             (k, Remains(case.cohesion, case.friction, case.residual_of(stratum.name), case.strength_of(stratum.name)))
@@ -54,8 +54,8 @@ def _different(config: Config) -> dict[tuple[tuple[int, "Remains"], ...], list[i
             if number in stratum.liquefies_in
         )
         if kept:
-            found.setdefault(kept, []).append(number)
-    return found
+            groups.setdefault(kept, []).append(number)
+    return groups
 
 
 def _case(config: Config, mesh: "QuadMesh", remains: dict[int, "Remains"], numbers: list[int]) -> LiquefiedCase:
@@ -64,7 +64,13 @@ def _case(config: Config, mesh: "QuadMesh", remains: dict[int, "Remains"], numbe
 
     section = liquefied_section(config.section, remains)
     borne = _borne(
-        section, config, mesh, nothing=not any(one.friction or one.residual or one.strength for one in remains.values())
+        section,
+        config,
+        mesh,
+        nothing=not any(
+            remains_of_stratum.friction or remains_of_stratum.residual or remains_of_stratum.strength
+            for remains_of_stratum in remains.values()
+        ),
     )
     cases = [config.cases[number - 1] for number in numbers]
     return LiquefiedCase(
@@ -131,10 +137,10 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
     upper = strict.upper if strict is not None and math.isfinite(strict.upper) else None
     if lower is not None and lower > 1.0:
         bracket = _tried("strict bounds of Kh", notes, lambda: kh_bounds(section, fem, asked))
-    if strict is not None and strict.skin is not None:
+    if strict is not None and strict.shallow_failure is not None:
         notes.append(
-            f"a cohesionless face fails (shallow failure) at a factor of safety of {strict.skin:.2f}; the bounds are "
-            f"of failures deeper than {fem.least_depth:g} m"
+            f"a cohesionless face fails (shallow failure) at a factor of safety of {strict.shallow_failure:.2f}; the "
+            f"bounds are of failures deeper than {fem.least_depth:g} m"
         )
     if kc is not None and bracket is not None and kc > bracket.upper:
         notes.append(

@@ -40,12 +40,14 @@ def slide_stage(job: Job) -> None:
     packings = others.at_once() if others is not None else []  # these take longest, and so begin
     pieces: list[SlideTask | Packing] = [*packings, *(SlideTask(config, store, each, frames=True) for each in tasks)]
     hearer = Hearer(config, job.progress, pieces)
-    found = job.executor.compute(_computed, pieces, hearer, hearer.ended)
-    slides: dict[PlannedSlide, Slide] = dict(zip(tasks, found[len(packings) :], strict=True))
+    outcomes = job.executor.compute(_computed, pieces, hearer, hearer.ended)
+    slides: dict[PlannedSlide, Slide] = dict(zip(tasks, outcomes[len(packings) :], strict=True))
     random: RandomPackings | None = None
     if others is not None:
-        own = {t.number: slide for t, slide in slides.items() if t.springs == "calibrated" and t.number in wanted}
-        random = others.answer(job, found[: len(packings)], own)
+        calibrated = {
+            t.number: slide for t, slide in slides.items() if t.springs == "calibrated" and t.number in wanted
+        }
+        random = others.answer(job, outcomes[: len(packings)], calibrated)
     write_histories(store, (SlideHistory(t.springs, t.number, tuple(slide.rows)) for t, slide in slides.items()))
     CasesAnswer(sets={springs: _cases(slides, springs) for springs in starts}, random=random).write(store)
     for each in tasks:
@@ -106,15 +108,15 @@ class Hearer:
         """Tell of a look at a slide, or of what a packing is at."""
         piece = self.pieces[place]
         if isinstance(piece, Packing):
-            told = piece.told(message)
+            line = piece.told(message)
         else:
             seconds, slide, settlement, speed = message
             self.done[place] = _share(seconds / self.config.slide.duration)
-            told = (
+            line = (
                 f"{case_name(piece.task.springs, piece.task.number)}: {seconds:.1f} s, slide {slide:.2f} m, settlement "
                 f"{settlement:.2f} m, {speed:.2g} m/s"
             )
-        self.progress(told, sum(self.done) / len(self.pieces))
+        self.progress(line, sum(self.done) / len(self.pieces))
 
     def ended(self, place: int, _: Any) -> None:
         """A slide has come to its end, or a packing with all of its slides."""
@@ -136,11 +138,13 @@ def slide_pictures(config: Config, store: Store, executor: Executor = SERIAL) ->
     if any(answer.sets.values()):
         with store.writing("figures/history.png") as path:
             slide_figures.history(config, read_histories(store), path)
-    found = answer.random.cases if answer.random is not None else {}
-    bands = {number: case.profile for number, case in found.items() if case.profile is not None}
+    random_cases = answer.random.cases if answer.random is not None else {}
+    bands = {number: case.profile for number, case in random_cases.items() if case.profile is not None}
     if bands:
         with store.writing("figures/profiles.png") as path:
-            slide_figures.profiles(config, bands, max(len(case.slide_max_m.values) for case in found.values()), path)
+            slide_figures.profiles(
+                config, bands, max(len(case.slide_max_m.values) for case in random_cases.values()), path
+            )
 
 
 @dataclass(frozen=True)

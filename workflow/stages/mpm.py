@@ -70,7 +70,7 @@ def work(job: Job) -> None:
         said = f"{config.called(runs[place].number)}: {time:.1f} s, slide {slide:.2f} m"
         job.progress(said, sum(shares) / len(runs))
 
-    found = job.executor.compute(_slid, runs, heard)
+    slides = job.executor.compute(_slid, runs, heard)
     ground = slider.ground
     PointSlidesAnswer(
         section=SectionLabel.of(config.section),
@@ -79,7 +79,7 @@ def work(job: Job) -> None:
         settled_by_m=far,
         softened=ground.softened,
         cases={
-            number: _answer(found[2 * place], found[2 * place + 1], ground.softened)
+            number: _answer(slides[2 * place], slides[2 * place + 1], ground.softened)
             for place, number in enumerate(wanted)
         },
     ).write(job.store)
@@ -173,9 +173,9 @@ def _slid(run: PointRun, tell: Tell) -> "PointSlide":
             frame(int((time + TINY) / every))
 
     frame(0)
-    found = slider.run(programme, look, run.decay, run.checkpoint)
+    followed = slider.run(programme, look, run.decay, run.checkpoint)
     frame(math.ceil((slider.engine.time - LOOK) / every))  # the last one, if it is as late
-    return found
+    return followed
 
 
 def _remains(section: Section, case: "Case", stratum: int) -> "Remains":
@@ -273,5 +273,5 @@ STAGE = Stage(
     pictures=("figures/mpm*.png", "figures/mpm*.webp"),
     leftovers=("mpm/checkpoint_*", "mpm/case*", "mpm/case*/*"),
     partial=lambda job: job.cases is not None,
-    wanted=lambda config: "mpm" in config.slide.judges and config.section.liquefies,
+    wanted=lambda config: "mpm" in config.slide.methods and config.section.liquefies,
 )  # fmt: skip

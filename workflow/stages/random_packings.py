@@ -61,33 +61,35 @@ class RandomPackingsWanted:
         packings = self._packings("auto" if parameter == "none" else parameter)
         return packings[:1] if self._chooses else packings
 
-    def answer(self, job: Job, found: list["Packed"], own: dict[int, Slide]) -> RandomPackings:
+    def answer(self, job: Job, packings: list["Packed"], own_slides: dict[int, Slide]) -> RandomPackings:
         """Mean, standard deviation and every value of slide and settlement over the seeds, for each case.
 
-        ``found`` are those that began at once, ``own`` the slides of the run itself.
+        ``packings`` are those that began at once, ``own_slides`` the slides of the run itself.
         """
-        if self._chooses and found:
-            seed = found[0][0]
+        if self._chooses and packings:
+            seed = packings[0][0]
             later = self._packings(seed.parameter if seed.parameter != "none" else "auto")[1:]
-            found = [
-                *found,
-                *job.executor.compute(packed, later, lambda place, told: job.progress(later[place].told(told), None)),
+            packings = [
+                *packings,
+                *job.executor.compute(
+                    packed, later, lambda place, message: job.progress(later[place].told(message), None)
+                ),
             ]
-        seeds, slides = [seed for seed, _ in found], [slides for _, slides in found]
+        seeds, slides = [seed for seed, _ in packings], [slides for _, slides in packings]
         if self.own is not None:
-            seeds, slides = [self.own, *seeds], [own, *slides]
+            seeds, slides = [self.own, *seeds], [own_slides, *slides]
         cases = {number: _case([each[number] for each in slides if number in each]) for number in sorted(self.numbers)}
         return RandomPackings(seeds=tuple(seeds), cases=cases)
 
 
-def _own_seed(config: Config, found: CalibrationAnswer) -> Seed | None:
+def _own_seed(config: Config, calibration: CalibrationAnswer) -> Seed | None:
     """The packing of the run itself; None where it is a lattice, or could not be calibrated."""
-    if config.dem.model == "paper" or found.verdict == "out of reach":
+    if config.dem.model == "paper" or calibration.verdict == "out of reach":
         return None
-    before = found.predicted_kc if found.predicted_kc is not None else found.kc
+    before = calibration.predicted_kc if calibration.predicted_kc is not None else calibration.kc
     return Seed(
-        seed=config.dem.seed, kc_before=before, parameter=found.parameter, value=found.value, kc=found.kc,
-        verdict=found.verdict, reason=found.reason,
+        seed=config.dem.seed, kc_before=before, parameter=calibration.parameter, value=calibration.value,
+        kc=calibration.kc, verdict=calibration.verdict, reason=calibration.reason,
     )  # fmt: skip
 
 
@@ -120,9 +122,9 @@ def packed(packing: Packing, tell: Tell) -> Packed:
         seed = _untouched(packing.seed)
     else:
         choose = parameter == "auto" and dem.model == "paper"
-        found = calibrated(calibrator, packing.continuum, sensitivities(calibrator) if choose else ())
-        parameter = found.parameter
-        seed = _seed(packing.seed, calibrator, found)
+        calibration = calibrated(calibrator, packing.continuum, sensitivities(calibrator) if choose else ())
+        parameter = calibration.parameter
+        seed = _seed(packing.seed, calibrator, calibration)
     if seed.verdict == "out of reach":
         return seed, {}
     tell("slides")
@@ -139,15 +141,15 @@ def _untouched(seed: int) -> Seed:
     )  # fmt: skip
 
 
-def _seed(seed: int, calibrator: Calibrator, found: Calibration) -> Seed:
+def _seed(seed: int, calibrator: Calibrator, calibration: Calibration) -> Seed:
     return Seed(
         seed=seed,
         kc_before=calibrator.searches["", 1.0].kc,
-        parameter=found.parameter,
-        value=found.value,
-        kc=found.search.kc,
-        verdict=found.verdict,
-        reason=found.reason,
+        parameter=calibration.parameter,
+        value=calibration.value,
+        kc=calibration.search.kc,
+        verdict=calibration.verdict,
+        reason=calibration.reason,
     )
 
 

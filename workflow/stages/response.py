@@ -31,21 +31,21 @@ def draw(job: Job) -> None:
 
 def answer_of(section: Section, column: Column) -> SiteResponseAnswer:
     """A response as an answer holds it."""
-    found = column.response
+    response = column.response
     layers = tuple(
         ResponseLayer(
             stratum=column.strata[j],
-            top_m=float(found.depth[j]),
-            bottom_m=float(found.depth[j + 1]),
+            top_m=float(response.depth[j]),
+            bottom_m=float(response.depth[j + 1]),
             velocity_m_s=layer.velocity,
-            acceleration_gal=float(found.acceleration[j]) / GAL,
-            strain=float(found.strain[j]),
-            stress_kPa=float(found.stress[j]) / 1e3,
+            acceleration_gal=float(response.acceleration[j]) / GAL,
+            strain=float(response.strain[j]),
+            stress_kPa=float(response.stress[j]) / 1e3,
             stiffness=layer.stiffness,
             damping=layer.damping,
-            k_max=float(found.k_max[j]),
+            k_max=float(response.k_max[j]),
         )
-        for j, layer in enumerate(found.layers)
+        for j, layer in enumerate(response.layers)
     )
     return SiteResponseAnswer(
         section=SectionLabel.of(section),
@@ -53,9 +53,9 @@ def answer_of(section: Section, column: Column) -> SiteResponseAnswer:
         record=column.record,
         peak_rock_gal=float(np.abs(column.outcrop).max()) / GAL,
         peak_surface_gal=layers[0].acceleration_gal,
-        rounds=found.rounds,
-        change=found.change,
-        doubt=found.doubt,
+        rounds=response.rounds,
+        change=response.change,
+        warning=response.warning,
         layers=layers,
         source=SOURCE,
         average_source=MAKDISI,

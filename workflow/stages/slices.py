@@ -30,7 +30,7 @@ def work(job: Job) -> None:
     reason = "" if any(whole.values()) else NO_CIRCLE
     SlicesAnswer(
         section=SectionLabel.of(section),
-        factors=tuple(FactorCircles(kh=kh, circles=_parts(found)) for kh, found in whole.items() if kh is not None),
+        factors=tuple(FactorCircles(kh=kh, circles=_parts(circles)) for kh, circles in whole.items() if kh is not None),
         critical=_parts(whole[None]),
         faces=tuple(_faces(job, whole)),
         least_depth=fem.least_depth,
@@ -50,11 +50,11 @@ def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
     for structure in structures_of(section):
         for side in (LEFT, RIGHT):
             job.progress(f"{structure.name}, towards the {'left' if side == LEFT else 'right'}", None)
-            found = {
+            circle_at = {
                 kh: face_circle(section, structure, side, circles, kh, fem.least_depth, fem.vertical)
                 for kh, circles in whole.items()
             }
-            circles = {kh: _parts(() if one is None else (one,)) for kh, one in found.items()}
+            circles = {kh: _parts(() if circle is None else (circle,)) for kh, circle in circle_at.items()}
             if any(circles.values()):
                 crest = structure.crest
                 yield FacePart(
@@ -64,7 +64,9 @@ def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
                     end_m=crest.end,
                     crest_m=(crest.left, crest.right),
                     towards="left" if side == LEFT else "right",
-                    factors=tuple(FactorCircles(kh=kh, circles=one) for kh, one in circles.items() if kh is not None),
+                    factors=tuple(
+                        FactorCircles(kh=kh, circles=circle) for kh, circle in circles.items() if kh is not None
+                    ),
                     critical=next(iter(circles[None]), None),
                 )
 

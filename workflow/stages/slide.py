@@ -37,7 +37,7 @@ def ignored(config: Config) -> tuple[str, ...]:
     response of the layers, unless it shakes the discs; and what only calibration tells of."""
     unused = () if config.slide.accelerogram == AVERAGE else ("site_response",)
     return (
-        "slide.accelerogram", "site_response.record", "slide.cases", "slide.judges", "slide.mpm_cells", "dem.kh",
+        "slide.accelerogram", "site_response.record", "slide.cases", "slide.methods", "slide.mpm_cells", "dem.kh",
         "dem.element_tests", "dem.out_of_reach", *WITHOUT_EFFECT, *config.dem.without_effect, *unused,
     )  # fmt: skip
 

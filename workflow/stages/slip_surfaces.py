@@ -7,8 +7,8 @@ from meshes.errors import NoAnswerError
 from workflow.config import Config
 from workflow.results.answer import line
 from workflow.results.continuum import FemAnswer
+from workflow.results.dem_counterpart import DemCounterpart
 from workflow.results.discs import SlipSurfaces
-from workflow.results.like_discs import LikeDiscs
 from workflow.results.stored_mesh import fem_mesh
 from workflow.run.store import Store
 
@@ -19,8 +19,8 @@ def slip_surfaces(config: Config, store: Store, before: np.ndarray, after: np.nd
     """
     soil = config.dem.model == "soil"
     of_fem = [state.slip_surface for state in fem.states if state.slip_surface]
-    found = LikeDiscs.read(store).slip_surface if soil else of_fem[-1] if of_fem else ()
-    continuum = np.array(found).reshape(-1, 2)
+    surface = DemCounterpart.read(store).slip_surface if soil else of_fem[-1] if of_fem else ()
+    continuum = np.array(surface).reshape(-1, 2)
     agreement = compare(config.section, after, continuum)
     deeper = agreement is not None and agreement.mean_height_m > 0.0
     return SlipSurfaces(
@@ -41,7 +41,7 @@ def _excess_above(config: Config, store: Store, line: np.ndarray, fem: FemAnswer
     from fem.search.prescribed_surface import critical_above
 
     mesh = fem_mesh(config.section, store, fem.mesh.method)
-    like = LikeDiscs.read(store) if config.dem.model == "soil" else LikeDiscs.of(fem)
+    like = DemCounterpart.read(store) if config.dem.model == "soil" else DemCounterpart.of(fem)
     wish = {
         "sides": like.sides,
         "direction": fem.direction,

@@ -10,8 +10,8 @@ PICTURE = "figures/triggering.png"
 def work(job: Job) -> None:
     """F_L at every blow count; leaves triggering.json. Raises InputError."""
     config = job.config
-    found = assess(config.section, config.earthquake, config.triggering)
-    TriggeringAnswer.of(config, found).write(job.store)
+    assessment = assess(config.section, config.earthquake, config.triggering)
+    TriggeringAnswer.of(config, assessment).write(job.store)
 
 
 def draw(job: Job) -> None:

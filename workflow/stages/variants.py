@@ -49,8 +49,8 @@ def work(job: Job) -> None:
     def heard(place: int, message: str) -> None:
         progress(f"{asked[place].words}: {message}", len(ended) / len(asked))
 
-    found = job.executor.compute(variant, asked, heard, lambda _, each: ended.append(each))
-    VariantsAnswer(variants=tuple(found)).write(store)
+    variants = job.executor.compute(variant, asked, heard, lambda _, each: ended.append(each))
+    VariantsAnswer(variants=tuple(variants)).write(store)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,9 +111,9 @@ def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] 
         sides = "fixed" if fem.sides == "free-field" else "free-field"
         return name, f"sides {sides} instead of {fem.sides}", _with(config, "fem", sides=sides)
     if name == "dilation" and not is_dilating_fully(config.section.strata):
-        own = flow_of(config.section.strata, fem.flow)
-        flow: Flow = "davis" if own == "section" else "section"
-        return name, f"{FLOWS[flow]} instead of {FLOWS[own]}", _with(config, "fem", flow=flow)
+        own_flow = flow_of(config.section.strata, fem.flow)
+        flow: Flow = "davis" if own_flow == "section" else "section"
+        return name, f"{FLOWS[flow]} instead of {FLOWS[own_flow]}", _with(config, "fem", flow=flow)
     return None
 
 

@@ -54,9 +54,9 @@ def study(
     old_words = notices(merged(read_toml(section), changed))
     warnings = warn([*old_words, *_unread(changed, "study", parts)], Voice.of(quiet, False, json))
     with Counted(silent=quiet or json) as counted:
-        found = run(config, store, parts, Ensemble(store.folder, workers or config.dem.workers, scheduler), counted)
-    draw_all(config.section, found.table, found.answer, store)
-    answer = found.answer
+        result = run(config, store, parts, Ensemble(store.folder, workers or config.dem.workers, scheduler), counted)
+    draw_all(config.section, result.table, result.answer, store)
+    answer = result.answer
     page = write_page(config, answer, store)
     if json:
         say_data({**answer.model_dump(mode="json"), "warnings": warnings})
@@ -64,7 +64,7 @@ def study(
         for sentence in sentences(config, answer):
             say(sentence)
         say(f"Page: {page}; samples: {store.folder / 'samples.csv'}")
-    found.refuse_parts_without_answer()
+    result.refuse_parts_without_answer()
 
 
 def converge(
@@ -109,9 +109,9 @@ def converge(
     if json:
         return say_data({**answer.model_dump(mode="json"), "warnings": warnings})
     if not quiet:
-        for one in answer.series:
-            values = ", ".join(f"{value:.3g}" for value in one.values)
-            say(f"{one.name} over the {one.over}: {values}, tends to {one.limit:.3g}; {one.verdict}")
+        for series in answer.series:
+            values = ", ".join(f"{value:.3g}" for value in series.values)
+            say(f"{series.name} over the {series.over}: {values}, tends to {series.limit:.3g}; {series.verdict}")
         say("All of it has converged." if answer.converged else "Not all of it has converged.")
         for reason in answer.missing:
             say(f"Without an answer: {reason}")

@@ -29,20 +29,20 @@ def continuum(sample: Sample) -> Numbers:
     config = Config.parse(sample.data)
     first = generate(config.section, config.mesh)
     try:
-        found, used = _critical(config, first)
+        critical, used = _critical(config, first)
     except UnstableError:
         return Numbers(numbers={"kc": 0.0}, words={"verdict": "fails under its own weight"})
-    if found.verdict == "undecided":
-        raise NoAnswerError(f"the path ended undecided: {found.reason}")
-    words: dict[str, str] = {"verdict": found.verdict, "direction": found.direction, "flow": found.flow}
-    return Numbers(numbers={"kc": found.kc, "cells": len(used.cells)}, words=words)
+    if critical.verdict == "undecided":
+        raise NoAnswerError(f"the path ended undecided: {critical.reason}")
+    words: dict[str, str] = {"verdict": critical.verdict, "direction": critical.direction, "flow": critical.flow}
+    return Numbers(numbers={"kc": critical.kc, "cells": len(used.cells)}, words=words)
 
 
 def _critical(config: Config, first: "QuadMesh") -> "tuple[LimitLoadResult | CriticalResult, QuadMesh]":
     if is_associated(config.section.strata, config.fem.flow):
         try:
-            found = AdaptiveSearch(config.section, config.mesh, first, MPI.COMM_SELF).critical(config.fem)
-            return found.result, found.mesh
+            critical = AdaptiveSearch(config.section, config.mesh, first, MPI.COMM_SELF).critical(config.fem)
+            return critical.result, critical.mesh
         except UnstableError:
             raise
         except NoAnswerError:  # the solver left none: a path has to do
@@ -55,10 +55,10 @@ def bounds(sample: Sample) -> Numbers:
     config = Config.parse(sample.data)
     asked = config.bounds.model_copy(update={"davis": False})
     try:
-        found = kh_bounds(config.section, config.fem, asked)
+        bracket = kh_bounds(config.section, config.fem, asked)
     except UnstableError:
         return Numbers(numbers={"kc_lower_bound": 0.0, "kc_upper_bound": 0.0})
     return Numbers(numbers={
-        "kc_lower_bound": found.stress.multiplier if found.stress else None,
-        "kc_upper_bound": found.mechanism.multiplier if found.mechanism else None,
+        "kc_lower_bound": bracket.stress.multiplier if bracket.stress else None,
+        "kc_upper_bound": bracket.mechanism.multiplier if bracket.mechanism else None,
     })  # fmt: skip

@@ -32,7 +32,7 @@ def run(
     radius, step = config.dem.mean_radius(config.section), config.slide.step_of(config.dem.model)
     finer = [_with(config, radius=radius * share, step=step) for share in RADII]
     slower = [_with(config, radius=radius, step=step * share) for share in STEPS]
-    rows = ensemble.rows([task_of(one, SLIDES, store) for one in (*finer, *slower)], on_row)
+    rows = ensemble.rows([task_of(part, SLIDES, store) for part in (*finer, *slower)], on_row)
     over_radius = [radius * share for share in RADII], rows[: len(finer)]
     over_step = [step * share for share in STEPS], rows[len(finer) :]
     series = [*_series("radius", *over_radius, within), *_series("step", *over_step, within)]
@@ -42,7 +42,7 @@ def run(
     answer = ConvergenceAnswer(
         section=SectionLabel.of(config.section),
         within=within,
-        converged=not missing and all(one.converged for one in series),
+        converged=not missing and all(part.converged for part in series),
         missing=missing,
         series=tuple(series),
     )
@@ -57,16 +57,16 @@ def _with(config: Config, radius: float, step: float) -> Config:
 
 def _series(over: str, sizes: Sequence[float], rows: Sequence[Row[Numbers]], within: float) -> Iterator[Series]:
     """Every number of the slides over some sizes; none where a run has no answer."""
-    found = [row.answer for row in rows if row.answer is not None]
-    if len(found) < len(rows):
+    answers = [row.answer for row in rows if row.answer is not None]
+    if len(answers) < len(rows):
         return
-    for name in found[0].numbers:
-        values = [one.numbers.get(name) for one in found]
+    for name in answers[0].numbers:
+        values = [numbers.numbers.get(name) for numbers in answers]
         known = [value for value in values if value is not None]
         if len(known) < len(values):
             continue
-        halves = [one.errors.get(name) for one in found]
-        largest = found[-1].numbers.get(f"{name.split('_')[0]}_slide_max_m") or 0.0
+        halves = [numbers.errors.get(name) for numbers in answers]
+        largest = answers[-1].numbers.get(f"{name.split('_')[0]}_slide_max_m") or 0.0
         fitted = fit(sizes, known, halves[-1] or 0.0, SMALL * abs(largest))
         yield Series(
             name=name, over="radius" if over == "radius" else "step", sizes=tuple(sizes), values=tuple(known),

@@ -42,8 +42,8 @@ class Fit:
         """In words."""
         if self.converged(within):
             return f"converged within {100.0 * self.left:.2g} %"
-        told = f"not converged: {100.0 * self.left:.2g} % may be left"
-        return f"{told}, {100.0 * self.scatter:.2g} % by the scatter of packings" if self.scatter > 0.0 else told
+        message = f"not converged: {100.0 * self.left:.2g} % may be left"
+        return f"{message}, {100.0 * self.scatter:.2g} % by the scatter of packings" if self.scatter > 0.0 else message
 
 
 def fit(sizes: Sequence[float], values: Sequence[float], error: float = 0.0, least: float = 0.0) -> Fit:

@@ -34,9 +34,9 @@ def discs(sample: Sample) -> Numbers:
         job = Job(config, store, STAGES)
         pipeline.execute(job, Choice(tuple(stage.name for stage in job.stages)), _Silence(), "noshiro study")
         answer = CasesAnswer.read(store)
-        found = _numbers(answer)
+        numbers = _numbers(answer)
         store.remove(["**/*"])
-    return found
+    return numbers
 
 
 def _numbers(answer: CasesAnswer) -> Numbers:

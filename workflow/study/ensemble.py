@@ -64,28 +64,28 @@ class Ensemble:
 
         Tasks that another machine is at are waited for, and taken over if that one dies.
         """
-        found: dict[str, Row[Found]] = {}
+        rows: dict[str, Row[Found]] = {}
         missing: dict[str, Task[Given, Found]] = {}
         for task in tasks:
             kept = self.cache.read(task.fingerprint)
             if kept is None:
                 missing[task.fingerprint] = task
             else:
-                found[task.fingerprint] = _row(task, kept, reused=True)
-        total = len(found) + len(missing)
+                rows[task.fingerprint] = _row(task, kept, reused=True)
+        total = len(rows) + len(missing)
 
         def tell() -> None:
             if on_row is not None:
-                on_row(len(found), sum(row.answer is None for row in found.values()), total)
+                on_row(len(rows), sum(row.answer is None for row in rows.values()), total)
 
         tell()
         if missing:
             with self._executor(min(self.workers, len(missing))) as executor:
-                self._round(executor, missing, found, tell)
+                self._round(executor, missing, rows, tell)
                 while missing:
                     time.sleep(LOOK_AGAIN)
-                    self._round(executor, missing, found, tell)
-        return [found[task.fingerprint] for task in tasks]
+                    self._round(executor, missing, rows, tell)
+        return [rows[task.fingerprint] for task in tasks]
 
     @contextmanager
     def _executor(self, count: int) -> Iterator[futures.Executor]:
@@ -99,8 +99,10 @@ class Ensemble:
         try:
             client = Client(self.scheduler, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
-            told = f"no Dask scheduler answers ({error}); expected an address such as tcp://{socket.gethostname()}:8786"
-            raise InputError(f"--scheduler {self.scheduler}", [told]) from None
+            message = (
+                f"no Dask scheduler answers ({error}); expected an address such as tcp://{socket.gethostname()}:8786"
+            )
+            raise InputError(f"--scheduler {self.scheduler}", [message]) from None
         with client:
             executor = client.get_executor(pure=False)
             try:
@@ -112,7 +114,7 @@ class Ensemble:
         self,
         executor: futures.Executor,
         missing: dict[str, Task[Given, Found]],
-        found: dict[str, Row[Found]],
+        rows: dict[str, Row[Found]],
         tell: Callable[[], None],
     ) -> None:
         """Let every missing task be tried once; those that another machine is at stay missing."""
@@ -126,12 +128,12 @@ class Ensemble:
             except InputError:
                 raise
             except Exception as error:
-                told = str(error) if isinstance(error, LostError) else f"{type(error).__name__}: {error}"
-                outcome = Outcome(task=task.name, given={}, reason=told, lasting=False)
+                reason = str(error) if isinstance(error, LostError) else f"{type(error).__name__}: {error}"
+                outcome = Outcome(task=task.name, given={}, reason=reason, lasting=False)
             if outcome is None:
                 continue
             del missing[task.fingerprint]
-            found[task.fingerprint] = _row(task, outcome)
+            rows[task.fingerprint] = _row(task, outcome)
             tell()
 
 

@@ -74,14 +74,14 @@ def _levels(config: Config, table: Table) -> dict[str, np.ndarray]:
 def _blocks(config: Config, kc: np.ndarray) -> Iterator[Curve]:
     drive = block_drive(config)
     over = np.linspace(0.0, BEYOND * float(np.quantile(kc, 0.95)), POINTS)
-    slides = np.array([[drive.slide(own, kh) for kh in over] for own in kc])
+    slides = np.array([[drive.slide(yield_kh, kh) for kh in over] for yield_kh in kc])
     for far in config.study.exceeds:
         yield probability(f"block, Kh {drive.words}: slide > {far:g} m", over, slides > far)
     if not config.sliding_block.accelerogram:
         return
     record = config.sliding_block.in_use()
     peaks = np.linspace(0.0, 4.0 * float(np.median(kc)), POINTS)
-    slides = np.array([[_under(record, peak, own) for peak in peaks] for own in kc])
+    slides = np.array([[_under(record, peak, yield_kh) for peak in peaks] for yield_kh in kc])
     for far in config.study.exceeds:
         yield probability(f"block, {record.name} by PGA / g: slide > {far:g} m", peaks, slides > far)
 

@@ -26,8 +26,8 @@ def fit(levels: np.ndarray, exceeds: np.ndarray) -> tuple[float, float]:
 
     within = [(logarithms.min() - 3.0, logarithms.max() + 3.0), SPREADS]
     first = np.array([float(np.clip(logarithms.mean(), *within[0])), 0.4])
-    found = minimize(unlikely, first, bounds=within, method="L-BFGS-B")
-    return float(np.exp(found.x[0])), float(found.x[1])
+    optimum = minimize(unlikely, first, bounds=within, method="L-BFGS-B")
+    return float(np.exp(optimum.x[0])), float(optimum.x[1])
 
 
 def curve(name: str, levels: np.ndarray, exceeds: np.ndarray) -> Curve | None:

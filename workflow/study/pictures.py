@@ -17,7 +17,7 @@ def draw_all(section: Section, table: Table, answer: StudyAnswer, store: Store) 
         kc = table.column("kc")
         with store.writing("figures/study_fails.png") as path:
             figures.fails(kc[np.isfinite(kc)], answer.fails, title, path)
-    if any(one.correlation is not None for result in answer.results for one in result.effects):
+    if any(effect.correlation is not None for result in answer.results for effect in result.effects):
         with store.writing("figures/study_effects.png") as path:
             figures.effects(answer.results, title, path)
     if answer.fragility:
@@ -26,7 +26,7 @@ def draw_all(section: Section, table: Table, answer: StudyAnswer, store: Store) 
     first = answer.results[:1]
     slides = [result for result in answer.results[1:] if result.name.startswith("case") and not result.is_detail]
     for result in (*first, *slides):
-        drawn = {one.path: table.drawn(one.path) for one in result.effects}
+        drawn = {effect.path: table.drawn(effect.path) for effect in result.effects}
         name = "samples" if result in first else f"samples_{result.name.split('_')[0]}"
         with store.writing(f"figures/study_{name}.png") as path:
             figures.single(result.title, table.column(result.name), drawn, title, path)

@@ -40,18 +40,20 @@ def effects(table: Table, name: str, words: Sequence[str], indices: bool) -> tup
     values = table.column(name)
     there = np.isfinite(values)
     paths = list(table.units)
-    found = _sobol(values, len(paths)) if indices and there.all() else {}
+    indices_of = _sobol(values, len(paths)) if indices and there.all() else {}
     several = there.sum() > 2 and np.ptp(values[there]) > 0.0
     all_of_them = [
         Effect(
             path=path,
             correlation=_correlation(table.drawn(path), values, there, path in words) if several else None,
-            **found.get(place, {}),
+            **indices_of.get(place, {}),
         )
         for place, path in enumerate(paths)
     ]
     return tuple(
-        sorted(all_of_them, key=lambda one: -abs(one.total if one.total is not None else one.correlation or 0))
+        sorted(
+            all_of_them, key=lambda effect: -abs(effect.total if effect.total is not None else effect.correlation or 0)
+        )
     )
 
 
@@ -92,5 +94,5 @@ def _sobol(values: np.ndarray, dimensions: int) -> dict[int, dict[str, Any]]:
 def _indices(parts: np.ndarray, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """First-order and total indices (d,) by some of the samples; scipy's own bootstrap cannot be given a seed."""
     some = parts[:, :, chosen]
-    found = sobol_indices(func={"f_A": some[0], "f_B": some[1], "f_AB": some[2:]}, n=len(chosen))
-    return np.ravel(found.first_order), np.ravel(found.total_order)
+    indices = sobol_indices(func={"f_A": some[0], "f_B": some[1], "f_AB": some[2:]}, n=len(chosen))
+    return np.ravel(indices.first_order), np.ravel(indices.total_order)

@@ -41,8 +41,8 @@ class Study:
         if not self.answer.without:
             return
         names = " and ".join(self.answer.without)
-        told = "; ".join(f"{one.samples} of them: {one.reason}" for one in self.answer.failures)
-        raise NoAnswerError(f"{names}: none of {self.answer.samples} samples has an answer; {told}")
+        reasons = "; ".join(f"{failed.samples} of them: {failed.reason}" for failed in self.answer.failures)
+        raise NoAnswerError(f"{names}: none of {self.answer.samples} samples has an answer; {reasons}")
 
 
 def parts_of(only: Sequence[str]) -> tuple[list[Part], bool]:
@@ -77,16 +77,16 @@ def computed(
 ) -> Table:
     """The table of all samples, of those that fail with the reason."""
     drawn = samples(config.uncertain, config.study, config.reach)
-    inputs = [_input(config, one) for one in drawn]
-    sound = [(place, one) for place, one in enumerate(inputs) if isinstance(one, Config)]
+    inputs = [_input(config, sample) for sample in drawn]
+    sound = [(place, sample) for place, sample in enumerate(inputs) if isinstance(sample, Config)]
     # sample by sample, so that what is done tells how long the rest takes, however long one of the parts does
     wanted = [(place, part) for place, _ in sound for part in parts]
-    tasks = [task_of(one, part, store) for _, one in sound for part in parts]
-    found: dict[int, list[tuple[Part, Row[Numbers]]]] = {place: [] for place in range(len(drawn))}
+    tasks = [task_of(sample, part, store) for _, sample in sound for part in parts]
+    results: dict[int, list[tuple[Part, Row[Numbers]]]] = {place: [] for place in range(len(drawn))}
     for (place, part), row in zip(wanted, ensemble.rows(tasks, on_row), strict=True):
-        found[place].append((part, row))
+        results[place].append((part, row))
     units = {path: distribution.unit for path, distribution in config.uncertain.numbers.items()}
-    rows = [_row(drawn[place], inputs[place], found[place], with_block) for place in range(len(drawn))]
+    rows = [_row(drawn[place], inputs[place], results[place], with_block) for place in range(len(drawn))]
     return Table(units, rows)
 
 
@@ -118,21 +118,21 @@ def task_of(read: Config, part: Part, store: Store) -> Task[Sample, Numbers]:
 
 
 def _row(
-    drawn: dict[str, Any], read: Config | str, found: Sequence[tuple[Part, Row[Numbers]]], with_block: bool
+    drawn: dict[str, Any], read: Config | str, answers: Sequence[tuple[Part, Row[Numbers]]], with_block: bool
 ) -> SampleRow:
     if isinstance(read, str):
         return SampleRow(drawn, Numbers(numbers={}), read)
-    answered = [part.name for part, row in found if row.answer is not None]
+    answered = [part.name for part, row in answers if row.answer is not None]
     numbers: dict[str, float | None] = {}
     words: dict[str, str] = {}
-    for _, row in found:
+    for _, row in answers:
         if row.answer is not None:
             numbers |= row.answer.numbers
             words |= row.answer.words
     if with_block:
         numbers["block_slide_m"] = block(read, numbers.get("kc"))
         answered += [BLOCK] if numbers["block_slide_m"] is not None else []
-    reasons = [f"{part.name}: {row.reason}" for part, row in found if row.answer is None]
+    reasons = [f"{part.name}: {row.reason}" for part, row in answers if row.answer is None]
     return SampleRow(drawn, Numbers(numbers=numbers, words=words), "; ".join(reasons), tuple(answered))
 
 
@@ -182,5 +182,5 @@ def _spread(values: np.ndarray) -> Spread:
 def _groups(table: Table, name: str, path: str) -> Iterator[Group]:
     column, drawn = table.column(name), [str(value) for value in table.drawn(path)]
     for value in dict.fromkeys(drawn):
-        mine = column[[own == value for own in drawn]]
+        mine = column[[value_of_group == value for value_of_group in drawn]]
         yield Group(path=path, value=value, samples=int(np.isfinite(mine).sum()), spread=_spread(mine))

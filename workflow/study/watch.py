@@ -36,6 +36,6 @@ class Counted:
         self.last = now
         missing = total - self.before
         left = self.left.words(now, (done - self.before) / missing if missing else None)
-        told = f"{done} of {total} done" + (f", {failed} failed" if failed else "") + (f", {left}" if left else "")
+        message = f"{done} of {total} done" + (f", {failed} failed" if failed else "") + (f", {left}" if left else "")
         end = "\r" if self.console.is_terminal else "\n"
-        self.console.print(f"{told:<70}" if end == "\r" else told, end=end, markup=False, soft_wrap=True)
+        self.console.print(f"{message:<70}" if end == "\r" else message, end=end, markup=False, soft_wrap=True)

@@ -118,17 +118,20 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
             point = point_of(sample, where)
             reason = relation.why_not(point) if where.below_water else ABOVE_WATER
             try:
-                found = None if reason else _found(relation, point, shaking, settings)
+                resistance = None if reason else _found(relation, point, shaking, settings)
             except ValueError as error:
                 problems.append(f"triggering, boring {boring.name}, test at {sample.depth:g} m: {error}")
                 continue
             x = float(boring.x)
-            tests.append(Judged(boring.name, x, sample, top, bottom, lengths[x], where, found, reason))
+            tests.append(Judged(boring.name, x, sample, top, bottom, lengths[x], where, resistance, reason))
     if problems:
         raise InputError(section.name, problems)
     strata = tuple(_of_stratum(section, k, tests, settings.share) for k in range(len(section.strata)))
     layers = {boring.name: [t for t in tests if t.boring == boring.name] for boring in borings}
-    potentials = {name: potential([(t.top, t.bottom, t.factor) for t in its]) for name, its in layers.items()}
+    potentials = {
+        name: potential([(t.top, t.bottom, t.factor) for t in tests_of_layer])
+        for name, tests_of_layer in layers.items()
+    }
     return Assessment(motion, earthquake.magnitude, relation, tuple(tests), strata, potentials)
 
 
@@ -152,7 +155,7 @@ def _missing(section: Section, earthquake: EarthquakeSettings, settings: Trigger
     names = [boring.name for boring in settings.borings]
     problems += [f'triggering, borings: {names.count(n)} are called "{n}"' for n in dict.fromkeys(names)
                  if names.count(n) > 1]  # fmt: skip
-    if section.water_points() is None and all(one.piezometric_level is None for one in section.strata):
+    if section.water_points() is None and all(stratum.piezometric_level is None for stratum in section.strata):
         problems.append("water, table: missing; soil liquefies below water alone")
     try:
         if earthquake.motion() is None:
@@ -165,8 +168,8 @@ def _missing(section: Section, earthquake: EarthquakeSettings, settings: Trigger
     if relation.magnitudes is not None and earthquake.magnitude is None:
         problems.append(f"earthquake, magnitude: missing; {relation.title} asks for it")
     elif relation.magnitudes is not None and earthquake.magnitude is not None:
-        told = Range("earthquake, magnitude", *relation.magnitudes).problem(earthquake.magnitude, relation.title)
-        problems += [told] if told else []
+        problem = Range("earthquake, magnitude", *relation.magnitudes).problem(earthquake.magnitude, relation.title)
+        problems += [problem] if problem else []
     return problems
 
 
@@ -176,9 +179,9 @@ def off_the_section(section: Section, settings: TriggeringSettings) -> list[str]
 
 
 def _outside(section: Section, boring: Boring) -> list[str]:
-    depths = [*(one.depth for one in boring.spt), *(one.depth for one in boring.cpt)]
-    told = {outside(section, boring.x, depth): None for depth in depths}
-    return [f"triggering, boring {boring.name}: {text}" for text in told if text]
+    depths = [*(test.depth for test in boring.spt), *(test.depth for test in boring.cpt)]
+    messages = {outside(section, boring.x, depth): None for depth in depths}
+    return [f"triggering, boring {boring.name}: {text}" for text in messages if text]
 
 
 def point_of(sample: Sample | Cone, where: Overburden) -> BlowCount | ConeTest:
@@ -221,7 +224,7 @@ def _pieces(section: Section, boring: Boring, depths: list[float]) -> list[tuple
     levels = section.layering.interfaces(np.array([boring.x]))[0]
     depth_of = levels[0] - levels
     stresses = [overburden(section, boring.x, depth) for depth in depths]
-    found = []
+    pieces = []
     for number, (depth, where) in enumerate(zip(depths, stresses, strict=True)):
         top, bottom = float(depth_of[where.stratum]), float(depth_of[where.stratum + 1])
         water = water_level(section, boring.x, where.stratum)
@@ -231,8 +234,8 @@ def _pieces(section: Section, boring: Boring, depths: list[float]) -> list[tuple
             top = max(top, 0.5 * (depths[number - 1] + depth))
         if number + 1 < len(depths) and stresses[number + 1].stratum == where.stratum:
             bottom = min(bottom, 0.5 * (depth + depths[number + 1]))
-        found.append((top, bottom, where))
-    return found
+        pieces.append((top, bottom, where))
+    return pieces
 
 
 def _of_stratum(section: Section, number: int, tests: list[Judged], wanted: float) -> OfStratum:

@@ -56,12 +56,12 @@ def left(assessment: Assessment, settings: TriggeringSettings) -> tuple[Left, ..
 
 def pore_pressures(assessment: Assessment, strata: int) -> list[float]:
     """Mean excess pore pressure ratio of every stratum, over what its tests stand for: 1 where F_L is at most 1."""
-    found = []
+    ratios = []
     for k in range(strata):
         here = [test for test in assessment.tests if test.where.stratum == k]
         pressures = [0.0 if test.factor is None else pore_pressure_ratio(test.factor) for test in here]
-        found.append(_mean(here, pressures))
-    return found
+        ratios.append(_mean(here, pressures))
+    return ratios
 
 
 def _of_stratum(number: int, assessment: Assessment, settings: TriggeringSettings) -> Left:
@@ -75,9 +75,9 @@ def _of_stratum(number: int, assessment: Assessment, settings: TriggeringSetting
     for relation in RELATIONS:
         if all(relation.ratio(soil) is None for soil in soils):
             continue
-        found = [relation.least_ratio(soil) for soil in soils]
-        ratios[relation.title] = _mean(tests, found)
-        kept = [KPA * soil.effective * ratio for soil, ratio in zip(soils, found, strict=True)]
+        least = [relation.least_ratio(soil) for soil in soils]
+        ratios[relation.title] = _mean(tests, least)
+        kept = [KPA * soil.effective * ratio for soil, ratio in zip(soils, least, strict=True)]
         strengths[relation.title] = _mean(tests, kept)
     strains = [
         volumetric_strain(test.factor, clean) if test.factor is not None else 0.0

@@ -20,20 +20,20 @@ class FreeFaceSettings(Model):
         """What is wrong with it on this ground, points (n, 2) in m."""
         if self.crest is None and self.toe is None and self.at is None:
             return []
-        told = [f"free_face, {key}: missing; expected both crest and toe" for key in ("crest", "toe")
+        problems = [f"free_face, {key}: missing; expected both crest and toe" for key in ("crest", "toe")
                 if getattr(self, key) is None]  # fmt: skip
         for key in ("crest", "toe", "at"):
             value = getattr(self, key)
             if value is not None and not ground[0, 0] <= value <= ground[-1, 0]:
-                told.append(f"free_face, {key} = {value:g}: off the section, which goes from {ground[0, 0]:g} to "
+                problems.append(f"free_face, {key} = {value:g}: off the section, which goes from {ground[0, 0]:g} to "
                             f"{ground[-1, 0]:g} m")  # fmt: skip
-        if self.crest is None or self.toe is None or told:
-            return told
+        if self.crest is None or self.toe is None or problems:
+            return problems
         if self.distance_and_height(ground)[1] <= 0.0:
-            told.append(f"free_face: the ground at the crest, x = {self.crest:g} m, is not above that at the toe")
+            problems.append(f"free_face: the ground at the crest, x = {self.crest:g} m, is not above that at the toe")
         if self.at is not None and (self.at - self.crest) * (self.toe - self.crest) > 0.0:
-            told.append(f"free_face, at = {self.at:g}: lies before the crest; expected a place behind it")
-        return told
+            problems.append(f"free_face, at = {self.at:g}: lies before the crest; expected a place behind it")
+        return problems
 
     def distance_and_height(self, ground: np.ndarray) -> tuple[float, float]:
         """L (m) from the toe to the place that is asked for, and the height H (m) of the bank."""

@@ -51,9 +51,9 @@ class Distribution(Model):
 
     @model_validator(mode="after")
     def _one_of_them(self) -> Self:
-        given = [kind for kind in KINDS if getattr(self, kind) is not None]
-        if len(given) != 1:
-            raise ValueError(f"expected one of {', '.join(KINDS)}, there are {len(given)}")
+        kinds = [kind for kind in KINDS if getattr(self, kind) is not None]
+        if len(kinds) != 1:
+            raise ValueError(f"expected one of {', '.join(KINDS)}, there are {len(kinds)}")
         if problem := self._problem():
             raise ValueError(problem)
         return self
@@ -159,14 +159,14 @@ def measured(value: Any) -> tuple[float, str]:
 
 def in_unit(value: Any, unit: str) -> float:
     """The number that something written is in a unit; without a unit in SI. Raises ValueError where it is none."""
-    number, own = measured(value)
-    if own == unit:
+    number, unit_of_value = measured(value)
+    if unit_of_value == unit:
         return number
-    if not own or not unit:
-        factor = _si(own) / _si(unit)
+    if not unit_of_value or not unit:
+        factor = _si(unit_of_value) / _si(unit)
         return number * factor
     try:
-        return float(unit_registry().Quantity(number, own).to(unit).magnitude)
+        return float(unit_registry().Quantity(number, unit_of_value).to(unit).magnitude)
     except Exception as error:  # pint raises what its tokenizer raises
         raise ValueError(f'"{value}": expected a number in {unit}') from error
 

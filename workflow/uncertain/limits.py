@@ -46,7 +46,10 @@ def reach_of(data: Mapping[str, Any], numbers: Mapping[str, Distribution], model
     Tails of normal and lognormal distributions are cut off where the field of the number refuses it. Ends that are
     written down (uniform, triangular, list, between) and refused are a problem.
     """
-    return {path: _reach(path, one, _check(data, path, one, models)) for path, one in numbers.items()}
+    return {
+        path: _reach(path, distribution, _check(data, path, distribution, models))
+        for path, distribution in numbers.items()
+    }
 
 
 def _reach(path: str, distribution: Distribution, check: Check) -> Reach:
@@ -54,7 +57,7 @@ def _reach(path: str, distribution: Distribution, check: Check) -> Reach:
     if distribution.list is not None:
         others = [value for value in distribution.list if value != distribution.at(0.5)]
         return Reach(
-            problem="\n".join(f"{name}: {one!r} in its list: {text}" for one in others if (text := check(one)))
+            problem="\n".join(f"{name}: {listed!r} in its list: {text}" for listed in others if (text := check(listed)))
         )
     at = distribution.at
     if check(at(0.5)):
@@ -64,13 +67,13 @@ def _reach(path: str, distribution: Distribution, check: Check) -> Reach:
         refused = [(end, check(at(chance))) for end, chance in ((ends[0], FIRST), (ends[-1], LAST))]
         return Reach(problem="\n".join(f"{name}: it reaches {end}: {text}" for end, text in refused if text))
     low, high = (_furthest(lambda chance: not check(at(chance)), end) for end in (FIRST, LAST))
-    told = [
+    messages = [
         f"{name}: {100.0 * share:.2g} % of its {distribution.kind} distribution lie {side} "
         f"{distribution.written(round(at(bound), 9) + 0.0)} and are cut off ({check(at(end))})"
         for side, bound, share, end in (("below", low, low, FIRST), ("above", high, 1.0 - high, LAST))
         if share > TOLD
     ]  # fmt: skip
-    return Reach(low, high, "\n".join(told))
+    return Reach(low, high, "\n".join(messages))
 
 
 def _check(data: Mapping[str, Any], path: str, distribution: Distribution, models: Models) -> Check:
@@ -79,7 +82,7 @@ def _check(data: Mapping[str, Any], path: str, distribution: Distribution, model
     try:
         for place in places(data, path):
             here = next(
-                model_at(place, one) for one in models if str(place[0]) in one.model_fields or one is models[-1]
+                model_at(place, model) for model in models if str(place[0]) in model.model_fields or model is models[-1]
             )
             field = here.model_fields.get(str(place[-1])) if here is not None else None
             if field is not None:

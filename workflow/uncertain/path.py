@@ -101,4 +101,8 @@ def _moved(before: Any, distribution: Distribution, value: Any) -> Any:
 
 
 def _is_point(value: Any) -> bool:
-    return isinstance(value, list) and len(value) == 2 and not any(isinstance(one, list | dict) for one in value)
+    return (
+        isinstance(value, list)
+        and len(value) == 2
+        and not any(isinstance(coordinate, list | dict) for coordinate in value)
+    )

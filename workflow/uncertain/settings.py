@@ -26,7 +26,7 @@ def _nested(path: str, value: Any, known: Set[str]) -> Iterator[str]:
     """The paths to distributions in tables within a table that is none itself."""
     for key, inner in value.items() if isinstance(value, Mapping) and not known & set(value) else ():
         if isinstance(inner, Mapping):
-            deeper = not known & set(inner) and any(isinstance(one, Mapping) for one in inner.values())
+            deeper = not known & set(inner) and any(isinstance(item, Mapping) for item in inner.values())
             yield from _nested(f"{path}.{key}", inner, known) if deeper else (f"{path}.{key}",)
 
 
@@ -63,8 +63,10 @@ class UncertainSettings(Model):
             nested = [path for key, value in data.items() for path in _nested(str(key), value, known)]
             if nested:
                 like = 'such as "strata.Sand.friction_angle"'
-                told = [f'{path}: expected a path in quotation marks, "{path}" = {{ ... }}, {like}' for path in nested]
-                raise ValueError("\n".join(told))
+                problems = [
+                    f'{path}: expected a path in quotation marks, "{path}" = {{ ... }}, {like}' for path in nested
+                ]
+                raise ValueError("\n".join(problems))
         return data
 
     @model_validator(mode="after")
@@ -84,18 +86,18 @@ class UncertainSettings(Model):
     def problems(self, check: Callable[[Mapping[str, Any]], object]) -> list[str]:
         """What is wrong with any of them; ``check`` takes medians by their paths, and raises ValueError."""
         medians = {path: distribution.at(0.5) for path, distribution in self.numbers.items()}
-        found: list[str] = []
+        problems: list[str] = []
         with suppress(ValueError):  # all at once where nothing is wrong, which is quick
             if medians:
                 check(medians)
-            return found
+            return problems
         for path, median in medians.items():
             try:
                 check({path: median})
             except ValueError as error:
-                told = getattr(error, "problems", None) or str(error).splitlines()
-                found += [f'uncertain, "{path}": {text}' for text in told]
-        return found or ["uncertain: each number fits at its median, all together they do not"]
+                messages = getattr(error, "problems", None) or str(error).splitlines()
+                problems += [f'uncertain, "{path}": {text}' for text in messages]
+        return problems or ["uncertain: each number fits at its median, all together they do not"]
 
 
 Length = Annotated[float, Field(gt=0.0)]

@@ -29,34 +29,38 @@ def answer(
     case: Case, parts: Collection[Part] = PARTS, known: Answer | None = None, bounds: BoundsSettings = BOUNDS
 ) -> Answer:
     """The answer, or those ``parts`` of it over what is ``known``. What fails is told in ``failures``."""
-    found = known or Answer(case.name)
-    kept = tuple(text for text in found.failures if text.split(":")[0] not in parts)
-    found = replace(found, failures=kept)
+    result = known or Answer(case.name)
+    kept = tuple(text for text in result.failures if text.split(":")[0] not in parts)
+    result = replace(result, failures=kept)
     for part in sorted(parts, key=lambda part: part == "bounds"):  # they begin at the factor of the elements
         started = time.process_time()
         try:
-            numbers = _bounds(case, found, bounds) if part == "bounds" else _elements(case, part, found)
+            numbers = _bounds(case, result, bounds) if part == "bounds" else _elements(case, part, result)
         except (NoAnswerError, InputError, BadMeshError) as error:
             numbers = dict.fromkeys(_fields(part))
-            found = replace(found, failures=(*found.failures, f"{part}: {error}"))
+            result = replace(result, failures=(*result.failures, f"{part}: {error}"))
         numbers[f"{part}_seconds"] = round(time.process_time() - started, 1)
-        found = replace(found, **numbers)
-    return found
+        result = replace(result, **numbers)
+    return result
 
 
 def _fields(part: Part) -> tuple[str, ...]:
-    return ("lower", "upper", "skin") if part == "bounds" else (part, f"{part}_upper")
+    return ("lower", "upper", "shallow_failure") if part == "bounds" else (part, f"{part}_upper")
 
 
 def _bounds(case: Case, known: Answer, settings: BoundsSettings) -> dict[str, Any]:
     if case.published.expected == "kc":
-        found = kh_bounds(case.section, case.fem, settings)
-        skin = min((face.kh for face in found.skins), default=None)
-        return {"lower": found.stress and found.lower, "upper": found.mechanism and found.upper, "skin": skin}
+        bounds = kh_bounds(case.section, case.fem, settings)
+        shallow = min((face.kh for face in bounds.shallow_failures), default=None)
+        return {
+            "lower": bounds.stress and bounds.lower,
+            "upper": bounds.mechanism and bounds.upper,
+            "shallow_failure": shallow,
+        }
     guess = known.associated or case.published.values[0].ends[0]
     factor = safety_bounds(case.section, case.fem, settings, case.published.kh, guess)
     upper = factor.upper if factor.upper < math.inf else None
-    return {"lower": factor.lower or None, "upper": upper, "skin": factor.skin}
+    return {"lower": factor.lower or None, "upper": upper, "shallow_failure": factor.shallow_failure}
 
 
 def _elements(case: Case, part: Part, known: Answer) -> dict[str, Any]:
@@ -66,9 +70,9 @@ def _elements(case: Case, part: Part, known: Answer) -> dict[str, Any]:
     most = min(case.fem.max_cells, MOST_CELLS)
     wish = case.fem.model_copy(update={"flow": flow, "kh": (), "max_cells": most})
     mesh = generate(case.section, case.mesh)
-    found = _adapted(case, mesh, wish, MPI.COMM_SELF)
-    if found is not None:
-        return {part: found, f"{part}_upper": found}
+    result = _adapted(case, mesh, wish, MPI.COMM_SELF)
+    if result is not None:
+        return {part: result, f"{part}_upper": result}
     if case.published.expected == "kc":
         path: CriticalResult | SafetyFactor = critical_coefficient(case.section, mesh, wish, MPI.COMM_SELF)
     else:

@@ -21,20 +21,20 @@ class Row:
 
     def as_dict(self) -> dict[str, Any]:
         """Name, verdict, numbers and seconds, for a file."""
-        found = self.found or Answer(self.case.name)
+        known = self.found or Answer(self.case.name)
         return {
             "name": self.case.name,
             "verdict": self.verdict.word,
             "expected": self.case.published.expected,
             "kh": self.case.published.kh,
-            "lower": found.lower,
-            "upper": found.upper,
-            "skin": found.skin,
-            "elements_associated": found.associated,
-            "elements_davis": found.davis,
-            "commit": found.commit,
-            "seconds": {"bounds": found.bounds_seconds, "elements_associated": found.associated_seconds}
-            | {"elements_davis": found.davis_seconds},
+            "lower": known.lower,
+            "upper": known.upper,
+            "shallow_failure": known.shallow_failure,
+            "elements_associated": known.associated,
+            "elements_davis": known.davis,
+            "commit": known.commit,
+            "seconds": {"bounds": known.bounds_seconds, "elements_associated": known.associated_seconds}
+            | {"elements_davis": known.davis_seconds},
             "published": [value.model_dump() for value in self.case.published.values],
             "remarks": list(self.verdict.remarks),
         }
@@ -54,8 +54,8 @@ def run(
         if parts:
             answers[case.name] = replace(answer(case, parts, answers.get(case.name)), commit=version)
             write_answers(record, answers)
-        found = answers.get(case.name)
-        rows.append(Row(case, found, judge(case, found)))
+        known = answers.get(case.name)
+        rows.append(Row(case, known, judge(case, known)))
         if tell:
             tell(rows[-1])
     return rows

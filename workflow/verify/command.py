@@ -62,9 +62,9 @@ def verify(
     if slides:
         from workflow.verify.slides.command import verify_slides
 
-        told = verify_slides(out, folder, names or [], judge=judge, page=page, packings=packings)
+        slide_rows = verify_slides(out, folder, names or [], judge=judge, page=page, packings=packings)
         if json is not None:
-            _write(json, told)
+            _write(json, slide_rows)
         return
     rows = run(folder or FOLDER, names or (), wanted, lambda row: _tell(out, row))
     out.print(_count(rows))
@@ -90,7 +90,7 @@ def _page(folder: Path) -> Path:
 
     cases, answers = read_cases(folder), read_answers(folder / FILE, Answer)
     if folder == FOLDER:
-        commits = [found.commit for found in answers.values()]
+        commits = [answer.commit for answer in answers.values()]
         keep_numbers(Path("docs"), "published", "noshiro verify --page", counts(cases, answers), commits)
     return write_page(folder, cases, answers)
 
@@ -101,8 +101,8 @@ def _tell(out: "Console", row: "Row") -> None:
 
     from workflow.verify.page import elements, numbers, published
 
-    found = f"bounds {numbers(row.found)}, elements {elements(row.found)}" if row.found else ""
-    line = f"{row.verdict.word:<9} {row.case.name:<26} {published(row.case)}; {found}"
+    answer = f"bounds {numbers(row.found)}, elements {elements(row.found)}" if row.found else ""
+    line = f"{row.verdict.word:<9} {row.case.name:<26} {published(row.case)}; {answer}"
     out.print(escape(line), soft_wrap=True)
     if row.verdict.word == "wrong":
         for remark in row.verdict.remarks:

@@ -57,27 +57,27 @@ def text(folder: Path, cases: Sequence[Case], answers: Mapping[str, Answer]) -> 
 def with_remarks(parts: Sequence[str], remarks: Mapping[str, Sequence[str]], folder: Path) -> str:
     """A page of these parts, then the remarks on each case, and what the folder says was left out."""
     lines = [
-        f"- **{name}**: " + " ".join(f"{remark.rstrip('.')}." for remark in told)
-        for name, told in remarks.items()
-        if told
+        f"- **{name}**: " + " ".join(f"{remark.rstrip('.')}." for remark in texts)
+        for name, texts in remarks.items()
+        if texts
     ]
     left_out = folder / LEFT_OUT
     last = ["## Left out", left_out.read_text(encoding="utf-8").strip()] if left_out.exists() else []
     return "\n\n".join([*parts, "## Remarks", "\n".join(lines), *last]) + "\n"
 
 
-def numbers(found: Answer) -> str:
+def numbers(answer: Answer) -> str:
     """The strict bounds as a range."""
-    if found.lower is None and found.upper is None:
+    if answer.lower is None and answer.upper is None:
         return "-"
-    low = "?" if found.lower is None else f"{found.lower:.3f}"
-    high = "?" if found.upper is None else f"{found.upper:.3f}"
+    low = "?" if answer.lower is None else f"{answer.lower:.3f}"
+    high = "?" if answer.upper is None else f"{answer.upper:.3f}"
     return f"{low} to {high}"
 
 
-def elements(found: Answer) -> str:
+def elements(answer: Answer) -> str:
     """What the elements find with ψ = φ and with Davis's substitute."""
-    return " and ".join(f"{one:.3f}" if one is not None else "-" for one in (found.associated, found.davis))
+    return " and ".join(f"{value:.3f}" if value is not None else "-" for value in (answer.associated, answer.davis))
 
 
 def published(case: Case) -> str:
@@ -94,8 +94,8 @@ def _head() -> str:
 
 def _summary(verdicts: Mapping[str, CaseVerdict], answers: Mapping[str, Answer]) -> str:
     counted = Counter(verdict.word for verdict in verdicts.values())
-    bounded = sum(found.lower is not None and found.upper is not None for found in answers.values())
-    meshed = sum(found.associated is not None for found in answers.values())
+    bounded = sum(answer.lower is not None and answer.upper is not None for answer in answers.values())
+    meshed = sum(answer.associated is not None for answer in answers.values())
     words = ", ".join(f"{count} {word}" for word, count in counted.most_common())
     counts = f"{words}. Bounds were found for {bounded}, elements were run on {meshed}."
     return " ".join(text for text in (counts, _speed(answers.values()), _versions(answers.values())) if text)
@@ -103,30 +103,30 @@ def _summary(verdicts: Mapping[str, CaseVerdict], answers: Mapping[str, Answer])
 
 def _versions(answers: Collection[Answer]) -> str:
     """Which version of the program the numbers are of; empty where none is known."""
-    versions = Counter(found.commit or "an unknown one" for found in answers)
+    versions = Counter(answer.commit or "an unknown one" for answer in answers)
     if set(versions) <= {"an unknown one"}:
         return ""
     if len(versions) == 1:
         return f"All numbers are of one version of the program, commit {next(iter(versions))}."
-    told = ", ".join(f"{name} ({count})" for name, count in versions.most_common())
-    return f"The numbers are of several versions of the program, by their commits: {told}."
+    versions_named = ", ".join(f"{name} ({count})" for name, count in versions.most_common())
+    return f"The numbers are of several versions of the program, by their commits: {versions_named}."
 
 
 def _speed(answers: Collection[Answer]) -> str:
     """How close the bounds are and what all of it took, at the median; empty where not all has been run."""
-    found = medians(answers)
-    if not found:
+    middle = medians(answers)
+    if not middle:
         return ""
     return (
-        f"At the median the bounds are {found['gap_percent']:.1f} % apart after {found['bounds_seconds']:.1f} s; the "
-        f"elements take {found['associated_seconds']:.1f} s with ψ = φ and {found['davis_seconds']:.1f} s by Davis's "
+        f"At the median the bounds are {middle['gap_percent']:.1f} % apart after {middle['bounds_seconds']:.1f} s; the "
+        f"elements take {middle['associated_seconds']:.1f} s with ψ = φ and {middle['davis_seconds']:.1f} s by Davis's "
         "estimate, all of one core."
     )
 
 
 def medians(answers: Collection[Answer]) -> dict[str, float]:
     """Gap of the bounds (%) and processor seconds at the median; empty where not all has been run."""
-    pairs = [(found.lower, found.upper) for found in answers]
+    pairs = [(answer.lower, answer.upper) for answer in answers]
     gaps = [2.0 * (high - low) / (high + low) for low, high in pairs if low is not None and high is not None]
     spent = [
         [value for value in values if value]
@@ -152,27 +152,27 @@ def _table(cases: Sequence[Case], answers: Mapping[str, Answer], verdicts: Mappi
         "|---|---|---|---|---|---|---|---|",
     ]
     for case in cases:
-        found = answers.get(case.name, Answer(case.name))
-        elements = [f"{one:.3f}" if one is not None else "" for one in (found.associated, found.davis)]
+        answer = answers.get(case.name, Answer(case.name))
+        elements = [f"{value:.3f}" if value is not None else "" for value in (answer.associated, answer.davis)]
         wanted = "kc" if case.published.expected == "kc" else "FS"
         wanted += f", Kh = {case.published.kh:g}" if case.published.kh else ""
         cells = [
             f"![]({PICTURES}/{case.name}.png)",
             f"[{case.name}]({case.name}.toml)<br>{case.section.title}<br>{wanted}",
             _published(case.published.values),
-            numbers(found),
+            numbers(answer),
             *elements,
-            seconds(found),
+            seconds(answer),
             verdicts[case.name].word,
         ]
         rows.append("| " + " | ".join(cells) + " |")
     return "\n".join(rows)
 
 
-def seconds(found: Answer) -> str:
+def seconds(answer: Answer) -> str:
     """Seconds of processor time of bounds and both elements."""
-    spent = (found.bounds_seconds, found.associated_seconds, found.davis_seconds)
-    return " + ".join("-" if one is None else f"{one:.0f}" for one in spent)
+    spent = (answer.bounds_seconds, answer.associated_seconds, answer.davis_seconds)
+    return " + ".join("-" if part is None else f"{part:.0f}" for part in spent)
 
 
 def _published(values: Sequence[Value]) -> str:

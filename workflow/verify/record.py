@@ -34,7 +34,8 @@ class Answer(Named):
 
     ``associated`` and ``davis`` are of the finite elements with ψ = φ and with Davis's substitute of ψ < φ; with each
     what it may be at most. ``lower`` and ``upper`` are strict bounds with ψ = φ. Where grains roll down a face before,
-    at ``skin``, all of these are of the slope as a whole. ``commit`` is the version of the program that found the last.
+    at ``shallow_failure``, all of these are of the slope as a whole. ``commit`` is the version of the program that
+    found the last.
     """
 
     lower: float | None = None
@@ -43,7 +44,7 @@ class Answer(Named):
     associated_upper: float | None = None
     davis: float | None = None
     davis_upper: float | None = None
-    skin: float | None = None
+    shallow_failure: float | None = None
     bounds_seconds: float | None = None
     associated_seconds: float | None = None
     davis_seconds: float | None = None
@@ -53,15 +54,15 @@ class Answer(Named):
 
 def version_of(folder: Path) -> str:
     """The commit that a checkout with ``folder`` in it is at, with a + if Python files differ; empty elsewhere."""
-    told = []
+    lines = []
     for command in (["rev-parse", "--short=9", "HEAD"], ["diff", "--name-only", "HEAD", "--", ":/*.py"]):
         try:
-            told.append(
+            lines.append(
                 subprocess.run(["git", *command], cwd=folder, capture_output=True, text=True, check=True).stdout
             )
         except (OSError, subprocess.CalledProcessError):
             return ""
-    return told[0].strip() + ("+" if told[1] else "")
+    return lines[0].strip() + ("+" if lines[1] else "")
 
 
 def read_answers(path: Path, kind: type[Kept]) -> dict[str, Kept]:
@@ -72,7 +73,7 @@ def read_answers(path: Path, kind: type[Kept]) -> dict[str, Kept]:
         answers: list[Kept] = TypeAdapter(list[kind]).validate_json(path.read_bytes())  # type: ignore[valid-type]
     except ValidationError as error:
         raise InputError(str(path), ["these are not answers of `noshiro verify`; delete the file"]) from error
-    return {found.name: found for found in answers}
+    return {answer.name: answer for answer in answers}
 
 
 def write_answers(path: Path, answers: Mapping[str, Kept]) -> None:

@@ -36,54 +36,54 @@ class CaseVerdict:
     remarks: tuple[str, ...]
 
 
-def judge(case: Case, found: Answer | None) -> CaseVerdict:
+def judge(case: Case, answer: Answer | None) -> CaseVerdict:
     """Right if the finite elements agree with the bounds and the median of each kind of published value with both."""
-    if found is None:
+    if answer is None:
         return CaseVerdict("not run", ())
-    faults = [*_contradictions(found), *(f"no answer by {text}" for text in found.failures)]
-    apart = list(_apart(case, found))
+    faults = [*_contradictions(answer), *(f"no answer by {text}" for text in answer.failures)]
+    apart = list(_apart(case, answer))
     if faults:
         return CaseVerdict("wrong", (*faults, *apart))
     if apart and not case.published.explained:
         return CaseVerdict("wrong", tuple(apart))
     if apart:
-        return CaseVerdict("explained", (case.published.explained, *apart, *outside(case, found), *rolling(found)))
-    return CaseVerdict("right", (*outside(case, found), *rolling(found)))
+        return CaseVerdict("explained", (case.published.explained, *apart, *outside(case, answer), *rolling(answer)))
+    return CaseVerdict("right", (*outside(case, answer), *rolling(answer)))
 
 
-def interval(found: Answer, kind: Kind) -> tuple[float, float] | None:
+def interval(answer: Answer, kind: Kind) -> tuple[float, float] | None:
     """Between what our answers lie that a published value of a kind is held against; None without any.
 
     Published elements mostly do not dilate, so theirs reaches down to our elements without dilation. Where grains roll
     down a face, how deep a failure has to be to count is each author's choice, and all reach down to that.
     """
-    ends = [end for end in (found.lower, found.upper) if end is not None]
-    if len(ends) < 2 and found.associated is not None:
-        ends.append(found.associated)
+    ends = [end for end in (answer.lower, answer.upper) if end is not None]
+    if len(ends) < 2 and answer.associated is not None:
+        ends.append(answer.associated)
     if not ends:
         return None
     low, high = min(ends), max(ends)
     if kind == "elements":
-        low = min([low, *(e for e in (found.davis, found.associated) if e is not None)])
-    return (low if found.skin is None else min(low, found.skin)), high
+        low = min([low, *(e for e in (answer.davis, answer.associated) if e is not None)])
+    return (low if answer.shallow_failure is None else min(low, answer.shallow_failure)), high
 
 
-def rolling(found: Answer) -> Iterator[str]:
+def rolling(answer: Answer) -> Iterator[str]:
     """A sentence on the grains of a face without cohesion, where they fail first."""
-    if found.skin is not None:
-        skin = f"{found.skin:.3f}"
-        yield f"A cohesionless face fails (shallow failure) at {skin}; the numbers are of the slope as a whole"
+    if answer.shallow_failure is not None:
+        shallow = f"{answer.shallow_failure:.3f}"
+        yield f"A cohesionless face fails (shallow failure) at {shallow}; the numbers are of the slope as a whole"
 
 
-def outside(case: Case, found: Answer) -> Iterator[str]:
+def outside(case: Case, answer: Answer) -> Iterator[str]:
     """A sentence on the published values that the strict bounds exclude, above and below."""
     values = case.published.values
-    if found.upper is not None:
-        above = [_named(value) for value in values if value.ends[0] > found.upper]
+    if answer.upper is not None:
+        above = [_named(value) for value in values if value.ends[0] > answer.upper]
         if above:
             yield f"Proven to fail: {', '.join(above)}"
-    if found.lower is not None:
-        least = found.lower if found.skin is None else min(found.lower, found.skin)
+    if answer.lower is not None:
+        least = answer.lower if answer.shallow_failure is None else min(answer.lower, answer.shallow_failure)
         below = [_named(value) for value in values if value.ends[1] < least and value.kind != "upper bound"]
         if below:
             yield f"Proven to stand: {', '.join(below)}"
@@ -94,23 +94,23 @@ def _named(value: Value) -> str:
     return f"{low:g}" + (f" to {high:g}" if high > low else "") + f" ({value.author}, {value.method})"
 
 
-def _contradictions(found: Answer) -> Iterator[str]:
+def _contradictions(answer: Answer) -> Iterator[str]:
     """Where our own answers cannot all be right."""
-    elements, lower, upper = found.associated, found.lower, found.upper
+    elements, lower, upper = answer.associated, answer.lower, answer.upper
     if elements is not None and lower is not None and elements < (1.0 - BELOW) * lower:
         yield f"elements with ψ = φ find {elements:.4g}, below the lower bound {lower:.4g}"
     if elements is not None and upper is not None and elements > (1.0 + ABOVE) * upper:
         yield f"elements with ψ = φ find {elements:.4g}, {100 * (elements / upper - 1):.0f} % above the upper bound"
     top = upper if upper is not None else elements
-    if found.davis is not None and top is not None and found.davis > (1.0 + ABOVE + NO_STRONGER) * top:
-        yield f"elements find {found.davis:.4g} by Davis's estimate, more than with ψ = φ"
+    if answer.davis is not None and top is not None and answer.davis > (1.0 + ABOVE + NO_STRONGER) * top:
+        yield f"elements find {answer.davis:.4g} by Davis's estimate, more than with ψ = φ"
 
 
-def _apart(case: Case, found: Answer) -> Iterator[str]:
+def _apart(case: Case, answer: Answer) -> Iterator[str]:
     """A sentence for each kind of published value whose median is too far from ours."""
     kinds = dict.fromkeys(value.kind for value in case.published.values)
     for kind in kinds:
-        ours = interval(found, kind)
+        ours = interval(answer, kind)
         if ours is None:
             continue
         low, high = _median([value for value in case.published.values if value.kind == kind])

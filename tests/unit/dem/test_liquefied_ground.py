@@ -15,10 +15,10 @@ from dem.kernels.liquefied_pairs import AREA, DENSITY, NOW, STRAIN, STRENGTH, bo
 from dem.liquefied_ground import LEAST_STRAIN, MOST_STRAIN, Onset, has_begun, liquefy, set_share
 from dem.model import DiscModel
 from dem.packing import lattice_box
+from dem.pair_table import pair_table
 from dem.settings import Case
 from dem.slides.lost_strength import SHEAR_MODULUS, liquefied, onset
 from dem.slides.overburden import effective_overburden
-from dem.springs import pair_table
 from tests.support.dem_cases import BARE, RADIUS
 from tests.support.liquefied import GRAVITY, ShearedBox, sand, with_voids
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from dem.kernels.contact import ALLOWED, BC, BETA, CN, KN, KPN, KS, MU, TAN
-from dem.springs import LayerSprings, from_soil, pair_table, table2, wave_speeds
+from dem.pair_table import pair_table
+from dem.springs import LayerSprings, from_soil, table2, wave_speeds
 
 # Table 1: E (tf/m2), nu, density ordinary and seismic (t/m3), cohesion (tf/m2), friction angle (deg)
 TABLE1 = {

@@ -52,7 +52,7 @@ def test_each_limit_ends_the_search(limits, ended):
 
 
 def test_a_search_that_makes_no_progress_ends():
-    """As on the river bank before its skin was known: 0.1231 to 0.1402 on every mesh."""
+    """As on the river bank before its shallow failure was known: 0.1231 to 0.1402 on every mesh."""
     same = (0.1231, 0.1402)
     limits = Limits(0.02, 100_000)
     assert limits.reached(Found((0.1, 0.2), same, same, same), 1000) is None

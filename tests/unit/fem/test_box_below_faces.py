@@ -17,10 +17,10 @@ def test_below_a_face_of_sand_the_box_bears_more() -> None:
     })  # fmt: skip
     mesh = generate(given.section, given.mesh)
     found = assess(given.section, given.mesh, mesh, given.fem, MPI.COMM_SELF, lambda *_: None)
-    assert found.critical.skins
-    assert found.critical.skins[0].kh < 0.1
+    assert found.critical.shallow_failures
+    assert found.critical.shallow_failures[0].kh < 0.1
     deeper = given.fem.model_copy(update={"least_depth": 2.0})
     box = box_below_faces(given.section, given.mesh, mesh, deeper, MPI.COMM_SELF, lambda *_: None)
     assert found.rigid_box is not None
-    assert box.result.kc > found.critical.skins[0].kh
+    assert box.result.kc > found.critical.shallow_failures[0].kh
     assert box.result.kc >= found.rigid_box.result.kc - 0.01

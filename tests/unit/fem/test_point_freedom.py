@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.continuum.shallow_failure import skins, strengthened
+from fem.continuum.shallow_failure import shallow_failures, strengthened
 from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound
 from fem.limit.bounds import body_of, first_mesh, kh_bounds
 from fem.limit.bracket import Limits
@@ -51,7 +51,7 @@ def test_sand_that_touches_the_surface_between_two_strips_has_no_stress_there():
     lower = layer("lower", cohesion=0, friction_angle="33 deg")
     data = {"name": "touch", "surface": [[0, 10], [24, 2]], "base": {"elevation": 0}, "strata": [upper, lower]}
     section, settings = Section.parse(data), FemSettings(sides="fixed")
-    strong = strengthened(section, skins(section, settings), settings)
+    strong = strengthened(section, shallow_failures(section, settings), settings)
     mesh = first_mesh(strong, 3000)
     body = body_of(strong, mesh, settings, davis=False)
     problem = limit_problem(mesh, body, units_of(mesh, body))

@@ -130,7 +130,7 @@ def told_by_bounds(run: Config, **more: Any) -> list[str]:
     other = OtherWay(kc=0.2844, kc_upper=0.2844, verdict="plateau", reason="", direction="downhill", at_sides=())
     answer = fem(run, 0.237).model_copy(update={"flow": "davis", "associated": other, **more.pop("fem", {})})
     strict = bounds(run, 0.2799, 0.2815, more.pop("direction", "downhill")).model_copy(update=more)
-    return [f"{doubt.what} {doubt.remedy}" for doubt in results(run, fem=answer, bounds=strict).doubts]
+    return [f"{warning.what} {warning.remedy}" for warning in results(run, fem=answer, bounds=strict).warnings]
 
 
 def test_elements_with_psi_equal_to_phi_above_a_strict_upper_bound_are_told(run: Config) -> None:
@@ -149,21 +149,25 @@ def test_elements_with_psi_equal_to_phi_above_a_strict_upper_bound_are_told(run:
 
 
 def test_level_ground_has_no_factor_of_safety_but_one_above_where_the_search_ends(run: Config) -> None:
-    factor = FactorOfSafety(kh=0.0, factor=20.007, upper=33.6, verdict="no failure", reason="", curve=(), skin=None)
+    factor = FactorOfSafety(
+        kh=0.0, factor=20.007, upper=33.6, verdict="no failure", reason="", curve=(), shallow_failure=None
+    )
     told = safety_sentence(factor, fem(run))
     assert told == "Factor of safety at Kh = 0: above 20, where the search ended."
 
 
 def test_a_factor_of_safety_above_its_strict_upper_bound_is_told(run: Config) -> None:
     """A face of sand after a seepage fault: 1.15 told, whose grains' own factor is 1.08."""
-    factor = FactorOfSafety(kh=0.0, factor=1.15, upper=1.15, verdict="plateau", reason="", curve=(), skin=None)
+    factor = FactorOfSafety(
+        kh=0.0, factor=1.15, upper=1.15, verdict="plateau", reason="", curve=(), shallow_failure=None
+    )
     part = SafetyPart(kh=0.0, lower=1.07, upper=1.09, cells=100)
     answer = fem(run).model_copy(update={"safety_factors": (factor,)})
     strict = bounds(run, 0.22, 0.26).model_copy(update={"safety": (part,)})
-    [doubt] = results(run, fem=answer, bounds=strict).doubts
-    assert doubt.what.startswith(
+    [warning] = results(run, fem=answer, bounds=strict).warnings
+    assert warning.what.startswith(
         "The factor of safety at Kh = 0 with ψ = φ of 1.150 lies 6 % above the strict upper bound"
     )
-    assert doubt.contradiction
+    assert warning.contradiction
     sound = answer.model_copy(update={"safety_factors": (factor.model_copy(update={"factor": 1.08}),)})
-    assert results(run, fem=sound, bounds=strict).doubts == []
+    assert results(run, fem=sound, bounds=strict).warnings == []

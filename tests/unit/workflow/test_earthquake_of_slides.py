@@ -184,10 +184,10 @@ def test_a_peak_that_contradicts_magnitude_and_distance_is_told() -> None:
     ],
 )
 def test_a_peak_in_another_unit_is_doubted(peak: str | float, told: str) -> None:
-    doubts = [
+    warnings = [
         text for text in shaken({"magnitude": 7.4, "peak_acceleration": peak}).notices if "check its unit" in text
     ]
-    assert doubts == ([f"earthquake, {told}"] if told else [])
+    assert warnings == ([f"earthquake, {told}"] if told else [])
 
 
 def test_the_distance_that_was_overruled_is_not_used() -> None:

@@ -12,11 +12,11 @@ from workflow.report.first_page import conclusions, headlines
 from workflow.report.numbers import about, between, coefficient, listed, metres, rough, span
 from workflow.report.stability import stability_rows
 from workflow.report.texts import Texts
-from workflow.report.uncertainty import doubts
+from workflow.report.uncertainty import sources_of_uncertainty
 from workflow.report.warnings import joined
 from workflow.results.cases import CaseAnswer, CasesAnswer, Profile, RandomCase, RandomPackings, Seed, Spread
-from workflow.results.continuum import Doubt, OtherWay, PathStep, SkinFailure, VariantsAnswer
-from workflow.results.like_discs import LikeDiscs
+from workflow.results.continuum import OtherWay, PathStep, ResultWarning, ShallowFailurePart, VariantsAnswer
+from workflow.results.dem_counterpart import DemCounterpart
 from workflow.results.results import Results
 from workflow.run.record import Entry
 from workflow.run.store import Store
@@ -89,11 +89,16 @@ def test_one_mesh_without_bounds_leaves_the_numerical_error_open(run: Config) ->
 def test_what_stands_beside_the_critical_kh(run: Config) -> None:
     """The other direction, what ψ = φ would give, faces without cohesion, and what contradicts the answer."""
     other = OtherWay(kc=0.173, kc_upper=0.18, verdict="plateau", reason="", direction="uphill", at_sides=("left",))
-    skin = SkinFailure(stratum="upper", start_x_m=20.0, end_x_m=44.0, angle_deg=26.0, kh=0.05)
-    doubt = Doubt(what="A finer mesh gives 0.20.", remedy="refine it", contradiction=True)
-    known = Doubt(what="The base is near.", remedy="go deeper", contradiction=False)
-    more = {"flow": "davis", "opposite": other, "associated": other.model_copy(update={"kc": 0.3057}), "skins": (skin,)}
-    answer = fem(run).model_copy(update={**more, "doubts": (doubt, known)})
+    face = ShallowFailurePart(stratum="upper", start_x_m=20.0, end_x_m=44.0, angle_deg=26.0, kh=0.05)
+    warning = ResultWarning(what="A finer mesh gives 0.20.", remedy="refine it", contradiction=True)
+    known = ResultWarning(what="The base is near.", remedy="go deeper", contradiction=False)
+    more = {
+        "flow": "davis",
+        "opposite": other,
+        "associated": other.model_copy(update={"kc": 0.3057}),
+        "shallow_failures": (face,),
+    }
+    answer = fem(run).model_copy(update={**more, "warnings": (warning, known)})
     told = text(results(run, fem=answer, bounds=bounds(run, 0.30, 0.31)))
     assert "With ψ = φ the ground slides out at the left side, where the section was cut off." in told
     assert "At Kh = 0.050 already, the cohesionless face of upper from x = 20 to 44 m fails as an infinite" in told
@@ -273,7 +278,7 @@ def test_what_is_doubtful_is_told(run: Config) -> None:
     assert failed.startswith("Calibration failed, since no factor on the strength of the discs gives the critical Kh")
 
 
-def test_notes_that_say_the_same_of_cases_are_one_doubt() -> None:
+def test_notes_that_say_the_same_of_cases_are_one_warning() -> None:
     """With a range where their numbers differ, and the remedy of the first; numbers in names are no numbers."""
     notes = {
         1: (
@@ -299,11 +304,11 @@ def test_a_target_of_the_discs_that_is_not_sharp_is_told(run: Config) -> None:
         length=1.0, displacement=0.02, factor=0.16, iterations=3, residual=0.0, plastic_share=0.3, cutbacks=0,
         at_rest=False, balanced=True,
     )  # fmt: skip
-    like = LikeDiscs.of(fem(run, 0.16).model_copy(update={"curve": (step,)}))
-    found = results(run, dem=dem_fixture.critical(run, 0.16), like_discs=like)
+    like = DemCounterpart.of(fem(run, 0.16).model_copy(update={"curve": (step,)}))
+    found = results(run, dem=dem_fixture.critical(run, 0.16), dem_counterpart=like)
     assert not any("boundary conditions of the discs" in told for told in warned(found))
     wide = like.model_copy(update={"kc_upper": 0.226, "flow": "section"})
-    told = warned(results(run, dem=dem_fixture.critical(run, 0.16), like_discs=wide))
+    told = warned(results(run, dem=dem_fixture.critical(run, 0.16), dem_counterpart=wide))
     assert "of the discs (free-field sides, ψ as given) fail between Kh = 0.160 and 0.226. Discs that fail" in told[0]
 
 
@@ -315,11 +320,11 @@ def test_discs_that_fail_elsewhere_than_the_continuum_are_told(run: Config) -> N
         return warned(results(run, dem=discs.model_copy(update={"slip_surface": surfaces})))
 
     height = float(run.section.outline()[:, 1].max() - run.section.outline()[:, 1].min())
-    assert any("m apart on average" in doubt for doubt in told(mean_distance_m=0.3 * height))
-    assert not any("m apart on average" in doubt for doubt in told(mean_distance_m=0.2 * height))
+    assert any("m apart on average" in warning for warning in told(mean_distance_m=0.3 * height))
+    assert not any("m apart on average" in warning for warning in told(mean_distance_m=0.2 * height))
     beside = told(mean_distance_m=None, dem=((0.0, 1.0), (9.0, 1.0)), fem=((20.0, 1.0), (31.0, 1.0)))
-    assert any("from x = 0 to 9 m, the finite elements from 20 to 31 m" in doubt for doubt in beside)
-    assert not any("Discs fail from" in doubt for doubt in told(mean_distance_m=None, fem=()))
+    assert any("from x = 0 to 9 m, the finite elements from 20 to 31 m" in warning for warning in beside)
+    assert not any("Discs fail from" in warning for warning in told(mean_distance_m=None, fem=()))
 
 
 def test_discs_that_fail_below_their_critical_kh_where_it_is_held_are_told(run: Config) -> None:
@@ -378,13 +383,13 @@ def test_what_is_said_of_a_packing_is_of_its_kind(run: Config) -> None:
     )
     cases = CasesAnswer(sets={}, random=RandomPackings(seeds=seeds, cases={1: case}))
     discs = dem_fixture.critical(run, 0.24)
-    rows = dict(doubts(results(run, dem=discs, cases=cases)))
+    rows = dict(sources_of_uncertainty(results(run, dem=discs, cases=cases)))
     assert "rows must climb over each other" in rows["Packing"]
     assert "Another seed" not in rows["Packing"]
     assert "what they share with the discs in rows does not come from their order" in rows["Random packing"]
     off = {"packing": "random", "surface_off_mean_m": 0.104, "surface_off_worst_m": 0.273}
     loose = discs.model_copy(update={"model": discs.model.model_copy(update=off)})
-    told = dict(doubts(results(run, dem=loose, cases=cases)))
+    told = dict(sources_of_uncertainty(results(run, dem=loose, cases=cases)))
     assert "surface lies 0.10 m from the section's on average, and 0.27 m in the worst place." in told["Packing"]
     assert "Another seed packs them differently." in told["Packing"]  # and two have been tried
     assert not any(word in told["Packing"] + told["Random packing"] for word in ("lattice", "rows", "order"))

@@ -97,7 +97,7 @@ def test_answers_are_kept_and_told(tmp_path: Path) -> None:
     assert "| 1.3, 1 | 0.89 (0.77 to 1.01) |" in page
     assert "not run" in page
     table = errors(cases, answers).splitlines()
-    assert table == ["name,group,kind,judge,ratio", "column_33_100,experiment,column,discs,0.89"]
+    assert table == ["name,group,kind,method,ratio", "column_33_100,experiment,column,discs,0.89"]
     name = "wildlife_1987_w13"
     both = {name: SlideAnswer(name, values=(0.22,), points=0.11)}
     assert "| 0.22<br>material points 0.11 | 2.00<br>1.00 (within the band) |" in text(tmp_path, [CASES[name]], both)
@@ -139,7 +139,7 @@ def test_a_file_with_faults_is_refused_in_words(tmp_path: Path) -> None:
 def test_the_report_says_how_far_off_the_model_was_and_no_more_digits_than_that(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(model_error, "slide_error", lambda flows, judge: SlideError("flow failures", 3.0, 6, 9, 2.0))
+    monkeypatch.setattr(model_error, "slide_error", lambda flows, method: SlideError("flow failures", 3.0, 6, 9, 2.0))
     told = model_error.error_sentence([1.234, 2.345], True)
     assert told == (
         "Flow failures of the collection were predicted within a factor of 3 in 6 of 9 cases; with that the largest "
@@ -147,8 +147,8 @@ def test_the_report_says_how_far_off_the_model_was_and_no_more_digits_than_that(
     )
     assert model_error.error_sentence([0.0], True) == ""
     monkeypatch.setattr(
-        model_error, "slide_error", lambda flows, judge: SlideError("lateral spreads", 10.0, 3, 9, 20.0)
+        model_error, "slide_error", lambda flows, method: SlideError("lateral spreads", 10.0, 3, 9, 20.0)
     )
     assert model_error.error_sentence([1.0], False).endswith("is not predicted by these discs.")
-    monkeypatch.setattr(model_error, "slide_error", lambda flows, judge: None)
+    monkeypatch.setattr(model_error, "slide_error", lambda flows, method: None)
     assert model_error.error_sentence([1.0], None) == ""

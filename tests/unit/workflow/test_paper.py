@@ -7,7 +7,7 @@ from tests.support.answers import bounds, fem, results
 from tests.support.sections import slope
 from workflow.config import Config
 from workflow.report.paper import is_s13, rows
-from workflow.report.uncertainty import doubts
+from workflow.report.uncertainty import sources_of_uncertainty
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import Variant, VariantsAnswer
 from workflow.results.results import Results
@@ -112,17 +112,17 @@ def test_upper_bounds_judge_every_smaller_dilation_and_lower_ones_their_own(
     """The critical Kh is 0.24; the bounds are those of ψ = φ."""
     run = Config.parse({**slope(), "fem": {"flow": flow}})
     answer = fem(run).model_copy(update={"flow": flow})
-    told = dict(doubts(results(run, fem=answer, bounds=bounds(run, lower, upper))))
+    told = dict(sources_of_uncertainty(results(run, fem=answer, bounds=bounds(run, lower, upper))))
     assert words in told["Strict bounds"]
 
 
 def test_variants_stand_beside_what_they_show(s13: Config) -> None:
     change = "sides fixed instead of free-field"
     found = Variant(name="sides", change=change, kc=0.3, kc_upper=0.31, verdict="plateau", reason="", seconds=1.0)
-    told = dict(doubts(results(s13, fem=fem(s13), variants=VariantsAnswer(variants=(found,)))))
+    told = dict(sources_of_uncertainty(results(s13, fem=fem(s13), variants=VariantsAnswer(variants=(found,)))))
     assert "sides fixed instead of free-field: critical Kh = 0.3000 (+25.0 %)" in told["Side condition"]
     none = Variant(name="sides", change=change, kc=None, kc_upper=None, verdict="undecided", reason="slow", seconds=1.0)
-    silent = dict(doubts(results(s13, fem=fem(s13), variants=VariantsAnswer(variants=(none,)))))
+    silent = dict(sources_of_uncertainty(results(s13, fem=fem(s13), variants=VariantsAnswer(variants=(none,)))))
     assert "undecided, slow" in silent["Side condition"]
 
 

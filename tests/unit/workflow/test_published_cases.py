@@ -95,7 +95,7 @@ def test_a_part_without_an_answer_is_told_and_the_others_are_found(monkeypatch):
         raise NoAnswerError("no factor of safety was found", "use another mesh")
 
     monkeypatch.setattr(answer, "_elements", gives_up)
-    monkeypatch.setattr(answer, "_bounds", lambda *given: {"lower": 1.0, "upper": 1.1, "skin": None})
+    monkeypatch.setattr(answer, "_bounds", lambda *given: {"lower": 1.0, "upper": 1.1, "shallow_failure": None})
     found = answer.answer(cases()["taylor_60_10"], ("bounds", "associated"))
     assert (found.lower, found.upper, found.associated) == (1.0, 1.1, None)
     assert found.failures == ("associated: no factor of safety was found; use another mesh",)

@@ -77,9 +77,10 @@ def test_a_later_renaming_is_one_entry() -> None:
 
 
 def test_answers_of_old_folders_are_read() -> None:
-    old = {"settings": {"sides": "roller", "kh": [0.1]}, "name": "tied", "cases": [{"sides": "tied"}]}
+    old = {"settings": {"sides": "roller", "kh": [0.1]}, "name": "tied", "skins": [], "cases": [{"sides": "tied"}]}
     assert current_answer(old) == {
-        "settings": {"sides": "free-field", "kh": [0.1]}, "name": "tied", "cases": [{"sides": "periodic"}]
+        "settings": {"sides": "free-field", "kh": [0.1]}, "name": "tied", "shallow_failures": [],
+        "cases": [{"sides": "periodic"}],
     }  # fmt: skip
 
 

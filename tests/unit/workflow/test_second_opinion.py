@@ -19,7 +19,7 @@ def _errors(monkeypatch: pytest.MonkeyPatch) -> None:
         "discs": SlideError("lateral spreads", 10.0, 3, 9, 30.0),
         "mpm": SlideError("lateral spreads", 2.0, 6, 9, 1.8, "mpm"),  # 0.5 to 2.2 times what it says
     }
-    monkeypatch.setattr(second_opinion, "slide_error", lambda flows, judge="discs": errors[judge])
+    monkeypatch.setattr(second_opinion, "slide_error", lambda flows, method="discs": errors[method])
 
 
 def opinion(discs: float, points: float, settled: bool = True) -> SecondOpinion:
@@ -40,7 +40,7 @@ def test_they_agree_where_they_differ_by_less_than_the_larger_interval() -> None
 
 
 def test_they_agree_within_a_factor_of_1_5_and_within_centimetres(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(second_opinion, "slide_error", lambda flows, judge="discs": None)
+    monkeypatch.setattr(second_opinion, "slide_error", lambda flows, method="discs": None)
     assert opinion(3.0, 2.05).agreed
     assert not opinion(3.0, 1.7).agreed
     assert opinion(0.06, 0.015).agreed

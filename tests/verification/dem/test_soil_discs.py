@@ -11,7 +11,8 @@ from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, resultants
 from dem.kernels.contact import GAP
 from dem.model import DiscModel
-from dem.springs import STOP_DEPTH, LayerSprings, pair_table
+from dem.pair_table import pair_table
+from dem.springs import STOP_DEPTH, LayerSprings
 from tests.support.dem_cases import BARE, FLOOR, GRAVITY, KN, MASS, RADIUS, lattice, random_discs, trace
 
 WEIGHT = MASS * GRAVITY

@@ -202,11 +202,12 @@ def test_a_long_flat_layer_cannot_be_pushed_by_less_than_it_takes_to_slide(c, ph
     assert found.lower >= 0.97 * slides
 
 
-def test_the_bank_without_cohesion_has_a_skin_and_a_bracket_of_the_whole():
-    """A river bank of 8 m at 1:3 of layered ground: the skin of the submerged sand, tan(φ - β) γ/γs = 0.1231, in closed
-    form; the bank as a whole, deeper than 0.5 m, measured with free-field sides: 0.1618 to 0.1643 on 5249 triangles."""
+def test_the_bank_without_cohesion_has_a_shallow_failure_and_a_bracket_of_the_whole():
+    """A river bank of 8 m at 1:3 of layered ground: the shallow failure of the submerged sand, tan(φ - β) γ/γs =
+    0.1231, in closed form; the bank as a whole, deeper than 0.5 m, measured with free-field sides: 0.1618 to 0.1643 on
+    5249 triangles."""
     found = kh_bounds(Section.read(RIVER_BANK), FemSettings(), BoundsSettings(gap=0.05, davis=False))
-    [face] = found.skins
+    [face] = found.shallow_failures
     assert face.kh == pytest.approx(0.9 / 1.9 * math.tan(math.radians(33.0) - math.atan(1.0 / 3.0)))
     contains(found, 0.163, 0.05)
     assert found.lower > face.kh

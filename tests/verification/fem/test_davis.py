@@ -84,5 +84,5 @@ def test_grains_roll_down_a_face_of_sand_and_the_search_goes_on_below():
     grid = generate(sand, MeshSettings(size=1.5, method="free"))
     result = critical_coefficient(sand, grid, FemSettings(direction="downhill"), MPI.COMM_SELF)
     exact = math.tan(math.atan(math.sin(math.radians(33.0))) - math.atan(1.0 / 3.0))
-    assert [skin.kh for skin in result.skins] == [pytest.approx(exact, rel=1e-6)]
+    assert [shallow_failure.kh for shallow_failure in result.shallow_failures] == [pytest.approx(exact, rel=1e-6)]
     assert exact < result.kc < 2.0 * exact

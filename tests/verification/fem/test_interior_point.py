@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.continuum.shallow_failure import skins, strengthened
+from fem.continuum.shallow_failure import shallow_failures, strengthened
 from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound
 from fem.limit.bounds import body_of, first_mesh
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of
@@ -72,7 +72,7 @@ def test_bare_sand_after_a_drawdown_does_not_break_down() -> None:
     face = {"surface": [[-25.0, 0.0], [0.0, 0.0], [48.0, 18.0], [80.0, 18.0]], "base": {"elevation": -4.0}}
     water = {"table": 18.0, "after_drawdown": 9.0}
     section, fem = Section.parse({"name": "face", **face, "water": water, "strata": [sand]}), FemSettings(sides="fixed")
-    section = strengthened(section, skins(section, fem), fem)
+    section = strengthened(section, shallow_failures(section, fem), fem)
     mesh = first_mesh(section, 20_000)
     body = body_of(section, mesh, fem)
     found, notes, stress = proven_lower_bound(limit_problem(mesh, body, units_of(mesh, body)))

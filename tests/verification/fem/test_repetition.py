@@ -12,7 +12,7 @@ from fem.continuum.repetition import refuse_other_water
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
 from fem.limit_load.limit_load import critical_at_once
-from fem.search.checks import doubts_of
+from fem.search.checks import warnings_of
 from fem.search.critical import critical_coefficient
 from fem.search.strength_reduction import safety_at_once, safety_factor
 from fem.settings import LEAST_KH, BoundsSettings, FemSettings
@@ -65,7 +65,7 @@ def test_the_path_of_equilibria_comes_there_too() -> None:
     kc, factor = closed_form(5e3, 20.0)
     found = critical_coefficient(ground, mesh, path, MPI.COMM_SELF)
     assert found.kc == pytest.approx(kc, rel=0.03)
-    assert not any("side" in doubt.what for doubt in doubts_of(found, mesh))
+    assert not any("side" in warning.what for warning in warnings_of(found, mesh))
     assert safety_factor(ground, mesh, path, 0.0, MPI.COMM_SELF).factor == pytest.approx(factor, rel=0.03)
 
 

@@ -80,8 +80,8 @@ def test_a_slope_of_sand_is_told_with_the_factor_of_its_grains_and_that_of_the_w
         "strata": [layer("sand", cohesion="0 kPa", friction_angle="35 deg")],
     }
     found = safety_bounds(Section.parse(data), FIXED, ROUGHLY)
-    assert found.skin == pytest.approx(2.0 * math.tan(math.radians(35.0)))
-    assert found.skin <= found.lower <= found.upper <= 1.2 * found.skin
+    assert found.shallow_failure == pytest.approx(2.0 * math.tan(math.radians(35.0)))
+    assert found.shallow_failure <= found.lower <= found.upper <= 1.2 * found.shallow_failure
 
 
 @pytest.mark.parametrize(("cohesion", "ends"), [("10 MPa", (20.0, math.inf)), ("50 Pa", (0.0, 0.02))])

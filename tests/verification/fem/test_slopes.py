@@ -12,7 +12,7 @@ from fem.continuum.fields import touched_sides
 from fem.limit_load.limit_load import at_rest, critical_at_once
 from fem.search.adaptive import AdaptiveSearch
 from fem.search.critical import critical_coefficient, seismic_path
-from fem.search.dem_counterpart import as_discs, dilating_fully
+from fem.search.dem_counterpart import associated_rigid_box_kc, rigid_box_path
 from fem.search.prescribed_surface import critical_above
 from fem.search.slip_surface import slip_surface
 from fem.settings import FemSettings
@@ -95,7 +95,7 @@ def test_clay_fails_between_fixed_sides_as_its_limit_load_says():
     ground = strip(10.0, 3e4, 0.0, 0.0)
     mesh = generate(ground, MeshSettings(columns=16, rows=8))
     wish = FemSettings(element="quadratic", sides="free-field", direction="downhill", kh=(0.1,))
-    found = as_discs(ground, mesh, wish, MPI.COMM_SELF)
+    found = rigid_box_path(ground, mesh, wish, MPI.COMM_SELF)
     due = critical_at_once(ground, mesh, wish.model_copy(update={"sides": "fixed"}), MPI.COMM_SELF)
     assert found.verdict == "plateau"
     assert due.kc <= found.kc <= found.upper
@@ -104,7 +104,7 @@ def test_clay_fails_between_fixed_sides_as_its_limit_load_says():
     assert apart is not None
     assert apart.columns > 50
     assert apart.mean_distance_m < 0.1
-    assert dilating_fully(ground, mesh, wish, MPI.COMM_SELF) == pytest.approx(due.kc, rel=0.03)
+    assert associated_rigid_box_kc(ground, mesh, wish, MPI.COMM_SELF) == pytest.approx(due.kc, rel=0.03)
 
 
 @pytest.mark.parametrize("element", ["bilinear", "quadratic"])

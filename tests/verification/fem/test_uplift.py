@@ -51,13 +51,13 @@ def test_ground_that_blows_out_is_told_by_how_much_it_is_lifted() -> None:
         assess(ground, meshing, generate(ground, meshing), FIXED, MPI.COMM_SELF, lambda *_: None)
 
 
-def test_ground_that_its_strength_holds_down_has_an_answer_and_a_doubt() -> None:
+def test_ground_that_its_strength_holds_down_has_an_answer_and_a_warning() -> None:
     ground = above_a_lens(1.0, 3.0, 60.0)
     meshing = MeshSettings(size=0.8)
     one_mesh = FIXED.model_copy(update={"accuracy": 0.0})
     found = assess(ground, meshing, generate(ground, meshing), one_mesh, MPI.COMM_SELF, lambda *_: None)
     assert found.critical.kc > 0.0
-    assert any(doubt.contradiction and "factor against uplift 0.73" in doubt.what for doubt in found.doubts)
+    assert any(warning.contradiction and "factor against uplift 0.73" in warning.what for warning in found.warnings)
 
 
 def test_bare_sand_whose_water_would_rise_above_it_cannot_stand() -> None:

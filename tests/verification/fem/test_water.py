@@ -247,7 +247,11 @@ def test_sand_where_the_river_meets_the_bank_is_not_washed_out():
     bank = section(sand, water={"table": [[0.0, 7.0], [20.0, 6.0], [36.0, 3.6], [60.0, 3.6]]})
     found = critical_coefficient(bank, generate(bank, MeshSettings(size=2.0)), PLAIN, MPI.COMM_SELF)
     bounds = kh_bounds(bank, PLAIN, BoundsSettings(gap=0.05, max_cells=2500, davis=False))
-    assert [face.stratum for face in found.skins] == [face.stratum for face in bounds.skins] == ["Sand, below water"]
+    assert (
+        [face.stratum for face in found.shallow_failures]
+        == [face.stratum for face in bounds.shallow_failures]
+        == ["Sand, below water"]
+    )
     assert bounds.lower <= found.kc <= 1.03 * bounds.upper
 
 

@@ -15,9 +15,9 @@ from workflow.earthquake.site_response import (
     HalfSpace,
     Layer,
     Response,
-    doubt,
     response,
     stiffness_and_damping,
+    warning,
     waves,
 )
 from workflow.estimates.comparison import estimates
@@ -132,8 +132,8 @@ def test_strong_motions_have_an_answer_that_is_at_rest(name: str, seed: int) -> 
 )
 def test_large_strains_are_doubted(strain: float, told: str) -> None:
     """0.7 % is answered with a warning; 16.5 % was answered without a word."""
-    assert told in doubt(strain)
-    assert bool(doubt(strain)) == bool(told)
+    assert told in warning(strain)
+    assert bool(warning(strain)) == bool(told)
 
 
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -152,7 +152,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert command_line.run("report", tmp_path / "run", "--quiet") == 0
     assert "<h3>Site response</h3>" in (tmp_path / "run/report.html").read_text(encoding="utf-8")
     assert answer["change"] < 0.002
-    assert answer["doubt"] == ""
+    assert answer["warning"] == ""
     strong = {"--set": "site_response.scale=12.0"}
     assert command_line.run("response", path, "--out", tmp_path / "strong", *next(iter(strong.items()))) == 0
     assert "%, above 1.5 %: this is beyond equivalent linear layers" in " ".join(capsys.readouterr().out.split())

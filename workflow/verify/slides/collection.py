@@ -40,12 +40,12 @@ def run(
     rows = []
     for case in read_cases(folder, names):
         if compute:
-            own = replace(predict(case, seeds), commit=version)
+            prediction = replace(predict(case, seeds), commit=version)
             write_answers(
-                record, read_answers(record, SlideAnswer) | {case.name: own}
+                record, read_answers(record, SlideAnswer) | {case.name: prediction}
             )  # others may have been at it meanwhile
-        found = read_answers(record, SlideAnswer).get(case.name)
-        rows.append(SlideRow(case, found, judge(case, found)))
+        answer = read_answers(record, SlideAnswer).get(case.name)
+        rows.append(SlideRow(case, answer, judge(case, answer)))
         if tell:
             tell(rows[-1])
     return rows
@@ -55,10 +55,10 @@ def errors(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> st
     """The table of errors that the report of a slide leans on: every case that was run, as CSV."""
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
-    table.writerow(["name", "group", "kind", "judge", "ratio"])
+    table.writerow(["name", "group", "kind", "method", "ratio"])
     for case in cases:
-        found = answers.get(case.name)
-        verdicts = {"discs": judge(case, found), "mpm": judge_points(case, found)}
+        answer = answers.get(case.name)
+        verdicts = {"discs": judge(case, answer), "mpm": judge_points(case, answer)}
         problem = case.known.problem
         kind: str = problem.kind
         if case.known.group == "field":

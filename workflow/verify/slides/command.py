@@ -30,7 +30,7 @@ def verify_slides(
         cases, answers = read_cases(place), read_answers(place / FILE, SlideAnswer)
         out.print(str(write_page(place, cases, answers)), soft_wrap=True)
         if folder is None:
-            commits = [found.commit for found in answers.values()]
+            commits = [answer.commit for answer in answers.values()]
             command = "noshiro verify --slides --page"
             keep_numbers(Path("docs"), "slides", command, counts(cases, answers), commits)
             out.print(str(write_errors(Path(slide_error.__file__).parent, cases, answers)), soft_wrap=True)
@@ -38,8 +38,8 @@ def verify_slides(
 
 
 def _as_dict(row: "SlideRow") -> dict[str, object]:
-    found = {} if row.found is None else asdict(row.found)
-    return found | {
+    answer = {} if row.found is None else asdict(row.found)
+    return answer | {
         "name": row.case.name,
         "group": row.case.known.group,
         "measured": row.case.measured,
@@ -51,10 +51,10 @@ def _as_dict(row: "SlideRow") -> dict[str, object]:
 
 def _tell(out: "Console", row: "SlideRow") -> None:
     """One line for a case."""
-    found = row.found
-    predicted = ", ".join(number(value) for value in found.values) if found is not None else ""
+    answer = row.found
+    predicted = ", ".join(number(value) for value in answer.values) if answer is not None else ""
     measured = " to ".join(dict.fromkeys(number(end) for end in row.case.measured))
     line = f"{row.verdict.word:<15} {row.case.name:<30} measured {measured}, predicted {predicted}; {told(row.verdict)}"
     out.print(escape(line.rstrip("; ")), soft_wrap=True)
-    if found is not None and found.failure:
-        out.print(escape(f"                {found.failure}"), soft_wrap=True)
+    if answer is not None and answer.failure:
+        out.print(escape(f"                {answer.failure}"), soft_wrap=True)

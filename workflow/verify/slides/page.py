@@ -79,25 +79,33 @@ def _summary(
     ]
     for group in GROUPS:
         chosen = [case for case in cases if case.known.group == group]
-        run = [one for one in (verdicts[case.name] for case in chosen) if one.word not in ("not run", "failed")]
-        points = [one for case in chosen if (one := judge_points(case, answers.get(case.name))) is not None]
-        for name, found in ((group, run), (f"{group}, by material points", points)):
-            if chosen and (found or name == group):
-                middle = bias(found)
-                cells = [name, len(chosen), len(found), right(found, CLOSE), right(found, FAR)]
+        run = [
+            verdict for verdict in (verdicts[case.name] for case in chosen) if verdict.word not in ("not run", "failed")
+        ]
+        points = [verdict for case in chosen if (verdict := judge_points(case, answers.get(case.name))) is not None]
+        for name, group_verdicts in ((group, run), (f"{group}, by material points", points)):
+            if chosen and (group_verdicts or name == group):
+                middle = bias(group_verdicts)
+                cells = [
+                    name,
+                    len(chosen),
+                    len(group_verdicts),
+                    right(group_verdicts, CLOSE),
+                    right(group_verdicts, FAR),
+                ]
                 rows.append(f"| {' | '.join(map(str, cells))} | {'-' if middle is None else f'{middle:.2f}'} |")
     return "\n".join(rows)
 
 
 def counts(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> dict[str, float | int | str]:
     """The numbers that the documentation quotes: how many of each group were run, and how many are how near."""
-    found: dict[str, float | int | str] = {}
+    numbers: dict[str, float | int | str] = {}
     for group in GROUPS:
         chosen = [judge(case, answers.get(case.name)) for case in cases if case.known.group == group]
-        run = [one for one in chosen if one.word not in ("not run", "failed")]
-        found |= {f"{group}_cases": len(chosen), f"{group}_run": len(run)}
-        found |= {f"{group}_within_1_5": right(run, CLOSE), f"{group}_within_3": right(run, FAR)}
-    return found
+        run = [verdict for verdict in chosen if verdict.word not in ("not run", "failed")]
+        numbers |= {f"{group}_cases": len(chosen), f"{group}_run": len(run)}
+        numbers |= {f"{group}_within_1_5": right(run, CLOSE), f"{group}_within_3": right(run, FAR)}
+    return numbers
 
 
 def _table(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer], verdicts: Mapping[str, SlideVerdict]) -> str:
@@ -106,38 +114,38 @@ def _table(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer], verdi
         "|---|---|---|---|---|---|---|",
     ]
     for case in cases:
-        found, verdict = answers.get(case.name, SlideAnswer(case.name)), verdicts[case.name]
+        answer, verdict = answers.get(case.name, SlideAnswer(case.name)), verdicts[case.name]
         measured = "<br>".join(
             " to ".join(dict.fromkeys(number(end) for end in value.ends))
             + f" {value.author}" + ("" if value.counts else " (for comparison)")
             for value in case.known.values
         )  # fmt: skip
         cells = [
-            f"![]({PICTURES}/{case.name}.png)" if found.values else "",
+            f"![]({PICTURES}/{case.name}.png)" if answer.values else "",
             f"[{case.name}]({case.name}.toml)<br>{case.title}<br>{case.known.quantity}"
             + (f" ({case.known.unit})" if case.known.unit else ""),
             measured,
-            ", ".join(number(value) for value in found.values)
-            + ("" if found.points is None else f"<br>material points {number(found.points)}"),
-            told(verdict) + _of_points(case, found),
-            f"{100.0 * max(found.loose):.1f} %" if found.loose else "",
+            ", ".join(number(value) for value in answer.values)
+            + ("" if answer.points is None else f"<br>material points {number(answer.points)}"),
+            told(verdict) + _of_points(case, answer),
+            f"{100.0 * max(answer.loose):.1f} %" if answer.loose else "",
             verdict.word,
         ]
         rows.append("| " + " | ".join(cells) + " |")
     return "\n".join(rows)
 
 
-def _of_points(case: SlideCase, found: SlideAnswer) -> str:
+def _of_points(case: SlideCase, answer: SlideAnswer) -> str:
     """The ratio of material points, on a line of its own."""
-    verdict = judge_points(case, found)
+    verdict = judge_points(case, answer)
     return "" if verdict is None else f"<br>{told(verdict)} ({verdict.word})"
 
 
-def _remarks(case: SlideCase, found: SlideAnswer | None) -> Iterator[str]:
+def _remarks(case: SlideCase, answer: SlideAnswer | None) -> Iterator[str]:
     yield f"source: {case.known.source}"
     if case.known.assumed:
         yield f"assumed: {case.known.assumed}"
-    if found is not None and found.failure:
-        yield f"no prediction: {found.failure}"
-    if found is not None and found.rested and not all(found.rested):
+    if answer is not None and answer.failure:
+        yield f"no prediction: {answer.failure}"
+    if answer is not None and answer.rested and not all(answer.rested):
         yield "it had not come to rest in every packing"

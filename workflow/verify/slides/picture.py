@@ -14,11 +14,11 @@ SIZE = (3.2, 1.25)
 BEFORE, AFTER, MEASURED = "#9a9a9a", "#c0392b", "#1f6fb2"
 
 
-def draw(case: SlideCase, found: SlideAnswer, path: Path) -> None:
+def draw(case: SlideCase, answer: SlideAnswer, path: Path) -> None:
     """Write the picture as a PNG of few colours: grey before, red after, a blue bar where the front was measured."""
     figure = Figure(figsize=SIZE, dpi=DPI)
     axes = figure.add_axes((0.02, 0.04, 0.96, 0.92))
-    before, after = np.array(found.before).reshape(-1, 2), np.array(found.after).reshape(-1, 2)
+    before, after = np.array(answer.before).reshape(-1, 2), np.array(answer.after).reshape(-1, 2)
     low = min((float(line[:, 1].min()) for line in (before, after) if len(line)), default=0.0)
     if isinstance(case.known.problem, Column):
         low = 0.0
@@ -29,7 +29,7 @@ def draw(case: SlideCase, found: SlideAnswer, path: Path) -> None:
     if isinstance(case.known.problem, Column):
         problem = case.known.problem
         size = problem.height if problem.weight_over_strength > 0.0 else problem.width
-        ends = [problem.width + size * one for one in case.measured]
+        ends = [problem.width + size * end for end in case.measured]
         axes.axvspan(ends[0] - 0.2 * problem.radius, ends[1] + 0.2 * problem.radius, color=MEASURED, alpha=0.6)
     elif case.measured[1] > 0.0 and len(after):
         start = float(after[len(after) // 2, 0])

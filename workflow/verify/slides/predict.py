@@ -50,18 +50,18 @@ def predict(case: SlideCase, seeds: int | None = None) -> SlideAnswer:
     """
     begun = time.process_time()
     find = _FINDERS[type(case.known.problem)]
-    found: list[Found] = []
+    predictions: list[Found] = []
     failure = ""
     for seed in range(seeds or case.known.seeds):
         try:
-            found.append(find(case, case.known.problem, seed))
+            predictions.append(find(case, case.known.problem, seed))
         except (NoAnswerError, InputError, ValueError) as error:
             failure = f"packing {seed}: {error}"
             break
     seconds = round(time.process_time() - begun, 1)
-    if failure or not found:
+    if failure or not predictions:
         return SlideAnswer(case.name, seconds=seconds, failure=failure)
-    values, loose, rested, before, after = zip(*found, strict=True)
+    values, loose, rested, before, after = zip(*predictions, strict=True)
     return SlideAnswer(
         case.name, tuple(round(float(v), 4) for v in values), tuple(round(float(v), 4) for v in loose), rested,
         before[0], after[0], seconds, points=_by_points(case),
@@ -148,9 +148,9 @@ def _section(case: SlideCase, wanted: Ground, seed: int) -> Found:
 
 
 def _by_points(case: SlideCase) -> float | None:
-    """The same number by material points, where the section names them among its judges; None for a front."""
+    """The same number by material points, where the section names them among its methods; None for a front."""
     config, wanted = case.config, case.known.problem
-    if config is None or not isinstance(wanted, Ground) or "mpm" not in config.slide.judges or wanted.at == "front":
+    if config is None or not isinstance(wanted, Ground) or "mpm" not in config.slide.methods or wanted.at == "front":
         return None
     slide = _points_slid(Sliding(config), _number(wanted.case, config.cases))
     if wanted.at == "crest":
@@ -200,8 +200,8 @@ def _slid(sliding: Sliding, number: int, seed: int) -> tuple[DiscModel, DiscMode
 
 def _number(case: str, cases: tuple[Case, ...]) -> int:
     """The number of a case by its name or number. Raises ValueError where there is none."""
-    for number, one in enumerate(cases, start=1):
-        if case in (one.name, str(number)):
+    for number, numbered in enumerate(cases, start=1):
+        if case in (numbered.name, str(number)):
             return number
     raise ValueError(f'there is no case "{case}": there are {len(cases)}')
 

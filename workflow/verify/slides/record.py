@@ -28,7 +28,7 @@ class SlideAnswer(Named):
     failure : str
         Why there is no prediction; empty where there is one.
     points : float or None
-        What material points predict, where the case asks for that judge, too.
+        What material points predict, where the case asks for them.
     """
 
     values: tuple[float, ...] = ()

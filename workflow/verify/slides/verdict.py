@@ -41,16 +41,16 @@ class SlideVerdict:
         return max(self.ratio, 1.0 / self.ratio) if self.ratio > 0.0 else float("inf")
 
 
-def judge(case: SlideCase, found: SlideAnswer | None) -> SlideVerdict:
+def judge(case: SlideCase, answer: SlideAnswer | None) -> SlideVerdict:
     """The verdict on a case."""
-    if found is None:
+    if answer is None:
         return SlideVerdict("not run")
-    return _judged(case, found.values) if found.values else SlideVerdict("failed")
+    return _judged(case, answer.values) if answer.values else SlideVerdict("failed")
 
 
-def judge_points(case: SlideCase, found: SlideAnswer | None) -> SlideVerdict | None:
+def judge_points(case: SlideCase, answer: SlideAnswer | None) -> SlideVerdict | None:
     """The same of what material points predict; None where they were not asked."""
-    return None if found is None or found.points is None else _judged(case, (found.points,))
+    return None if answer is None or answer.points is None else _judged(case, (answer.points,))
 
 
 def _judged(case: SlideCase, predicted: tuple[float, ...]) -> SlideVerdict:

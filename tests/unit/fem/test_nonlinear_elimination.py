@@ -1,4 +1,4 @@
-"""A pocket of ground is brought to rest by itself: nothing around it moves, and the answer is the same, only sooner."""
+"""Cells far from balance are solved by themselves: nothing around it moves, and the answer is the same, only sooner."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from fem.limit_load.limit_load import critical_at_once
 from fem.path import newton as continuation
 from fem.path.gravity import UNDER_GRAVITY, at_the_sides, bring_to_rest
 from fem.path.newton import ProportionalLoad, residual_of
-from fem.path.nonlinear_elimination import ALIKE, Pocket
+from fem.path.nonlinear_elimination import ALIKE, LocalSubproblem
 from fem.search.adaptive import next_mesh
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
@@ -50,20 +50,22 @@ def begun(mesh) -> Begun:
 
 
 def test_a_pocket_comes_to_rest_and_nothing_around_it_moves(begun) -> None:
-    pocket = Pocket(begun.problem, begun.unbalanced)
-    after = pocket.at_rest(begun.moved, begun.unbalanced)
-    outside = np.setdiff1d(np.arange(len(after)), pocket.components)
-    assert len(pocket.components) > 0
+    subproblem = LocalSubproblem(begun.problem, begun.unbalanced)
+    after = subproblem.at_rest(begun.moved, begun.unbalanced)
+    outside = np.setdiff1d(np.arange(len(after)), subproblem.components)
+    assert len(subproblem.components) > 0
     assert len(outside) > 0
     assert np.array_equal(after[outside], begun.moved[outside])
     left = np.abs(residual_of(begun.problem, begun.load, after, 1.0, 1.0)[0])
     before = np.abs(begun.unbalanced)
-    assert left[pocket.components].max() <= 1.01 * ALIKE * before[outside].max() < before[pocket.components].max()
+    assert (
+        left[subproblem.components].max() <= 1.01 * ALIKE * before[outside].max() < before[subproblem.components].max()
+    )
 
 
 def test_what_is_held_stays_where_it_is(begun) -> None:
-    pocket = Pocket(begun.problem, begun.unbalanced)
-    assert np.all(begun.problem.free[pocket.components])
+    subproblem = LocalSubproblem(begun.problem, begun.unbalanced)
+    assert np.all(begun.problem.free[subproblem.components])
 
 
 def test_a_river_bank_of_bare_sand_comes_to_the_same_rest_with_fewer_corrections(monkeypatch) -> None:

@@ -1,4 +1,4 @@
-"""Reasons not to trust an answer, and the judges that compare it with other numbers."""
+"""Reasons not to trust an answer, and the checks that compare it with other numbers."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ ABOVE_BOUND, SMALL_KH = 0.005, 0.002
 
 
 @dataclass(frozen=True)
-class Doubt:
+class ResultWarning:
     """A reason not to trust an answer.
 
     Attributes
@@ -52,31 +52,33 @@ class Computed:
 
 
 def of_bounds(
-    kc: float, lower: float | None, upper: float | None, own: bool, what: str = "critical Kh"
-) -> Iterator[Doubt]:
-    """A critical Kh beside strict bounds: of its own flow rule and strength (``own``), or of ψ = φ, for which only the
-    upper bound speaks, since ground that dilates less cannot bear more. ``what`` is judged."""
-    whose = "" if own else " with ψ = φ, which no smaller ψ can exceed"
+    kc: float, lower: float | None, upper: float | None, same_flow: bool, what: str = "critical Kh"
+) -> Iterator[ResultWarning]:
+    """Compare ``what``, a critical Kh or a factor, with strict bounds of its own flow rule (``same_flow``) or of ψ = φ.
+
+    Only the upper bound of ψ = φ counts for a smaller ψ: ground that dilates less resists no more.
+    """
+    whose = "" if same_flow else " with ψ = φ, which no smaller ψ can exceed"
     if upper is not None and kc > upper + max(ABOVE_BOUND * upper, SMALL_KH):
-        yield Doubt(
+        yield ResultWarning(
             f"The {what} of {kc:.3f} lies {100.0 * (kc / upper - 1.0):.0f} % above the strict upper bound{whose}, "
             f"{upper:.3f}.",
             f"take {upper:.3f} as an upper limit and refine the mesh",
         )
-    if own and lower is not None and kc < lower - max(ROUNDING * lower, SMALL_KH):
-        yield Doubt(
+    if same_flow and lower is not None and kc < lower - max(ROUNDING * lower, SMALL_KH):
+        yield ResultWarning(
             f"The {what} of {kc:.3f} lies below the strict lower bound, {lower:.3f}.",
             f"take {lower:.3f} as a lower limit and refine the mesh",
         )
 
 
-def of_others(kc: float, others: Iterable[Computed]) -> Iterator[Doubt]:
+def of_others(kc: float, others: Iterable[Computed]) -> Iterator[ResultWarning]:
     """The same thing computed in another way, by another mesh or element, that changes the critical Kh notably."""
     for other in others:
         without = other.without or kc
         change = other.kc / without - 1.0
         if abs(change) > NOTABLE and abs(other.kc - without) > SMALL_KH:
-            yield Doubt(
+            yield ResultWarning(
                 f"With {other.what} the critical Kh is {other.kc:.3f} instead of {without:.3f}, "
                 f"{100.0 * change:+.0f} %.",
                 "refine the mesh until it no longer matters, or run the bounds",
@@ -84,6 +86,6 @@ def of_others(kc: float, others: Iterable[Computed]) -> Iterator[Doubt]:
             )
 
 
-def is_doubtful(doubts: Iterable[Doubt]) -> bool:
-    """Whether any of the doubts contradicts the answer."""
-    return any(doubt.contradiction for doubt in doubts)
+def is_doubtful(warnings: Iterable[ResultWarning]) -> bool:
+    """Whether any of the warnings contradicts the answer."""
+    return any(warning.contradiction for warning in warnings)

@@ -1,4 +1,4 @@
-"""dem/continuum.json: the continuum that soil discs are held against, as like them as it can be had."""
+"""dem/continuum.json: the answer of the FEM model that soil discs are calibrated to."""
 
 from collections.abc import Mapping
 from typing import ClassVar, Self
@@ -14,8 +14,8 @@ from workflow.results.continuum import FemAnswer, PathVerdict, RigidBox, displac
 FLOWS: Mapping[Flow, str] = {"davis": "Davis's estimate", "associated": "ψ = φ", "section": "ψ as given"}
 
 
-class LikeDiscs(Answer):
-    """Its critical Kh with the discs' sides and the soil's dilation, for failures that discs of their size can show."""
+class DemCounterpart(Answer):
+    """Critical Kh with the sides of the DEM box and the dilation of the soil, for failures at least two discs deep."""
 
     FILE: ClassVar[str] = "dem/continuum.json"
 
@@ -37,20 +37,20 @@ class LikeDiscs(Answer):
     def of(cls, fem: FemAnswer, instead: str = "") -> Self:
         """What the stage `fem` found between the sides of the discs' box, else with its own sides."""
         box = fem.rigid_box if fem.rigid_box is not None and fem.rigid_box.has_kc else None
-        found: RigidBox | FemAnswer = box or fem
+        source: RigidBox | FemAnswer = box or fem
         end = fem.last_in_equilibrium()
         line = box.slip_surface if box else end.slip_surface if end else ()
         return cls(
-            kc=found.kc,
-            kc_upper=found.kc_upper,
-            verdict=found.verdict,
-            reason=found.reason,
+            kc=source.kc,
+            kc_upper=source.kc_upper,
+            verdict=source.verdict,
+            reason=source.reason,
             sides="fixed" if box else fem.settings.sides,
             flow=box.flow if box else fem.flow,
             deeper_than_m=box.deeper_than_m if box else None,
             instead=instead,
-            yielding_m=displacement_at(found.curve, found.kc, YIELDED),
-            curve=found.curve,
+            yielding_m=displacement_at(source.curve, source.kc, YIELDED),
+            curve=source.curve,
             slip_surface=line,
         )
 

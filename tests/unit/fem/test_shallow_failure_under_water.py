@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fem.continuum.shallow_failure import Skin, faces_at, least_rolling_factor, skins, strengthened
+from fem.continuum.shallow_failure import ShallowFailure, faces_at, least_rolling_factor, shallow_failures, strengthened
 from fem.limit.bounds import first_mesh, kh_bounds
 from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings
@@ -45,11 +45,11 @@ BUOYANT = 20e3 - WATER
 ALONG = [[-30.0, 10.0], [25.0, 10.0], [50.0, 20.0], [90.0, 20.0]]
 
 
-def test_a_face_that_meets_the_pond_part_way_has_two_skins() -> None:
+def test_a_face_that_meets_the_pond_part_way_has_two_shallow_failures() -> None:
     """Buoyant below the pond, 0.2184; with water seeping out above it, 0.0223 and a factor of safety of 1.078. The
     middle of it all would tell 0.1204."""
     section = face_of_sand(water={"table": ALONG})
-    below, above = skins(section, FIXED)
+    below, above = shallow_failures(section, FIXED)
     assert (below.start, below.end, above.start, above.end) == (0.0, 25.0, 25.0, 50.0)
     assert below.kh == pytest.approx(infinite_slope(45.0, BUOYANT, 0.0), rel=1e-9)
     assert below.kh == pytest.approx(0.2184, abs=5e-5)
@@ -63,22 +63,22 @@ def test_a_face_that_meets_the_pond_part_way_has_two_skins() -> None:
 
 
 def test_bounds_say_what_they_leave_out_and_are_strict_only_without() -> None:
-    """At the factor of the whole, 1.15, the face has failed: the skin's 1.078 stands beside the bounds. Where no face
+    """At the factor of the whole, 1.15, the face has failed: the shallow 1.078 stands beside the bounds. Where no face
     rolls before, nothing is strengthened."""
     few = BoundsSettings(gap=0.2, max_cells=800, davis=False)
     section = face_of_sand(water={"table": ALONG})
     found = kh_bounds(section, FIXED, few)
-    assert min(face.kh for face in found.skins) == pytest.approx(0.0223, abs=5e-5)
+    assert min(face.kh for face in found.shallow_failures) == pytest.approx(0.0223, abs=5e-5)
     assert found.section is not section
     told = safety_bounds(section, FIXED, few, held=True)
-    assert told.skin == pytest.approx(1.078, abs=5e-4)
-    assert told.skin < told.lower
+    assert told.shallow_failure == pytest.approx(1.078, abs=5e-4)
+    assert told.shallow_failure < told.lower
 
 
 @pytest.mark.parametrize("ratio", [0.2, 0.35])
 def test_a_pore_pressure_ratio(ratio: float) -> None:
     section = face_of_sand(pore_pressure_ratio=ratio, density_saturated=None)
-    [face] = skins(section, FIXED)
+    [face] = shallow_failures(section, FIXED)
     whole = infinite_slope(45.0, 19e3, ratio * 19e3) * 20e3 / 19e3
     assert face.kh == pytest.approx(whole, rel=1e-9)
 
@@ -86,7 +86,7 @@ def test_a_pore_pressure_ratio(ratio: float) -> None:
 def test_a_drawdown_leaves_the_pressure_that_the_water_took_its_weight_from() -> None:
     """Above the new level the ground that does not drain has the pressure of a table along the face."""
     section = face_of_sand(42.0, water={"table": 18.0, "after_drawdown": 9.0})
-    below, drawn, dry = skins(section, FIXED)
+    below, drawn, dry = shallow_failures(section, FIXED)
     assert [below.end, drawn.end] == pytest.approx([22.5, 45.0])
     assert below.kh == pytest.approx(infinite_slope(42.0, BUOYANT, 0.0), rel=1e-9)
     assert drawn.kh == pytest.approx(infinite_slope(42.0, 20e3, WATER), rel=1e-9)
@@ -95,8 +95,8 @@ def test_a_drawdown_leaves_the_pressure_that_the_water_took_its_weight_from() ->
 
 def test_pressure_that_shaking_adds_counts_where_the_ground_is_shaken() -> None:
     section = face_of_sand(40.0, water={"table": 25.0}, excess_pore_pressure_ratio=0.3)
-    [shaken] = skins(section, FIXED)
-    [still] = skins(section, FIXED, shaken=False)
+    [shaken] = shallow_failures(section, FIXED)
+    [still] = shallow_failures(section, FIXED, shaken=False)
     assert shaken.kh == pytest.approx(infinite_slope(40.0, BUOYANT, 0.3 * BUOYANT), rel=1e-9)
     assert still.kh == pytest.approx(infinite_slope(40.0, BUOYANT, 0.0), rel=1e-9)
     assert faces_at(section, FIXED, 0.0) == [still]
@@ -108,13 +108,13 @@ def test_water_just_below_the_face_counts_down_to_the_least_depth(below: float, 
     thin a film of moist sand is left with the saturated one, and has its weight; 0.4 m are a stratum of their own."""
     table = [[-30.0, 10.0], [25.0, 10.0 - below], [50.0, 20.0 - below], [90.0, 20.0 - below]]
     section = face_of_sand(water={"table": table})
-    worst = min((face for face in skins(section, FIXED) if face.end > 26.0), key=lambda face: face.kh)
+    worst = min((face for face in shallow_failures(section, FIXED) if face.end > 26.0), key=lambda face: face.kh)
     beta = math.atan(SLOPE)
     wet = infinite_slope(45.0, 20e3, WATER) * 20e3 * (0.5 - below)
     dry = math.tan(math.radians(45.0) - beta) * weight * below
     assert worst.kh == pytest.approx((wet + dry) / (20e3 * (0.5 - below) + weight * below), rel=1e-6)
     strong = strengthened(section, [worst], FIXED)
-    assert sum("skin" in s.name for s in strong.strata) == strips
+    assert sum("strengthened face" in s.name for s in strong.strata) == strips
     assert strong.layering.areas().sum() == pytest.approx(section.layering.areas().sum())
 
 
@@ -159,7 +159,7 @@ def by_force(section: Section, x: float, depth: float, shaken: bool) -> tuple[fl
     return float(share * (own + rise[1]).sum()), float(share * rise[0].sum()), float(share * own.sum())
 
 
-def told(section: Section, found: list[Skin], x: float) -> Skin | None:
+def told(section: Section, found: list[ShallowFailure], x: float) -> ShallowFailure | None:
     """The face at x, if it is one."""
     return next((face for face in found if face.start < x < face.end), None)
 
@@ -169,7 +169,7 @@ def told(section: Section, found: list[Skin], x: float) -> Skin | None:
 def test_no_face_is_told_to_bear_more_than_its_infinite_slope(section: Section, places: list[float]) -> None:
     """Kh and factor of safety, at any place of the face that no water from outside holds, in a layer of 10 mm."""
     down = FIXED.model_copy(update={"direction": "downhill"})
-    found, still = skins(section, down), faces_at(section, FIXED, 0.0)
+    found, still = shallow_failures(section, down), faces_at(section, FIXED, 0.0)
     beta, phi = math.atan(SLOPE), section.strata[0].friction_angle
     least = least_rolling_factor(section, still, 0.0, [s.friction_angle for s in section.strata])
     for x in places:
@@ -231,7 +231,7 @@ def test_where_two_faces_meet_the_bounds_are_those_of_the_slope_as_a_whole() -> 
     """Finer triangles find ever smaller mechanisms where the water meets such a face, 0.03 and less; the slope as a
     whole bears 0.0768 to 0.0784 (30 s of work), elements 0.0768 to 0.0776."""
     found = kh_bounds(bank_with_a_short_wet_face(), FemSettings(), BoundsSettings(seconds=6.0))
-    assert [round(face.kh, 3) for face in found.skins if face.start < 25.0] == [0.036]
+    assert [round(face.kh, 3) for face in found.shallow_failures if face.start < 25.0] == [0.036]
     assert 0.07 < found.lower < 0.0784
     assert 0.0768 < found.upper < 0.09
     assert found.shallow is None or found.shallow < 0.0364

@@ -1,4 +1,4 @@
-"""Judges of an answer, each shown what it must find and what it must let pass; and the slip surface."""
+"""Checks of an answer: what each must find and what it must let pass; and the slip surface."""
 
 from dataclasses import replace
 
@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from fem.continuum.fields import State, is_mechanism, touched_sides
-from fem.search.checks import doubts_of, of_cells, of_dilation, of_verdict, touches_base
+from fem.search.checks import of_cells, of_dilation, of_verdict, touches_base, warnings_of
 from fem.search.critical import CriticalResult
-from fem.search.doubts import Computed, is_doubtful, of_bounds, of_others
+from fem.search.result_warnings import Computed, is_doubtful, of_bounds, of_others
 from fem.search.slip_surface import slip_surface
 from meshes.quality import corner_angles
 from tests.support.fem_problems import grid
@@ -36,36 +36,38 @@ def result(kc=0.3, direction="downhill", state=None, **more):
     values = {
         "kc": kc, "lower": kc, "upper": kc, "verdict": "plateau", "element": "reduced", "flow": "davis",
         "direction": direction, "sign": 1, "reason": "", "remedy": "", "steps": [], "states": [state or failing()],
-        "solves": 0, "gravity_iterations": 1, "gravity_plastic_share": 0.0, "skins": [],
+        "solves": 0, "gravity_iterations": 1, "gravity_plastic_share": 0.0, "shallow_failures": [],
     }  # fmt: skip
     return CriticalResult(**{**values, **more})
 
 
 def test_a_sound_answer_is_not_doubted():
-    assert doubts_of(result(), MESH, result(0.32)) == []
+    assert warnings_of(result(), MESH, result(0.32)) == []
 
 
 def test_undecided_path_is_doubtful_and_says_why():
-    (doubt,) = of_verdict("undecided", "no step", "refine")
-    assert "no step" in doubt.what
-    assert doubt.remedy == "refine"
-    assert is_doubtful([doubt])
+    (warning,) = of_verdict("undecided", "no step", "refine")
+    assert "no step" in warning.what
+    assert warning.remedy == "refine"
+    assert is_doubtful([warning])
 
 
 def test_less_dilation_cannot_bear_more():
-    (doubt,) = of_dilation(result(0.167), result(0.145))
-    assert "0.167" in doubt.what
-    assert "0.145" in doubt.remedy
+    (warning,) = of_dilation(result(0.167), result(0.145))
+    assert "0.167" in warning.what
+    assert "0.145" in warning.remedy
     assert list(of_dilation(result(0.145), result(0.145))) == []
     assert list(of_dilation(result(0.167), result(0.145, direction="uphill"))) == []
 
 
 def test_strict_bounds_judge_answers_of_their_own_flow_and_every_smaller_dilation():
-    assert "19 %" in next(of_bounds(0.167, 0.123, 0.140, own=False)).what
-    assert list(of_bounds(0.100, 0.123, 0.140, own=False)) == [], "less dilation may bear less than the lower bound"
-    assert "lower bound" in next(of_bounds(0.100, 0.123, 0.140, own=True)).what
-    assert list(of_bounds(0.141, 0.123, 0.140, own=True)) == []
-    assert list(of_bounds(0.141, None, None, own=True)) == []
+    assert "19 %" in next(of_bounds(0.167, 0.123, 0.140, same_flow=False)).what
+    assert list(of_bounds(0.100, 0.123, 0.140, same_flow=False)) == [], (
+        "less dilation may bear less than the lower bound"
+    )
+    assert "lower bound" in next(of_bounds(0.100, 0.123, 0.140, same_flow=True)).what
+    assert list(of_bounds(0.141, 0.123, 0.140, same_flow=True)) == []
+    assert list(of_bounds(0.141, None, None, same_flow=True)) == []
 
 
 def test_changes_by_more_than_3_percent_are_told():
@@ -85,9 +87,9 @@ def test_mechanism_at_a_side_is_told_and_no_contradiction(side, column):
     moved = np.outer(np.abs(MESH.points[:, 0] - column) < 5.0, [1.0, 0.0])
     state = failing(displacement=moved)
     assert touched_sides(MESH, state) == (side,)
-    (doubt,) = doubts_of(result(state=state), MESH)
-    assert f"{side} side" in doubt.what
-    assert not is_doubtful([doubt])
+    (warning,) = warnings_of(result(state=state), MESH)
+    assert f"{side} side" in warning.what
+    assert not is_doubtful([warning])
 
 
 def test_mechanism_along_the_base_is_told():
@@ -100,12 +102,12 @@ def test_mechanism_along_the_base_is_told():
 def test_narrow_cells_are_told_with_their_place():
     flat = grid(np.array([0.0, 1.0]), np.array([0.0, 1.0]), move=lambda x, y: (x + 5.0 * y, y))
     assert corner_angles(flat.points, flat.cells).min() == pytest.approx(np.degrees(np.arctan(1.0 / 5.0)))
-    (doubt,) = of_cells(flat)
-    assert "1 of 1 cells" in doubt.what
-    assert "11.3°" in doubt.what
+    (warning,) = of_cells(flat)
+    assert "1 of 1 cells" in warning.what
+    assert "11.3°" in warning.what
     for method, recommended in (("mapped", True), ("free", False)):
-        (doubt,) = of_cells(replace(flat, method=method))
-        assert ('mesh.method = "free"' in doubt.remedy) == recommended
+        (warning,) = of_cells(replace(flat, method=method))
+        assert ('mesh.method = "free"' in warning.remedy) == recommended
     assert list(of_cells(MESH)) == []
 
 
@@ -129,4 +131,4 @@ def test_a_repeated_slope_ends_at_no_side():
     state = failing(displacement=np.full(MESH.points.shape, 1.0))
     assert touched_sides(MESH, state) == ("left", "right")
     assert touched_sides(MESH, replace(state, repeats=True)) == ()
-    assert doubts_of(result(state=replace(state, repeats=True)), MESH) == []
+    assert warnings_of(result(state=replace(state, repeats=True)), MESH) == []

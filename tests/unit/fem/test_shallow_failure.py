@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from fem.continuum.shallow_failure import faces_at, skins, strengthened
-from fem.limit.bounds import governing_skins, kh_bounds
+from fem.continuum.shallow_failure import faces_at, shallow_failures, strengthened
+from fem.limit.bounds import governing_shallow_failures, kh_bounds
 from fem.search.liquefied_ground import Remains, liquefied_section
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
@@ -26,19 +26,19 @@ def bank(cohesion=0, **changes) -> Section:
     return Section.parse({**data, "strata": [sand, layer("clay", cohesion="60 kPa", friction_angle="0 deg")]})
 
 
-def test_the_skin_is_an_infinite_slope():
+def test_the_shallow_failure_is_an_infinite_slope():
     """Kh = (γ / γs - Kv) tan(φ - β), on the face alone; pushed uphill, there is none."""
-    [face] = skins(bank(density_ordinary="1.0 t/m^3"), FemSettings(vertical=0.1))
+    [face] = shallow_failures(bank(density_ordinary="1.0 t/m^3"), FemSettings(vertical=0.1))
     assert (face.stratum, face.start, face.end) == ("sand", 10.0, 20.0)
     assert face.kh == pytest.approx((1.0 / 1.9 - 0.1) * np.tan(np.radians(35.0) - np.arctan(0.5)))
-    assert skins(bank(), FemSettings(direction="uphill")) == []
-    assert skins(bank(cohesion="1 kPa"), FIXED) == []
+    assert shallow_failures(bank(), FemSettings(direction="uphill")) == []
+    assert shallow_failures(bank(cohesion="1 kPa"), FIXED) == []
 
 
 def test_the_strengthened_strip_carries_what_level_ground_does():
     """The infinite slope: γ d sin β + Kh γ d cos β = c / cos β + tan φ (γ d cos β - Kh γ d sin β), d vertical."""
     section, settings = bank(), FemSettings(least_depth="0.8 m")
-    [face] = skins(section, settings)
+    [face] = shallow_failures(section, settings)
     strip = strengthened(section, [face], settings).strata[0]
     weight, tan = 1900.0 * 9.80665 * 0.8, np.tan(np.radians(35.0))
     sin, cos = np.sin(face.angle), np.cos(face.angle)
@@ -52,12 +52,12 @@ def test_the_strip_follows_the_face_and_ends_with_its_stratum():
     sand = {**layer("sand", cohesion=0, friction_angle="33 deg"), "bottom": {"elevation": [[0, 10], [18, 6]]}}
     data = {"name": "thin", "surface": [[0, 12], [24, 4]], "base": {"elevation": 0}, "strata": [sand, layer("rest")]}
     thin = Section.parse(data)
-    strong = strengthened(thin, skins(thin, FIXED), FIXED)
+    strong = strengthened(thin, shallow_failures(thin, FIXED), FIXED)
     x = np.linspace(0.1, 17.9, 50)
     before, after = (s.layering.interfaces(x) for s in (thin, strong))
     np.testing.assert_allclose(after[:, [0, 2, 3]], before, atol=1e-9)
     np.testing.assert_allclose(after[:, 0] - after[:, 1], np.minimum(0.5, before[:, 0] - before[:, 1]), atol=1e-6)
-    assert strengthened(section, skins(section, FIXED), FIXED).layering.areas().sum() == pytest.approx(
+    assert strengthened(section, shallow_failures(section, FIXED), FIXED).layering.areas().sum() == pytest.approx(
         section.layering.areas().sum()
     )
 
@@ -66,10 +66,10 @@ def test_a_stratum_thinner_than_the_least_depth_is_strengthened_as_a_whole() -> 
     """S-13's first sand is 2 m thick at most: below 3 m of it nothing is left that could have a thickness."""
     section = Section.read(SECTIONS / "s13.toml")
     deep = FemSettings(least_depth=3.0)
-    [face] = skins(section, deep)
+    [face] = shallow_failures(section, deep)
     strong = strengthened(section, [face], deep)
     assert len(strong.strata) == len(section.strata)
-    assert strong.strata[0].name.startswith("1 Ts, skin")
+    assert strong.strata[0].name.startswith("1 Ts, strengthened face")
     assert strong.layering.areas() == pytest.approx(section.layering.areas())
 
 
@@ -80,7 +80,7 @@ def test_ground_level_to_rounding_is_level(tilt: float) -> None:
     sand = layer("sand", cohesion=0, friction_angle="35 deg")
     level = Section.parse({"name": "level", "surface": surface, "base": {"elevation": -9.0}, "strata": [sand]})
     for direction in ("downhill", "uphill"):
-        assert skins(level, FemSettings(direction=direction)) == []
+        assert shallow_failures(level, FemSettings(direction=direction)) == []
     assert faces_at(level, FIXED, 0.0) == []
 
 
@@ -90,7 +90,7 @@ def test_what_a_gentle_face_is_strengthened_by_is_not_judged_as_input(fall: floa
     sand = layer("sand", cohesion=0, friction_angle="35 deg")
     gentle = {"name": "gentle", "surface": [[0.0, fall], [15.0, 0.0]], "base": {"elevation": -9.0}, "strata": [sand]}
     section = Section.parse(gentle)
-    [face] = skins(section, FIXED)
+    [face] = shallow_failures(section, FIXED)
     strip = strengthened(section, [face], FIXED).strata[0]
     assert 0.0 < strip.cohesion < 50.0
     assert strip.cohesion == pytest.approx(
@@ -105,17 +105,17 @@ def test_liquefied_ground_is_not_judged_as_input() -> None:
     section = section.with_strata([section.strata[0], loose])
     weak = liquefied_section(section, {1: Remains(cohesion=0.0, friction=0.1, residual=1e-4)})
     assert 0.0 < weak.strata[1].cohesion < 20.0
-    strong = strengthened(weak, skins(weak, FIXED), FIXED)
-    assert [s.name for s in strong.strata] == ["sand, skin at x = 10 m", "sand", "clay"]
+    strong = strengthened(weak, shallow_failures(weak, FIXED), FIXED)
+    assert [s.name for s in strong.strata] == ["sand, strengthened face at x = 10 m", "sand", "clay"]
     assert strong.strata[2].cohesion == weak.strata[1].cohesion
 
 
-def test_the_skin_governs_a_bank_of_sand_and_not_a_gentle_slope():
-    [face] = governing_skins(bank(), FIXED)
+def test_the_shallow_failure_governs_a_bank_of_sand_and_not_a_gentle_slope():
+    [face] = governing_shallow_failures(bank(), FIXED)
     whole = kh_bounds(strengthened(bank(), [face], FIXED), FIXED, BoundsSettings(gap=0.2, max_cells=1500))
     assert face.kh == pytest.approx(0.1482, abs=1e-4)
     assert whole.upper > face.kh
-    assert governing_skins(Section.read(SECTIONS / "s13.toml"), FIXED) == []
+    assert governing_shallow_failures(Section.read(SECTIONS / "s13.toml"), FIXED) == []
 
 
 @pytest.mark.parametrize(("head", "share"), [("vertical", 1.0), ("normal", 0.9)])
@@ -124,20 +124,20 @@ def test_water_that_seeps_out_along_a_face_takes_its_part(head: str, share: floa
     face = {"surface": [[0.0, 20.0], [60.0, 0.0]], "base": {"depth": 8.0}}
     sand = soil("Sand", cohesion=0.0, friction_angle="38 deg")
     given = water_section(sand, **face, water={"table": {"depth": 0.0}, "head": head})
-    [found] = skins(given, FemSettings())
+    [found] = shallow_failures(given, FemSettings())
     friction = math.tan(math.radians(38.0))
     up = (20e3 * 0.9 - share * WATER) * friction - 20e3 * 0.3
     assert found.kh == pytest.approx(up / (20e3 * (0.9 + 0.3 * friction)), rel=1e-6)
 
 
-def test_a_face_under_still_water_has_the_skin_of_buoyant_sand() -> None:
+def test_a_face_under_still_water_fails_as_buoyant_sand() -> None:
     sand = soil("Sand", cohesion=0.0, friction_angle="38 deg")
-    [found] = skins(water_section(sand, water={"table": 12.0}), FemSettings())
+    [found] = shallow_failures(water_section(sand, water={"table": 12.0}), FemSettings())
     ratio = (20e3 - WATER) / 20e3
     assert found.kh == pytest.approx(ratio * math.tan(math.radians(38.0) - math.atan(0.4)), rel=1e-6)
 
 
-def test_a_face_under_a_load_has_no_skin() -> None:
+def test_a_face_under_a_load_has_no_shallow_failure() -> None:
     sand = soil("Sand", cohesion=0.0, friction_angle="38 deg")
     load = {"from": 18, "to": 42, "pressure": "20 kPa"}
-    assert skins(water_section(sand, surcharges=[load]), FemSettings()) == []
+    assert shallow_failures(water_section(sand, surcharges=[load]), FemSettings()) == []

@@ -1,4 +1,4 @@
-"""The continuum as the discs are: with their sides, and with ψ as given on a non-associated path."""
+"""FEM model that the DEM is calibrated to: sides of the DEM box, non-associated flow with the given ψ."""
 
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,7 @@ from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.answer import line
 from workflow.results.continuum import FemAnswer, displacement_at
-from workflow.results.like_discs import LikeDiscs
+from workflow.results.dem_counterpart import DemCounterpart
 from workflow.results.stored_mesh import stored_mesh
 from workflow.run.store import Store
 from workflow.stages.fem import rigid_box_of
@@ -19,7 +19,7 @@ from workflow.stages.fem import rigid_box_of
 if TYPE_CHECKING:
     from fem.path.equilibrium_path import EquilibriumPath
     from fem.path.plateau import PathListener
-    from fem.search.dem_counterpart import AsDiscs
+    from fem.search.dem_counterpart import RigidBoxPath
 
 # Cells times factorisations of a path at most, a minute or so: in bare sand it may take many more.
 WORK = 1.2e6
@@ -33,13 +33,13 @@ class _TakesTooLongError(NoAnswerError):
     """The path is not worth any more time."""
 
 
-def like_discs(config: Config, store: Store, tell: Tell) -> None:
-    """Leave what soil discs are held against in the folder, unless a run that was stopped has done so."""
-    if not store.has(LikeDiscs.FILE):
-        continuum_like_discs(config, store, tell).write(store)
+def dem_counterpart_piece(config: Config, store: Store, tell: Tell) -> None:
+    """Write the answer of the FEM counterpart into the folder, unless a run that was stopped has written it."""
+    if not store.has(DemCounterpart.FILE):
+        find_dem_counterpart(config, store, tell).write(store)
 
 
-def continuum_like_discs(config: Config, store: Store, tell: Tell) -> LikeDiscs:
+def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounterpart:
     """The path with ψ as given, on the mesh that the search began with, since discs have the strength of the soil and
     hardly any dilation. A path that goes on to rise leaves open where it fails: above the last equilibrium that was
     found on it, but below what ground with ψ = φ bears. Davis's estimate, a low one, stands in where the path takes too
@@ -48,33 +48,33 @@ def continuum_like_discs(config: Config, store: Store, tell: Tell) -> LikeDiscs:
     """
     from mpi4py import MPI
 
-    from fem.search.dem_counterpart import dilating_fully
+    from fem.search.dem_counterpart import associated_rigid_box_kc
 
     fem = _in_the_box_of_discs(config, store, FemAnswer.read(store), tell)
-    known = LikeDiscs.of(fem)
+    known = DemCounterpart.of(fem)
     if known.sides != "fixed" or known.flow == "section" or is_dilating_fully(config.section.strata):
         return known
     mesh = stored_mesh(config.section, store)
     depth = known.deeper_than_m or config.fem.least_depth
     settings = config.fem.model_copy(update={"direction": fem.direction, "least_depth": depth})
     davis = known.kc if known.flow == "davis" else 0.0
-    found = _with_psi_as_given(config.section, mesh, settings, davis, tell)
-    sharp = not isinstance(found, str) and found.upper <= found.kc + config.dem.tolerance
-    most = known.kc_upper if isinstance(found, str) else found.upper
+    path = _with_psi_as_given(config.section, mesh, settings, davis, tell)
+    sharp = not isinstance(path, str) and path.upper <= path.kc + config.dem.tolerance
+    most = known.kc_upper if isinstance(path, str) else path.upper
     if not sharp:
         try:
-            most = dilating_fully(config.section, mesh, settings, MPI.COMM_SELF, _watch("ψ = φ", mesh, tell))
+            most = associated_rigid_box_kc(config.section, mesh, settings, MPI.COMM_SELF, _watch("ψ = φ", mesh, tell))
         except NoAnswerError as error:
-            if isinstance(found, str):
-                found += f"; with ψ = φ there is no answer ({error.reason}): how much more it bears is not known"
-    if isinstance(found, str):
-        return LikeDiscs.of(fem, found).model_copy(update={"kc_upper": max(known.kc_upper, most)})
-    curve = tuple(found.steps)
+            if isinstance(path, str):
+                path += f"; with ψ = φ there is no answer ({error.reason}): how much more it bears is not known"
+    if isinstance(path, str):
+        return DemCounterpart.of(fem, path).model_copy(update={"kc_upper": max(known.kc_upper, most)})
+    curve = tuple(path.steps)
     return known.model_copy(
         update={
-            "kc": found.kc, "kc_upper": max(found.kc, min(found.upper, most)), "verdict": found.verdict,
-            "reason": found.reason, "flow": "section", "curve": curve,
-            "yielding_m": displacement_at(curve, found.kc, YIELDED), "slip_surface": line(found.slip_surface),
+            "kc": path.kc, "kc_upper": max(path.kc, min(path.upper, most)), "verdict": path.verdict,
+            "reason": path.reason, "flow": "section", "curve": curve,
+            "yielding_m": displacement_at(curve, path.kc, YIELDED), "slip_surface": line(path.slip_surface),
         }
     )  # fmt: skip
 
@@ -87,7 +87,7 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
     from fem.search.assessment import box_below_faces
 
     depth = DISCS_DEEP * config.dem.mean_radius(config.section)
-    if not config.fem.rigid_box or not fem.skins or depth <= config.fem.least_depth:
+    if not config.fem.rigid_box or not fem.shallow_failures or depth <= config.fem.least_depth:
         return fem
     settings = config.fem.model_copy(update={"direction": fem.direction, "least_depth": depth})
 
@@ -95,31 +95,31 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
         tell((f"the continuum: {what}" + (f" = {path.factor:.4f}" if path is not None else ""), None))
 
     try:
-        found = box_below_faces(
+        box = box_below_faces(
             config.section, config.mesh, stored_mesh(config.section, store), settings, MPI.COMM_SELF, told
         )
     except NoAnswerError:
         return fem
-    return fem.model_copy(update={"rigid_box": rigid_box_of(found, depth)})
+    return fem.model_copy(update={"rigid_box": rigid_box_of(box, depth)})
 
 
 def _with_psi_as_given(
     section: Section, mesh: QuadMesh, settings: FemSettings, davis: float, tell: Tell
-) -> "AsDiscs | str":
+) -> "RigidBoxPath | str":
     """The path, or why Davis's estimate, which fails at Kh = ``davis``, has to stand in for it."""
     from mpi4py import MPI
 
-    from fem.search.dem_counterpart import as_discs
+    from fem.search.dem_counterpart import rigid_box_path
 
     try:
-        found = as_discs(section, mesh, settings, MPI.COMM_SELF, _watch("ψ as given", mesh, tell))
+        path = rigid_box_path(section, mesh, settings, MPI.COMM_SELF, _watch("ψ as given", mesh, tell))
     except NoAnswerError as error:
         return f"with ψ as given there is no answer: {error.reason}"
-    if found.verdict == "no failure":
-        return f"with ψ as given there is {found.reason}"
-    if found.kc < davis:
-        return f"the path with ψ as given ended at Kh = {found.kc:.3f}, below Davis's estimate"
-    return found
+    if path.verdict == "no failure":
+        return f"with ψ as given there is {path.reason}"
+    if path.kc < davis:
+        return f"the path with ψ as given ended at Kh = {path.kc:.3f}, below Davis's estimate"
+    return path
 
 
 def _watch(flow: str, mesh: QuadMesh, tell: Tell) -> "PathListener":

@@ -1,0 +1,147 @@
+"""The table of contact constants by pair of layers: their means, and for soil discs the strength of the weaker.
+
+SI units, per metre out of plane: springs in N/m, damping in N s/m, forces in N.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dem.fading import fade, share_left
+from dem.kernels.contact import (
+    ALLOWED,
+    BC,
+    BETA,
+    CN,
+    COHESION,
+    COHESION_OTHER,
+    CONSTANTS,
+    CT,
+    DEPTH,
+    FKPS,
+    FKS,
+    GAP,
+    KN,
+    KPN,
+    KPS,
+    KS,
+    MU,
+    MU_OTHER,
+    MU_ROLLING,
+    STOP,
+    TAN,
+)
+from dem.springs import NOTHING_ROLLS, STOP_DEPTH, Law, LayerSprings, Mean
+
+
+@dataclass(frozen=True)
+class PairTable:
+    """Constants by kind of pair: column a * (n + 1) + b for layers a and b; index n stands for the boundary.
+
+    pairs (CONSTANTS, (n + 1)**2) between discs; lines (CONSTANTS, n + 1) against rigid lines, a block more for each
+    strength of their own (`dem.lines`), line_block its number by line; alpha ((n + 1)**2,): reach of new pore springs.
+    """
+
+    layers: tuple[LayerSprings, ...]
+    pairs: np.ndarray
+    lines: np.ndarray
+    alpha: np.ndarray
+    line_block: tuple[int, ...] = ()
+
+    @property
+    def size(self) -> int:
+        """Rows of the square of pairs: the layers and the boundary."""
+        return len(self.layers) + 1
+
+
+def pair_table(
+    layers: Sequence[LayerSprings], mean: Mean = "arithmetic", law: Law = "paper", widest: float = np.inf
+) -> PairTable:
+    """The table for contacts within and between layers; discs attract each other across `widest` (m) at most.
+
+    Between layers: the mean of stiffness, damping, friction, cohesion, alpha, beta and allowed overlap. A boundary
+    disc takes its partner's values, and the stiffness that a liquefied layer had before, so that no disc comes to lie
+    on it. A rigid line takes its partner's values too, but with the stiffest normal spring of all layers and a dashpot
+    of the same damping ratio: it must hold however soft the disc is.
+
+    law "soil": a contact between two materials is as strong as the weaker of them at its normal force, for slip and for
+    rolling: sand beside clay has the lesser of mu Fn and C. Stiffness is a mean, the arithmetic one by default.
+    Contacts of a liquefied layer are gone as far as it has faded. law "paper": ValueError for constants of soil discs.
+    """
+    if not layers:
+        raise ValueError("no layers: the table of springs needs at least one")
+    if mean not in ("arithmetic", "harmonic"):
+        raise ValueError(f"mean is 'arithmetic' or 'harmonic', not {mean!r}")
+    if law not in ("paper", "soil"):
+        raise ValueError(f"law is 'paper' or 'soil', not {law!r}")
+    values = _columns(layers)
+    if law == "paper" and any(s.contact_cohesion or s.rolling_friction or s.stop for s in layers):
+        raise ValueError("contact cohesion, rolling friction and stop belong to soil discs: take law='soil'")
+    n = len(layers)
+    pairs = _square(values, mean)
+    held = np.maximum(values[KN], [layer.boundary for layer in layers])
+    pairs[KN, :n, n] = pairs[KN, n, :n] = held
+    left = share_left([layer.faded for layer in layers])
+    fade(pairs, left)
+    np.divide(_attraction(layers) * left, pairs[KN], out=pairs[GAP], where=pairs[KN] > 0.0)
+    np.minimum(pairs[GAP], widest, out=pairs[GAP])
+    lines = np.zeros((CONSTANTS, n + 1))
+    lines[:, :n] = values
+    lines[KN] = (values[KN] + values[STOP]).max()
+    lines[CN, :n] *= np.sqrt(lines[KN, :n] / values[KN])
+    lines[[MU, MU_OTHER, COHESION, COHESION_OTHER, MU_ROLLING], :n] *= 1.0 - np.array([s.faded for s in layers])
+    if law == "soil":
+        _weaker(pairs[:, :n, :n], values)
+        pairs[[COHESION, COHESION_OTHER]] *= left
+    for table in (pairs, lines):
+        for spring, flexibility in ((KS, FKS), (KPS, FKPS)):
+            np.divide(1.0, table[spring], out=table[flexibility], where=table[spring] > 0.0)
+    alpha = _square(np.array([[layer.alpha for layer in layers]]), mean)
+    alpha[0, n, n] = 1.0
+    return PairTable(tuple(layers), pairs.reshape(CONSTANTS, -1), lines, alpha.ravel())
+
+
+def _weaker(pairs: np.ndarray, values: np.ndarray) -> None:
+    """Writes the strengths of both materials of a pair into its constants, of rolling the lesser."""
+    own, other = np.broadcast_arrays(values[:, :, None], values[:, None, :])
+    for row, second in ((MU, MU_OTHER), (COHESION, COHESION_OTHER)):
+        pairs[row], pairs[second] = own[row], other[row]
+    pairs[MU_ROLLING] = np.minimum(own[MU_ROLLING], other[MU_ROLLING])
+
+
+def _attraction(layers: Sequence[LayerSprings]) -> np.ndarray:
+    """What pairs of layers bear of pull (n + 1, n + 1), the lesser of both (N); the boundary as much as its partner."""
+    own = np.array([*(layer.attraction * layer.contact_cohesion for layer in layers), np.inf])
+    pull = np.minimum(own[:, None], own[None, :])
+    pull[-1, -1] = 0.0
+    return pull
+
+
+def _square(values: np.ndarray, mean: Mean) -> np.ndarray:
+    """Constants (rows, n) of n layers for all pairs of them and the boundary (rows, n + 1, n + 1)."""
+    n = values.shape[1]
+    pairs = np.zeros((len(values), n + 1, n + 1))
+    a, b = np.broadcast_arrays(values[:, :, None], values[:, None, :])
+    if mean == "arithmetic":
+        pairs[:, :n, :n] = 0.5 * (a + b)
+    else:
+        np.divide(2.0 * a * b, a + b, out=pairs[:, :n, :n], where=a + b > 0.0)
+    pairs[:, :n, n] = pairs[:, n, :n] = values
+    return pairs
+
+
+def _columns(layers: Sequence[LayerSprings]) -> np.ndarray:
+    """The constants of contacts within each layer, a column for each."""
+    values = np.zeros((CONSTANTS, len(layers)))
+    for k, layer in enumerate(layers):
+        tan = layer.friction if layer.pore_friction is None else layer.pore_friction
+        for row, value in (
+            (KN, layer.kn), (KS, layer.ks), (CN, layer.cn), (CT, layer.ct), (MU, layer.friction),
+            (KPN, layer.kpn), (KPS, layer.kps), (TAN, tan), (BC, layer.cohesion), (BETA, layer.beta),
+            (ALLOWED, 0.5 * layer.allowed_overlap), (COHESION, layer.contact_cohesion), (MU_OTHER, layer.friction),
+            (COHESION_OTHER, layer.contact_cohesion), (STOP, max(layer.stop - layer.kn, 0.0)),
+            (DEPTH, 0.5 * STOP_DEPTH), (MU_ROLLING, min(layer.rolling_friction, NOTHING_ROLLS)),
+        ):  # fmt: skip
+            values[row, k] = value
+    return values
