@@ -151,6 +151,12 @@ class Config(Tables):
                 raise InputError(source, problems)
         return config
 
+    def with_settings(self, table: str, **values: Any) -> Self:
+        """The config with other values in one table of settings; raises ValidationError for one that does not fit."""
+        settings = getattr(self, table)
+        known = {key: getattr(settings, key) for key in settings.model_fields_set}
+        return self.model_copy(update={table: type(settings).model_validate({**known, **values})})
+
     @property
     def left_open(self) -> dict[str, str]:
         """The keys of [slide] that other tables decide, each with the word that says which."""

@@ -87,10 +87,8 @@ class Request:
         """The same, with factors of safety, and strict bounds of them, without shaking and at every Kh whose fields are
         kept."""
         asked = tuple(sorted({0.0, *self.config.fem.kh, *self.config.fem.safety_factor_at}))
-        wanted = self.config.fem.model_copy(update={"safety_factor_at": asked})
-        bounds = self.config.bounds.model_copy(update={"safety_factor": True})
         others = {key: value for key, value in self.tables.get("bounds", {}).items() if key != "run"}  # this reads it
-        config = self.config.model_copy(update={"fem": wanted, "bounds": bounds})
+        config = self.config.with_settings("fem", safety_factor_at=asked).with_settings("bounds", safety_factor=True)
         return replace(self, config=config, tables={**self.tables, "bounds": others})
 
     def unread(self, chosen: Sequence[str]) -> list[str]:

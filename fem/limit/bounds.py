@@ -65,16 +65,35 @@ class KhBounds(SmallerKhBounds):
 
 
 @dataclass(frozen=True)
-class _Ground:
-    """What is analysed in one direction: settings, triangles allowed, faces whose grains roll down, an upper bound of
-    the section as it is given on coarse triangles (inf if there are no such faces), and the section with its faces
-    strengthened if there are any."""
+class DirectionGround:
+    """What is analysed in one direction of the seismic force.
+
+    ``shallow_failures`` are the faces that may fail at a smaller Kh than the slope as a whole, ``as_given`` an upper
+    bound of the section as it is given on coarse triangles (inf without such faces), ``section`` the ground with its
+    faces strengthened if there are any.
+    """
 
     fem: FemSettings
     max_cells: int
     shallow_failures: tuple[ShallowFailure, ...]
     as_given: float
     section: Section
+
+    @classmethod
+    def of(cls, section: Section, fem: FemSettings, max_cells: int) -> "DirectionGround":
+        """The ground for the direction of the settings.
+
+        Faces are compared with an upper bound on one coarse mesh of the section with all its faces strengthened, so
+        that they may be a few too many, and none is missing. A mechanism of the section as it is given tells nothing
+        here: where faces of unlike water meet, it may be a shallow one, too. Raises what ``first_mesh`` raises.
+        """
+        faces = shallow_failures(section, fem)
+        whole = strengthened(section, faces, fem)
+        upper = _coarse_upper_bound(whole, fem) if faces else -np.inf
+        govern = tuple(face for face in faces if face.kh < upper)
+        if not govern:
+            return cls(fem, max_cells, (), np.inf, section)
+        return cls(fem, max_cells, govern, _coarse_upper_bound(section, fem), whole)
 
     def search(self, limits: Limits, after: BoundSearch | None = None) -> DirectionSearch:
         """The search for bounds; ``after`` another one of stronger ground for Davis's substitute, on its last mesh if
@@ -126,7 +145,10 @@ def kh_bounds(
     with_davis = davis and not is_dilating_fully(strata)
     seconds = settings.seconds / (2.0 if with_davis else 1.0)
     limits = Limits(settings.gap, settings.max_cells, seconds, enough=0.0, least=LEAST_KH)
-    grounds = {direction: _ground_of(section, fem, settings.max_cells, direction) for direction in directions_of(fem)}
+    grounds = {
+        direction: DirectionGround.of(section, fem.model_copy(update={"direction": direction}), settings.max_cells)
+        for direction in directions_of(fem)
+    }
     searches = {direction: ground.search(limits) for direction, ground in grounds.items()}
     bounds = search_all(tuple(searches.values()), limits, observer)
     dropped = 0.0
@@ -158,35 +180,12 @@ def directions_of(fem: FemSettings) -> tuple[Direction, ...]:
     return ("downhill", "uphill") if fem.direction == "both" else (fem.direction,)
 
 
-def _ground_of(section: Section, fem: FemSettings, max_cells: int, direction: Direction) -> _Ground:
-    one_way = fem.model_copy(update={"direction": direction})
-    govern = tuple(governing_shallow_failures(section, one_way))
-    if not govern:
-        return _Ground(one_way, max_cells, govern, np.inf, section)
-    whole = strengthened(section, shallow_failures(section, one_way), one_way)
-    return _Ground(one_way, max_cells, govern, _coarse_upper_bound(section, one_way), whole)
-
-
 def _unstable(section: Section, upper: float) -> UnstableError:
     """What is said of ground whose Kh is below zero; below -1 the number means nothing."""
     if section.uplift is not None:
         return lifted(section.uplift, "the section fails under its own weight")
     most = f"its Kh is at most {upper:.3g}" if upper > -1.0 else "no horizontal force could hold it"
     return UnstableError(f"the section fails under its own weight: {most}; check strengths, densities")
-
-
-def governing_shallow_failures(section: Section, fem: FemSettings) -> list[ShallowFailure]:
-    """The cohesionless faces whose grains roll down at a smaller Kh than the slope as a whole fails at.
-
-    They are compared with an upper bound on one coarse mesh of the section with all its faces strengthened, so that
-    they may be a few too many, and none is missing. A mechanism of the section as it is given tells nothing here: where
-    faces of unlike water meet, it may be a shallow one, too. Raises what ``first_mesh`` raises.
-    """
-    faces = shallow_failures(section, fem)
-    if faces:
-        upper = _coarse_upper_bound(strengthened(section, faces, fem), fem)
-        faces = [face for face in faces if face.kh < upper]
-    return faces
 
 
 def _coarse_upper_bound(section: Section, fem: FemSettings) -> float:

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fem.continuum.strength import Flow, flow_of, is_dilating_fully
 from fem.settings import WITHOUT_EFFECT
@@ -37,7 +37,7 @@ def work(job: Job) -> None:
 
     config, store, progress = job.config, job.store, job.progress
     answer = FemAnswer.read(store)
-    one_way = _with(config, "fem", direction=answer.direction)
+    one_way = config.with_settings("fem", direction=answer.direction)
     last = fem_mesh(config.section, store, answer.mesh.method)
     asked = [
         on_a_mesh(change, config, store, answer, last)
@@ -100,26 +100,25 @@ def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] 
 
     fem = config.fem
     if name == "mesh":
-        return name, "cells of half the size", _with(config, "mesh", refine=2 * config.mesh.refine)
+        return name, "cells of half the size", config.with_settings("mesh", refine=2 * config.mesh.refine)
     if name == "element":
         other = "quadratic" if element != "quadratic" else "bilinear"
-        return name, f"{other} element instead of {element}", _with(config, "fem", element=other)
+        return name, f"{other} element instead of {element}", config.with_settings("fem", element=other)
     if name == "step" and fem.first_step < LARGEST_STEP and not is_unique(config.section, fem):
         step = min(2.0 * fem.first_step, LARGEST_STEP)
-        return name, f"first step of Kh {step:g} instead of {fem.first_step:g}", _with(config, "fem", first_step=step)
+        return (
+            name,
+            f"first step of Kh {step:g} instead of {fem.first_step:g}",
+            config.with_settings("fem", first_step=step),
+        )
     if name == "sides" and fem.sides != "periodic":
         sides = "fixed" if fem.sides == "free-field" else "free-field"
-        return name, f"sides {sides} instead of {fem.sides}", _with(config, "fem", sides=sides)
+        return name, f"sides {sides} instead of {fem.sides}", config.with_settings("fem", sides=sides)
     if name == "dilation" and not is_dilating_fully(config.section.strata):
         own_flow = flow_of(config.section.strata, fem.flow)
         flow: Flow = "davis" if own_flow == "section" else "section"
-        return name, f"{FLOWS[flow]} instead of {FLOWS[own_flow]}", _with(config, "fem", flow=flow)
+        return name, f"{FLOWS[flow]} instead of {FLOWS[own_flow]}", config.with_settings("fem", flow=flow)
     return None
-
-
-def _with(config: Config, table: str, **values: Any) -> Config:
-    settings = getattr(config, table).model_copy(update=values)
-    return config.model_copy(update={table: settings})
 
 
 def variant(change: Change, tell: Tell) -> Variant:

@@ -30,8 +30,9 @@ def run(
         )
     store.write_text("section.toml", config.to_toml())
     radius, step = config.dem.mean_radius(config.section), config.slide.step_of(config.dem.model)
-    finer = [_with(config, radius=radius * share, step=step) for share in RADII]
-    slower = [_with(config, radius=radius, step=step * share) for share in STEPS]
+    finer = [config.with_settings("dem", radius=radius * share).with_settings("slide", step=step) for share in RADII]
+    at_radius = config.with_settings("dem", radius=radius)
+    slower = [at_radius.with_settings("slide", step=step * share) for share in STEPS]
     rows = ensemble.rows([task_of(part, SLIDES, store) for part in (*finer, *slower)], on_row)
     over_radius = [radius * share for share in RADII], rows[: len(finer)]
     over_step = [step * share for share in STEPS], rows[len(finer) :]
@@ -48,11 +49,6 @@ def run(
     )
     answer.write(store)
     return answer
-
-
-def _with(config: Config, radius: float, step: float) -> Config:
-    dem = config.dem.model_copy(update={"radius": radius})
-    return config.model_copy(update={"dem": dem, "slide": config.slide.model_copy(update={"step": step})})
 
 
 def _series(over: str, sizes: Sequence[float], rows: Sequence[Row[Numbers]], within: float) -> Iterator[Series]:

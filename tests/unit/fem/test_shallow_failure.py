@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem.continuum.shallow_failure import faces_at, shallow_failures, strengthened
-from fem.limit.bounds import governing_shallow_failures, kh_bounds
+from fem.limit.bounds import DirectionGround, kh_bounds
 from fem.search.liquefied_ground import Remains, liquefied_section
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
@@ -111,11 +111,11 @@ def test_liquefied_ground_is_not_judged_as_input() -> None:
 
 
 def test_the_shallow_failure_governs_a_bank_of_sand_and_not_a_gentle_slope():
-    [face] = governing_shallow_failures(bank(), FIXED)
+    [face] = DirectionGround.of(bank(), FIXED, 1500).shallow_failures
     whole = kh_bounds(strengthened(bank(), [face], FIXED), FIXED, BoundsSettings(gap=0.2, max_cells=1500))
     assert face.kh == pytest.approx(0.1482, abs=1e-4)
     assert whole.upper > face.kh
-    assert governing_shallow_failures(Section.read(SECTIONS / "s13.toml"), FIXED) == []
+    assert DirectionGround.of(Section.read(SECTIONS / "s13.toml"), FIXED, 1500).shallow_failures == ()
 
 
 @pytest.mark.parametrize(("head", "share"), [("vertical", 1.0), ("normal", 0.9)])
