@@ -42,7 +42,7 @@ def precompile(executor: Executor, tell: Tell) -> None:
 
 
 def _kept_for() -> str:
-    """What Numba's own files of the kernels hang on: its version, the processor, and the file of the step loop."""
+    """What the compiled files of Numba depend on: its version, the processor, and the file of the step loop."""
     source = Path(stepping.__file__)
     kept = (numba.__version__, get_host_cpu_name(), str(source), source.stat().st_mtime_ns)
     return hashlib.sha256(repr(kept).encode()).hexdigest()[:16]

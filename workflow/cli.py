@@ -387,9 +387,7 @@ def _warn(voice: "Voice", request: "Request", command: str, chosen: Sequence[str
     from workflow.terminal import warn
     from workflow.unread import in_words
 
-    names = [
-        registered.name or registered.callback.__name__ for registered in app.registered_commands if registered.callback
-    ]
+    names = [entry.name or entry.callback.__name__ for entry in app.registered_commands if entry.callback]
     return warn([*request.notices, *in_words(request.unread(chosen), command, names)], voice)
 
 

@@ -200,7 +200,7 @@ class Engine:
         return ledger
 
     def measure_layout(self, model: DiscModel, layout: Layout) -> Ledger:
-        """The same, of a model whose contacts are in a layout."""
+        """Measure the energy balance of a model whose contacts are in a layout."""
         now = model.acceleration.at(model.time)
         loads = Loads(now.times, now.with_level(model.gravity))
         measured = energies(layout, springs_of(model), self.law_of(model), loads, model.last_dt)

@@ -64,7 +64,7 @@ def contact_forces(model: DiscModel, *, pulls: bool = False, crack_by: CrackBy =
 
 
 def keep_slip(model: DiscModel, *, crack_by: CrackBy = "contact") -> None:
-    """Lets the springs remember the slip of the step just taken, as the next step would.
+    """Store the slip of the step just taken in the springs, as the next step would.
 
     To be called before velocities are set by hand, since that slip is known by them alone.
     """

@@ -152,7 +152,7 @@ class Contact(NamedTuple):
 
 @inner(forceinline=True)
 def face(d: int, q: int, state: State, scratch: np.ndarray, law: Law, soil: bool) -> None:
-    """Where the partner in lane q lies: from its place in the scratch rows to direction, distance and lever there.
+    """Write direction, distance and lever arms of the contact in lane q into the scratch rows.
 
     One square root, one division. They take longer than all else in the law, which is why this is done apart, while
     the records of the next partners are fetched.

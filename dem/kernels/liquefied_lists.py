@@ -13,7 +13,7 @@ FIRST, SECOND = int(WIDTH_1), int(WIDTH_2)
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def place_pairs(first: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]:
-    """Lane of every pair, those of each slice from a block of their own on; and the first block of each slice."""
+    """Lane (pairs,) of every pair and first block (slices + 1,) of every slice; each slice begins a block of lanes."""
     start = np.zeros(slices + 1, np.int64)
     for c in range(len(first)):
         start[first[c] // LANES + 1] += 1

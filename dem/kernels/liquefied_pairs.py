@@ -15,7 +15,7 @@ Two laws of pairs, for every pair with a liquefied disc that is nearer than the 
 
 A disc that has not liquefied, or is fixed, takes the place of the other half: both sums are those of the liquefied
 disc, twice. All is looked at every few steps, where discs will be in the middle of these, and held meanwhile. Sums over
-the pairs of a disc are taken in the order of its partners, so that they hang on no number of threads.
+the pairs of a disc are taken in the order of its partners, so that they do not depend on the number of threads.
 
 Work is booked from look to look: that of the forces held, but for half of the last step, which has those of the new
 look at its end (velocity Verlet).

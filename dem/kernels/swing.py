@@ -1,4 +1,4 @@
-"""Kernel: discs that carry what shakes with the ground and is no soil, surcharges and free water (`Layout.swing`)."""
+"""Kernel: added mass of surcharges and free water on discs (`Layout.swing`), which shakes with the ground."""
 
 from dem.kernels.inner import inner
 from dem.kernels.layout import INVMASS, PULL_X, PULL_Z, VX, VZ, Layout, entry, place
@@ -15,7 +15,7 @@ def swing_slice(p: int, layout: Layout, level: float) -> None:
 
 @inner(nogil=True)
 def momentum_of_swings(p: int, layout: Layout) -> float:
-    """Its power (J/s) on slice p over the acceleration of the frame across gravity (m/s2)."""
+    """Momentum (kg/s) of the added mass in slice p: its power over the acceleration of the frame across gravity."""
     momentum = 0.0
     for k in range(layout.swing_start[p], layout.swing_start[p + 1]):
         disc = layout.swing_disc[k]

@@ -1,4 +1,4 @@
-"""Every layer of soil discs tested once more as it stands in the slope: what the map promised, is it so?"""
+"""Biaxial tests of the soil discs of every layer as they are in the slope, to compare with the strength map."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,7 +15,7 @@ from dem.springs import LayerSprings
 from meshes.executor import Tell
 
 SEEDS = (101, 102, 103, 104)  # none of those that the map was made with
-# Patches whose kappa = kn/p is the same but for a fifth are one: strength hardly hangs on it, E on its fourth root.
+# Patches whose kappa = kn/p is the same but for a fifth are one: strength hardly depends on it, E on its fourth root.
 KAPPAS_PER_DOUBLING = 2
 
 Likeness = tuple[float, float, float, int]

@@ -29,7 +29,7 @@ from meshes.executor import SERIAL, Executor, Tell
 PARAMETERS: tuple[Parameter, ...] = ("stiffness", "friction", "pore_strength", "strength", "all")
 ONE_AT_A_TIME = PARAMETERS[:3]
 SENSITIVITIES = (0.5, 2.0)
-TOGETHER = 2  # factors that are tried side by side: a search may not hang on how many workers there are
+TOGETHER = 2  # factors that are tried side by side: a search may not depend on the number of workers
 NARROWINGS = 12  # searches at most once the target is bracketed
 NARROWEST = 1.003  # ratio of two factors between which no more is looked for
 SHORTEST = 0.1  # of a bracket, that a new factor keeps away from its ends
@@ -64,8 +64,8 @@ class Calibration:
     sensitivity : tuple of (parameter, factor, Search)
         The critical Kh with each parameter halved and doubled; parameter "" is that without any factor.
     trials : tuple of (factor, Search)
-        Every factor that the parameter was tried with, from the least to the largest: the order of trying hangs on
-        which of several searches ends first.
+        Every factor that the parameter was tried with, from the least to the largest: the order of trying depends
+        on which of several searches ends first.
     """
 
     target: float
@@ -119,7 +119,7 @@ class Calibrator:
     settings
         Of the searches.
     continuum
-        What soil discs are held against, which says how far they are pushed; the paper's do not ask for it.
+        The FEM model that soil discs are calibrated to; it says how far they are pushed. Not used by the paper's discs.
     known
         Searches of an earlier run, taken as they are.
     on_trial, on_search

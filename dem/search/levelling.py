@@ -24,9 +24,9 @@ TOUCHES = 0.02  # mean radii that a disc may overlap others as it is laid in, as
 def misfit(section: Section, model: DiscModel, radius: float) -> np.ndarray:
     """How far the ground stands above the section's surface, column by column of two diameters or a little less (m).
 
-    Of a column it is the top of that disc which reaches farthest above the surface there, or stays least below it, each
-    held against the elevation of the surface straight below its own top: across a column a face falls by more than what
-    is asked. Discs that have come to lie among those of the sides are left out.
+    The value of a column is that of the disc whose top reaches farthest above the surface straight below it. (Across a
+    column a face may fall by more than the tolerance.) Discs that have come to lie among those of the sides are left
+    out.
     """
     left, right = section.extent
     free = ~model.fixed & (model.x >= left) & (model.x <= right)

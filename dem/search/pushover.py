@@ -1,11 +1,11 @@
 """The critical Kh of soil discs from one push: their displacement is prescribed, and the Kh that it takes is measured.
 
-So the curve goes on where a Kh that is prescribed would run away, as the path of the continuum does, and both mean the
-same: Kh over the mean displacement in the direction of the push, weighted with mass (m). Discs are held against the
-continuum at the same displacement, since neither has a limit of its own in a box: loose ground goes on to harden as
-it is pressed together. Their critical Kh is the largest that they bear, on average over a fifth of the way, up to
-`DemSettings.ductility` times the displacement at which the continuum yields. Grains want that much more strain than an
-elastic-plastic body of the same E to have the same strength: `settings.GROWTH` says how it was measured.
+So the curve continues where a prescribed Kh would make the discs run away, as the equilibrium path of the FEM model
+does. Both curves are Kh over the mass-weighted mean displacement in the direction of the seismic force (m). They are
+compared at the same displacement, since neither has a limit load in a box: loose ground hardens as it is compressed.
+The critical Kh of the discs is the largest Kh, averaged over a fifth of the way, up to `DemSettings.ductility` times
+the displacement at which the FEM model yields. Grains need that much more strain than an elastic-plastic body of the
+same E to have the same strength: `settings.GROWTH` says how it was measured.
 
 Where they fail shows only later: at their critical Kh discs still harden, and shear all over. So the push goes on, and
 the discs at its end have a slip surface.
@@ -41,7 +41,7 @@ HURRY = 0.1  # reaches in a period of the ground, once the curve is known
 
 
 class Continuum(NamedTuple):
-    """What discs are held against.
+    """The FEM model that discs are calibrated to.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class Machine(NamedTuple):
         return 2.0 * DAMPING * self.frequency / GRAVITY
 
     def speed(self, moved: float, cycle: float) -> float:
-        """Of its far end (m/s), when the ground has moved so far (m) and has this period (s)."""
+        """Speed (m/s) of the loading end of the spring when the ground of period ``cycle`` (s) has ``moved`` (m)."""
         share = HURRY if moved >= BEYOND * self.reach else np.clip(0.15 * moved / self.reach, SLOWEST, QUICKEST)
         return self.reach * float(share) / cycle
 

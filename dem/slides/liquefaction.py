@@ -290,7 +290,7 @@ class Slider:
         """Whether the case slides without any Kh as well: a sentence that says so, or none.
 
         Ground that stands by its own weight gives way by centimetres; what goes on until its face is flatter had no
-        equilibrium. How far that is, is held against the height of the face, and not against the slide under Kh, which
+        equilibrium. That displacement is compared with the height of the face, and not with the slide under Kh, which
         ends where Kh, the slope below or a side of the box let it.
         """
         settings = self.settings.model_copy(update={"kh": 0.0, "duration": ALONE})

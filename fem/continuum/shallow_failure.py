@@ -87,7 +87,7 @@ class _Piece(NamedTuple):
         return 0.5 * (self.start + self.end)
 
     def is_long(self, depth: float) -> bool:
-        """Whether water below it counts down to a ``depth`` (m)."""
+        """Whether the piece is long enough for pore pressure down to a ``depth`` (m) below it to count."""
         return self.end - self.start >= LONG * depth
 
 

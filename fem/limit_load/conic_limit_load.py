@@ -1,5 +1,5 @@
-"""The limit load of discretised ground at once, without a path: the largest multiplier of a load for which stresses at
-the quadrature points balance the nodal forces within the yield surface.
+"""The limit load of discretised ground by finite element limit analysis: the largest multiplier of a load for
+which stresses at the quadrature points balance the nodal forces within the yield surface.
 
 By the duality of limit analysis (Krabbenhoft & Damkilde 2003, Int. J. Numer. Meth. Engng 56, 165; the program is that
 of ``cone_program.py``) it is also the smallest multiplier at which a velocity field of the same elements dissipates

@@ -1,5 +1,5 @@
-"""The factor of safety of discretised ground at once, without a path: the divisor of the strength at which nodal forces
-are just borne.
+"""The factor of safety of discretised ground by finite element limit analysis: the divisor of the strength at which
+nodal forces are just resisted.
 
 At a trial factor F the question is how much of its strength the ground can still do without: the largest λ for which
 stresses at the quadrature points balance the forces within

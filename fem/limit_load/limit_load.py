@@ -1,4 +1,4 @@
-"""Ground before a push, and the critical Kh of its mesh found at once, without a path.
+"""Ground under its weight, and the critical Kh of its mesh by finite element limit analysis.
 
 It can be asked more than once: with another flow rule, or between other sides. As loads and the stress on the
 sides are then the same, answers differ by what was asked and by nothing else: on one mesh Davis's substitute, which is

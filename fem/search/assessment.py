@@ -35,7 +35,7 @@ Safety = Future[AdaptiveResult[SafetyFactor] | ResultWarning]
 
 @dataclass(frozen=True)
 class Assessment:
-    """The answers for a section, held against each other.
+    """The answers for a section, compared with each other.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ def assess(
     comm: Any,
     listener: AssessmentListener,
 ) -> Assessment:
-    """Find the critical Kh and what stands beside it, beginning with a ``first`` mesh.
+    """Find the critical Kh and what it is compared with, beginning with a ``first`` mesh.
 
     Raises InputError, NoEquilibriumError, and UnstableError with the factor of safety if the ground fails under its
     weight.
@@ -148,7 +148,7 @@ class _Search:
     executor: Executor
 
     def assessed(self, settings: FemSettings) -> Assessment:
-        """All answers; those that do not hang on each other are looked for side by side."""
+        """All answers; those that do not depend on each other are computed concurrently."""
         safety = None
         if settings.direction != "both" and is_associated(self.section.strata, settings.flow):
             safety = self.begin_safety(settings)
@@ -169,7 +169,7 @@ class _Search:
     def with_limit_loads(
         self, adapted: AdaptiveResult[LimitLoadResult], settings: FemSettings, safety: list[Safety] | None
     ) -> Assessment:
-        """The answers that stand beside limit loads, factors of ``safety`` begun or not; raises UnstableError.
+        """The answers that limit loads are compared with, factors of ``safety`` begun or not; raises UnstableError.
 
         Where Davis's estimate is the flow the path is followed, and fixed sides are looked at, before it is known
         whether ψ = φ shows a better mesh: it hardly ever does.

@@ -45,7 +45,10 @@ class LowerTriangle:
         self._factors = Cholesky(pattern)
 
     def factorise(self) -> None:
-        """Factors for the ``entries``, of a diagonal as little larger as they need; raises NotPositiveDefiniteError."""
+        """Factorise the ``entries``, with the least share of STIFFER on the diagonal that makes them positive definite.
+
+        Raises NotPositiveDefiniteError if none does.
+        """
         diagonal = self.entries[self.diagonal]
         for share in (0.0, *STIFFER):
             self.entries[self.diagonal] = (1.0 + share) * diagonal

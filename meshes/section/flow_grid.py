@@ -68,8 +68,8 @@ class FlowGrid:
         return np.clip(strip, 0, len(self.rungs) - 1)
 
     def interpolated(self, values: np.ndarray, points: np.ndarray, near: np.ndarray, tolerance: float) -> np.ndarray:
-        """Values (k,) at points (k, 2) of those (n,) at the points of the grid; above and below it the nearest one,
-        and that is not a number where there is no ground."""
+        """Interpolate values (n,) at the grid points to points (k, 2). Above and below the grid the nearest value
+        holds; NaN where there is no ground."""
         found = np.full(len(points), np.nan)
         strip = self.strip_at(points, near, tolerance)
         for j in np.unique(strip):
@@ -218,7 +218,7 @@ def _zipped(
 def _on_ground(
     ends: np.ndarray, z: list[np.ndarray], to_left: list[np.ndarray], to_right: list[np.ndarray]
 ) -> list[int]:
-    """Points at the top of strips, and above the lower ground where it steps."""
+    """Grid points on the ground surface: tops of the strips, and points on a vertical step of the surface."""
     found: list[int] = []
     for line, heights in enumerate(z):
         tops = ([ends[line - 1, 1, 0]] if line else []) + ([ends[line, 0, 0]] if line < len(ends) else [])

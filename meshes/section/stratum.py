@@ -95,7 +95,7 @@ class Stratum(Model):
     )
     permeability_vertical: Permeability | None = Field(
         default=None,
-        description="the same of water that flows vertically, where it is another; permeability is then horizontal",
+        description="permeability to vertical flow where it differs; permeability is then that to horizontal flow",
     )
     drains: StrictBool = Field(
         default=False, description="true if its water follows a drawdown at once; false: only what is taken off it"

@@ -51,7 +51,7 @@ def _step(line: Line) -> float | None:
 
 
 def cutoff_problems(walls: Sequence[Cutoff], layers: Layering) -> Iterator[str]:
-    """Of the walls that water does not cross."""
+    """Problems of the cut-off walls, a sentence each."""
     for number, wall in enumerate(walls, start=1):
         x = np.array([wall.x])
         if not layers.x[0] < wall.x < layers.x[-1]:

@@ -1,1 +1,1 @@
-"""What an answer is held against: structures that matter, limits with their sources, and the verdict."""
+"""What an answer is compared with: structures that matter, limits with their sources, and the verdict."""

@@ -1,4 +1,4 @@
-"""What the answers are held against: a table [criteria]."""
+"""Limits that the answers are compared with: a table [criteria]."""
 
 from typing import Self
 

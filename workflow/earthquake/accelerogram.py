@@ -177,7 +177,7 @@ def _differentiated(time: np.ndarray, values: np.ndarray, times: int) -> np.ndar
 
 
 def _without_offset(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """The values without what shifts all of them, and what is told of it.
+    """Accelerations without a constant offset, and a remark where one was removed.
 
     Ground that ends at rest has a mean acceleration of 0. Where the middle value agrees with the mean, the whole record
     is shifted; where it does not, the record is a pulse, or cut off, and stays.

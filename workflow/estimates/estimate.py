@@ -39,7 +39,7 @@ def mean_inclination(section: Section) -> float:
 
 
 def flow_words(section: Section, setting: FlowSetting) -> str:
-    """Of which flow rule the critical Kh is that blocks resist with: ψ = φ where nothing else is asked for."""
+    """The flow rule of the critical Kh that is taken as the yield coefficient of sliding blocks, in words."""
     flow = flow_of(section.strata, setting)
     if flow == "davis":
         return f"by {davis_words(stratum.dilation for stratum in section.strata)}"

@@ -56,7 +56,7 @@ def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float) -> Slide:
 
 
 def _slide_on(t: list[float], v: list[float], u: list[float], a: float, slope: float, span: float) -> None:
-    """Add the end of a span in which the excess is a + slope s of one sign, and before it where the block stops."""
+    """Append the end of a span with the excess acceleration a + slope s of one sign, or the stop of the block."""
     speed = v[-1]
     if speed == 0.0 and a + 0.5 * slope * span <= 0.0:
         t.append(t[-1] + span)

@@ -51,7 +51,7 @@ def conditions(config: Config, bounds: KhBounds, bound: Mechanism | StressField)
 
 
 def yield_use(stress: StressField) -> np.ndarray:
-    """How much of the strength the stress takes in every cell (m,), its worst corner: 1 on the yield surface."""
+    """Mobilised strength (m,) of every cell, at its worst corner: 1 on the yield surface."""
     slack = yield_slack(stress.problem, stress.stress)
     radius = np.hypot(0.5 * (stress.stress[..., 0] - stress.stress[..., 1]), stress.stress[..., 2])
     strength = radius + slack

@@ -52,7 +52,7 @@ def without(text: str, characters: str) -> str:
 
 
 def notice(texts: Iterable[str]) -> str:
-    """That pictures cannot show some characters, and which font would; empty where they show all."""
+    """Say which characters no font can show, and which font would; empty if all can be shown."""
     lost = missing("".join(texts))
     if not lost:
         return ""

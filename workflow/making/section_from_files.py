@@ -27,7 +27,7 @@ class Reading:
 
     Attributes
     ----------
-    off_line : how far (m) a boring may stand beside the line of the section
+    off_line : largest distance (m) of a boring from the line of the section
     columns : names of columns by ours, where they differ, such as {"layer": "GEOL_LEG"}
     unit : length (m) of one unit of a drawing; None for what the drawing says
     """

@@ -35,7 +35,7 @@ def contradictions(results: Results) -> Iterator[tuple[Weight, str]]:
 
 
 def of_curve(discs: DiscsAnswer) -> Iterator[str]:
-    """A critical Kh of discs whose curve falls far below it before they bear it."""
+    """Warn where the load-displacement curve of the discs falls far below the critical Kh before it reaches it."""
     fall = deepest_fall(discs.after, soil=discs.model.discs == "soil")
     if discs.after.kc is not None and fall is not None and fall[0] - fall[1] > FALLEN * discs.after.kc:
         yield (

@@ -65,7 +65,7 @@ class Notes:
         self.letters: dict[str, str] = {}
 
     def mark(self, texts: Iterable[str]) -> str:
-        """The letters of some notes."""
+        """The superscript letters of notes, such as "a, b"."""
         for text in texts:
             self.letters.setdefault(text, _letter(len(self.letters)))
         return ", ".join(self.letters[text] for text in texts)

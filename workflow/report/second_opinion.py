@@ -1,4 +1,4 @@
-"""Whether discs and material points agree on how far a case slides, and which of the two known slides speak for."""
+"""Whether DEM and MPM agree on how far a case slides, and which of them predicts known slides more closely."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -17,7 +17,7 @@ from workflow.results.cases import CaseNumbers
 from workflow.results.summary import Summary
 from workflow.run.store import Store
 
-WIDTH = 900  # px of a picture: several stand beside each other
+WIDTH = 900  # px of a picture: several are shown in a row
 
 
 @dataclass(frozen=True)

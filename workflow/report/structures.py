@@ -48,7 +48,7 @@ def face_rows(config: Config, answer: SlicesAnswer) -> list[FaceRow]:
 
 
 def structure_sentences(config: Config, answer: SlicesAnswer) -> Iterator[str]:
-    """Every face, the one that counts, and failures of other ground."""
+    """Sentences on every face, on the face that governs, and on failures away from the structures."""
     rows = face_rows(config, answer)
     for row in rows:
         yield f"{row.words}."

@@ -1,4 +1,4 @@
-"""The page of a study: what was drawn, what was found, and what that hangs on, with the pictures."""
+"""The page of a study: the samples, the answers, and what the answers depend on, with the pictures."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path

@@ -27,7 +27,7 @@ WRITTEN = (
     ("friction_angle", "φ", "rad"),
     ("dilation_angle", "ψ", "rad"),
 )
-# What stands beside them where a stratum has it.
+# Columns that are shown where a stratum has the value.
 WRITTEN_OF_WATER = (
     ("density_saturated", "saturated density", "kg/m³"),
     ("pore_pressure_ratio", "pore pressure ratio", ""),

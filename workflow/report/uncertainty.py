@@ -61,7 +61,7 @@ def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
 
 
 def _meshes(fem: FemAnswer) -> Iterator[str]:
-    """How much hangs on the mesh, as far as it is known."""
+    """How much the critical Kh depends on the mesh, where that is known."""
     phrases = list(meshes_sentences(fem))
     yield from phrases or ["A finer mesh gives less. To see by how much: --set 'variants.which=[\"mesh\"]'."]
 

@@ -1,4 +1,4 @@
-"""converge.json: how far slides hang on the size of the discs and on the time step."""
+"""converge.json: how slides depend on the radius of the discs and on the time step."""
 
 from typing import ClassVar, Literal
 

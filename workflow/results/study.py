@@ -97,7 +97,7 @@ class Failure(Part):
 
 
 class StudyAnswer(Answer):
-    """The distributions of all results, what they hang on, and fragility curves."""
+    """The distributions of all results, what they depend on, and fragility curves."""
 
     FILE: ClassVar[str] = "study.json"
 
@@ -108,9 +108,7 @@ class StudyAnswer(Answer):
     samples: int
     failed: int
     failures: tuple[Failure, ...]
-    without: tuple[str, ...] = Field(
-        default=(), description="parts that were asked for and have an answer in no sample"
-    )
+    without: tuple[str, ...] = Field(default=(), description="requested parts that have no answer in any sample")
     results: tuple[Result, ...]
     fails: Curve | None = Field(description="probability that the critical Kh is below a Kh")
     fragility: tuple[Curve, ...] = Field(

@@ -1,7 +1,7 @@
 """The stages of a run, one file each, which ends with its STAGE; a file may use heavy packages inside functions only.
 
 So the program starts quickly, and each command needs no more installed than it uses; the files themselves are imported
-when STAGES is first asked for. What is too long for one file stands beside it: calibrated_discs, liquefied_slides,
+when STAGES is first asked for. What is too long for one file is in another: calibrated_discs, liquefied_slides,
 random_packings, sliding.
 """
 

@@ -125,7 +125,7 @@ class Searched:
 
     @property
     def after(self) -> Search:
-        """With the factor; without one where there is none."""
+        """The search with the calibration factor, or the uncalibrated one where there is no factor."""
         return self.calibration.search if self.calibration else self.base
 
     @property
@@ -137,9 +137,9 @@ class Searched:
 def _searched(
     config: Config, store: Store, progress: Progress, executor: Executor
 ) -> tuple[Searched, Search | None, tuple[LayerCheck, ...]]:
-    """The searches of the discs, and beside them what does not hang on these: that of the paper's own discs where they
-    were asked for, and tests of the soil discs of every layer. What the discs are held against comes first, while they
-    come to rest."""
+    """The searches of the discs, and concurrently what does not depend on these: that of the paper's own
+    discs where they were asked for, and tests of the soil discs of every layer. The FEM counterpart comes first, while
+    the discs come to rest."""
     if config.dem.model != "soil":
         return _calibrated(config, store, lambda message: progress(*message), executor), None, ()
     searched, ended = 0.0, 0

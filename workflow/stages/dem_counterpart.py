@@ -30,7 +30,7 @@ DISCS_DEEP = 4.0
 
 
 class _TakesTooLongError(NoAnswerError):
-    """The path is not worth any more time."""
+    """The equilibrium path takes more work than ``WORK``."""
 
 
 def dem_counterpart_piece(config: Config, store: Store, tell: Tell) -> None:

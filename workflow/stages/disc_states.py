@@ -37,7 +37,7 @@ class Start:
     ground : where they lie
     search : their critical Kh
     dem : settings that they were made with
-    continuum : what soil discs were held against, as far as which they are pushed until they have failed
+    continuum : the FEM model that soil discs were calibrated to; it says how far they are pushed
     """
 
     settled: DiscModel

@@ -76,7 +76,7 @@ def calibrator_for(
 
 
 def continuum_for(config: Config, store: Store) -> Continuum:
-    """What discs are held against; the paper's against the continuum with its own sides, as in the paper."""
+    """The FEM model that discs are calibrated to; for the paper's discs that with its own sides, as in the paper."""
     if config.dem.model == "soil":
         like = DemCounterpart.read(store)
         return Continuum(like.kc, like.yielding_m, like.kc_upper)

@@ -103,7 +103,7 @@ def _slip_line(mesh: "QuadMesh", state: "State") -> Line:
 
 
 def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
-    """The critical Kh with what stands beside it, the path to it, the states kept, and the factors of safety."""
+    """The critical Kh with what it is compared with, the path to it, the states kept, and the factors of safety."""
     result, mesh, adapted = assessment.critical, assessment.mesh, assessment.adapted
     rounds = adapted.rounds if adapted and len(adapted.rounds) > 1 else []
     surface = _slip_line(mesh, result.mechanism)

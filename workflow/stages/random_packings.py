@@ -29,7 +29,7 @@ class RandomPackingsWanted:
     Attributes
     ----------
     given, store : the input, and the folder of the run.
-    continuum : what the discs are held against.
+    continuum : the FEM model that the discs are calibrated to.
     numbers : of the cases.
     own : the packing of the run itself, where that is a random one.
     """

@@ -63,7 +63,7 @@ def answer_of(section: Section, column: Column) -> SiteResponseAnswer:
 
 
 def files(job: Job) -> Mapping[str, Path]:
-    """The record that the input names: what it holds counts, not where it lies."""
+    """The file of the record; its content decides whether the stage is out of date, not its path."""
     record = job.config.site_response.record
     return {"site_response, record": Path(record)} if record else {}
 

@@ -24,7 +24,7 @@ class Task(Generic[Given, Found]):
     ----------
     function : callable
         At the top level of a module that the workers can import too. Its annotations say what it takes and returns,
-        and its answer hangs on nothing but its input.
+        and its answer depends on its input alone.
     given : pydantic model
         The input.
     """

@@ -15,7 +15,7 @@ VALIDITY = "sands to non-plastic silts, soil behaviour index up to 2.6; M 5-8.5;
 MAGNITUDES = (5.0, 8.5)
 CLAY = 2.6  # soil behaviour index beyond which a soil counts as clay
 DENSEST = 211.0  # qc1Ncs, which is a relative density of 0.9: beyond it sand does not liquefy
-ROUNDS = 100  # in which C_N and qc1Ncs, which hang on each other, are found
+ROUNDS = 100  # in which C_N and qc1Ncs, which depend on each other, are found
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,7 @@ def judge(case: Case, answer: Answer | None) -> CaseVerdict:
 
 
 def interval(answer: Answer, kind: Kind) -> tuple[float, float] | None:
-    """Between what our answers lie that a published value of a kind is held against; None without any.
+    """The range of our answers that a published value of a kind is compared with; None without any.
 
     Published elements mostly do not dilate, so theirs reaches down to our elements without dilation. Where grains roll
     down a face, how deep a failure has to be to count is each author's choice, and all reach down to that.

@@ -72,7 +72,7 @@ class UniformSlope(Model):
 
 
 class Ground(Model):
-    """A section as users write it, whose other tables stand beside this one: the slide at a place of its surface."""
+    """A section as users write it, which has this table besides its own: the slide at a place of its surface."""
 
     kind: Literal["section"]
     section: str = Field(default="", description="its file, seen from that of the case, if not the same")
