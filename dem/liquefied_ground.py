@@ -29,7 +29,7 @@ from dem.kernels.liquefied_pairs import (
     VISCOSITY,
 )
 from dem.kernels.neighbours import Near, cell_grid, find_pairs, known_pairs
-from dem.ranges import Ranges, at_once
+from dem.ranges import Ranges, serial
 from dem.state import DiscState
 
 REACH = 2.0  # mean diameters: with 1.6 the pressure alone would hold a hundredth of itself as shear
@@ -67,7 +67,7 @@ class Onset(NamedTuple):
     strain: np.ndarray
 
 
-def list_liquefied(state: DiscState, in_ranges: Ranges = at_once) -> None:
+def list_liquefied(state: DiscState, in_ranges: Ranges = serial) -> None:
     """Makes the list of pairs with a liquefied disc for where discs are now; what bonds remember is carried over."""
     if not len(state.liquefied):
         return

@@ -29,7 +29,7 @@ from dem.kernels.period import folded
 from dem.lines import with_line_strengths
 from dem.liquefied_ground import change_areas, list_liquefied
 from dem.pair_table import PairTable, pair_table
-from dem.ranges import Ranges, at_once
+from dem.ranges import Ranges, serial
 from dem.springs import Law, LayerSprings, Mean, Strength
 from dem.state import LINE_MEMORY, MEMORY, ROLLING_MEMORY, DiscState
 
@@ -141,7 +141,7 @@ class DiscModel(DiscState):
         if self.lists_made == 0 or np.any(np.hypot(self.x - self.x_list, self.z - self.z_list) > self.leeway):
             self.make_list()
 
-    def make_list(self, in_ranges: Ranges = at_once) -> None:
+    def make_list(self, in_ranges: Ranges = serial) -> None:
         """Makes the neighbour list for where the discs are now; memory of contacts is carried over."""
         if self.lists_made % SORT_EVERY == 0:
             x, z = folded(self.x, self.z, self.repeats)
@@ -151,7 +151,7 @@ class DiscModel(DiscState):
         list_liquefied(self, in_ranges)
         self.x_list, self.z_list = self.x.copy(), self.z.copy()
 
-    def _list(self, factor: float, skin: float, in_ranges: Ranges = at_once) -> None:
+    def _list(self, factor: float, skin: float, in_ranges: Ranges = serial) -> None:
         order = self.order
         number = np.empty(len(self), np.int32)
         number[order] = np.arange(len(self), dtype=np.int32)

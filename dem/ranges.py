@@ -18,17 +18,17 @@ class Ranges(Protocol):
         """What the work makes of every range, in their order."""
 
 
-def at_once(work: Callable[[int, int], Any], n: int) -> list[Any]:
+def serial(work: Callable[[int, int], Any], n: int) -> list[Any]:
     """One range of all."""
     return [work(0, n)]
 
 
-def side_by_side(pool: ThreadPoolExecutor | None, threads: int) -> Ranges:
+def threaded(pool: ThreadPoolExecutor | None, threads: int) -> Ranges:
     """As many ranges as there are threads, where that is worth their while."""
 
     def shared(work: Callable[[int, int], Any], n: int) -> list[Any]:
         if pool is None or threads == 1 or n < FEW:
-            return at_once(work, n)
+            return serial(work, n)
         ends = [n * k // threads for k in range(threads + 1)]
         others = [pool.submit(work, *ends_of_range) for ends_of_range in pairwise(ends[1:])]
         try:

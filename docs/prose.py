@@ -41,6 +41,16 @@ WORDS = {
     r"utili[sz]e": "use",
     r"in order to": "to",
 }
+# The same in docstrings of the program, as far as the old word has no other meaning there.
+DOCSTRING_WORDS = {
+    pattern: WORDS[pattern]
+    for pattern in (r"hangs? on", r"stands? beside", r"It has not run yet", r"utili[sz]e", r"in order to")
+} | {
+    r"goes on\b": "continues",
+    r"held against": "compared with, or calibrated to",
+    r"Davis's substitute": "Davis's estimate",
+    r"\bgrains roll down\b": "shallow failure of a cohesionless face",
+}
 # The same in the texts of the program, which use some of these words otherwise.
 TEXT_WORDS = {
     pattern: better
@@ -92,6 +102,13 @@ def strings(source: str) -> Iterator[tuple[int, str]]:
             yield node.lineno, node.value
 
 
+def docstrings(source: str) -> Iterator[tuple[int, str]]:
+    """First line and text of every docstring of a module."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and (text := ast.get_docstring(node)):
+            yield node.body[0].lineno, text
+
+
 def texts(path: Path) -> Iterator[tuple[int, str]]:
     """Line and text of all that a module or a template says."""
     source = path.read_text(encoding="utf-8")
@@ -112,12 +129,18 @@ def main() -> int:
         for path in pages()
         for line, word, better in faults(path.read_text(encoding="utf-8"))
     ]
-    packages = (path for package in PACKAGES for path in sorted((TOP / package).rglob("*")))
+    packages = [path for package in PACKAGES for path in sorted((TOP / package).rglob("*"))]
     told += [
         f'{path.relative_to(TOP)}:{line}: "{word}": {better}'
         for path in packages
         if path.suffix in (".py", ".jinja")
         for line, word, better in _refused(texts(path), TEXT_WORDS)
+    ]
+    told += [
+        f'{path.relative_to(TOP)}:{line}: "{word}": {better}'
+        for path in packages
+        if path.suffix == ".py"
+        for line, word, better in _refused(docstrings(path.read_text(encoding="utf-8")), DOCSTRING_WORDS)
     ]
     print("\n".join(told) or "prose: no word of the old language")
     return 1 if told else 0

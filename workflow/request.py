@@ -49,7 +49,7 @@ class Request:
     ) -> "Request":
         """The file, over it the settings of the command line, over those its options.
 
-        Where a command says nothing of the mesh, it goes on with what the folder was meshed with, unless it begins
+        Where a command says nothing of the mesh, it continues with what the folder was meshed with, unless it begins
         ``afresh``. Raises InputError with every problem found.
         """
         asked = {

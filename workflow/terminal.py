@@ -112,7 +112,7 @@ def show_plan(job: Job, choice: Choice, voice: Voice) -> None:
 
 
 def _show_shaking(job: Job) -> None:
-    """What was done to records, what is doubtful about them and the earthquake, and which Kh follows from it."""
+    """What was done to records, warnings about them and the earthquake, and which Kh follows from it."""
     for text in job.config.notices_of_shaking:
         out.print(escape(f"Warning: {text}."))
 

@@ -30,7 +30,7 @@ from dem.kernels.stable_step import Bodies, LineContacts, Pairs, stable_step
 from dem.kernels.stepping import DONE, MOVED, OVERLAP, take_steps
 from dem.liquefied_ground import longest_look, steps_held
 from dem.model import DiscModel
-from dem.ranges import side_by_side
+from dem.ranges import threaded
 
 AUTO_SHARE = 0.2  # of the stable step
 LOOSER = 10.0  # times the gap, where forces of liquefied ground are held
@@ -232,7 +232,7 @@ class EngineRun:
         alone = self.threads == 1 and current_thread() is not main_thread()
         self.pool = None if alone else ThreadPoolExecutor(self.threads)
         self.working: list[Future[tuple[int, float, int]]] = []
-        self.in_ranges = side_by_side(self.pool, self.threads)
+        self.in_ranges = threaded(self.pool, self.threads)
         self.room = Room(len(model))
         self.layout: Layout | None = None  # while there is one, the model has no pairs
         self.springs, self.law = springs_of(model), engine.law_of(model)  # as they were when the layout was made

@@ -26,7 +26,7 @@ from dem.kernels.liquefied_pairs import MEMORY as BOND_MEMORY
 from dem.kernels.motion import list_motion, place_fields, place_motion
 from dem.kernels.records import SHARED
 from dem.model import DiscModel
-from dem.ranges import Ranges, at_once
+from dem.ranges import Ranges, serial
 from dem.state import MEMORY, ROLLING_MEMORY
 
 FAR = 1e15  # m: where lanes without a disc are
@@ -37,7 +37,7 @@ _LINE_MEMORY = {2: "line_shear", 4: "line_force_x", 5: "line_force_z"}
 _LINE_ROLLING = {1: "line_rolled", 2: "line_torque"}
 
 
-def pack(model: DiscModel, *, keep_pairs: bool = True, in_ranges: Ranges = at_once, room: Room | None = None) -> Layout:
+def pack(model: DiscModel, *, keep_pairs: bool = True, in_ranges: Ranges = serial, room: Room | None = None) -> Layout:
     """The model as the stepping kernel wants it; the same model always gives the same layout.
 
     keep_pairs: False takes the pairs out of the model, until `unpack` brings them back: there is no need to hold them
@@ -169,7 +169,7 @@ def unpack_motion(layout: Layout, model: DiscModel) -> None:
     list_motion(layout, model.order, tuple(getattr(model, name) for name in _STATE), model.roll)
 
 
-def unpack(layout: Layout, model: DiscModel, in_ranges: Ranges = at_once) -> None:
+def unpack(layout: Layout, model: DiscModel, in_ranges: Ranges = serial) -> None:
     """Writes what a run has changed back into the model."""
     unpack_motion(layout, model)
     start = count_links(layout, len(model))

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from dem.errors import ConfinementError, DemError
-from dem.laboratory.patch import Carried, Patch, Press
+from dem.laboratory.patch import Patch, Press, StressState
 from dem.laboratory.plane_elastic import PlaneElastic, lattice_elastic
 
 Kind = Literal["biaxial", "simple shear"]
@@ -96,7 +96,7 @@ def confine(patch: Patch, pressure: float) -> None:
     unit = patch.time_unit
     with Press(patch) as press:
         for _ in range(int(PATIENCE / 3.0)):
-            now = patch.carried()
+            now = patch.stress_state()
             error = 0.5 * (now.stress + now.stress.T) + pressure * np.eye(2)
             if np.abs(error).max() < AT_REST * pressure and now.unbalanced < AT_REST:
                 break
@@ -127,7 +127,7 @@ def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
         with Press(probed) as press:
             press.strain(way * size / (PROBE_TIME * unit), PROBE_TIME * unit)
             press.strain(np.zeros((2, 2)), HOLD_TIME * unit)
-        responses[name] = probed.carried().stress / size
+        responses[name] = probed.stress_state().stress / size
     x, z, shear = (responses[name] - responses["none"] for name in ("x", "z", "shear"))
     stiffness = PlaneElastic(
         M=-0.5 * float(x[0, 0] + z[1, 1]), lame=-0.5 * float(x[1, 1] + z[0, 0]),
@@ -167,13 +167,13 @@ def load(
     stopped = ""
     with Press(patch) as press:
         try:
-            now = patch.carried()
+            now = patch.stress_state()
             for interval in lengths:
                 wanted = -(now.stress[held, held] + pressure) / (stiffness.M * REACTION * interval)
                 steady += wanted / MEMORY
                 drive[held, held] = np.clip(wanted + steady, -LATERAL * per_second, LATERAL * per_second)
                 press.strain(drive, interval)
-                now = patch.carried()
+                now = patch.stress_state()
                 rows.append(_record(patch.deformation, kind, now, bonds))
                 if not to_the_end and _is_over(rows, kind):
                     break
@@ -198,6 +198,6 @@ def _is_over(rows: list[np.ndarray], kind: Kind) -> bool:
     return bool(means[-1, 0] > strain * means[at, 0] and resistance[-1] < left * resistance[at])
 
 
-def _record(f: np.ndarray, kind: Kind, now: Carried, bonds: int) -> np.ndarray:
+def _record(f: np.ndarray, kind: Kind, now: StressState, bonds: int) -> np.ndarray:
     strain = -np.log(f[1, 1]) if kind == "biaxial" else f[0, 1] / f[1, 1]
     return np.array([strain, *now.stress.ravel(), np.log(np.linalg.det(f)), now.unbalanced, now.cracked / bonds])

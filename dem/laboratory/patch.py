@@ -132,12 +132,12 @@ class Patch:
         """Its discs and contacts where a press keeps them, or as the model has them."""
         return pack(self.model) if self.run is None else self.run.pack()
 
-    def carried(self) -> "Carried":
+    def stress_state(self) -> "StressState":
         """What its contacts carry, by the forces of the last step, dashpots included."""
         back = np.linalg.inv(self.deformation)
         sums, unbalanced, cracked = pair_forces(self.layout, len(self.model), back, self.region)
         area = float(np.prod(self.region[1] - self.region[0]) * np.linalg.det(self.deformation))
-        return Carried(sums / area, unbalanced, cracked)
+        return StressState(sums / area, unbalanced, cracked)
 
     def check_frame(self) -> None:
         """Raises EscapeError if a free disc has slipped out through the frame, NotFiniteError if it is nowhere."""
@@ -153,7 +153,7 @@ class Patch:
 
 
 @dataclass(frozen=True)
-class Carried:
+class StressState:
     """What the contacts of a patch carry.
 
     Attributes

@@ -22,7 +22,7 @@ Likeness = tuple[float, float, float, int]
 
 
 @dataclass(frozen=True)
-class Programme:
+class ElementTestProgramme:
     """The tests of some layers, as discs of one mean radius, each by several patches at three confining pressures.
 
     Patches that differ by nothing but their scale, as those of all sands with one angle of friction do, count once.
@@ -45,7 +45,7 @@ class Programme:
     radius: float
 
     @classmethod
-    def of(cls, layers: Sequence[SoilLayer], radius: float) -> "Programme":
+    def of(cls, layers: Sequence[SoilLayer], radius: float) -> "ElementTestProgramme":
         """The tests of discs of a mean ``radius`` (m)."""
         wanted = [(layer.springs(radius, VOID_RATIO), float(p)) for layer in layers for p in layer.pressures]
         first: dict[Likeness, tuple[LayerSprings, float]] = {}

@@ -1,4 +1,4 @@
-"""A uniform slope, its sides tied: ground that goes on for ever, whose layers liquefy and which Kh pushes downhill.
+"""A uniform slope, its sides tied: ground that continues for ever, whose layers liquefy and which Kh pushes downhill.
 
 The frame of the discs lies along the slope: x downhill along its surface, z across it, gravity tilted. Planes parallel
 to the surface carry, at a normal stress p, the shear stress p (tan b + kh) by statics, where vertical inertia is left
@@ -121,7 +121,7 @@ class UniformSlope:
         Returns
         -------
         Slider
-            The slide as it went in its `slide`; the slope goes on from where that ended.
+            The slide as it went in its `slide`; the slope continues from where that ended.
         """
         slider = Slider(self.model, self.ground, list(layers), case, settings or SlideSettings(kh=0.0, duration=20.0))
         slider.run()

@@ -6,7 +6,7 @@ pore_strength: cohesion and stretch at which pore springs break, cohesion of soi
 pore_strength together; all: stiffness and strength together.
 
 Soil discs take one factor on their strength, as the continuum's strength is reduced for a factor of safety: friction
-and cohesion alike, rolling and stiffness as they are. Their critical Kh without any factor is a prediction.
+and cohesion alike, rolling and stiffness as they are. Their uncalibrated critical Kh is a prediction.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -21,7 +21,7 @@ from dem.ground import Ground
 from dem.model import DiscModel
 from dem.search.critical import OnTrial, Search, critical_kh
 from dem.search.equilibrium import settle
-from dem.search.pushover import Continuum, pushed_over
+from dem.search.pushover import Continuum, pushover_critical_kh
 from dem.settings import DemSettings, Parameter
 from dem.springs import LayerSprings
 from meshes.executor import SERIAL, Executor, Tell
@@ -62,7 +62,7 @@ class Calibration:
     search : Search
         The critical Kh with that factor.
     sensitivity : tuple of (parameter, factor, Search)
-        The critical Kh with each parameter halved and doubled; parameter "" is that without any factor.
+        The critical Kh with each parameter halved and doubled; parameter "" is the uncalibrated one.
     trials : tuple of (factor, Search)
         Every factor that the parameter was tried with, from the least to the largest: the order of trying depends
         on which of several searches ends first.
@@ -113,7 +113,7 @@ class Calibrator:
     ground
         Where the discs lie.
     layers
-        Their springs without any factor.
+        Their uncalibrated springs.
     settled
         The discs at rest with these.
     settings
@@ -200,7 +200,7 @@ class Calibrator:
         if settings.model == "soil":
             if self.continuum is None:
                 raise ValueError("soil discs are pushed as far as a continuum says: give one")
-            search, self.pushed[key] = pushed_over(
+            search, self.pushed[key] = pushover_critical_kh(
                 settled, self.ground, settings, self.continuum, threads=threads, on_trial=self.on_trial
             )
             return search

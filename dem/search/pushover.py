@@ -7,8 +7,8 @@ The critical Kh of the discs is the largest Kh, averaged over a fifth of the way
 the displacement at which the FEM model yields. Grains need that much more strain than an elastic-plastic body of the
 same E to have the same strength: `settings.GROWTH` says how it was measured.
 
-Where they fail shows only later: at their critical Kh discs still harden, and shear all over. So the push goes on, and
-the discs at its end have a slip surface.
+Where they fail shows only later: at their critical Kh discs still harden, and shear all over. So the push continues,
+and the discs at its end have a slip surface.
 """
 
 from collections.abc import Iterator, Sequence
@@ -62,7 +62,7 @@ class Continuum(NamedTuple):
         return float(np.clip(kh, self.kc, max(self.kc, self.upper)))
 
 
-class Machine(NamedTuple):
+class DisplacementControl(NamedTuple):
     """The spring that pushes, and the dashpot beside it.
 
     Attributes
@@ -92,7 +92,7 @@ class Machine(NamedTuple):
         return self.reach * float(share) / cycle
 
 
-def pushed_over(
+def pushover_critical_kh(
     settled: DiscModel,
     ground: Ground,
     settings: DemSettings,
@@ -113,7 +113,8 @@ def pushed_over(
     search, model, whole, ended = Search(), settled.copy(), False, ""
     reach = settings.ductility * continuum.yielding
     try:
-        for trial in _points(model, settled, ground, Machine(reach, MACHINE * continuum.kc / reach), threads):
+        machine = DisplacementControl(reach, MACHINE * continuum.kc / reach)
+        for trial in _points(model, settled, ground, machine, threads):
             if trial is None or isinstance(trial, str):
                 whole, ended = True, trial or ""
                 continue
@@ -154,7 +155,7 @@ def critical_point(points: Sequence[Trial]) -> tuple[float, float, int]:
 
 
 def _points(
-    model: DiscModel, before: DiscModel, ground: Ground, machine: Machine, threads: int
+    model: DiscModel, before: DiscModel, ground: Ground, machine: DisplacementControl, threads: int
 ) -> Iterator[Trial | str | None]:
     """Moves the far end of the machine on and takes the discs along, until they have failed; each point of the
     curve is the mean of what was measured since the last, None follows where it ends, a little beyond the reach, and
@@ -191,8 +192,8 @@ def _points(
     yield f"; pushed on to {moved:.2g} m, {ended}"
 
 
-def _failed(model: DiscModel, before: DiscModel, ground: Ground, machine: Machine, moved: float) -> str:
-    """Why the push ends once the ground has moved so far on the mean (m), in words; empty while it goes on."""
+def _failed(model: DiscModel, before: DiscModel, ground: Ground, machine: DisplacementControl, moved: float) -> str:
+    """Why the push ends once the ground has moved so far on the mean (m), in words; empty while it continues."""
     way = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
     most = np.percentile(way, GROUND)
     if most >= FORMED * ground.radius:

@@ -24,7 +24,7 @@ STOPPED = 0.5  # of the largest slide: what has slid so far and ends at a side w
 def ground_area(model: DiscModel, ground: Ground) -> float:
     """Area below the surface of the discs, above the lowest of them, between the outermost of them.
 
-    The disc on top of the first column lies anywhere in it: the ground goes on level from there to the side.
+    The disc on top of the first column lies anywhere in it: the ground continues level from there to the side.
     """
     x, z = Surface.of(model, ground).points(model, ground).T
     free_x, free_z = ground.to_section(model.x[~model.fixed], model.z[~model.fixed])

@@ -32,8 +32,8 @@ from dem.slides.balance import (
     thin_layers,
 )
 from dem.slides.drive import SAME, Shaking, held, shaken
-from dem.slides.lost_strength import liquefied, onset
-from dem.slides.rest import at_rest, what_drives
+from dem.slides.liquefied_strength import liquefied, onset
+from dem.slides.rest import at_rest, residual_motion_source
 from dem.slides.row import Row
 from dem.slides.runout import loose_share, on_loose_mass
 from dem.slides.slide import Slide
@@ -101,7 +101,7 @@ class Slider:
         self.model = self._resumed() or self._begun()
 
     def run(self, on_look: OnLook | None = None, threads: int = 1) -> Slide:
-        """Goes on until the ground has settled or the time is over. Raises no DemError: the reason says it."""
+        """Continue until the ground has settled or the time is over. Raises no DemError: the reason says it."""
         slide = self.slide
         end = self.start.time + self.drive.end
         while not slide.reason:
@@ -230,7 +230,7 @@ class Slider:
     def _driven_by(self) -> str:
         rows = self.slide.rows
         weight = [row.work_J - row.shaking_J for row in rows]
-        return what_drives([row.time_s for row in rows], weight, [row.shaking_J for row in rows])
+        return residual_motion_source([row.time_s for row in rows], weight, [row.shaking_J for row in rows])
 
     def _finished(self) -> Slide:
         slide, model = self.slide, self.model
@@ -289,7 +289,7 @@ class Slider:
     def _flow(self) -> list[str]:
         """Whether the case slides without any Kh as well: a sentence that says so, or none.
 
-        Ground that stands by its own weight gives way by centimetres; what goes on until its face is flatter had no
+        Ground that stands by its own weight gives way by centimetres; what continues until its face is flatter had no
         equilibrium. That displacement is compared with the height of the face, and not with the slide under Kh, which
         ends where Kh, the slope below or a side of the box let it.
         """
@@ -309,7 +309,7 @@ class Slider:
         ]
 
     def _keep(self) -> None:
-        """Leave a checkpoint, unless the last one is young and the slide goes on.
+        """Leave a checkpoint, unless the last one is young and the slide continues.
 
         Rows first: those that are later than the checkpoint are forgotten when it is read.
         """

@@ -35,7 +35,7 @@ def moved_lately(times: Sequence[float], moved: Sequence[float]) -> float:
     return float(np.ptp(np.asarray(moved, float)[first:]))
 
 
-def what_drives(times: Sequence[float], weight: Sequence[float], shaking: Sequence[float]) -> str:
+def residual_motion_source(times: Sequence[float], weight: Sequence[float], shaking: Sequence[float]) -> str:
     """Where the energy of the last window came from, in words.
 
     weight, shaking (n,): work that gravity and the seismic force have done since the beginning (J per metre).

@@ -1,4 +1,4 @@
-"""Shallow failure of a cohesionless face: the Kh at which its grains roll down, and the search for deeper failures.
+"""Shallow failure of a cohesionless face: the Kh at which it fails, and the search for deeper failures.
 
 Sand without cohesion fails first at its inclined surface, in a layer of no thickness along the face. No mesh resolves
 that, and no practitioner means it: wanted is the slope as a whole. So the Kh of the shallow failure is found in closed
@@ -46,7 +46,7 @@ class ShallowFailure:
     angle : float
         Inclination in rad, above 0.
     kh : float
-        Seismic coefficient at which the grains roll down; below 0 if they do so by their own weight.
+        Seismic coefficient at which the face fails; below 0 if it fails by its own weight.
     ratio : float
         Weight less Kv and uplift over the seismic weight (-).
     seepage : float

@@ -1,4 +1,4 @@
-"""Strength and flow rule with which the strata enter an analysis, and Davis's substitute where ψ < φ.
+"""Strength and flow rule with which the strata enter an analysis, and Davis's estimate where ψ < φ.
 
 Ground that dilates by less than its friction angle has no unique limit load: the normality rule does not hold, and what
 a path of equilibria rises to depends on how it is followed. Davis (1968, in Lee, Soil Mechanics: Selected Topics)

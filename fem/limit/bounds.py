@@ -44,7 +44,7 @@ class KhBounds(SmallerKhBounds):
     Attributes
     ----------
     shallow_failures : tuple of ShallowFailure
-        Cohesionless faces whose grains roll down at a smaller Kh than the bounds are for. Where there is one, the
+        Cohesionless faces that fail by themselves at a smaller Kh than the bounds are for. Where there is one, the
         ground below all such faces was strengthened down to the least depth, as it is in the finite elements, and the
         bounds are those of the slope as a whole: strict for the ground so strengthened. Without any they are strict for
         the ground as it is given.
@@ -55,7 +55,7 @@ class KhBounds(SmallerKhBounds):
     section : Section
         What was analysed: the section, or that with its faces strengthened, for the direction that fails first.
     substitute : SmallerKhBounds or None
-        Bounds of Davis's substitute, where ψ < φ and it was asked for; from the last meshes of those for ψ = φ.
+        Bounds of Davis's estimate, where ψ < φ and it was asked for; from the last meshes of those for ψ = φ.
     """
 
     shallow_failures: tuple[ShallowFailure, ...] = ()
@@ -96,7 +96,7 @@ class DirectionGround:
         return cls(fem, max_cells, govern, _coarse_upper_bound(section, fem), whole)
 
     def search(self, limits: Limits, after: BoundSearch | None = None) -> DirectionSearch:
-        """The search for bounds; ``after`` another one of stronger ground for Davis's substitute, on its last mesh if
+        """The search for bounds; ``after`` another one of stronger ground for Davis's estimate, on its last mesh if
         the work left allows that."""
         ground = self.section.cut_at_films
         if after is not None and 2.0 * after.found.meshes[-1].work < limits.seconds:

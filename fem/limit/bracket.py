@@ -123,7 +123,7 @@ class Bracket:
     mesh : TriMesh
         The last mesh, in m.
     ended : EndReason or None
-        Why there is no finer mesh; None while the search goes on.
+        Why there is no finer mesh; None while the search continues.
     open_at : tuple of float or None
         Where the gap is widest, (x, y) in m, if the search ended before it was closed.
     """

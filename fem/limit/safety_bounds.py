@@ -35,7 +35,7 @@ FactorEnd = Literal["gap", "triangles", "time", "solver"]
 class SafetyBounds:
     """Factors of safety: ``lower`` is carried, ``upper`` fails; 0 and inf where none was proven.
 
-    ``shallow_failure`` is that at which grains roll down a cohesionless face, or shallow ground slips where two of them
+    ``shallow_failure`` is that at which a cohesionless face fails, or shallow ground slips where two of them
     meet, if below ``upper``; the ground down to the least depth below such faces was then strengthened, as in the
     finite elements, and the bounds are of the slope as a whole: strict for the ground so strengthened. Without it they
     are strict for the ground as it is given. ``direction`` is that of the seismic force with which it fails, None
@@ -101,7 +101,7 @@ class _Coarse:
         return False
 
     def least_failing(self, factor: float) -> float:
-        """``factor`` itself, or a smaller one at which a mechanism fails: shallow ground slips before grains roll down,
+        """``factor`` itself, or a smaller one at which a mechanism fails: shallow ground slips before the face fails,
         where faces of unlike water or slope meet."""
         if not self.fails_at(factor):
             return factor

@@ -36,7 +36,7 @@ LARGER = 10.0
 
 
 @dataclass(frozen=True, eq=False)
-class DirectLimit:
+class ConicLimitLoad:
     """The limit load of a discretised section.
 
     Attributes
@@ -148,7 +148,7 @@ class Discretised:
         return replace(_state(mesh, self.cells, kh, fields), repeats=problem.repeats)
 
 
-def direct_limit(problem: "PlaneStrain", mesh: QuadMesh, dead: np.ndarray, live: np.ndarray) -> DirectLimit:
+def conic_limit_load(problem: "PlaneStrain", mesh: QuadMesh, dead: np.ndarray, live: np.ndarray) -> ConicLimitLoad:
     """The largest λ at which the nodal forces ``dead`` + λ ``live``, both (dofs,) in N/m, are borne.
 
     The flow is associated, the element "reduced"; initial stress and stiffness have no part in it. All ranks get the
@@ -196,18 +196,18 @@ def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Dis
     return Discretised(cells, free, tuple(all_forces), length, unit, strain)
 
 
-def _limit(problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised) -> DirectLimit:
-    """The limit load; raises as ``direct_limit`` does."""
+def _limit(problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised) -> ConicLimitLoad:
+    """The limit load; raises as ``conic_limit_load`` does."""
     ratio = float(np.abs(ground.load(0)).sum() / np.abs(ground.load(1)).sum())  # both loads as large as one
     ground, solution = ground.solved(lambda own: own.program(problem.strength, own.load(0), ratio * own.load(1)))
     if not solution.sure:
         raise NoAnswerError(f"the limit load of the elements was not found ({solution.ended})", "use another mesh")
     if solution.none == "no mechanism":
-        return DirectLimit(np.inf, None)
+        return ConicLimitLoad(np.inf, None)
     if solution.none:
         raise UnstableError("the section fails under its own weight: no stress balances it")
     kh = ratio * solution.multiplier
-    return DirectLimit(kh, ground.mechanism(problem, mesh, solution, kh))
+    return ConicLimitLoad(kh, ground.mechanism(problem, mesh, solution, kh))
 
 
 def _strain_matrix(cells: _Cells, factor: np.ndarray, size: int) -> sparse.csr_matrix:

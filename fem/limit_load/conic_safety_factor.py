@@ -45,7 +45,7 @@ DIFFERENCE = 1e-4
 LEAST_SOFTENING = 1e-3
 
 
-def direct_factor(
+def conic_safety_factor(
     problem: "PlaneStrain", mesh: QuadMesh, forces: np.ndarray, kh: float, guess: float = 1.0
 ) -> tuple[float, State]:
     """The divisor of c and tan φ at which nodal forces (dofs,) in N/m are just borne, and the mechanism.

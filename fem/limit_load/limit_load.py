@@ -1,7 +1,7 @@
 """Ground under its weight, and the critical Kh of its mesh by finite element limit analysis.
 
 It can be asked more than once: with another flow rule, or between other sides. As loads and the stress on the
-sides are then the same, answers differ by what was asked and by nothing else: on one mesh Davis's substitute, which is
+sides are then the same, answers differ by what was asked and by nothing else: on one mesh Davis's estimate, which is
 the weaker ground, never bears more than ψ = φ.
 """
 
@@ -18,7 +18,7 @@ from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.shallow_failure import ShallowFailure, shallow_failures
 from fem.continuum.strength import Flow, flow_of, is_associated, strength_of
 from fem.errors import UnstableError
-from fem.limit_load.conic_limit_load import DirectLimit, direct_limit
+from fem.limit_load.conic_limit_load import ConicLimitLoad, conic_limit_load
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import at_the_sides, bring_to_rest, element_for, gravity_equilibrium, sides_held
 from fem.settings import FemSettings, PathVerdict
@@ -42,10 +42,10 @@ class Ground:
     gravity : EquilibriumPath or None
         How the weight was brought on.
     faces : list of ShallowFailure
-        Cohesionless faces that were strengthened, since their grains roll down first.
+        Cohesionless faces that were strengthened, since they fail first.
     load : ndarray (dofs,)
         Nodal forces of Kh = 1 (N/m).
-    limit : DirectLimit or None
+    limit : ConicLimitLoad or None
         The limit load of the push where it is unique and the element is one for it.
     settings : FemSettings
         Flow rule, sides and direction.
@@ -57,7 +57,7 @@ class Ground:
     gravity: EquilibriumPath | None
     faces: list[ShallowFailure]
     load: np.ndarray
-    limit: DirectLimit | None
+    limit: ConicLimitLoad | None
     settings: FemSettings
 
 
@@ -80,7 +80,7 @@ class LimitLoadResult:
     mechanism : State or None
         The mechanism; None without a limit load.
     shallow_failures : list of ShallowFailure
-        Cohesionless faces whose grains roll down before.
+        Cohesionless faces that fail before.
     ground : Ground
         What was pushed.
     """
@@ -105,7 +105,7 @@ class LimitLoadResult:
         return self.kc
 
 
-def critical_at_once(
+def critical_limit_load(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[ShallowFailure] | None = None
 ) -> LimitLoadResult:
     """The limit load for a push in the one direction of ``settings``, with the "reduced" element whatever they say.
@@ -129,7 +129,7 @@ def asked_again(result: LimitLoadResult, section: Section, mesh: QuadMesh, setti
     problem.flow = settings.flow
     problem.use_strength(1.0)
     problem.hold(sides_held(settings))
-    limit = direct_limit(problem, mesh, ground.constant, ground.load)
+    limit = conic_limit_load(problem, mesh, ground.constant, ground.load)
     return _told(section, mesh, settings, replace(ground, limit=limit))
 
 
@@ -150,7 +150,7 @@ def pushed(
 ) -> Ground:
     """The ground with ``faces`` strengthened, and the limit load of a push if it is unique; at rest if it is not.
 
-    Where faces are not given, all cohesionless ones are strengthened if grains of any roll down before the ground below
+    Where faces are not given, all cohesionless ones are strengthened if any fails before the ground below
     fails, as in the bounds: where a layer thins out its neighbour may come to the face in the mesh. Where no limit load
     tells, they are if they do not even stand by their own weight. Raises InputError, UnstableError.
     """
@@ -186,7 +186,7 @@ def _pushed(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, 
         load = seismic_load(problem, mesh, section, push(section, settings))
         limit = None
         try:
-            limit = direct_limit(problem, mesh, constant, load)
+            limit = conic_limit_load(problem, mesh, constant, load)
         except UnstableError:
             raise
         except NoAnswerError:  # a path has to do

@@ -1,4 +1,4 @@
-"""A slide of material points as it stands, so that a stopped one goes on with the same bits."""
+"""A slide of material points as it stands, so that a stopped one continues with the same bits."""
 
 import zipfile
 from pathlib import Path

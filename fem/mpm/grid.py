@@ -20,7 +20,7 @@ class BackgroundGrid:
     uplift : ndarray (nx, nz, 2)
         Minus the gradient of the pore pressure (N/m³).
     periodic : bool
-        Whether the right side goes on at the left one.
+        Whether the right side continues at the left one.
     """
 
     cell: float

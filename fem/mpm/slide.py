@@ -116,7 +116,7 @@ class PointSlider:
         """Go on until the surface is at rest or the time is over; ``on_look`` is told the time and the slide.
 
         ``decay`` (1/s) is that of velocities which the grid cannot resolve, see ``DECAYS``. ``checkpoint`` is a file
-        from which a stopped slide goes on.
+        from which a stopped slide continues.
         """
         slide = PointSlide(before=self._surface(), cell=self.ground.grid.cell)
         self.ground.points.decay[:] = decay

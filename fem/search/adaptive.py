@@ -15,7 +15,7 @@ from fem.continuum.loads import Direction
 from fem.continuum.shallow_failure import ShallowFailure, faces_at, strengthened, without_strips
 from fem.continuum.strength import is_associated
 from fem.errors import UnstableError
-from fem.limit_load.limit_load import LimitLoadResult, asked_again, critical_at_once
+from fem.limit_load.limit_load import LimitLoadResult, asked_again, critical_limit_load
 from fem.search.mesh_sequence import (
     FEWEST_CELLS,
     SMALLEST_KH,
@@ -25,7 +25,7 @@ from fem.search.mesh_sequence import (
     nothing,
     solve_adaptively,
 )
-from fem.search.strength_reduction import SafetyFactor, safety_at_once
+from fem.search.strength_reduction import SafetyFactor, limit_load_safety_factor
 from fem.settings import FACTOR_SHARE, LEAST_KH, FemSettings
 from meshes.adaptation import adapted
 from meshes.errors import InputError, NoAnswerError
@@ -117,7 +117,7 @@ class AdaptiveSearch:
         """The critical Kh, in the direction in which it is smaller.
 
         A push uphill whose mechanism leaves through a side counts only if there is nothing else, as in
-        ``critical_coefficient``. Raises what ``critical_at_once`` does on the first mesh.
+        ``critical_coefficient``. Raises what ``critical_limit_load`` does on the first mesh.
         """
         if settings.direction != "both":
             return self._towards(settings.direction, settings, nothing)
@@ -141,7 +141,7 @@ class AdaptiveSearch:
         def solve(mesh: QuadMesh) -> LimitLoadResult:
             nonlocal faces
             self.tell(f"limit load of {len(mesh.cells)} cells, {direction}")
-            result = critical_at_once(self.section, mesh, wish, self.comm, faces)
+            result = critical_limit_load(self.section, mesh, wish, self.comm, faces)
             faces = result.ground.faces
             return result
 
@@ -180,7 +180,7 @@ class AdaptiveSearch:
         mesh = base.mesh
         self.tell(f"limit load of {len(mesh.cells)} cells")
         faces = self._rough_faces(mesh, fixed) if len(base.rounds) < 2 else base.result.ground.faces
-        return self._or_on_its_own(base, critical_at_once(self.section, mesh, fixed, self.comm, faces), fixed)
+        return self._or_on_its_own(base, critical_limit_load(self.section, mesh, fixed, self.comm, faces), fixed)
 
     def _or_on_its_own(
         self, base: AdaptiveResult[LimitLoadResult], same: LimitLoadResult, other: FemSettings
@@ -194,7 +194,7 @@ class AdaptiveSearch:
         try:
             mesh = self._next(base.mesh, strain, len(base.mesh.cells), faces, other)
             self.tell(f"limit load of {len(mesh.cells)} cells")
-            separate = critical_at_once(self.section, mesh, other, self.comm, faces)
+            separate = critical_limit_load(self.section, mesh, other, self.comm, faces)
         except NoAnswerError:
             return first
         if separate.kc > same.kc:
@@ -207,7 +207,7 @@ class AdaptiveSearch:
     ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult]]:
         """``base``, and the answer with ψ = φ beside it.
 
-        On one mesh Davis's substitute, the weaker ground, bears no more. So where the mesh made for ψ = φ shows less
+        On one mesh Davis's estimate, the weaker ground, bears no more. So where the mesh made for ψ = φ shows less
         than that of ``base``, this one was the poorer, and the answer is found anew on the other; what contradicts the
         order afterwards is no matter of meshes. Raises what `beside` does.
         """
@@ -215,7 +215,7 @@ class AdaptiveSearch:
         beside = self.beside(base, full)
         if beside.result.kc >= base.result.kc:
             return base, beside
-        again = critical_at_once(self.section, beside.mesh, settings, self.comm, base.result.ground.faces)
+        again = critical_limit_load(self.section, beside.mesh, settings, self.comm, base.result.ground.faces)
         last = replace(base.rounds[-1], cells=len(beside.mesh.cells), value=again.kc)
         same = asked_again(again, self.section, beside.mesh, full)
         return (
@@ -238,14 +238,14 @@ class AdaptiveSearch:
         return beside if beside.result.kc > 0.0 else failing_by_itself(beside)
 
     def safety(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor]:
-        """The factor of safety at ``kh``; raises what ``safety_at_once`` does on the first mesh."""
+        """The factor of safety at ``kh``; raises what ``limit_load_safety_factor`` does on the first mesh."""
         guess = self._rough_safety(settings, kh)
         faces = faces_at(self.section, settings, kh)
 
         def solve(mesh: QuadMesh) -> SafetyFactor:
             nonlocal guess
             self.tell(f"factor of safety at Kh = {kh:g}: {len(mesh.cells)} cells")
-            result = safety_at_once(self.section, mesh, settings, kh, self.comm, guess)
+            result = limit_load_safety_factor(self.section, mesh, settings, kh, self.comm, guess)
             guess = result.factor
             return result
 
@@ -260,16 +260,16 @@ class AdaptiveSearch:
         """The factor of safety by the flow rule of ``other`` settings on the mesh of ``base``, or on one of as many
         cells that is made for its mechanism, if that is less; no less than ``base`` where that is Davis's estimate.
 
-        Raises what ``safety_at_once`` does.
+        Raises what ``limit_load_safety_factor`` does.
         """
-        same = safety_at_once(self.section, base.mesh, other, kh, self.comm, base.result.factor)
+        same = limit_load_safety_factor(self.section, base.mesh, other, kh, self.comm, base.result.factor)
         factor = same.factor
         if same.mechanism is not None and len(base.rounds) > 1:
             strain = same.mechanism.plastic_shear_strain
             try:
                 faces = faces_at(self.section, other, kh)
                 mesh = self._next(base.mesh, strain, len(base.mesh.cells), faces, other)
-                factor = min(factor, safety_at_once(self.section, mesh, other, kh, self.comm, factor).factor)
+                factor = min(factor, limit_load_safety_factor(self.section, mesh, other, kh, self.comm, factor).factor)
             except NoAnswerError:
                 pass
         return max(factor, base.result.factor) if other.flow == "associated" else factor
@@ -279,7 +279,7 @@ class AdaptiveSearch:
         where it has to tell itself, in one more limit load."""
         rough = self._rough_mesh(first)
         try:
-            return critical_at_once(self.section, rough, settings, self.comm).ground.faces if rough else None
+            return critical_limit_load(self.section, rough, settings, self.comm).ground.faces if rough else None
         except NoAnswerError:
             return None
 
@@ -288,7 +288,7 @@ class AdaptiveSearch:
         on one of few."""
         rough = self._rough_mesh(self.first)
         try:
-            return safety_at_once(self.section, rough, settings, kh, self.comm).factor if rough else 1.0
+            return limit_load_safety_factor(self.section, rough, settings, kh, self.comm).factor if rough else 1.0
         except NoAnswerError:
             return 1.0
 

@@ -73,8 +73,8 @@ class CriticalResult:
     gravity_plastic_share : float
         Share of the quadrature points that yield under gravity (-).
     shallow_failures : list of ShallowFailure
-        Cohesionless faces whose grains roll down before; the ground below was searched for deeper failures.
-    at_once : State or None
+        Cohesionless faces that fail before; the ground below was searched for deeper failures.
+    limit_mechanism : State or None
         The mechanism of the limit load that was found at once.
     other : CriticalResult or None
         The answer for the opposite direction, where both were asked for.
@@ -96,7 +96,7 @@ class CriticalResult:
     gravity_iterations: int
     gravity_plastic_share: float
     shallow_failures: list[ShallowFailure]
-    at_once: State | None = None
+    limit_mechanism: State | None = None
     other: "CriticalResult | None" = None
 
     @property
@@ -107,8 +107,8 @@ class CriticalResult:
     @property
     def mechanism(self) -> State:
         """The mechanism if the section fails: that of the limit load, else the last state of the path."""
-        if self.at_once is not None:
-            return self.at_once
+        if self.limit_mechanism is not None:
+            return self.limit_mechanism
         return next(state for state in reversed(self.states) if not state.past_equilibrium)
 
 
@@ -234,7 +234,7 @@ def _followed(
         gravity_iterations=gravity.solves,
         gravity_plastic_share=gravity.steps[-1].plastic_share,
         shallow_failures=[],
-        at_once=known.mechanism if known is not None and limit.verdict == "plateau" else None,
+        limit_mechanism=known.mechanism if known is not None and limit.verdict == "plateau" else None,
     )
 
 

@@ -1,6 +1,6 @@
 """The FEM model with the boundary conditions of the DEM box: fixed sides, and non-associated flow with the given ψ.
 
-Davis's substitute weakens sand and leaves clay as it is, which moves the slip surface to where the sand is: that of
+Davis's estimate weakens sand and leaves clay as it is, which moves the slip surface to where the sand is: that of
 S-13 between fixed sides lies 5 m from the one with ψ as given. Discs have the strength of the soil and dilate little.
 So the slip surface of the discs is compared with that of the non-associated path.
 """

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from fem.limit_load.conic_limit_load import direct_limit
+from fem.limit_load.conic_limit_load import conic_limit_load
 from fem.path.gravity import under_weight
 from fem.settings import FemSettings
 from meshes.quad_mesh import QuadMesh
@@ -54,7 +54,7 @@ def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Secti
 def weight_borne(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any) -> float:
     """How many times its weight a mesh bears with its sides held, by its limit load; below 1 it flows.
 
-    The flow is associated. Raises what ``direct_limit`` does.
+    The flow is associated. Raises what ``conic_limit_load`` does.
     """
     problem, weight = under_weight(section, mesh, settings.model_copy(update={"element": "reduced"}), comm)
-    return LITTLE + direct_limit(problem, mesh, LITTLE * weight, weight).multiplier
+    return LITTLE + conic_limit_load(problem, mesh, LITTLE * weight, weight).multiplier

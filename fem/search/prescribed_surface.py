@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from fem.limit_load.conic_limit_load import direct_limit
-from fem.limit_load.limit_load import critical_at_once
+from fem.limit_load.conic_limit_load import conic_limit_load
+from fem.limit_load.limit_load import critical_limit_load
 from fem.settings import FemSettings
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
@@ -42,14 +42,14 @@ def critical_above(
 ) -> GivenSurface:
     """The limit loads with and without the nodes on and below ``line`` (k, 2), points [x, elevation] in m, held.
 
-    Beyond its ends the line goes on at their depth below the ground. For one rank; raises what ``critical_at_once``
-    does.
+    Beyond its ends the line continues at their depth below the ground. For one rank; raises what
+    ``critical_limit_load`` does.
     """
-    ground = critical_at_once(section, mesh, settings, comm).ground
+    ground = critical_limit_load(section, mesh, settings, comm).ground
     assert ground.limit is not None
     problem, below = ground.problem, _below(section, line, ground.problem.grid.node_points)
     problem.hold_components(~problem.free | np.repeat(below, 2))
-    above = direct_limit(problem, mesh, ground.constant, ground.load)
+    above = conic_limit_load(problem, mesh, ground.constant, ground.load)
     return GivenSurface(ground.limit.multiplier, above.multiplier)
 
 

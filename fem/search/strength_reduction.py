@@ -16,7 +16,7 @@ from fem.continuum.nodal_loads import seismic_load, still_load
 from fem.continuum.shallow_failure import faces_at, least_rolling_factor
 from fem.continuum.strength import is_associated, strength_of
 from fem.errors import UnstableError
-from fem.limit_load.conic_safety_factor import LARGEST_FACTOR, direct_factor, too_weak
+from fem.limit_load.conic_safety_factor import LARGEST_FACTOR, conic_safety_factor, too_weak
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import (
     UNDER_GRAVITY,
@@ -64,7 +64,7 @@ class SafetyFactor:
     steps : list of PathStep
         The path: the factor over the control displacement.
     shallow_failure : float or None
-        The factor at which grains roll down a cohesionless face, if there is one (-).
+        The factor at which a cohesionless face fails, if there is one (-).
     mechanism : State or None
         The mechanism, where the factor was found at once.
     beside : float or None
@@ -89,7 +89,7 @@ class SafetyFactor:
         return self.factor
 
 
-def safety_at_once(
+def limit_load_safety_factor(
     section: Section, mesh: QuadMesh, settings: FemSettings, kh: float, comm: Any, guess: float = 1.0
 ) -> SafetyFactor:
     """The factor of safety of a meshed section under its weight and ``kh``, for flow that is associated.
@@ -106,7 +106,7 @@ def safety_at_once(
         problem, _, constant = at_the_sides(section, mesh, settings, comm, faces, kh != 0.0)
     if kh != 0.0:
         constant = constant + kh * seismic_load(problem, mesh, section, push(section, settings))
-    factor, mechanism = direct_factor(problem, mesh, constant, kh, guess)
+    factor, mechanism = conic_safety_factor(problem, mesh, constant, kh, guess)
     shallow = least_rolling_factor(section, faces, kh, _friction(section, settings))
     reason = f"it is that of {len(mesh.cells)} cells"
     return SafetyFactor(kh, factor, factor, "plateau", reason, "", [], shallow, mechanism)
@@ -157,7 +157,7 @@ def safety_factor(
     """
     if is_associated(section.strata, settings.flow):
         try:
-            return safety_at_once(section, mesh, settings, kh, comm)
+            return limit_load_safety_factor(section, mesh, settings, kh, comm)
         except UnstableError:
             raise
         except NoAnswerError:  # the solver left none: a path has to do

@@ -15,12 +15,12 @@ Slope = Literal["level", "parallel"]
 
 
 class Continuation(NamedTuple):
-    """How a section goes on past its ends.
+    """How a section continues past its ends.
 
     Attributes
     ----------
     left, right : x (m) of the ends of the section as it was given
-    distance : how far it goes on at either end (m)
+    distance : how far it continues at either end (m)
     left_slope, right_slope : rise of the ground over its run there, towards the right (-)
     """
 
@@ -31,16 +31,16 @@ class Continuation(NamedTuple):
     right_slope: float
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        """A polyline (n, 2) of elevations that goes on where it reaches an end."""
+        """A polyline (n, 2) of elevations that continues where it reaches an end."""
         rises = -self.distance * self.left_slope, self.distance * self.right_slope
         return self._continued(points, *rises)
 
     def depths(self, points: np.ndarray) -> np.ndarray:
-        """A polyline (n, 2) of depths below the ground that goes on, as deep, where it reaches an end."""
+        """A polyline (n, 2) of depths below the ground that continues, as deep, where it reaches an end."""
         return self._continued(points, 0.0, 0.0)
 
     def line(self, line: Line) -> Line:
-        """A line that goes on."""
+        """A line that continues."""
         points = line.points(self.left, self.right)
         if line.depth is None:
             return Line(elevation=self.elevations(points).tolist())
@@ -56,7 +56,7 @@ class Continuation(NamedTuple):
 
 
 def continuation(surface: np.ndarray, distance: float, slope: Slope) -> Continuation:
-    """How a section with a ``surface`` (n, 2) goes on by a ``distance`` (m)."""
+    """How a section with a ``surface`` (n, 2) continues by a ``distance`` (m)."""
     (x0, z0), (x1, z1) = surface[:2]
     (x2, z2), (x3, z3) = surface[-2:]
     slopes = ((z1 - z0) / (x1 - x0), (z3 - z2) / (x3 - x2)) if slope == "parallel" else (0.0, 0.0)

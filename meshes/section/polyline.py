@@ -137,8 +137,8 @@ def limits(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def level_at(level: np.ndarray, x: np.ndarray, near: np.ndarray) -> np.ndarray:
-    """Elevations (n,) of a level (k, 2) at x, which goes on as high past its ends; at a step of it that on the side of
-    ``near`` (n,)."""
+    """Elevations (n,) of a level (k, 2) at x, which continues as high past its ends; at a step of it that on the side
+    of ``near`` (n,)."""
     if (np.diff(level[:, 0]) > 0.0).all():
         return np.asarray(np.interp(x, *level.T))
     before, after = limits(level, np.clip(x, level[0, 0], level[-1, 0]))

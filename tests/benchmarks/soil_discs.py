@@ -16,7 +16,7 @@ import numpy as np
 
 from dem.laboratory.soil_layers import soil_layers
 from dem.search.deposit import deposit
-from dem.search.pushover import Continuum, pushed_over
+from dem.search.pushover import Continuum, pushover_critical_kh
 from dem.slides.slip import compare, slip_surface
 from tests.support import SECTIONS
 from workflow.config import Config
@@ -52,7 +52,7 @@ def predict(run: Path, seeds: int) -> None:
         begin = time.process_time()
         settings = given.dem.model_copy(update={"seed": seed})
         found = deposit(given.section, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
-        search, pushed = pushed_over(found.settled, found.ground, settings, continuum)
+        search, pushed = pushover_critical_kh(found.settled, found.ground, settings, continuum)
         surface = slip_surface(pushed, found.settled, found.ground)
         apart = [
             compare(given.section, surface, np.array(line).reshape(-1, 2))

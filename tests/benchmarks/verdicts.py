@@ -16,7 +16,7 @@ from dem.model import DiscModel
 from dem.search.critical import critical_kh
 from dem.search.deposit import deposit
 from dem.search.equilibrium import Trial, settle
-from dem.search.pushover import Continuum, pushed_over
+from dem.search.pushover import Continuum, pushover_critical_kh
 from tests.support import SECTIONS
 from workflow.config import Config
 
@@ -80,7 +80,7 @@ def main() -> None:
     soil = soil_layers(given.section)
     box = deposit(given.section, given.dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
     points = Points("soil", box.settled)
-    pushed, after = pushed_over(box.settled, box.ground, given.dem, CONTINUUM, on_trial=points)
+    pushed, after = pushover_critical_kh(box.settled, box.ground, given.dem, CONTINUUM, on_trial=points)
     total = sum(row["million_disc_steps"] for row in points.rows)
     beyond = (after.steps - points.steps) * len(after) / 1e6
     print(

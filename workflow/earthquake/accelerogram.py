@@ -1,4 +1,4 @@
-"""Records of the ground's acceleration, whatever file they come in, and what is doubtful about them."""
+"""Records of the ground's acceleration, whatever file they come in, and warnings about them."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -31,7 +31,7 @@ class Accelerogram:
     name, kind : of the file, and of its format
     time : (n,) in s, rising or with steps
     acceleration : (n,) in m/s²
-    remarks : what was done to it, and what is doubtful about it, one sentence without its full stop each
+    remarks : what was done to it, and warnings about it, one sentence without its full stop each
     """
 
     name: str
@@ -194,7 +194,7 @@ def _without_offset(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, l
 
 
 def _warnings(record: Accelerogram, stated: float | None) -> Iterator[str]:
-    """What is doubtful about a record: its size, its steps, and a peak that is not that of its heading (m/s²)."""
+    """Warnings about a record: its size, its steps, and a peak that is not that of its heading (m/s²)."""
     if text := _size(record.peak):
         yield text
     longest = float(np.diff(record.time).max())

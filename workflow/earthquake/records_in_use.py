@@ -1,4 +1,4 @@
-"""The records that the tables of an input name, and what is doubtful about them."""
+"""The records that the tables of an input name, and warnings about them."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -31,7 +31,7 @@ def records(config: Any) -> Iterator[tuple[str, Accelerogram]]:
 
 
 def remarks(config: Any) -> list[str]:
-    """What was done to the records in use, and what is doubtful about them; nothing where one cannot be read."""
+    """What was done to the records in use, and warnings about them; nothing where one cannot be read."""
     try:
         texts = [f"{place}, {record.name}: {text}" for place, record in records(config) for text in record.remarks]
     except InputError:  # told when it is read

@@ -104,7 +104,7 @@ class EarthquakeSettings(Model):
         )
 
     def notices(self, slide: SlideSettings | None) -> list[str]:
-        """What is doubtful, what contradicts itself, and where the Kh of the slides comes from, if it is of here."""
+        """Warnings, contradictions, and where the Kh of the slides comes from, if it is of here."""
         notices, cycles = [self._unlikely_peak(), self.contradiction()], self.equivalent()
         pushed = (slide.kh, slide.kh_cycles) if slide is not None and not slide.accelerogram else None
         if cycles is not None and pushed == (cycles.kh, cycles.cycles):

@@ -100,7 +100,7 @@ class BracketPart(Part):
 
 
 class ShallowBoundPart(Part):
-    """A cohesionless face whose grains roll down before the slope as a whole fails."""
+    """A cohesionless face that fails before the slope as a whole fails."""
 
     stratum: str
     start: float = Field(description="x of its left end (m)")

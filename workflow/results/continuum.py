@@ -79,7 +79,7 @@ class OtherWay(Part):
 
 
 class ShallowFailurePart(Part):
-    """A cohesionless face whose grains roll down before the slope as a whole fails."""
+    """A cohesionless face that fails before the slope as a whole fails."""
 
     stratum: str
     start_x_m: float

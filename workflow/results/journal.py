@@ -1,4 +1,4 @@
-"""The journal of searches for a critical Kh: a line of JSON for each, from which a stopped run goes on."""
+"""The journal of searches for a critical Kh: a line of JSON for each, from which a stopped run continues."""
 
 import math
 from typing import Any

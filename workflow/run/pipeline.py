@@ -73,7 +73,7 @@ class Run:
     log: log.txt.
     listener: who is told how it goes.
     failures: what kept stages from an answer, by their names, with those that need them.
-    beside: what goes on beside this process, stages and pictures.
+    beside: what runs concurrently with this process, stages and pictures.
     """
 
     job: Job
@@ -105,7 +105,7 @@ class Run:
         self._wait()
 
     def _wait(self) -> None:
-        """Wait for all that goes on beside; raises its first error."""
+        """Wait for all that runs concurrently; raises its first error."""
         for future in as_completed(self.beside):
             future.result()
 

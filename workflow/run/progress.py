@@ -12,9 +12,9 @@ def silent(_line: str, _share: float | None) -> None:
 
 
 class TimeLeft:
-    """How long a stage still needs, as it is told while the stage goes on: it never rises.
+    """How long a stage still needs, as it is told while the stage continues: it never rises.
 
-    The share that is done says how long the rest takes, if it goes on as before. Work is told in pieces: while
+    The share that is done says how long the rest takes, if it continues as before. Work is told in pieces: while
     a piece lasts, its share stands still, and the time left counts down. Where a piece takes longer than was thought,
     the time left stays where it is, as a lower bound, until the work has caught up.
     """
@@ -49,7 +49,7 @@ class TimeLeft:
 
 
 class SearchShare:
-    """How much is done of some searches that go by trials: whole searches, and the trials of the one that goes on."""
+    """How much is done of some searches that go by trials: whole searches, and the trials of the one that continues."""
 
     ALMOST = 0.9  # of a search that takes longer than the others did
 

@@ -55,7 +55,8 @@ class Stage:
     work: computes, writes results and draws pictures, unless these are drawn after it. Raises NoAnswerError, after it
         wrote what it found, where there is no answer.
     draw: draws the pictures again from stored results; None where they can only be drawn while it computes.
-    drawn_after: whether its work leaves the pictures to ``draw``, which then goes on beside the work of the next stage.
+    drawn_after: whether its work leaves the pictures to ``draw``, which then runs concurrently with the work of the
+        next stage.
     needs: the stages whose results it reads.
     reads: the settings that its work reads, a whole "table" or one "table.key" of it.
     ignores: of these, and of those that the stages read which it needs, the settings that change nothing in its own
@@ -66,7 +67,7 @@ class Stage:
     results: patterns of the files in which it leaves its results.
     read: reads its answers; raises OtherVersionError where another version of the program wrote one.
     pictures: patterns of the pictures that it leaves.
-    leftovers: patterns of files from which it goes on after a stop; removed once they belong to other inputs.
+    leftovers: patterns of files from which it continues after a stop; removed once they belong to other inputs.
     wanted: whether the settings ask for it. Where they do not, it runs only if it is asked for by name, and what it
         left before is used as long as it fits.
     partial: whether the job asks for a part of it only, so that the rest is still to come.

@@ -63,7 +63,7 @@ class Store:
     def write_grid(self, name: str, grid: "pv.DataSet") -> Path:
         """Write a VTK file; returns its path.
 
-        VTK writes it into the system's temporary folder: where a disk is full VTK prints so and goes on, or ends the
+        VTK writes it into the system's temporary folder: where a disk is full VTK prints so and continues, or ends the
         program.
         """
         with self.writing(name) as path, TemporaryDirectory() as elsewhere:

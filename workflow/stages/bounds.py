@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 def work(job: Job) -> None:
-    """Bracket the critical Kh with ψ = φ and that of Davis's substitute; leaves fem/bounds.json, figures/bounds_*.png.
+    """Bracket the critical Kh with ψ = φ and that of Davis's estimate; leaves fem/bounds.json, figures/bounds_*.png.
 
     The verdict is "bracketed", "wide" (the gap was not closed as far as was asked), or "no bracket" (a bound is
     missing). Raises InputError, BadMeshError, UnstableError if the section is proven to fail under its own weight, and,

@@ -1,7 +1,7 @@
 """The work of the stage `calibrate`: discs of the section, brought to fail at the Kh that the finite elements found.
 
 It leaves dem/settled.h5 and calibrated.h5 (discs at rest before and after), trials.jsonl (a line for every search for
-a critical Kh, from which a stopped run goes on), critical.json, calibration.json and the states that are drawn.
+a critical Kh, from which a stopped run continues), critical.json, calibration.json and the states that are drawn.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,7 @@ import numpy as np
 from dem.ground import Ground
 from dem.laboratory.element_table import element_tests
 from dem.laboratory.layer_check import LayerCheck
-from dem.laboratory.soil_check import Programme, compressed
+from dem.laboratory.soil_check import ElementTestProgramme, compressed
 from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
 from dem.precompile import precompile
@@ -155,7 +155,7 @@ def _searched(
         searched = searched if share is None else share
         tell(words)
 
-    programme = Programme.of(
+    programme = ElementTestProgramme.of(
         soil_layers(config.section) if config.dem.element_tests else (), config.dem.mean_radius(config.section)
     )
     first: list[Piece] = [(dem_counterpart_piece, (config, store)), (_at_rest, (config, store))]
@@ -220,7 +220,7 @@ def _calibrated(config: Config, store: Store, tell: Tell, executor: Executor = S
 def calibration_answer(
     config: Config, searched: Searched, continuum: Continuum | None, **more: Any
 ) -> CalibrationAnswer:
-    """How the discs were brought to the critical Kh; of soil discs also what they had without a factor, beside that
+    """How the discs were calibrated to the critical Kh; of soil discs also what they had without a factor, beside that
     of the ``continuum``. ``more`` are tests of the layers."""
     kc = searched.base.kc
     if continuum is not None and kc is not None and searched.calibration is not None:

@@ -8,7 +8,7 @@ from dem.ground import Ground
 from dem.model import DiscModel
 from dem.search.critical import Search
 from dem.search.equilibrium import Rise, try_kh
-from dem.search.pushover import Continuum, pushed_over
+from dem.search.pushover import Continuum, pushover_critical_kh
 from dem.settings import DemSettings
 from dem.slides.slip import cracked_shares, slip_surface
 from meshes.executor import Executor, Tell
@@ -29,7 +29,7 @@ def state_file(which: SetOfSprings, label: str) -> str:
 
 @dataclass(frozen=True)
 class Start:
-    """Discs at rest to be brought to the recorded Kh.
+    """Discs at rest to be pushed to the recorded Kh.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ def _at_the_end(goal: Goal, continuum: Continuum, file: str) -> DiscModel:
     start = goal.start
     if goal.store.has(file):
         return DiscModel.load(goal.store.folder / file)
-    model = pushed_over(start.settled, start.ground, start.dem, continuum)[1]
+    model = pushover_critical_kh(start.settled, start.ground, start.dem, continuum)[1]
     save(goal.store, file, model)
     return model
 

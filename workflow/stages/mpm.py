@@ -41,7 +41,7 @@ class PointRun:
 
     @property
     def checkpoint(self) -> Path | None:
-        """From which it goes on after a stop."""
+        """From which it continues after a stop."""
         name = f"mpm/checkpoint_{self.number}_{self.decay:g}.npz"
         return None if self.store is None else self.store.folder / name
 

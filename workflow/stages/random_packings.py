@@ -23,7 +23,7 @@ Packed = tuple[Seed, dict[int, Slide]]  # how it was calibrated, and its slides 
 class RandomPackingsWanted:
     """The packings that are wanted beside that of the run itself.
 
-    A seed whose packing cannot be brought to the critical Kh is named with the reason, and not counted. Where a
+    A seed whose packing cannot be calibrated to the critical Kh is named with the reason, and not counted. Where a
     parameter has to be chosen the first seed does, and all others take the same.
 
     Attributes

@@ -148,7 +148,7 @@ def _found(change: Change, tell: Tell) -> "LimitLoadResult | CriticalResult":
     """The limit load at once where it is unique, else the end of a path; raises NoAnswerError."""
     from mpi4py import MPI
 
-    from fem.limit_load.limit_load import critical_at_once, is_unique
+    from fem.limit_load.limit_load import critical_limit_load, is_unique
     from fem.search.critical import critical_coefficient
     from meshes.quad_mesh import divided
 
@@ -158,7 +158,7 @@ def _found(change: Change, tell: Tell) -> "LimitLoadResult | CriticalResult":
     mesh, settings = divided(change.mesh) if change.halved else change.mesh, change.config.fem
     if is_unique(change.config.section, settings):
         tell(f"limit load of {len(mesh.cells)} cells")
-        return critical_at_once(change.config.section, mesh, settings, MPI.COMM_SELF)
+        return critical_limit_load(change.config.section, mesh, settings, MPI.COMM_SELF)
     return critical_coefficient(change.config.section, mesh, settings, MPI.COMM_SELF, step)
 
 

@@ -30,7 +30,7 @@ def study(
 ) -> None:
     """What if: many samples of the numbers in [uncertain], on all processors or machines; distributions and fragility.
 
-    The same command goes on where it was stopped, and computes only what is new.
+    The same command continues where it was stopped, and computes only what is new.
     """
     from meshes.section.section import read_toml
     from workflow.after_triggering import load_config
@@ -82,7 +82,7 @@ def converge(
 ) -> None:
     """Do the slides converge? The same with smaller discs (1, 0.71 and 0.5 of the radius) and with smaller steps.
 
-    The same command goes on where it was stopped.
+    The same command continues where it was stopped.
     """
     from meshes.section.section import read_toml
     from workflow.after_triggering import load_config

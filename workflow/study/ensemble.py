@@ -164,7 +164,7 @@ def _outcome(task: Task[Given, Found]) -> Outcome:
     """Call the function; what it raises becomes the reason.
 
     Input that cannot be used, and an analysis without an answer, are so again. All else may be of the machine, or of
-    a program that is mended later, and is tried again when the study goes on.
+    a program that is mended later, and is tried again when the study continues.
     """
     start, answer, reason, lasting = time.perf_counter(), None, "", True
     try:

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 class Sample(BaseModel):
     """The input of a task: the section, and those of its settings that matter to the task.
 
-    ``files`` are fingerprints of the files that these settings name. ``folder`` keeps what a long task goes on from
+    ``files`` are fingerprints of the files that these settings name. ``folder`` keeps what a long task continues from
     after a stop; it is no part of the input.
     """
 

@@ -1,4 +1,4 @@
-"""How a study is shown while it goes on: how many samples are done, how many failed, and the time left."""
+"""How a study is shown while it continues: how many samples are done, how many failed, and the time left."""
 
 import time
 

@@ -16,7 +16,7 @@ SMALLEST = 2.0**-54  # a chance of nothing at all would be infinitely far away
 def chances(dimensions: int, count: int, method: Method, seed: int) -> np.ndarray:
     """Points (n, dimensions) in the unit cube.
 
-    "sobol": the first ``count`` of a scrambled sequence (Owen 1998), so that a longer study goes on from a shorter one.
+    "sobol": the first ``count`` of a scrambled sequence (Owen 1998), which a longer study continues.
     "latin": a Latin hypercube (McKay, Beckman and Conover 1979). "saltelli": for Sobol' indices, ``count`` points A,
     as many B, and for each dimension A with that column taken from B (Saltelli et al. 2010).
     """

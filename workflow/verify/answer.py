@@ -1,4 +1,4 @@
-"""What this program finds for a published case: elements with ψ = φ and with Davis's substitute, and strict bounds."""
+"""What this program finds for a published case: elements with ψ = φ and with Davis's estimate, and strict bounds."""
 
 import math
 import time

@@ -76,7 +76,7 @@ def numbers(answer: Answer) -> str:
 
 
 def elements(answer: Answer) -> str:
-    """What the elements find with ψ = φ and with Davis's substitute."""
+    """What the elements find with ψ = φ and with Davis's estimate."""
     return " and ".join(f"{value:.3f}" if value is not None else "-" for value in (answer.associated, answer.davis))
 
 

@@ -32,8 +32,8 @@ Kept = TypeVar("Kept", bound=Named)
 class Answer(Named):
     """Factors of safety or critical coefficients, None where there is none; seconds of processor time.
 
-    ``associated`` and ``davis`` are of the finite elements with ψ = φ and with Davis's substitute of ψ < φ; with each
-    what it may be at most. ``lower`` and ``upper`` are strict bounds with ψ = φ. Where grains roll down a face before,
+    ``associated`` and ``davis`` are of the finite elements with ψ = φ and with Davis's estimate for ψ < φ; with each
+    what it may be at most. ``lower`` and ``upper`` are strict bounds with ψ = φ. Where a face fails before,
     at ``shallow_failure``, all of these are of the slope as a whole. ``commit`` is the version of the program that
     found the last.
     """

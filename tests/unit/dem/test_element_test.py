@@ -119,7 +119,7 @@ def test_dilation_of_a_curve_that_grows_at_a_known_angle(psi: float) -> None:
 def test_confined_on_all_sides_and_stress_as_the_forces_say(make: type) -> None:
     patch = make(SOIL, RADIUS)
     confine(patch, 2e5)
-    now = patch.carried()
+    now = patch.stress_state()
     assert now.stress == pytest.approx(-2e5 * np.eye(2), abs=1.01e-3 * 2e5)
     assert now.unbalanced < 1e-3
     if make is lattice_patch:
@@ -139,7 +139,7 @@ def test_what_a_press_keeps_is_what_the_model_would_say() -> None:
     with Press(kept) as press:
         for k in range(1, 6):
             press.strain(k * drive, 0.002 / per_second)
-            inside = kept.carried()
+            inside = kept.stress_state()
             assert press.stable_step() == pytest.approx(largest_step(whole(kept)).seconds, rel=1e-12)
     with Press(renewed) as press:
         for k in range(1, 6):
@@ -147,7 +147,7 @@ def test_what_a_press_keeps_is_what_the_model_would_say() -> None:
             press.run.update()  # the contacts go back to the model, and a new layout is made of it
     for name in ("x", "z", "vx", "vz", "roll", "shear", "force_x", "force_z", "pair_i"):
         assert np.array_equal(getattr(kept.model, name), getattr(renewed.model, name)), name
-    model, after = kept.model, kept.carried()
+    model, after = kept.model, kept.stress_state()
     assert np.array_equal(after.stress, inside.stress)
     assert after.unbalanced == inside.unbalanced
     total = [np.bincount(model.pair_j, f, len(model)) - np.bincount(model.pair_i, f, len(model))

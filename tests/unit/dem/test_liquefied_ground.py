@@ -17,7 +17,7 @@ from dem.model import DiscModel
 from dem.packing import lattice_box
 from dem.pair_table import pair_table
 from dem.settings import Case
-from dem.slides.lost_strength import SHEAR_MODULUS, liquefied, onset
+from dem.slides.liquefied_strength import SHEAR_MODULUS, liquefied, onset
 from dem.slides.overburden import effective_overburden
 from tests.support.dem_cases import BARE, RADIUS
 from tests.support.liquefied import GRAVITY, ShearedBox, sand, with_voids

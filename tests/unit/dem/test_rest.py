@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dem.slides.rest import at_rest, moved_lately, what_drives
+from dem.slides.rest import at_rest, moved_lately, residual_motion_source
 
 TIMES = np.arange(0.0, 12.5, 0.5)
 
@@ -32,7 +32,7 @@ def test_what_moved_lately_is_that_of_the_last_ten_seconds() -> None:
 def test_what_drives_a_slide_is_told_by_its_last_five_seconds() -> None:
     weight = np.where(TIMES < 6.0, 0.0, 95.0 * (TIMES - 6.0))
     shaking = np.where(TIMES < 6.0, 1e6, 1e6 + 5.0 * (TIMES - 6.0))
-    assert "95 % of the energy came from its weight" in what_drives(TIMES, weight, shaking)
-    assert "would go on without" in what_drives(TIMES, weight, shaking)
-    assert "would go on without" not in what_drives(TIMES, shaking - 1e6, weight)
-    assert "slows down" in what_drives(TIMES, -weight, np.zeros(len(TIMES)))
+    assert "95 % of the energy came from its weight" in residual_motion_source(TIMES, weight, shaking)
+    assert "would go on without" in residual_motion_source(TIMES, weight, shaking)
+    assert "would go on without" not in residual_motion_source(TIMES, shaking - 1e6, weight)
+    assert "slows down" in residual_motion_source(TIMES, -weight, np.zeros(len(TIMES)))

@@ -14,7 +14,7 @@ from dem.search.equilibrium import settle
 from dem.settings import Case, DemSettings, SlideSettings
 from dem.slides.drive import Shaking
 from dem.slides.liquefaction import LEAST_STEP, Slider
-from dem.slides.lost_strength import liquefied
+from dem.slides.liquefied_strength import liquefied
 from dem.slides.row import Row
 from dem.slides.slide import Slide
 from dem.slides.slip import compare, cracked_shares, slip_surface

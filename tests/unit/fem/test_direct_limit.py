@@ -4,7 +4,7 @@ import pytest
 from mpi4py import MPI
 
 from fem.errors import UnstableError
-from fem.limit_load.limit_load import critical_at_once
+from fem.limit_load.limit_load import critical_limit_load
 from fem.settings import FemSettings
 from fem.solvers import cone_program
 from meshes.errors import NoAnswerError
@@ -17,7 +17,7 @@ MUD = section([[0.0, 6.0], [12.0, 6.0], [13.5, 0.0], [24.0, 0.0]], 4.0, soil(c=5
 
 def limit():
     mesh = generate(MUD, MeshSettings(method="free", size=2.0))
-    return critical_at_once(MUD, mesh, FemSettings(direction="downhill"), MPI.COMM_SELF)
+    return critical_limit_load(MUD, mesh, FemSettings(direction="downhill"), MPI.COMM_SELF)
 
 
 def test_ground_whose_weight_no_stress_balances_is_said_to_fail():

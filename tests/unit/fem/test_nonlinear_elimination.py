@@ -7,7 +7,7 @@ import pytest
 from mpi4py import MPI
 
 from fem.continuum.plane_strain import PlaneStrain
-from fem.limit_load.limit_load import critical_at_once
+from fem.limit_load.limit_load import critical_limit_load
 from fem.path import newton as continuation
 from fem.path.gravity import UNDER_GRAVITY, at_the_sides, bring_to_rest
 from fem.path.newton import ProportionalLoad, residual_of
@@ -72,7 +72,7 @@ def test_a_river_bank_of_bare_sand_comes_to_the_same_rest_with_fewer_corrections
     """Fine cells at a toe under water, where sand bears next to nothing."""
     bank = Section.read(RIVER_BANK)
     first = generate(bank, MeshSettings(method="free", size=2.0))
-    found = critical_at_once(bank, first, SETTINGS, MPI.COMM_SELF)
+    found = critical_limit_load(bank, first, SETTINGS, MPI.COMM_SELF)
     assert found.mechanism is not None
     fine = next_mesh(bank, MeshSettings(method="free"), first, found.mechanism.plastic_shear_strain, 2000)
 

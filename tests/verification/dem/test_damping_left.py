@@ -7,7 +7,7 @@ from dem.assembly import DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.model import DiscModel
 from dem.settings import Case
-from dem.slides.lost_strength import liquefied
+from dem.slides.liquefied_strength import liquefied
 from dem.springs import LayerSprings, Strength, soil_discs
 from tests.support import SECTIONS
 from workflow.config import Config

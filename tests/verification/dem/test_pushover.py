@@ -15,7 +15,7 @@ from dem.packing import Packing, lattice_box
 from dem.search import pushover
 from dem.search.calibration import Calibrator, calibrate
 from dem.search.equilibrium import Trial, settle, step_on, stop
-from dem.search.pushover import BEYOND, FORMED, FURTHEST, Continuum, pushed_over
+from dem.search.pushover import BEYOND, FORMED, FURTHEST, Continuum, pushover_critical_kh
 from dem.settings import DemSettings
 from dem.springs import LayerSprings, Strength, soil_discs
 from tests.support.dem_cases import FLOOR, GRAVITY, RADIUS, SOIL
@@ -41,7 +41,7 @@ def test_a_block_is_pushed_over_where_friction_says(mu: float, tilt_deg: float) 
     """A block on a plane that dips by beta slides at Kh = tan(phi - beta)."""
     tilt = np.radians(tilt_deg)
     ground, model, continuum = block(replace(SOIL, friction=mu, kpn=0.0, kps=0.0), tilt)
-    found = pushed_over(model, ground, SETTINGS, continuum)[0]
+    found = pushover_critical_kh(model, ground, SETTINGS, continuum)[0]
     assert found.verdict == "bracketed"
     assert found.kc == pytest.approx(np.tan(np.arctan(mu) - tilt), rel=0.02)
     assert found.lower <= found.kc <= found.upper
@@ -59,9 +59,9 @@ def test_an_error_after_the_curve_leaves_the_discs_of_its_end(monkeypatch: pytes
                 discs.x[:] = np.nan
                 raise NotFiniteError("a disc is nowhere")
 
-    whole = pushed_over(model, ground, SETTINGS, continuum)[0]
+    whole = pushover_critical_kh(model, ground, SETTINGS, continuum)[0]
     monkeypatch.setattr(pushover, "_points", lost)
-    found, pushed = pushed_over(model, ground, SETTINGS, continuum)
+    found, pushed = pushover_critical_kh(model, ground, SETTINGS, continuum)
     assert (found.verdict, found.kc, found.curve) == (whole.verdict, whole.kc, whole.curve)
     assert found.reason.endswith("pushed on until NotFiniteError: a disc is nowhere")
     assert np.isfinite(pushed.x).all()
@@ -75,7 +75,7 @@ def test_a_push_tells_where_and_why_it_ends() -> None:
         (short, FURTHEST * SETTINGS.ductility * short.yielding, "as far as discs are pushed"),
         (short._replace(yielding=2.0 * RADIUS / SETTINGS.ductility), FORMED * RADIUS, "a band of shear has formed"),
     ):
-        found, pushed = pushed_over(model, ground, SETTINGS, continuum)
+        found, pushed = pushover_critical_kh(model, ground, SETTINGS, continuum)
         assert found.reason.endswith(why)
         assert f"pushed on to {(pushed.x - model.x).mean():.2g} m" in found.reason
         assert (pushed.x - model.x).mean() == pytest.approx(way, rel=0.05)
@@ -86,7 +86,7 @@ def test_ground_of_which_a_part_comes_apart_is_pushed_no_further() -> None:
     ground, model, _ = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
     ahead = model.copy()
     ahead.x += 0.1 * RADIUS
-    machine = pushover.Machine(RADIUS, 1.0)
+    machine = pushover.DisplacementControl(RADIUS, 1.0)
     assert not pushover._failed(ahead, model, ground, machine, 0.1 * RADIUS)
     ahead.x[-1] += 2.0 * RADIUS
     assert "come off" in pushover._failed(ahead, model, ground, machine, 0.1 * RADIUS)
@@ -96,7 +96,7 @@ def test_the_curve_is_elastic_and_then_level() -> None:
     """Up to mu a block gives way by Kh m g / ks, beyond it slides at that Kh."""
     soil = replace(SOIL, friction=MU, kpn=0.0, kps=0.0)
     ground, model, continuum = block(soil)
-    found = pushed_over(model, ground, SETTINGS, continuum)[0]
+    found = pushover_critical_kh(model, ground, SETTINGS, continuum)[0]
     kh, moved = np.array(found.curve).T
     yielding = continuum.yielding
     elastic = moved < 0.8 * yielding
@@ -109,7 +109,7 @@ def test_the_curve_is_elastic_and_then_level() -> None:
 def test_the_ground_does_not_swing_on_the_machine() -> None:
     """On a stiff one, which a small reach makes, Kh is as smooth: no point is far from those beside it."""
     ground, model = heap()
-    found = pushed_over(model, ground, SETTINGS, Continuum(0.3, 2e-4))[0]
+    found = pushover_critical_kh(model, ground, SETTINGS, Continuum(0.3, 2e-4))[0]
     kh = np.array([trial.kh for trial in found.trials])
     assert np.abs(np.diff(kh, 2)).max() < 0.1 * kh.max()
     assert max(trial.kinetic_ratio for trial in found.trials) < 1e-3
@@ -124,7 +124,7 @@ def heap() -> tuple[Ground, DiscModel]:
 def test_the_answer_does_not_depend_on_threads_and_the_discs_stay_as_they_were() -> None:
     ground, model = heap()
     before = model.x.copy()
-    one, two = (pushed_over(model, ground, SETTINGS, Continuum(0.3, 0.01), threads=n)[0] for n in (1, 2))
+    one, two = (pushover_critical_kh(model, ground, SETTINGS, Continuum(0.3, 0.01), threads=n)[0] for n in (1, 2))
     assert one == two
     assert np.array_equal(model.x, before)
 
@@ -145,7 +145,7 @@ def test_stronger_discs_bear_more() -> None:
 def test_a_push_wants_a_displacement() -> None:
     ground, model = heap()
     with pytest.raises(ValueError, match="a displacement above 0"):
-        pushed_over(model, ground, SETTINGS, Continuum(0.3, 0.0))
+        pushover_critical_kh(model, ground, SETTINGS, Continuum(0.3, 0.0))
 
 
 def test_discs_are_brought_to_the_nearest_kh_at_which_the_continuum_may_fail() -> None:

@@ -8,13 +8,13 @@ from mpi4py import MPI
 from scipy.integrate import trapezoid
 
 from dem.laboratory.layer_check import LayerCheck
-from dem.laboratory.soil_check import Programme, compressed
+from dem.laboratory.soil_check import ElementTestProgramme, compressed
 from dem.laboratory.soil_layers import SoilLayer, soil_layers
 from dem.model import DiscModel
 from dem.search.critical import Search
 from dem.search.deposit import Deposit, deposit
 from dem.search.levelling import misfit
-from dem.search.pushover import Continuum, pushed_over
+from dem.search.pushover import Continuum, pushover_critical_kh
 from dem.slides.balance import LOST
 from dem.slides.liquefaction import Slider
 from dem.slides.slide import Slide
@@ -50,14 +50,14 @@ def ground(run: Config, layers: list[SoilLayer]) -> Deposit:
 
 @pytest.fixture(scope="module")
 def checks(run: Config, layers: list[SoilLayer]) -> dict[str, LayerCheck]:
-    programme = Programme.of(layers, run.dem.mean_radius(run.section))
+    programme = ElementTestProgramme.of(layers, run.dem.mean_radius(run.section))
     found = programme.checks(SERIAL.compute(compressed, programme.patches))
     return {check.stratum: check for check in found}
 
 
 @pytest.fixture(scope="module")
 def pushed(run: Config, ground: Deposit) -> tuple[Search, DiscModel]:
-    return pushed_over(ground.settled, ground.ground, run.dem, Continuum(KC, YIELDING), threads=2)
+    return pushover_critical_kh(ground.settled, ground.ground, run.dem, Continuum(KC, YIELDING), threads=2)
 
 
 @pytest.fixture(scope="module")
@@ -123,7 +123,7 @@ def test_discs_fail_where_the_continuum_does(
     for seed in (1, 2):
         settings = run.dem.model_copy(update={"seed": seed})
         other = deposit(run.section, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in layers])
-        failed = pushed_over(other.settled, other.ground, settings, Continuum(KC, YIELDING), threads=2)[1]
+        failed = pushover_critical_kh(other.settled, other.ground, settings, Continuum(KC, YIELDING), threads=2)[1]
         surfaces.append(slip_surface(failed, other.settled, other.ground))
     apart = [compare(run.section, surface, continuum.slip_surface) for surface in surfaces]
     assert np.mean([found.mean_distance_m for found in apart if found is not None]) < 3.0

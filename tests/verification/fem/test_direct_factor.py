@@ -7,7 +7,7 @@ from mpi4py import MPI
 from fem.errors import UnstableError
 from fem.limit_load.conic_safety_factor import CLOSE
 from fem.search.adaptive import AdaptiveSearch
-from fem.search.strength_reduction import SafetyFactor, safety_at_once, safety_factor
+from fem.search.strength_reduction import SafetyFactor, limit_load_safety_factor, safety_factor
 from fem.settings import FemSettings
 from meshes.errors import NoAnswerError
 from meshes.gmsh_model import generate
@@ -22,7 +22,7 @@ def factor_of(name: str, guess: float = 1.0) -> SafetyFactor:
     case = cases()[name]
     wish = case.fem.model_copy(update={"flow": "associated"})
     mesh = generate(case.section, case.mesh)
-    return safety_at_once(case.section, mesh, wish, case.published.kh, MPI.COMM_SELF, guess)
+    return limit_load_safety_factor(case.section, mesh, wish, case.published.kh, MPI.COMM_SELF, guess)
 
 
 def test_a_footing_that_presses_with_prandtls_load_has_a_factor_of_one():
@@ -74,10 +74,10 @@ def test_ground_that_tears_has_the_same_factor_wherever_the_search_begins(tensio
     cut = section([[0.0, 5.0], [10.0, 5.0], [11.0, 0.0], [20.0, 0.0]], 6.0, clay)
     mesh = generate(cut, MeshSettings(method="free", size=0.7))
     wish = FemSettings(flow="associated")
-    near = safety_at_once(cut, mesh, wish, 0.0, MPI.COMM_SELF, 1.3)
-    near = safety_at_once(cut, mesh, wish, 0.0, MPI.COMM_SELF, near.factor)
+    near = limit_load_safety_factor(cut, mesh, wish, 0.0, MPI.COMM_SELF, 1.3)
+    near = limit_load_safety_factor(cut, mesh, wish, 0.0, MPI.COMM_SELF, near.factor)
     for share in (0.97, 1.03):
-        found = safety_at_once(cut, mesh, wish, 0.0, MPI.COMM_SELF, share * near.factor)
+        found = limit_load_safety_factor(cut, mesh, wish, 0.0, MPI.COMM_SELF, share * near.factor)
         assert found.factor == pytest.approx(near.factor, rel=6e-4)
 
 
@@ -96,7 +96,7 @@ def test_the_factor_divides_the_strength_exactly():
     data["strata"] = [weaker.model_dump(mode="python", exclude_none=True, by_alias=True)]
     weak = Section.parse(data, "weaker")
     wish = case.fem.model_copy(update={"flow": "associated"})
-    found = safety_at_once(weak, generate(weak, case.mesh), wish, 0.0, MPI.COMM_SELF, 1.3)
+    found = limit_load_safety_factor(weak, generate(weak, case.mesh), wish, 0.0, MPI.COMM_SELF, 1.3)
     assert found.factor == pytest.approx(1.0, rel=CLOSE**2)
 
 
@@ -107,7 +107,7 @@ def test_ground_that_stands_with_a_twentieth_of_its_strength_has_no_factor():
     strong, case = Section.parse(data), cases()["taylor_60_10"]
     wish = case.fem.model_copy(update={"flow": "associated"})
     with pytest.raises(NoAnswerError, match="stands"):
-        safety_at_once(strong, generate(strong, case.mesh), wish, 0.0, MPI.COMM_SELF)
+        limit_load_safety_factor(strong, generate(strong, case.mesh), wish, 0.0, MPI.COMM_SELF)
 
 
 def test_ground_that_fails_with_twenty_times_its_strength_is_told_with_its_kh():

@@ -11,10 +11,10 @@ from fem.continuum.fields import touched_sides
 from fem.continuum.repetition import refuse_other_water
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
-from fem.limit_load.limit_load import critical_at_once
+from fem.limit_load.limit_load import critical_limit_load
 from fem.search.checks import warnings_of
 from fem.search.critical import critical_coefficient
-from fem.search.strength_reduction import safety_at_once, safety_factor
+from fem.search.strength_reduction import limit_load_safety_factor, safety_factor
 from fem.settings import LEAST_KH, BoundsSettings, FemSettings
 from meshes.errors import InputError
 from meshes.gmsh_model import generate
@@ -52,11 +52,13 @@ def test_an_endless_slope_under_still_water_is_one_of_buoyant_soil(level: float,
     ground = endless(level, cohesion=f"{cohesion} kPa", friction_angle=f"{phi} deg")
     mesh = generate(ground, MESH)
     kc, factor = closed_form(1e3 * cohesion, phi)
-    found = critical_at_once(ground, mesh, PERIODIC, MPI.COMM_SELF)
+    found = critical_limit_load(ground, mesh, PERIODIC, MPI.COMM_SELF)
     assert found.kc == pytest.approx(kc, rel=0.02)
     assert found.mechanism is not None
     assert touched_sides(mesh, found.mechanism) == ()  # it goes on past both sides
-    assert safety_at_once(ground, mesh, PERIODIC, 0.0, MPI.COMM_SELF).factor == pytest.approx(factor, rel=0.01)
+    assert limit_load_safety_factor(ground, mesh, PERIODIC, 0.0, MPI.COMM_SELF).factor == pytest.approx(
+        factor, rel=0.01
+    )
 
 
 def test_the_path_of_equilibria_comes_there_too() -> None:
@@ -80,8 +82,10 @@ def test_fifteen_layers_of_soft_clay_under_a_deep_sea() -> None:
     ]
     ground = section(*layers, surface=[[0.0, height], [60.0, 0.0]], base={"depth": 15.0}, water={"table": 24.0})
     mesh = generate(ground, MeshSettings(size=0.5))
-    assert critical_at_once(ground, mesh, PERIODIC, MPI.COMM_SELF).kc == pytest.approx(0.0724, rel=0.012)
-    assert safety_at_once(ground, mesh, PERIODIC, 0.0, MPI.COMM_SELF).factor == pytest.approx(3.684, rel=0.006)
+    assert critical_limit_load(ground, mesh, PERIODIC, MPI.COMM_SELF).kc == pytest.approx(0.0724, rel=0.012)
+    assert limit_load_safety_factor(ground, mesh, PERIODIC, 0.0, MPI.COMM_SELF).factor == pytest.approx(
+        3.684, rel=0.006
+    )
 
 
 @pytest.mark.parametrize(("cohesion", "phi", "level"), [(20.0, 0.0, 9.0), (5.0, 20.0, 40.0), (5.0, 20.0, None)])
@@ -114,7 +118,7 @@ def test_bounds_of_one_period_bracket_elements_where_layers_and_ground_are_not_s
     shift = found.mesh.points[right] - found.mesh.points[left]
     assert len(left) > 3
     np.testing.assert_allclose(shift, np.broadcast_to([20.0, -5.0], shift.shape), atol=1e-9)
-    elements = critical_at_once(ground, generate(ground, MeshSettings(size=0.5)), PERIODIC, MPI.COMM_SELF).kc
+    elements = critical_limit_load(ground, generate(ground, MeshSettings(size=0.5)), PERIODIC, MPI.COMM_SELF).kc
     assert 0.98 * found.lower < elements < 1.03 * found.upper
     assert found.upper < 1.15 * found.lower
 
@@ -131,11 +135,11 @@ def test_water_that_does_not_repeat_is_refused(level: Any) -> None:
     with pytest.raises(
         InputError, match=r'sides = "periodic": the pore pressure changes from the left to the right side by'
     ):
-        critical_at_once(ground, generate(ground, MeshSettings(size=1.0)), PERIODIC, MPI.COMM_SELF)
+        critical_limit_load(ground, generate(ground, MeshSettings(size=1.0)), PERIODIC, MPI.COMM_SELF)
 
 
 def test_an_embankment_under_a_lake_may_stand_between_ends_of_one_height() -> None:
     bank = [[0.0, 0.0], [10.0, 0.0], [20.0, 5.0], [30.0, 0.0], [40.0, 0.0]]
     ground = section(soil(), surface=bank, base={"elevation": -3.0}, water={"table": 7.0})
-    found = critical_at_once(ground, generate(ground, MeshSettings(size=1.0)), PERIODIC, MPI.COMM_SELF)
+    found = critical_limit_load(ground, generate(ground, MeshSettings(size=1.0)), PERIODIC, MPI.COMM_SELF)
     assert np.isfinite(found.kc)

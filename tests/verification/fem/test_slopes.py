@@ -9,7 +9,7 @@ from mpi4py import MPI
 
 from dem.slides.slip import compare
 from fem.continuum.fields import touched_sides
-from fem.limit_load.limit_load import at_rest, critical_at_once
+from fem.limit_load.limit_load import at_rest, critical_limit_load
 from fem.search.adaptive import AdaptiveSearch
 from fem.search.critical import critical_coefficient, seismic_path
 from fem.search.dem_counterpart import associated_rigid_box_kc, rigid_box_path
@@ -96,7 +96,7 @@ def test_clay_fails_between_fixed_sides_as_its_limit_load_says():
     mesh = generate(ground, MeshSettings(columns=16, rows=8))
     wish = FemSettings(element="quadratic", sides="free-field", direction="downhill", kh=(0.1,))
     found = rigid_box_path(ground, mesh, wish, MPI.COMM_SELF)
-    due = critical_at_once(ground, mesh, wish.model_copy(update={"sides": "fixed"}), MPI.COMM_SELF)
+    due = critical_limit_load(ground, mesh, wish.model_copy(update={"sides": "fixed"}), MPI.COMM_SELF)
     assert found.verdict == "plateau"
     assert due.kc <= found.kc <= found.upper
     assert found.kc == pytest.approx(due.kc, rel=0.03)
@@ -243,7 +243,7 @@ def test_a_path_comes_to_the_limit_load_found_at_once(flow):
     """The plateau of a path, which goes on until Kh grows by less than 0.2 %, is the limit load of the same cells."""
     ground = section([[0.0, 6.0], [12.0, 6.0], [24.0, 0.0], [36.0, 0.0]], 6.0, soil(c=5e3, phi=30.0, psi=0.0))
     mesh, wish = generate(ground, MeshSettings(columns=18, rows=6)), FemSettings(flow=flow, direction="downhill")
-    at_once = critical_at_once(ground, mesh, wish, MPI.COMM_SELF)
+    at_once = critical_limit_load(ground, mesh, wish, MPI.COMM_SELF)
     start = at_rest(at_once.ground)
     path = seismic_path(start.problem, start.constant, start.load, 1, wish)
     for _ in range(40):
@@ -258,5 +258,5 @@ def test_what_is_almost_proved_is_asked_again_in_a_larger_unit() -> None:
     that it cannot stand by itself, where strict bounds hold 0.1586 and 0.1592."""
     section = random_section(18)
     mesh = generate(section, MeshSettings())
-    found = critical_at_once(section, mesh, FemSettings(direction="downhill", flow="davis"), MPI.COMM_SELF)
+    found = critical_limit_load(section, mesh, FemSettings(direction="downhill", flow="davis"), MPI.COMM_SELF)
     assert 0.1586 < found.kc < 1.02 * 0.1592

@@ -10,10 +10,10 @@ from scipy.optimize import minimize_scalar
 
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
-from fem.limit_load.limit_load import critical_at_once
+from fem.limit_load.limit_load import critical_limit_load
 from fem.path.gravity import gravity_equilibrium
 from fem.search.critical import critical_coefficient
-from fem.search.strength_reduction import safety_at_once, safety_factor
+from fem.search.strength_reduction import limit_load_safety_factor, safety_factor
 from fem.settings import BoundsSettings, FemSettings, Sides
 from meshes.gmsh_model import generate
 from meshes.section.quantity import GRAVITY
@@ -61,7 +61,7 @@ def test_a_block_on_a_slippery_seam_is_held_by_its_smooth_sides() -> None:
 
     fails = float(minimize_scalar(wedges, bounds=(0.7, 1.2), method="bounded").fun)
     mesh = generate(ground, MeshSettings(columns=48, rows=9))
-    kc = critical_at_once(ground, mesh, SMOOTH, MPI.COMM_SELF).kc
+    kc = critical_limit_load(ground, mesh, SMOOTH, MPI.COMM_SELF).kc
     strict = kh_bounds(ground, SMOOTH, COARSE)
     assert held < strict.lower < kc < strict.upper < fails
 
@@ -79,8 +79,8 @@ def test_far_sides_do_not_matter() -> None:
     mesh = generate(ground, MeshSettings(size=1.0))
     kinds: list[Sides] = ["free-field", "smooth", "fixed", "periodic"]
     all_kinds = [SMOOTH.model_copy(update={"sides": sides}) for sides in kinds]
-    kc = [critical_at_once(ground, mesh, settings, MPI.COMM_SELF).kc for settings in all_kinds]
-    factor = [safety_at_once(ground, mesh, settings, 0.1, MPI.COMM_SELF).factor for settings in all_kinds]
+    kc = [critical_limit_load(ground, mesh, settings, MPI.COMM_SELF).kc for settings in all_kinds]
+    factor = [limit_load_safety_factor(ground, mesh, settings, 0.1, MPI.COMM_SELF).factor for settings in all_kinds]
     assert max(kc) < 1.01 * min(kc)
     assert max(factor) < 1.01 * min(factor)
 
@@ -99,12 +99,12 @@ CUT_SHORT = [
 def test_strict_bounds_bracket_the_elements_of_slopes_cut_short(ground: Section) -> None:
     """The mechanism reaches both sides: what is assumed there decides, and elements and bounds assume the same."""
     mesh = generate(ground, MeshSettings(size=0.75))
-    kc = critical_at_once(ground, mesh, SMOOTH, MPI.COMM_SELF).kc
+    kc = critical_limit_load(ground, mesh, SMOOTH, MPI.COMM_SELF).kc
     strict = kh_bounds(ground, SMOOTH, COARSE)
     assert 0.995 * strict.lower < kc < 1.01 * strict.upper
     fixed = SMOOTH.model_copy(update={"sides": "fixed"})
-    assert 1.1 * kc < critical_at_once(ground, mesh, fixed, MPI.COMM_SELF).kc
-    factor = safety_at_once(ground, mesh, SMOOTH, 0.05, MPI.COMM_SELF).factor
+    assert 1.1 * kc < critical_limit_load(ground, mesh, fixed, MPI.COMM_SELF).kc
+    factor = limit_load_safety_factor(ground, mesh, SMOOTH, 0.05, MPI.COMM_SELF).factor
     of_factor = safety_bounds(ground, SMOOTH, COARSE, 0.05, factor)
     assert 0.995 * of_factor.lower < factor < 1.01 * of_factor.upper
 
@@ -114,8 +114,8 @@ def test_paths_of_equilibria_come_close_to_the_limit_loads() -> None:
     instead of 25 degrees on the path, and carries no more than with ψ = φ (Radenkovic 1961)."""
     ground = CUT_SHORT[1]
     mesh, path = generate(ground, MeshSettings(size=1.0)), SMOOTH.model_copy(update={"flow": "section"})
-    kc = critical_at_once(ground, mesh, SMOOTH, MPI.COMM_SELF).kc
-    factor = safety_at_once(ground, mesh, SMOOTH, 0.05, MPI.COMM_SELF).factor
+    kc = critical_limit_load(ground, mesh, SMOOTH, MPI.COMM_SELF).kc
+    factor = limit_load_safety_factor(ground, mesh, SMOOTH, 0.05, MPI.COMM_SELF).factor
     strata = [
         s.model_copy(update={"dilation_angle": math.radians(20.0 if s.friction_angle else 0.0)}) for s in ground.strata
     ]

@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 from fem.limit.bound_checks import _with_cut_off
 from fem.limit.safety_bounds import safety_bounds
-from fem.search.strength_reduction import safety_at_once
+from fem.search.strength_reduction import limit_load_safety_factor
 from fem.settings import BoundsSettings, FemSettings
 from meshes.errors import InputError
 from meshes.gmsh_model import generate
@@ -28,7 +28,7 @@ def test_elements_of_acads_1b_lie_between_the_bounds():
     case = cases()["acads_1b"]
     settings = case.fem.model_copy(update={"flow": "associated"})
     mesh = generate(case.section, MeshSettings())
-    found = safety_at_once(case.section, mesh, settings, 0.0, MPI.COMM_SELF, guess=1.65)
+    found = limit_load_safety_factor(case.section, mesh, settings, 0.0, MPI.COMM_SELF, guess=1.65)
     assert 1.62 <= found.factor <= 1.70
 
 

@@ -10,7 +10,7 @@ from fem.errors import UnstableError
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
 from fem.search.assessment import assess
-from fem.search.strength_reduction import safety_at_once
+from fem.search.strength_reduction import limit_load_safety_factor
 from fem.settings import BoundsSettings, FemSettings
 from meshes.gmsh_model import generate
 from meshes.section.section import Section
@@ -37,7 +37,7 @@ def test_no_bound_is_above_the_block_that_is_punched_out() -> None:
     block = 2.0 * 2.0 * 20e3 / (10.0 * (5.0 * WATER - 2.0 * 18e3))
     found = safety_bounds(ground, FIXED, BoundsSettings(gap=0.1, max_cells=2000), held=True)
     assert 0.3 * block < found.lower <= block
-    elements = safety_at_once(ground, generate(ground, MeshSettings(size=0.5)), FIXED, 0.0, MPI.COMM_SELF)
+    elements = limit_load_safety_factor(ground, generate(ground, MeshSettings(size=0.5)), FIXED, 0.0, MPI.COMM_SELF)
     assert 0.97 * found.lower <= elements.factor <= 1.04 * found.upper
 
 
