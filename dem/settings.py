@@ -79,8 +79,8 @@ class DemSettings(Model):
     growth: float | None = Field(
         default=None,
         gt=1.0,
-        description="fails: displacement at least, in elastic ones for the paper's discs, for soil discs in that at "
-        "which the continuum has come to its critical Kh; if not given 3, and 3.5 for soil discs",
+        description="fails: least displacement, over the elastic one for the paper's discs (3 if not given), over that "
+        "at which the FEM reaches its critical Kh for soil discs (3.5 if not given)",
     )
     patience: float = Field(default=15.0, gt=0.0, description="undecided after so many periods of the ground")
     parameter: Literal["auto", "stiffness", "friction", "pore_strength", "strength", "all", "none"] = Field(

@@ -36,8 +36,10 @@ class Observed(Model):
 
     name: str = Field(min_length=1, description="where or how it was measured, such as inclinometer SI-5")
     displacement: Length = Field(description='how far the ground went, such as "0.26 m"')
-    x: Coordinate | None = Field(default=None, description="where, along the section, beside the discs there")
-    source: str = Field(default="", description="where that is told")
+    x: Coordinate | None = Field(
+        default=None, description="horizontal position in the section, to compare with the discs there"
+    )
+    source: str = Field(default="", description="where the measurement is published")
 
 
 class ReportSettings(Model):

@@ -85,7 +85,9 @@ def _curves(results: Results, name: str) -> bool:
             far = results.config.dem.ductility * like.yielding_m
             widest = max(widest, far)
             axes.axvline(far, color=CRITICAL, linestyle=DASHED, linewidth=0.9)
-            label = f"{results.config.dem.ductility:g} times where the FEM (dashed) yields: as far as discs are judged"
+            label = (
+                f"{results.config.dem.ductility:g} times the yield displacement of the FEM (dashed): end of the test"
+            )
             handles.append(Line2D([], [], color=CRITICAL, linestyle=DASHED, linewidth=0.9, label=label))
     axes.set_xlim(0.0, 1.05 * widest)
     axes.set_ylim(bottom=0.0)

@@ -81,7 +81,7 @@ def _fem(results: Results) -> Iterator[PaperRow]:
     yield PaperRow(
         kc.quantity, kc.paper, kc.where, f"{results.kc:.3f} (at most {results.fem.kc_upper:.3f}), {conditions}",
         abs(results.kc - KC) <= KC_WITHIN,
-        f"{SECTION}, and sides, dilation and element move it: the paper names neither dilation nor mesh convergence",
+        f"{SECTION}; it depends on sides, dilation and element: the paper names neither dilation nor convergence",
     )  # fmt: skip
     end = results.fem.last_in_equilibrium()
     if end is not None:

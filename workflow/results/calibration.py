@@ -148,7 +148,7 @@ class CalibrationAnswer(Answer):
     layers: tuple[LayerCheck, ...] = Field(default=(), description="soil discs: every stratum beside its discs")
     predicted_kc: float | None = Field(default=None, description="soil discs: the critical Kh, uncalibrated")
     predicted_ratio: float | None = Field(
-        default=None, description="that over the least the continuum has with the same sides"
+        default=None, description="uncalibrated critical Kh over the lower end of that of the FEM with the same sides"
     )
     continuum_kc: tuple[float, float] | None = Field(
         default=None, description="soil discs: between which the continuum's lies; what was asked for is the nearest"
