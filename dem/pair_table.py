@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dem.fading import fade, share_left
 from dem.kernels.contact import (
     ALLOWED,
     BC,
@@ -33,6 +32,8 @@ from dem.kernels.contact import (
     TAN,
 )
 from dem.springs import NOTHING_ROLLS, STOP_DEPTH, Law, LayerSprings, Mean
+
+ANY_OVERLAP = 2.0  # half of the sum of radii, and more
 
 
 @dataclass(frozen=True)
@@ -82,8 +83,8 @@ def pair_table(
     pairs = _square(values, mean)
     held = np.maximum(values[KN], [layer.boundary for layer in layers])
     pairs[KN, :n, n] = pairs[KN, n, :n] = held
-    left = share_left([layer.faded for layer in layers])
-    fade(pairs, left)
+    left = _share_left([layer.faded for layer in layers])
+    _fade(pairs, left)
     np.divide(_attraction(layers) * left, pairs[KN], out=pairs[GAP], where=pairs[KN] > 0.0)
     np.minimum(pairs[GAP], widest, out=pairs[GAP])
     lines = np.zeros((CONSTANTS, n + 1))
@@ -145,3 +146,18 @@ def _columns(layers: Sequence[LayerSprings]) -> np.ndarray:
         ):  # fmt: skip
             values[row, k] = value
     return values
+
+
+def _share_left(faded: Sequence[float]) -> np.ndarray:
+    """Share of the contacts between n layers, and with the boundary, that is left (n + 1, n + 1).
+
+    faded: by layer, what is gone. A contact is gone as far as it is for the one of its layers that has less.
+    """
+    left = 1.0 - np.array([*faded, 0.0])
+    return np.asarray(np.minimum(left[:, None], left[None, :]))
+
+
+def _fade(pairs: np.ndarray, left: np.ndarray) -> None:
+    """Takes what is gone off the stiffness of contacts (CONSTANTS, n + 1, n + 1): they may overlap as they like."""
+    pairs[[KN, KS, CN, CT, STOP]] *= left
+    pairs[ALLOWED] = np.where(left < 1.0, ANY_OVERLAP, pairs[ALLOWED])
