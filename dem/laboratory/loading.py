@@ -114,8 +114,8 @@ def confine(patch: Patch, pressure: float) -> None:
 def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
     """Tangent stiffness of a confined patch from three small strains, each held until at rest; and M_xx / M_zz - 1.
 
-    What a copy does that is only held is taken off: no state of rest is perfect. Raises ConfinementError where what is
-    found is not the stiffness of a stable body: the patch still rearranges.
+    The response of a copy without strain is subtracted, since no state of rest is perfect. Raises ConfinementError if
+    the result is not the stiffness of a stable body: the patch still rearranges.
     """
     size = PROBE * pressure / lattice_elastic(patch.model.springs.layers[0]).M
     ways = {"none": np.zeros((2, 2)), "x": np.diag([-1.0, 0.0]), "z": np.diag([0.0, -1.0])}

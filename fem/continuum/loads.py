@@ -42,5 +42,5 @@ def soils(section: Section) -> tuple[Stratum, ...]:
 
 
 def lifted(uplift: Uplift, reason: str = "there is no equilibrium") -> UnstableError:
-    """The error of ground that does not stand, whose pore pressure exceeds the weight above it somewhere."""
+    """UnstableError for ground in which pore pressure exceeds the weight of the soil above (uplift)."""
     return UnstableError(f"{reason}: {uplift.words}", "check the levels of the water, or relieve its pressure")

@@ -191,7 +191,7 @@ def _forces(section: Section, piece: _Piece, settings: FemSettings, shaken: bool
     """Weight less Kv and uplift, and force of seepage to the right, over the seismic weight, of the soil just below a
     piece of ground, and of a layer that reaches into the water below, down to the least depth.
 
-    Between these the forces of a layer change from those of the one to those of the other: none slides before both.
+    Between two of these depths the forces vary linearly, so that no depth between them slides before both do.
     """
     layers, water = section.layering, section.water_pressure
     bounds = layers.interfaces(np.array([piece.middle]))[0]

@@ -139,7 +139,7 @@ class FactorSearch:
             self.refine()
 
     def confirms(self, other: "FactorSearch") -> bool:
-        """Whether this push, too, is proven to bear what the other one bears, on triangles as fine as are allowed.
+        """Whether the lower bound of the other direction is proven for this one, too, on triangles as fine as allowed.
 
         Where it is not, its own factor is looked for: the triangles of the other are fine where that one fails.
         """

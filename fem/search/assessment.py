@@ -336,8 +336,8 @@ class _Search:
         return replace(adapted, result=replace(adapted.result, beside=beside))
 
     def fails(self, settings: FemSettings, error: UnstableError, known: SafetyFactor | None = None) -> UnstableError:
-        """The same error with the factor of safety, by both flow rules where they make two grounds; or with the factor
-        against uplift, where pore pressure exceeds the weight above it."""
+        """The error with the factor of safety added, ``known`` or to be found, by both flow rules where ψ < φ. Where
+        pore pressure exceeds the weight above it, the factor against uplift is added instead."""
         if self.section.uplift is not None:
             return error if self.section.uplift.words in error.reason else lifted(self.section.uplift, error.reason)
         factor = known or self.safety(settings, 0.0).result

@@ -149,7 +149,7 @@ class Stratum(Model):
         return self
 
     def _weigh(self) -> list[str]:
-        """Make both densities the one that was given, if one was; what is wrong with them, one sentence each."""
+        """Set both densities to the one that was given, if one was; return a sentence for each problem of them."""
         pair = {name: getattr(self, name) for name in ("density_ordinary", "density_seismic")}
         missing = [name for name, value in pair.items() if value == MISSING]
         whole = self.density_saturated if self.density is None and len(missing) == 2 else self.density

@@ -35,7 +35,7 @@ class Column:
         return np.asarray(self.response.average[int(np.argmin(np.abs(self.response.depth[1:] - depth)))])
 
     def k_max(self, depth: float) -> float:
-        """The largest of it either way, over gravity: the seismic coefficient of what lies above (-)."""
+        """Peak of the average acceleration, either way, over gravity: the seismic coefficient of the soil above (-)."""
         return float(np.abs(self.average_above(depth)).max()) / GRAVITY
 
 

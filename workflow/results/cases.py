@@ -140,7 +140,7 @@ class Spread(Part):
 
     @property
     def from_zero(self) -> Self:
-        """The same of what cannot be negative."""
+        """The spread of a quantity that cannot be negative: its confidence interval begins at 0 or above."""
         interval = None if self.mean_ci95 is None else (max(self.mean_ci95[0], 0.0), self.mean_ci95[1])
         return self.model_copy(update={"mean_ci95": interval})
 

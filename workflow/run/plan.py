@@ -102,8 +102,10 @@ def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
 
 
 def is_of_this_input(stage: Stage, job: Job, record: Record) -> bool:
-    """Whether what a stage left can be told and drawn: it is of this input, by this version of the program or by
-    another whose answers can be read, and what it needs has not been computed again since."""
+    """Whether the stored answer of a stage may be reported and drawn.
+
+    It may if it belongs to this input and a readable version, and if no stage that it needs was computed again since.
+    """
     entry = record[stage.name]
     if entry is None:
         return False

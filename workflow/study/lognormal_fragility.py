@@ -1,4 +1,4 @@
-"""P(slide > d) over what shakes, where that is drawn: a lognormal distribution function fitted to the samples."""
+"""Fragility P(slide > d) over the intensity of shaking: a lognormal distribution function fitted to the samples."""
 
 import numpy as np
 from scipy.optimize import minimize

@@ -31,7 +31,7 @@ class Outcome(BaseModel):
 
 
 class ResultCache:
-    """What is kept in a folder, which machines may share.
+    """Answers of tasks stored in a folder, which machines may share.
 
     A claim is a lock of the kernel's on a file of its own, so that a task is computed once however many workers, of one
     machine or several, look for something to do, and one that dies leaves nothing claimed. Where a file system has no

@@ -49,7 +49,7 @@ class Judged:
 
     @property
     def area(self) -> float:
-        """The area (m²) for which it stands."""
+        """The area of ground (m²) that the test represents."""
         return (self.bottom - self.top) * self.length
 
     @property

@@ -35,7 +35,7 @@ class SlideVerdict:
 
     @property
     def factor(self) -> float | None:
-        """How many times too far or too short."""
+        """Error as a factor: the larger one of predicted over measured and measured over predicted."""
         if self.ratio is None:
             return None
         return max(self.ratio, 1.0 / self.ratio) if self.ratio > 0.0 else float("inf")
