@@ -27,9 +27,9 @@ def bisect(mesh: TriMesh, marked: np.ndarray) -> tuple[TriMesh, np.ndarray]:
 def _alike(mesh: TriMesh, cut: np.ndarray) -> np.ndarray:
     """The edges to cut (a mask), with those on one side of a section that repeats for those on the other."""
     left, right = (mesh.edge_numbers(ends) for ends in mesh.matched)
-    found = cut.copy()
-    found[left] = found[right] = cut[left] | cut[right]
-    return found
+    marked = cut.copy()
+    marked[left] = marked[right] = cut[left] | cut[right]
+    return marked
 
 
 def fan_out(mesh: TriMesh, points: np.ndarray, widest: float) -> tuple[TriMesh, np.ndarray]:

@@ -27,8 +27,8 @@ def keep_compiled_kernels() -> None:
 
     Child processes inherit it. Where no folder can be written, kernels are compiled for this process alone.
     """
-    given = os.environ.get(VARIABLE)
-    base = Path(given) if given else _user_cache() / "noshiro"
+    chosen = os.environ.get(VARIABLE)
+    base = Path(chosen) if chosen else _user_cache() / "noshiro"
     if base.name.startswith(PREFIX):  # set by this very function, here or in a parent process
         base = base.parent
     name = PREFIX + hash_of_kernels(Path(__file__).parents[1])

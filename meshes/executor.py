@@ -48,9 +48,9 @@ class Executor(futures.Executor):
 
     count = 1
 
-    def submit(self, work: Callable[P, A], /, *given: P.args, **named: P.kwargs) -> "Future[A]":
+    def submit(self, work: Callable[P, A], /, *arguments: P.args, **named: P.kwargs) -> "Future[A]":
         """The future result of some work."""
-        return self.begin(partial(_telling_nothing, partial(work, *given, **named)))
+        return self.begin(partial(_telling_nothing, partial(work, *arguments, **named)))
 
     def begin(self, work: Callable[[Tell], A], heard: Tell | None = None) -> "Future[A]":
         """The same of work that tells how far it is. Where it goes to another process it can be pickled."""
@@ -71,8 +71,8 @@ class Executor(futures.Executor):
         comes.
         """
         results = []
-        for place, one in enumerate(inputs):
-            results.append(work(one, partial(heard, place) if heard is not None else _unheard))
+        for place, task_input in enumerate(inputs):
+            results.append(work(task_input, partial(heard, place) if heard is not None else _unheard))
             if done is not None:
                 done(place, results[-1])
         return results
@@ -159,9 +159,9 @@ def interruptible(work: Callable[[], A]) -> A:
         with OneThread() as thread:
             return thread.begin_there(work).result()
     check_cancelled()
-    found = work()
+    result = work()
     check_cancelled()
-    return found
+    return result
 
 
 def check_cancelled() -> None:
@@ -222,16 +222,16 @@ class Processes(Executor):
             return super().compute(work, inputs, heard, done)
         news: SimpleQueue[tuple[int, bool, Any]] = SimpleQueue()
 
-        def begin(place: int, one: Given) -> "Future[Found]":
-            future = self.begin(partial(work, one), lambda message: news.put((place, False, message)))
+        def begin(place: int, task_input: Given) -> "Future[Found]":
+            future = self.begin(partial(work, task_input), lambda message: news.put((place, False, message)))
             future.add_done_callback(lambda _: news.put((place, True, None)))
             return future
 
         tasks: list[Future[Found]] = []
         missing = len(inputs)
         try:
-            for place, one in enumerate(inputs):
-                tasks.append(begin(place, one))
+            for place, task_input in enumerate(inputs):
+                tasks.append(begin(place, task_input))
             while missing:
                 place, ended, message = news.get()
                 if ended:

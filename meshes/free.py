@@ -143,11 +143,11 @@ def _geometry(
     }
     corners = _corners(section, layers, list(pieces.values()))
     seams = seams_of(pieces, corners, size, layers.tolerance) if size is not None else {}
-    corners, own = np.concatenate([corners, *(seam.points() for seam in seams.values())]), corners
+    corners, own_corners = np.concatenate([corners, *(seam.points() for seam in seams.values())]), corners
     corners = np.unique(corners, axis=0)
     # Points of a seam lie on its lines to rounding; beside the tip of a wedge others are as near as a centimetre.
-    given = (corners[:, None] == own).all(axis=-1).any(axis=1)
-    reach = np.where(given, layers.tolerance, ON_LINE * layers.tolerance)
+    is_own = (corners[:, None] == own_corners).all(axis=-1).any(axis=1)
+    reach = np.where(is_own, layers.tolerance, ON_LINE * layers.tolerance)
     geo = gmsh.model.geo
     points = [geo.addPoint(x, z, 0.0) for x, z in corners]
     number = {tuple(corner): i for i, corner in enumerate(corners.tolist())}
@@ -170,9 +170,9 @@ def _geometry(
     boundaries, interfaces = _named_curves(section, layers, corners, lines, owners)
     name_groups(section, surfaces, boundaries)
     steps = {
-        curve: abs(float(corners[one, 1] - corners[other, 1]))
-        for (one, other), curve in lines.items()
-        if corners[one, 0] == corners[other, 0]
+        curve: abs(float(corners[start_corner, 1] - corners[end_corner, 1]))
+        for (start_corner, end_corner), curve in lines.items()
+        if corners[start_corner, 0] == corners[end_corner, 0]
     }
     return surfaces, {**interfaces, "surface": boundaries["surface"], "base": boundaries["base"]}, steps
 
@@ -185,9 +185,9 @@ def _corners(section: Section, layers: Layering, polygons: list[np.ndarray]) -> 
 
 def _size_in(section: Section, sizes: Sizes, k: int, points: np.ndarray) -> np.ndarray:
     """The size (n,) of cells in stratum k at points (n, 2), all of which count as near the lines of a thin one."""
-    own, above = section.strata[k].name, section.strata[max(k - 1, 0)].name
-    near = [size for line, size in sizes.towards.items() if line in (own, above, "surface", "base")]
-    return np.minimum(sizes.at(own, points), min(near, default=np.inf))
+    name, above = section.strata[k].name, section.strata[max(k - 1, 0)].name
+    near = [size for line, size in sizes.towards.items() if line in (name, above, "surface", "base")]
+    return np.minimum(sizes.at(name, points), min(near, default=np.inf))
 
 
 def _make_rows(
@@ -200,8 +200,8 @@ def _make_rows(
     """Have gmsh fill a thin layer with columns and rows."""
 
     def curve(start: np.ndarray, end: np.ndarray) -> int:
-        one, other = number[tuple(start.tolist())], number[tuple(end.tolist())]
-        return lines[min(one, other), max(one, other)]
+        first, second = number[tuple(start.tolist())], number[tuple(end.tolist())]
+        return lines[min(first, second), max(first, second)]
 
     for line in (seam.top, seam.bottom):
         for start, end in pairwise(line):

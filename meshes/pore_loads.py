@@ -62,8 +62,8 @@ def edge_jumps(mesh: TriMesh, pressure: np.ndarray) -> EdgeJumps:
     """The inner edges across which a pressure (m, 3) in Pa at the corners of cells jumps."""
     inner = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
     ends = mesh.edges[inner]
-    one, other = (at_ends(mesh, pressure, mesh.edge_cells[inner, side], ends) for side in (0, 1))
-    jump = one - other
+    first, second = (at_ends(mesh, pressure, mesh.edge_cells[inner, side], ends) for side in (0, 1))
+    jump = first - second
     there = np.abs(jump).max(axis=1) > SAME_PRESSURE * np.abs(pressure).max(initial=0.0)
     normal = outward_normals(mesh, mesh.edge_cells[inner[there], 0], ends[there])
     traction = jump[there][:, :, None] * normal[:, None, :]

@@ -57,8 +57,8 @@ def scaled_jacobians(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
 def areas(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Area (m²) of every cell: half the cross product of its diagonals."""
     corners = points[cells]
-    one, two = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
-    return 0.5 * (one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+    diagonal, other_diagonal = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
+    return 0.5 * (diagonal[:, 0] * other_diagonal[:, 1] - diagonal[:, 1] * other_diagonal[:, 0])
 
 
 def quality(points: np.ndarray, cells: np.ndarray) -> Quality:

@@ -87,9 +87,9 @@ def seams_of(
     def seam_at(place: Place, points: np.ndarray) -> Seam | None:
         return _seam(pieces[place], points, partial(size, place[0]), tolerance)
 
-    found = {place: single for place in pieces if (single := seam_at(place, corners)) is not None}
+    seams = {place: single for place in pieces if (single := seam_at(place, corners)) is not None}
     taken: dict[Place, Seam] = {}
-    for place, alone in sorted(found.items(), key=lambda item: item[1].thickness):
+    for place, alone in sorted(seams.items(), key=lambda item: item[1].thickness):
         seam: Seam | None = alone
         if any(_touch(other, alone, tolerance) for other in taken.values()):
             others = [_common(other, alone, tolerance) for other in taken.values()]
@@ -114,23 +114,23 @@ def seam_ends(layers: Layering, k: int, size: Callable[[np.ndarray], np.ndarray]
     return layers.x[1:-1][divided & (there > np.maximum(room, layers.tolerance))]
 
 
-def _touch(one: Seam, other: Seam, tolerance: float) -> bool:
+def _touch(first: Seam, second: Seam, tolerance: float) -> bool:
     """Whether two seams have points in common."""
-    return len(_common(one, other, tolerance)) + len(_common(other, one, tolerance)) > 0
+    return len(_common(first, second, tolerance)) + len(_common(second, first, tolerance)) > 0
 
 
-def _common(one: Seam, other: Seam, tolerance: float) -> np.ndarray:
+def _common(first: Seam, second: Seam, tolerance: float) -> np.ndarray:
     """The points (n, 2) of one seam that lie on a line of the other."""
-    edges = [edge for line in (other.top, other.bottom) for edge in pairwise(line)]
-    return np.unique(np.vstack([_on(*edge, one.points(), tolerance) for edge in edges]), axis=0)
+    edges = [edge for line in (second.top, second.bottom) for edge in pairwise(line)]
+    return np.unique(np.vstack([_on(*edge, first.points(), tolerance) for edge in edges]), axis=0)
 
 
-def _fit(one: Seam, other: Seam, tolerance: float) -> bool:
+def _fit(first: Seam, second: Seam, tolerance: float) -> bool:
     """Whether seams have the same points where they touch, to the last bit, and as many rows at a common end."""
-    here, there = _common(one, other, tolerance), _common(other, one, tolerance)
+    here, there = _common(first, second, tolerance), _common(second, first, tolerance)
     same = np.array_equal(here, there)
-    ends = [{tuple(seam.top[end]), tuple(seam.bottom[end])} for seam in (one, other) for end in (0, -1)]
-    return same and (one.rows == other.rows or not any(a == b for a in ends[:2] for b in ends[2:]))
+    ends = [{tuple(seam.top[end]), tuple(seam.bottom[end])} for seam in (first, second) for end in (0, -1)]
+    return same and (first.rows == second.rows or not any(a == b for a in ends[:2] for b in ends[2:]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,8 +151,8 @@ class _Line:
 
     def cut_at(self, points: np.ndarray, tolerance: float) -> np.ndarray:
         """Its corners and those of the points (n, 2) that lie on it, from the left to the right."""
-        found = [_on(start, end, points, tolerance) for start, end in pairwise(self.corners)]
-        return np.unique(np.vstack([self.corners, *found]), axis=0)
+        cuts = [_on(start, end, points, tolerance) for start, end in pairwise(self.corners)]
+        return np.unique(np.vstack([self.corners, *cuts]), axis=0)
 
     def places(self, points: np.ndarray) -> np.ndarray:
         """Where points (n, 2) of it lie along the layer (m)."""
@@ -228,9 +228,9 @@ def _lines(polygon: np.ndarray) -> tuple[_Line, _Line] | None:
     )
 
 
-def _steepness(one: np.ndarray, other: np.ndarray) -> float:
+def _steepness(first: np.ndarray, second: np.ndarray) -> float:
     """Height over width of the way from one corner to another."""
-    width, height = np.abs(other - one)
+    width, height = np.abs(second - first)
     return math.inf if width == 0.0 else float(height / width)
 
 

@@ -112,8 +112,8 @@ class MeshSettings(Model):
 
     def sizes_in(self, section: Section) -> dict[str, float]:
         """`sizes` by the names of all strata for which there is one, parts that water cut off among them."""
-        found = {stratum.name: by_stratum(self.sizes, stratum.name) for stratum in section.strata}
-        return {name: size for name, size in found.items() if size is not None}
+        sizes = {stratum.name: by_stratum(self.sizes, stratum.name) for stratum in section.strata}
+        return {name: size for name, size in sizes.items() if size is not None}
 
     def towards_in(self, section: Section) -> dict[str, float]:
         """`towards` by the names of all lines; the bottom of a stratum that water cuts is that of its part below."""
@@ -127,16 +127,16 @@ class MeshSettings(Model):
         if self.method_for(section) == "mapped":
             return section.layering, []
         least = self.least_thickness or THINNEST * self.cell_size(section) / self.refine
-        layers, told = stepped(section.layering, least, names)
-        return without_needless(layers, self.cell_size(section) / self.refine), told
+        layers, notices = stepped(section.layering, least, names)
+        return without_needless(layers, self.cell_size(section) / self.refine), notices
 
     def notices(self, section: Section) -> list[str]:
         """What a person has to know of the mesh before it is made, one sentence each."""
-        told = self.meshed_layers(section)[1]
+        notices = self.meshed_layers(section)[1]
         blocks = blocks_of(section) if self.method_for(section) == "mapped" else ""
         if not isinstance(blocks, str) and (angle := largest_corner(blocks)) > LARGEST_CORNER:
-            told.append(
+            notices.append(
                 f"mesh: columns are sheared, to {angle:.0f} deg in the corners of cells, and the critical Kh comes out "
                 'too large; method = "free" makes better cells'
             )
-        return told
+        return notices

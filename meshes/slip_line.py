@@ -17,10 +17,10 @@ def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
     """
     limit = _threshold(moved[np.isfinite(moved)])
     depths = [_depth(heights, values, limit) for heights, values in zip(z, moved, strict=True)]
-    found = np.isfinite(depths)
-    if not found.any():
+    is_cut = np.isfinite(depths)
+    if not is_cut.any():
         return np.zeros((0, 2))
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], found, [False]]).astype(int)))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], is_cut, [False]]).astype(int)))
     starts, ends = edges[0::2], edges[1::2]
     longest = int(np.argmax(ends - starts))
     row = slice(starts[longest], ends[longest])

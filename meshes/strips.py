@@ -51,11 +51,11 @@ def with_finer_strips(mesh: QuadMesh, indicator: np.ndarray, cells: int) -> Quad
     strips = strips_of(mesh)
     size = areas(mesh.points, mesh.cells)
     length = np.hypot(*(mesh.points[strips.edges[:, 0]] - mesh.points[strips.edges[:, 1]]).T)
-    own = strips.of_edge[strips.of_cell[:, :2]]
+    strips_of_cell = strips.of_edge[strips.of_cell[:, :2]]
     width = 0.5 * (length[strips.of_cell[:, :2]] + length[strips.of_cell[:, 2:]])
     count = int(strips.of_edge.max()) + 1
-    worth = np.bincount(own.ravel(), ((indicator * size)[:, None] * width).ravel(), minlength=count)
-    added = np.bincount(own.ravel(), minlength=count)
+    worth = np.bincount(strips_of_cell.ravel(), ((indicator * size)[:, None] * width).ravel(), minlength=count)
+    added = np.bincount(strips_of_cell.ravel(), minlength=count)
     order = np.argsort(-worth / np.maximum(added, 1), kind="stable")
     cut = order[: 1 + int(np.searchsorted(np.cumsum(added[order]), cells - len(mesh.cells)))]
     return _cut(mesh, strips, np.isin(strips.of_edge, cut))

@@ -40,13 +40,13 @@ def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering,
 
     They are cut nearer to their ends where they would hold too much of their stratum, or it is nowhere as thick.
     """
-    found: list[str] = []
-    while len(found) < MOST_STEPS:  # what is cut off one stratum may be a tip of its neighbour
+    all_notices: list[str] = []
+    while len(all_notices) < MOST_STEPS:  # what is cut off one stratum may be a tip of its neighbour
         layers, notices = _stepped_once(layers, least, names)
-        found += notices
+        all_notices += notices
         if not notices:
             break
-    return _without_empty_ends(layers), list(dict.fromkeys(found))
+    return _without_empty_ends(layers), list(dict.fromkeys(all_notices))
 
 
 def _stepped_once(layers: Layering, least: float, names: list[str]) -> tuple[Layering, list[str]]:
@@ -101,14 +101,14 @@ def _tips(layers: Layering, k: int | None) -> list[tuple[float, int]]:
     """Sharp tips of a stratum: the x (m) from which it grows, and +1 or -1, the way in which it does."""
     thick = _thickness(layers, k)
     width = layers.width
-    found = []
+    tips = []
     for i, (left, right) in enumerate(thick):
         sharp = max(left, right) < width[i] * math.tan(math.radians(SHARP))
         if left <= 0.0 < right and sharp:
-            found.append((float(layers.x[i]), 1))
+            tips.append((float(layers.x[i]), 1))
         if right <= 0.0 < left and sharp:
-            found.append((float(layers.x[i + 1]), -1))
-    return found
+            tips.append((float(layers.x[i + 1]), -1))
+    return tips
 
 
 def _crumbs(layers: Layering, k: int, least: float) -> list[tuple[float, float]]:
@@ -138,7 +138,7 @@ def _necks(layers: Layering, k: int, least: float, longest: float) -> list[tuple
     On one side at least it is thick; the other may be the section's. What is thin all over is left alone.
     """
     thick = _thickness(layers, k)
-    found: list[list[float]] = []  # from, to, and the smallest thickness there
+    necks: list[list[float]] = []  # from, to, and the smallest thickness there
     for i, (left, right) in enumerate(thick):
         if min(left, right) >= least:
             continue
@@ -146,14 +146,14 @@ def _necks(layers: Layering, k: int, least: float, longest: float) -> list[tuple
         if max(left, right) >= least:
             root = at[0] + (at[1] - at[0]) * (least - left) / (right - left)
             at[0 if left > right else 1] = root
-        if found and abs(found[-1][1] - at[0]) <= layers.tolerance:
-            found[-1][1:] = [at[1], min(found[-1][2], left, right)]
+        if necks and abs(necks[-1][1] - at[0]) <= layers.tolerance:
+            necks[-1][1:] = [at[1], min(necks[-1][2], left, right)]
         else:
-            found.append([*at, float(min(left, right))])
+            necks.append([*at, float(min(left, right))])
     sides = (layers.x[0], layers.x[-1])
     return [
         (start, end)
-        for start, end, thinnest in found
+        for start, end, thinnest in necks
         if 0.0 < thinnest <= NECK * least and end - start <= longest and (start, end) != sides
         and layers.areas()[k] > 2.0 * least * (end - start)
     ]  # fmt: skip

@@ -98,22 +98,22 @@ class TriMesh:
     def matched(self) -> tuple[np.ndarray, np.ndarray]:
         """End points (k, 2) of the edges of the left side, and of those of the right side that these are one with, from
         below upwards; none unless the section repeats."""
-        found = []
+        pairs = []
         for name in ("left", "right"):
             ends = self.boundaries[name] if self.repeats else np.empty((0, 2), dtype=np.int64)
             upwards = np.argsort(self.points[ends, 1], axis=1)
             ends = np.take_along_axis(ends, upwards, axis=1)
-            found.append(ends[np.argsort(self.points[ends[:, 0], 1])])
-        return found[0], found[1]
+            pairs.append(ends[np.argsort(self.points[ends[:, 0], 1])])
+        return pairs[0], pairs[1]
 
     @cached_property
     def own_node(self) -> np.ndarray:
         """For every node of quadratic triangles the one that it is one with: itself, or that of the left side."""
-        own = np.arange(len(self.points) + len(self.edges))
+        nodes = np.arange(len(self.points) + len(self.edges))
         left, right = self.matched
-        own[right] = left
-        own[len(self.points) + self.edge_numbers(right)] = len(self.points) + self.edge_numbers(left)
-        return own
+        nodes[right] = left
+        nodes[len(self.points) + self.edge_numbers(right)] = len(self.points) + self.edge_numbers(left)
+        return nodes
 
     def moved(self, shift: np.ndarray, scale: float) -> "TriMesh":
         """The same mesh with its points at ``(points - shift) / scale``."""

@@ -14,8 +14,8 @@ def cones_of(name: str, groups: Groups) -> tuple[Cone, ...]:
     the cone, SCPG_CAR, or SCPT_RES alone, which in sand is nearly the same. Sleeve friction below zero, noise, is zero.
     Readings without a resistance or a sleeve friction are left out, as files have them where a push begins.
     """
-    ratios = {one.get("SCPG_TESN", ""): one.get("SCPG_CAR", "") for one in groups.of("SCPG", name)}
-    found: dict[float, Cone] = {}
+    ratios = {location.get("SCPG_TESN", ""): location.get("SCPG_CAR", "") for location in groups.of("SCPG", name)}
+    cones: dict[float, Cone] = {}
     for row in groups.of("SCPT", name):
         if not (row.get("SCPT_RES") or row.get("SCPT_QT")) or not row.get("SCPT_FRES"):
             continue
@@ -29,8 +29,8 @@ def cones_of(name: str, groups: Groups) -> tuple[Cone, ...]:
             groups.problems.append(f"boring {name}, SCPT at {depth} {groups.units['SCPT_DPTH']}, {error}")
             continue
         if cone is not None:
-            found.setdefault(float(cone.depth), cone)
-    return tuple(found[depth] for depth in sorted(found))
+            cones.setdefault(float(cone.depth), cone)
+    return tuple(cones[depth] for depth in sorted(cones))
 
 
 def _cone(row: Row, groups: Groups, ratio: str) -> Cone | None:

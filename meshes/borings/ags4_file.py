@@ -98,14 +98,14 @@ def _log(row: Row, axes: tuple[str, str], naming: tuple[str, ...], groups: Group
     level = "LOCA_LOCZ" if row.get("LOCA_LOCZ") and not row.get("LOCA_GL") else "LOCA_GL"
     ground = _number(row, level, name, groups) if mine else math.nan
     layers = []
-    for one in mine:
-        label = next((one[key] for key in naming if one.get(key)), "")
+    for group_row in mine:
+        label = next((group_row[key] for key in naming if group_row.get(key)), "")
         if not label:
             groups.problems.append(
-                f"boring {name}: the layer at {one.get('GEOL_TOP', '?')} m has no {naming[0]}, no name"
+                f"boring {name}: the layer at {group_row.get('GEOL_TOP', '?')} m has no {naming[0]}, no name"
             )
-        top, bottom = _number(one, "GEOL_TOP", name, groups), _number(one, "GEOL_BASE", name, groups)
-        layers.append(LogLayer(label, top, bottom, "", one.get("GEOL_DESC", "")))
+        top, bottom = _number(group_row, "GEOL_TOP", name, groups), _number(group_row, "GEOL_BASE", name, groups)
+        layers.append(LogLayer(label, top, bottom, "", group_row.get("GEOL_DESC", "")))
     layers = joined(sorted(layers, key=lambda layer: layer.top))
     samples = _samples(name, groups)
     water = _water_level(name, ground, groups) if mine else None
@@ -119,7 +119,7 @@ def _log(row: Row, axes: tuple[str, str], naming: tuple[str, ...], groups: Group
 
 def _samples(name: str, groups: Groups) -> tuple[Sample, ...]:
     """The blow counts of a boring from the top down; of two at one depth the smaller one."""
-    found: dict[float, Sample] = {}
+    samples: dict[float, Sample] = {}
     for row in groups.of("ISPT", name):
         count, report = row.get("ISPT_NVAL", ""), row.get("ISPT_REP", "")
         if not row.get("ISPT_TOP"):
@@ -135,11 +135,11 @@ def _samples(name: str, groups: Groups) -> tuple[Sample, ...]:
         sample = _sample(f"{where}, ", depth, _count_of(count, report), row.get("ISPT_ERAT", ""), groups)
         if sample is None:
             continue
-        other = found.setdefault(depth, sample)
+        other = samples.setdefault(depth, sample)
         if other is not sample:
-            found[depth] = min(sample, other, key=lambda one: one.N)
+            samples[depth] = min(sample, other, key=lambda candidate: candidate.N)
             groups.notices.append(f"{where}: N = {other.N:g} and {sample.N:g}; the smaller one is taken")
-    return tuple(found[depth] for depth in sorted(found))
+    return tuple(samples[depth] for depth in sorted(samples))
 
 
 def _count_of(count: str, report: str) -> str:

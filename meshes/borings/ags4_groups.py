@@ -62,8 +62,8 @@ def read_groups(path: Path) -> Groups:
     text, notice = read_text(path)
     if not re.search(r'^\s*"?GROUP', text, re.MULTILINE):
         if line := AGS3.search(text):
-            told = f'is AGS3, whose groups begin with a line such as "{line[1]}"; expected AGS4'
-            raise InputError(str(path), [f"{told}, into which other programs convert it"])
+            fault = f'is AGS3, whose groups begin with a line such as "{line[1]}"; expected AGS4'
+            raise InputError(str(path), [f"{fault}, into which other programs convert it"])
         raise InputError(str(path), ["holds no GROUP; expected AGS4, with a group LOCA of the borings"])
     lines = "".join(line + "\n" for line in text.splitlines() if line.strip(' ,"'))  # a blank line ends no group
     try:
@@ -82,9 +82,9 @@ def read_groups(path: Path) -> Groups:
                 if (wrong := _unit_problem(KINDS[key], unit))]  # fmt: skip
     if problems:
         raise InputError(str(path), problems)
-    found = Groups(rows, {group: list(names) for group, names in headings.items()}, known)
-    found.notices.extend([*([notice] if notice else []), *_departures(ags4, path, lines)])
-    return found
+    result = Groups(rows, {group: list(names) for group, names in headings.items()}, known)
+    result.notices.extend([*([notice] if notice else []), *_departures(ags4, path, lines)])
+    return result
 
 
 def _python_ags4(path: Path) -> Any:
@@ -113,12 +113,20 @@ def _departures(ags4: Any, path: Path, lines: str) -> list[str]:
 
     Whether a file ends its lines with CR LF, and which groups it may not lack, is of no account here.
     """
-    found = ags4.check_file(io.StringIO(lines.replace("\n", "\r\n")))
-    rules = {rule.removeprefix("AGS Format Rule "): told for rule, told in found.items() if rule.startswith("AGS For")}
+    report = ags4.check_file(io.StringIO(lines.replace("\n", "\r\n")))
+    rules = {
+        rule.removeprefix("AGS Format Rule "): messages
+        for rule, messages in report.items()
+        if rule.startswith("AGS For")
+    }
     if not rules:
         return []
-    rule, told = next(iter(rules.items()))
-    first = f"line {told[0]['line']}, {told[0]['desc']}" if str(told[0]["line"]).isdigit() else told[0]["desc"]
-    counts = ", ".join(f"{rule} ({len(told)})" for rule, told in rules.items())
+    rule, messages = next(iter(rules.items()))
+    first = (
+        f"line {messages[0]['line']}, {messages[0]['desc']}"
+        if str(messages[0]["line"]).isdigit()
+        else messages[0]["desc"]
+    )
+    counts = ", ".join(f"{rule} ({len(messages)})" for rule, messages in rules.items())
     first = first.rstrip(".")
     return [f"{path.name} departs from rules of AGS4, as python-ags4 counts: {counts}; the first: rule {rule}, {first}"]

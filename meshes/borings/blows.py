@@ -87,8 +87,8 @@ def _counted(text: str) -> tuple[float, bool]:
         return 0.0, False
     if least := AT_LEAST.fullmatch(text):
         return float(least[1] or least[2]), True
-    if told := TOLD.fullmatch(text):
-        driven, blows = list(DRIVEN.finditer(text)), float(told[1] or told[3])
+    if match := TOLD.fullmatch(text):
+        driven, blows = list(DRIVEN.finditer(text)), float(match[1] or match[3])
         return _driven(blows, driven[-1]) if driven else (blows, False)
     driven = list(DRIVEN.finditer(text))
     if driven and driven[-1].end() == len(text):

@@ -13,11 +13,11 @@ def folded(problems: Sequence[str]) -> list[str]:
     alike: dict[str, list[str]] = {}
     for text in dict.fromkeys(problems):
         alike.setdefault(VALUES.sub("·", PLACE.sub("boring ·", text)), []).append(text)
-    told = []
+    messages = []
     for same in alike.values():
         if len(same) <= MOST_ALIKE:
-            told += same
+            messages += same
         else:
             places = [re.split(r" = |: ", text, maxsplit=1)[0] for text in same[1:MOST_ALIKE]]
-            told.append(f"{same[0]} (and {len(same) - 1} more alike: {'; '.join(places)}; ...)")
-    return told
+            messages.append(f"{same[0]} (and {len(same) - 1} more alike: {'; '.join(places)}; ...)")
+    return messages

@@ -64,7 +64,7 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...
     if problems:
         raise InputError("borings", problems)
     if all(along):
-        found = [Placed(log, log.place[0], 0.0) for log in logs]
+        borings = [Placed(log, log.place[0], 0.0) for log in logs]
     else:
         points = np.array([log.place for log in logs])
         apart = np.hypot(*(points[:, None] - points[None]).transpose(2, 0, 1))
@@ -77,17 +77,21 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...
         x, beside = (points - points[first]) @ way, (points - points[first]) @ [-way[1], way[0]]
         problems = [f"boring {log.name}: {abs(away):.1f} m off the line of the section; expected at most {off_line:g} m"
                     for log, away in zip(logs, beside, strict=True) if abs(away) > off_line]  # fmt: skip
-        found = [Placed(log, round(float(a), 3), float(b)) for log, a, b in zip(logs, x, beside, strict=True)]
-    found.sort(key=lambda one: one.x)
-    layers = [one for one in found if one.log.layers]
+        borings = [Placed(log, round(float(a), 3), float(b)) for log, a, b in zip(logs, x, beside, strict=True)]
+    borings.sort(key=lambda boring: boring.x)
+    layers = [boring for boring in borings if boring.log.layers]
     problems += [f"borings {a.log.name} and {b.log.name} stand at the same x = {a.x:g} m" for a, b in pairwise(layers)
                  if b.x - a.x < 1e-3]  # fmt: skip
-    ends = [one.x for one in layers]
-    problems += [f"sounding {one.log.name}: at x = {one.x:g} m it stands beyond the borings with layers, "
-                 f"{ends[0]:g} to {ends[-1]:g} m" for one in found if not ends[0] <= one.x <= ends[-1]]  # fmt: skip
+    ends = [boring.x for boring in layers]
+    problems += [
+        f"sounding {boring.log.name}: at x = {boring.x:g} m it stands beyond the borings with layers, "
+        f"{ends[0]:g} to {ends[-1]:g} m"
+        for boring in borings
+        if not ends[0] <= boring.x <= ends[-1]
+    ]
     if problems:
         raise InputError("borings", problems)
-    return tuple(found)
+    return tuple(borings)
 
 
 def order(logs: Sequence[Log]) -> tuple[str, ...] | None:
@@ -112,13 +116,13 @@ def _piece(log: Log, layer: LogLayer) -> Piece:
 
 def _numbered(borings: Sequence[Placed]) -> tuple[tuple[Placed, ...], Stack]:
     """The borings with numbers at the names of layers that lie above and below others, and the strata."""
-    stack = stacked([[_piece(one.log, layer) for layer in one.log.layers] for one in borings])
-    found = []
-    for one, numbers in zip(borings, stack.numbers, strict=True):
-        pairs = zip(one.log.layers, numbers, strict=True)
+    stack = stacked([[_piece(boring.log, layer) for layer in boring.log.layers] for boring in borings])
+    numbered = []
+    for boring, numbers in zip(borings, stack.numbers, strict=True):
+        pairs = zip(boring.log.layers, numbers, strict=True)
         layers = tuple(replace(layer, name=stack.names[number]) for layer, number in pairs)
-        found.append(replace(one, log=replace(one.log, layers=layers)))
-    return tuple(found), stack
+        numbered.append(replace(boring, log=replace(boring.log, layers=layers)))
+    return tuple(numbered), stack
 
 
 def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
@@ -129,15 +133,15 @@ def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
     level from the nearest boring that reached it. Raises InputError.
     """
     everything = placed(logs, off_line)
-    borings = tuple(one for one in everything if one.log.layers)
-    soundings = tuple(one for one in everything if not one.log.layers)
-    names, notices = order([one.log for one in borings]), []
+    borings = tuple(boring for boring in everything if boring.log.layers)
+    soundings = tuple(boring for boring in everything if not boring.log.layers)
+    names, notices = order([boring.log for boring in borings]), []
     if names is None:
         borings, stack = _numbered(borings)
         names, notices = stack.names, [f"{text}, connected by their order" for text in stack.notices]
-    at = np.array([one.x for one in borings])
-    levels = np.array([one.log.ground_level for one in borings])
-    known = [[_bottom(one.log, name, names) for name in names] for one in borings]
+    at = np.array([boring.x for boring in borings])
+    levels = np.array([boring.log.ground_level for boring in borings])
+    known = [[_bottom(boring.log, name, names) for name in names] for boring in borings]
     x = np.sort(np.concatenate([at, 0.5 * (at[1:] + at[:-1])]))
     ground = np.interp(x, at, levels)
     bottoms = np.empty((len(names), len(x)))

@@ -45,8 +45,8 @@ def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
     logs = [_log(name, lines, table) for name, lines in table.lines.items()]
     if table.problems:
         raise InputError(str(path), folded(table.problems))
-    found = [log for log in logs if log is not None]
-    return BoringFile(found, [*table.notices, *refusal_notices(found)])
+    kept = [log for log in logs if log is not None]
+    return BoringFile(kept, [*table.notices, *refusal_notices(kept)])
 
 
 def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table) -> Log | None:
@@ -88,9 +88,9 @@ def _contradictions(name: str, lines: Sequence[tuple[int, Mapping[str, str]]]) -
             if cells.get(key) and first.get(key) and not _same(cells[key], first[key])]  # fmt: skip
 
 
-def _same(one: str, other: str) -> bool:
+def _same(first: str, second: str) -> bool:
     try:
-        return one == other or float(one) == float(other)
+        return first == second or float(first) == float(second)
     except ValueError:
         return False
 

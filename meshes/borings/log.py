@@ -64,48 +64,48 @@ class BoringFile:
 
 def refusal_notices(logs: Sequence[Log]) -> list[str]:
     """A sentence where blow counts are refusals, with the first of them."""
-    found = [f'{log.name} at {sample.depth:g} m "{getattr(sample.N, "written", sample.N)}", N = {sample.N:g}'
+    notices = [f'{log.name} at {sample.depth:g} m "{getattr(sample.N, "written", sample.N)}", N = {sample.N:g}'
              for log in logs for sample in log.samples if is_refusal(sample.N)]  # fmt: skip
-    if not found:
+    if not notices:
         return []
-    more = f" and {len(found) - 3} more" if len(found) > 3 else ""
-    return [f"refusals count as the least that N can be: {'; '.join(found[:3])}{more}"]
+    more = f" and {len(notices) - 3} more" if len(notices) > 3 else ""
+    return [f"refusals count as the least that N can be: {'; '.join(notices[:3])}{more}"]
 
 
 def layer_problems(name: str, layers: list[LogLayer]) -> list[str]:
     """What is wrong with the layers of a boring: none, gaps, overlaps, layers upside down."""
-    told = [] if layers else [f"boring {name}: it has no layers"]
+    problems = [] if layers else [f"boring {name}: it has no layers"]
     for layer in layers:
         if layer.bottom <= layer.top:
-            told.append(f'boring {name}, "{layer.name}": the bottom at {layer.bottom:g} m is not below the top')
+            problems.append(f'boring {name}, "{layer.name}": the bottom at {layer.bottom:g} m is not below the top')
     for above, below in pairwise(layers):
         if abs(below.top - above.bottom) > CONTACT:
-            told.append(
+            problems.append(
                 f'boring {name}: "{above.name}" ends at {above.bottom:g} m and "{below.name}" begins at {below.top:g} m'
             )
     if layers and abs(layers[0].top) > CONTACT:
-        told.append(f"boring {name}: its first layer begins at {layers[0].top:g} m; expected 0, the ground")
-    return told
+        problems.append(f"boring {name}: its first layer begins at {layers[0].top:g} m; expected 0, the ground")
+    return problems
 
 
 def depth_problems(log: Log) -> list[str]:
     """What lies far below the end of a boring, blow counts and water: a slip, or a depth in another unit."""
     end = log.layers[-1].bottom if log.layers else math.inf
-    found = [(f"N = {one.N:g}", one.depth) for one in log.samples]
-    found += [] if log.water_level is None else [("water", log.ground_level - log.water_level)]
+    depths = [(f"N = {sample.N:g}", sample.depth) for sample in log.samples]
+    depths += [] if log.water_level is None else [("water", log.ground_level - log.water_level)]
     return [f"boring {log.name}: {what} at a depth of {depth:.4g} m; the boring ends at {end:g} m"
-            for what, depth in found if depth > end + BELOW_END]  # fmt: skip
+            for what, depth in depths if depth > end + BELOW_END]  # fmt: skip
 
 
 def joined(layers: list[LogLayer]) -> list[LogLayer]:
     """Neighbours with the same name as one layer: a file may have a line for each test, or each description."""
-    found: list[LogLayer] = []
+    merged: list[LogLayer] = []
     for layer in layers:
-        if found and found[-1].name == layer.name and abs(found[-1].bottom - layer.top) <= CONTACT:
-            last = found.pop()
+        if merged and merged[-1].name == layer.name and abs(merged[-1].bottom - layer.top) <= CONTACT:
+            last = merged.pop()
             layer = LogLayer(layer.name, last.top, layer.bottom, last.unit_weight, last.description)
-        found.append(layer)
-    return found
+        merged.append(layer)
+    return merged
 
 
 def cone_problems(name: str, cones: Sequence[Cone]) -> list[str]:

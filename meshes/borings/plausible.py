@@ -19,13 +19,13 @@ OF_A_SAMPLE = {"depth": DEPTH, "N": BLOWS, "plasticity": PLASTICITY, "d50": GRAI
 
 def implausible_tests(borings: Sequence[Boring]) -> list[str]:
     """One sentence for each number of borings in [triggering] that is beyond what there is."""
-    told: list[str] = []
+    problems: list[str] = []
     for number, boring in enumerate(borings, start=1):
         where = f'triggering, borings {number} "{boring.name}"'
         for place, sample in enumerate(boring.spt, start=1):
-            told += implausible_sample(f"{where}, spt {place}, ", sample, UNUSUAL)
-        told += implausible_cones(f"{where}, cpt, ", boring.cpt, UNUSUAL)
-    return told
+            problems += implausible_sample(f"{where}, spt {place}, ", sample, UNUSUAL)
+        problems += implausible_cones(f"{where}, cpt, ", boring.cpt, UNUSUAL)
+    return problems
 
 
 def implausible_sample(where: str, sample: Sample, remedy: str = "") -> Iterator[str]:

@@ -16,30 +16,30 @@ STEEPEST = 45.0  # degrees
 WIDER = 1.5  # heights of the section that it goes on past the borings: its sides are meant to be far from a slide
 
 
-def text_of(found: Connected, name: str) -> str:
+def text_of(connected: Connected, name: str) -> str:
     """The section as TOML; what was not measured stands as a comment, and has to be given."""
-    return "\n".join([*_head(found, name), *_strata(found), *_borings(found)]) + "\n"
+    return "\n".join([*_head(connected, name), *_strata(connected), *_borings(connected)]) + "\n"
 
 
-def _head(found: Connected, name: str) -> Iterator[str]:
-    logs = [one.log for one in found.borings]
+def _head(connected: Connected, name: str) -> Iterator[str]:
+    logs = [boring.log for boring in connected.borings]
     yield "# Section from borings: " + ", ".join(log.name for log in logs) + "."
     yield "# Layers are connected by name; a layer that the next boring has not ends half-way, fill of an"
     yield "# embankment at the next boring. Correct what is wrong."
-    for one in (*found.borings, *found.soundings):
-        if one.beside:
-            yield f"# Boring {one.log.name} stood {abs(one.beside):.1f} m beside the line of the section."
-    yield from (f"# {text[0].upper()}{text[1:]}." for text in found.notices)
+    for boring in (*connected.borings, *connected.soundings):
+        if boring.beside:
+            yield f"# Boring {boring.log.name} stood {abs(boring.beside):.1f} m beside the line of the section."
+    yield from (f"# {text[0].upper()}{text[1:]}." for text in connected.notices)
     yield ""
     yield f"name = {json.dumps(name)}"
-    yield f"surface = {_points(found.x[::2], found.ground[::2])}"
-    above = found.bottoms[-2] if len(found.names) > 1 else found.ground
+    yield f"surface = {_points(connected.x[::2], connected.ground[::2])}"
+    above = connected.bottoms[-2] if len(connected.names) > 1 else connected.ground
     base = min(min(log.bottom for log in logs), float(above.min()) - 1.0)  # the lowest stratum is somewhere 1 m thick
     yield f"base = {{ elevation = {math.floor(base * 10.0) / 10.0:g} }}     # the deepest boring; firm ground is better"
     wide = 10.0 * math.ceil(WIDER * (max(log.ground_level for log in logs) - base) / 10.0)
     yield f'beyond = "{wide:g} m"                 # ground, layers and water go on so far past the borings, level'
     yield ""
-    water = [(one.x, one.log.water_level) for one in found.borings if one.log.water_level is not None]
+    water = [(boring.x, boring.log.water_level) for boring in connected.borings if boring.log.water_level is not None]
     yield "[water]"
     if len(water) > 1:
         yield f"table = {_points(np.array([x for x, _ in water]), np.array([z for _, z in water]))}"
@@ -50,18 +50,18 @@ def _head(found: Connected, name: str) -> Iterator[str]:
     yield ""
 
 
-def _strata(found: Connected) -> Iterator[str]:
-    for k, name in enumerate(found.names):
-        layers = [layer for one in found.borings for layer in one.log.layers if layer.name == name]
-        counts = [sample for one in found.borings for layer in one.log.layers if layer.name == name
-                  for sample in one.log.samples if layer.top <= sample.depth <= layer.bottom]  # fmt: skip
+def _strata(connected: Connected) -> Iterator[str]:
+    for k, name in enumerate(connected.names):
+        layers = [layer for boring in connected.borings for layer in boring.log.layers if layer.name == name]
+        counts = [sample for boring in connected.borings for layer in boring.log.layers if layer.name == name
+                  for sample in boring.log.samples if layer.top <= sample.depth <= layer.bottom]  # fmt: skip
         yield "[[strata]]"
         yield f"name = {json.dumps(name, ensure_ascii=False)}"
         described = next((layer.description for layer in layers if layer.description), "")
         if described:
             yield f"description = {json.dumps(' '.join(described.split())[:120], ensure_ascii=False)}"
-        if k + 1 < len(found.names):
-            yield f"bottom = {{ elevation = {_points(found.x, found.bottoms[k])} }}"
+        if k + 1 < len(connected.names):
+            yield f"bottom = {{ elevation = {_points(connected.x, connected.bottoms[k])} }}"
         weights = list(dict.fromkeys(layer.unit_weight for layer in layers if layer.unit_weight))
         if weights:
             more = f"      # the borings also say {', '.join(weights[1:])}" if len(weights) > 1 else ""
@@ -95,7 +95,7 @@ def _soil(counts: list[Sample]) -> Iterator[str]:
         yield '# liquefies_in = "triggered"      # with a table [earthquake]'
 
 
-def _borings(found: Connected) -> Iterator[str]:
+def _borings(connected: Connected) -> Iterator[str]:
     yield "[slide]"
     yield "kh = 0                            # by weight alone, after the shaking; a Kh that is held pushes on for ever"
     yield '# accelerogram = "record.AT2"     # or a record, which shakes'
@@ -103,19 +103,19 @@ def _borings(found: Connected) -> Iterator[str]:
     yield "# [earthquake]"
     yield "# magnitude = 7.5"
     yield '# peak_acceleration = "250 gal"'
-    everything = sorted([*found.borings, *found.soundings], key=lambda one: one.x)
-    if any(one.log.cones for one in everything):
+    everything = sorted([*connected.borings, *connected.soundings], key=lambda boring: boring.x)
+    if any(boring.log.cones for boring in everything):
         yield ""
         yield "# [triggering]"
         yield '# method = "boulanger_idriss_2014"     # judges by the cones; the default by blow counts'
-    for one in everything:
-        if not one.log.samples and not one.log.cones:
+    for boring in everything:
+        if not boring.log.samples and not boring.log.cones:
             continue
         yield ""
         yield "[[triggering.borings]]"
-        yield f"name = {json.dumps(one.log.name, ensure_ascii=False)}"
-        yield f"x = {one.x:g}"
-        yield from _tests(one.log)
+        yield f"name = {json.dumps(boring.log.name, ensure_ascii=False)}"
+        yield f"x = {boring.x:g}"
+        yield from _tests(boring.log)
 
 
 def _tests(log: Log) -> Iterator[str]:

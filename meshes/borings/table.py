@@ -96,8 +96,11 @@ def read_table(path: Path, needed: Sequence[str], known: Sequence[str], columns:
     for number, row in sheet.rows[1:]:
         cells = {name: cell for name, cell in zip(names, row, strict=False) if name in known}
         by_boring.setdefault(cells.get("boring", ""), []).append((number, cells))
-    missing = [f"line {its[0][0]}, boring: missing; expected the name of the boring" for name, its in by_boring.items()
-               if not name]  # fmt: skip
+    missing = [
+        f"line {rows[0][0]}, boring: missing; expected the name of the boring"
+        for name, rows in by_boring.items()
+        if not name
+    ]
     return Table(by_boring, units, missing, sheet.notices)
 
 
@@ -110,9 +113,11 @@ def _unknown(sheet: _Sheet, columns: Mapping[str, str], known: Sequence[str], ne
     problems += [f"--columns {key}={name}: there is no column {name!r}; expected one of {', '.join(written)}"
                  for key, name in columns.items() if key in known and key not in names]  # fmt: skip
     if others := [] if columns else [repr(name) for name in names if name not in known]:
-        told = f"expected {'some' if len(others) > 1 else 'one'} of {', '.join(known)}; --columns says which is which"
-        told += ", --columns layer=Stratum, and leaves out what it does not name"
-        problems.append(f"column{'s' * (len(others) > 1)} {', '.join(others)}: {told}")
+        message = (
+            f"expected {'some' if len(others) > 1 else 'one'} of {', '.join(known)}; --columns says which is which"
+        )
+        message += ", --columns layer=Stratum, and leaves out what it does not name"
+        problems.append(f"column{'s' * (len(others) > 1)} {', '.join(others)}: {message}")
     problems += [f"column {name}: missing" for name in needed if name not in names]
     problems += [f"column {name}: there are {names.count(name)}" for name in dict.fromkeys(names)
                  if name in known and names.count(name) > 1]  # fmt: skip

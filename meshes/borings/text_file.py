@@ -44,10 +44,10 @@ def read_text(path: Path) -> Text:
         return Text(data.decode("utf-8"), "")
     except UnicodeDecodeError:
         encoding = "cp932" if _is_japanese(data) else "cp1252"
-        told = (
+        message = (
             f"{path.name} is no UTF-8 text and is read as {encoding}: look at the names with other letters than a to z"
         )
-        return Text(data.decode(encoding, errors="replace"), told)
+        return Text(data.decode(encoding, errors="replace"), message)
 
 
 def _decoded(path: Path, data: bytes, encoding: str) -> str:
@@ -67,5 +67,5 @@ def _is_japanese(data: bytes) -> bool:
         text = data.decode("cp932")
     except UnicodeDecodeError:
         return False
-    japanese = sum(len(found) for found in JAPANESE.findall(text))
+    japanese = sum(len(run) for run in JAPANESE.findall(text))
     return japanese > 0.5 * sum(ord(letter) > 127 for letter in text)

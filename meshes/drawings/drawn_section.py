@@ -32,14 +32,16 @@ def drawn_section(shapes: Shapes, path: Path, name: str) -> Drawn:
     others = [line for line in shapes.lines if not is_water(line)]
     if not shapes.outlines:
         return _of_lines(others, shapes, path, name)
-    columns = columns_of([one.layer for one in shapes.outlines], [one.points for one in shapes.outlines])
+    columns = columns_of(
+        [outline.layer for outline in shapes.outlines], [outline.points for outline in shapes.outlines]
+    )
     if columns.problems:
         raise InputError(str(path), columns.problems)
     ground, bottoms = columns.interfaces()
-    table, told = water_table(shapes.lines, float(columns.x[0]), float(columns.x[-1]))
+    table, remarks = water_table(shapes.lines, float(columns.x[0]), float(columns.x[-1]))
     unused = [f'not used: a {line.kind} on layer "{line.layer}", {line.span}: it closes no outline, and is no water '
               "table" for line in others]  # fmt: skip
-    notices = [*shapes.notices, *columns.stack.notices, *columns.tally.sentences(), *told, *unused]
+    notices = [*shapes.notices, *columns.stack.notices, *columns.tally.sentences(), *remarks, *unused]
     strata = [(stratum, columns.points(bottom))
               for stratum, bottom in zip(columns.stack.names, bottoms, strict=True)]  # fmt: skip
     base = strata[-1][1]
@@ -56,12 +58,12 @@ def _of_lines(lines: Sequence[Shape], shapes: Shapes, path: Path, name: str) -> 
                for line in sorted(lines, key=lambda line: -float(_mean(line.points)))]  # fmt: skip
     (top, ground), *strata = ordered
     left, right = float(ground[0, 0]), float(ground[-1, 0])
-    table, told = water_table(shapes.lines, left, right)
+    table, remarks = water_table(shapes.lines, left, right)
     notices = [
         *shapes.notices,
         f'the drawing has no outlines: the highest line, on layer "{top}", is the ground, and each other one the '
         "bottom of the stratum of its layer",
-        *told,
+        *remarks,
     ]
     below = [(layer, _thinned(points)) for layer, points in strata]
     return Drawn(_text(name, notices, _thinned(ground), below[-1][1], table, below), notices)

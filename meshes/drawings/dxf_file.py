@@ -42,7 +42,7 @@ def write_dxf(section: Section, path: Path) -> list[str]:
     layers = layer_names(names)
     for number, (name, layer) in enumerate(zip(names, layers, strict=True)):
         drawing.layers.add(layer, color=number % 7 + 1).set_xdata(APPLICATION, [(1000, name[:LONGEST_NAME])])
-        polygons = [one for k in range(len(strata)) if numbers[k] == number for one in layering.polygons(k)]
+        polygons = [outline for k in range(len(strata)) if numbers[k] == number for outline in layering.polygons(k)]
         for polygon in polygons:
             space.add_lwpolyline([(float(x), float(z)) for x, z in polygon], close=True, dxfattribs={"layer": layer})
     water = section.water_points()
@@ -50,19 +50,19 @@ def write_dxf(section: Section, path: Path) -> list[str]:
         drawing.layers.add(WATER, color=5)
         space.add_lwpolyline([(float(x), float(z)) for x, z in water], dxfattribs={"layer": WATER})
     drawing.saveas(path)
-    told = [f'stratum "{name}" is on layer "{layer}": a layer cannot have its name'
+    notices = [f'stratum "{name}" is on layer "{layer}": a layer cannot have its name'
             for name, layer in zip(names, layers, strict=True) if layer != name]  # fmt: skip
     lines = [stratum.name.removesuffix(BELOW_WATER) for stratum in section.strata
              if stratum.piezometric_level is not None]  # fmt: skip
-    told += [f"not drawn: the piezometric levels of {', '.join(dict.fromkeys(lines))}"] if lines else []
+    notices += [f"not drawn: the piezometric levels of {', '.join(dict.fromkeys(lines))}"] if lines else []
     if section.water is not None and section.water.after_drawdown is not None:
-        told.append("not drawn: the water table after the drawdown")
-    return told
+        notices.append("not drawn: the water table after the drawdown")
+    return notices
 
 
 def layer_names(names: Sequence[str]) -> list[str]:
     """Names of layers for those of strata: with look-alikes of what they may not hold, and all different."""
-    taken, found = set(RESERVED), []
+    taken, result = set(RESERVED), []
     for name in names:
         plain = layer = name.translate(LOOK_ALIKES)[: LONGEST_NAME - 5]
         number = 1
@@ -70,8 +70,8 @@ def layer_names(names: Sequence[str]) -> list[str]:
             number += 1
             layer = f"{plain} ({number})"
         taken.add(layer.casefold())
-        found.append(layer)
-    return found
+        result.append(layer)
+    return result
 
 
 def read_dxf(path: Path, name: str, unit: float | None = None) -> Drawn:
@@ -100,9 +100,9 @@ def read_dxf(path: Path, name: str, unit: float | None = None) -> Drawn:
 
 def _names(drawing: Any) -> dict[str, str]:
     """What layers are called in the section, where the program wrote another name into the drawing."""
-    found = {}
+    named = {}
     for layer in drawing.layers:
         if layer.has_xdata(APPLICATION):
             name = next((str(tag.value) for tag in layer.get_xdata(APPLICATION) if tag.code == 1000), "")
-            found[str(layer.dxf.name)] = name or str(layer.dxf.name)
-    return found
+            named[str(layer.dxf.name)] = name or str(layer.dxf.name)
+    return named

@@ -79,22 +79,24 @@ def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes
     size = _unit(drawing, notices) if unit is None else unit
     unused: Counter[str] = Counter()
     coarse = list(_flattened(drawing, 1.0 / size, Counter()))
-    height = max((float(np.ptp(one.points, axis=0)[1:].max()) for one in coarse), default=1.0) * size
+    height = max((float(np.ptp(item.points, axis=0)[1:].max()) for item in coarse), default=1.0) * size
     sagitta = min(SAGITTA, SHARE_OF_HEIGHT * (height or 1.0)) / size
-    found = [replace(one, points=one.points * size, layer=names.get(one.layer, one.layer))
-             for one in _flattened(drawing, sagitta, unused)]  # fmt: skip
-    if any(one.closed and one.kind not in FILLED for one in found):
-        unused.update(f"{one.kind} on layer {one.layer}" for one in found if one.kind in FILLED)
-        found = [one for one in found if one.kind not in FILLED]
-    shapes = _in_plane(found, unused)
+    items = [
+        replace(item, points=item.points * size, layer=names.get(item.layer, item.layer))
+        for item in _flattened(drawing, sagitta, unused)
+    ]
+    if any(item.closed and item.kind not in FILLED for item in items):
+        unused.update(f"{item.kind} on layer {item.layer}" for item in items if item.kind in FILLED)
+        items = [item for item in items if item.kind not in FILLED]
+    shapes = _in_plane(items, unused)
     width = max((float(shape.points[:, 0].max()) for shape in shapes), default=0.0) - min(
         (float(shape.points[:, 0].min()) for shape in shapes), default=0.0
     )
     if shapes and not 1.0 <= width <= WIDEST:
         wide = f"{width:.3g}" if width < WIDEST else f"{width:,.0f}"
         notices.append(f"the drawing is {wide} m wide, its unit {size:g} m: --unit says if it is another")
-    joined = [one for layer in dict.fromkeys(shape.layer for shape in shapes)
-              for one in _joined([shape for shape in shapes if shape.layer == layer])]  # fmt: skip
+    joined = [item for layer in dict.fromkeys(shape.layer for shape in shapes)
+              for item in _joined([shape for shape in shapes if shape.layer == layer])]  # fmt: skip
     outlines: list[Shape] = []
     lines: list[Shape] = []
     for shape in joined:
@@ -139,10 +141,13 @@ def _flattened(drawing: Any, sagitta: float, unused: Counter[str]) -> Iterator[_
             if kind in CURVES:
                 paths = [path.make_path(entity)]
             elif kind in FILLED:
-                paths = [one for one in path.from_hatch(entity)]
+                paths = [chain_path for chain_path in path.from_hatch(entity)]
             else:
                 raise TypeError(kind)
-            chains = [(np.array([tuple(p) for p in one.flattening(sagitta)]), one.is_closed) for one in paths]
+            chains = [
+                (np.array([tuple(p) for p in chain_path.flattening(sagitta)]), chain_path.is_closed)
+                for chain_path in paths
+            ]
         except (TypeError, ValueError, ArithmeticError):
             unused[f"{kind} on layer {layer}"] += 1
             continue
@@ -168,33 +173,33 @@ def _entities(space: Any, unused: Counter[str]) -> Iterator[Any]:
             unused[f'INSERT of block "{entity.dxf.name}"'] += 1
 
 
-def _in_plane(found: Sequence[_Found], unused: Counter[str]) -> list[Shape]:
+def _in_plane(drawn: Sequence[_Found], unused: Counter[str]) -> list[Shape]:
     """Shapes in x and elevation.
 
     The drawing is its xy plane; where its shapes stand upright in one plane instead, elevations are z.
     """
-    if not found:
+    if not drawn:
         return []
-    every = np.vstack([one.points for one in found])
+    every = np.vstack([shape.points for shape in drawn])
     upright = _upright(every)
     shapes = []
-    for one in found:
+    for shape in drawn:
         if upright is not None:
             (origin, way) = upright
-            plane = np.column_stack([(one.points[:, :2] - origin) @ way, one.points[:, 2]])
-        elif np.ptp(one.points[:, 2]) > JOINED:
-            unused[f"{one.kind} on layer {one.layer}, which does not lie in the plane of the drawing"] += 1
+            plane = np.column_stack([(shape.points[:, :2] - origin) @ way, shape.points[:, 2]])
+        elif np.ptp(shape.points[:, 2]) > JOINED:
+            unused[f"{shape.kind} on layer {shape.layer}, which does not lie in the plane of the drawing"] += 1
             continue
         else:
-            plane = one.points[:, :2]
+            plane = shape.points[:, :2]
         plane = plane[np.concatenate([[True], np.hypot(*np.diff(plane, axis=0).T) > 1e-9])]
-        closed = one.closed or (len(plane) > 3 and bool(np.hypot(*(plane[0] - plane[-1])) <= JOINED))
+        closed = shape.closed or (len(plane) > 3 and bool(np.hypot(*(plane[0] - plane[-1])) <= JOINED))
         if closed and np.hypot(*(plane[0] - plane[-1])) <= JOINED:
             plane = plane[:-1]
         if len(plane) > (2 if closed else 1):
-            shapes.append(Shape(one.layer, plane, closed, one.kind))
+            shapes.append(Shape(shape.layer, plane, closed, shape.kind))
         else:
-            unused[f"{one.kind} without length or area on layer {one.layer}"] += 1
+            unused[f"{shape.kind} without length or area on layer {shape.layer}"] += 1
     return shapes
 
 
@@ -219,22 +224,22 @@ def _joined(shapes: Sequence[Shape]) -> list[Shape]:
     waiting = [shape for shape in shapes if not shape.closed]
     while waiting:
         shape = waiting.pop(0)
-        met = [(k, end) for k, other in enumerate(waiting) for end in (0, -1) for own in (0, -1)
-               if np.hypot(*(shape.points[own] - other.points[end])) <= JOINED]  # fmt: skip
+        met = [(k, end) for k, other in enumerate(waiting) for end in (0, -1) for own_end in (0, -1)
+               if np.hypot(*(shape.points[own_end] - other.points[end])) <= JOINED]  # fmt: skip
         if not met:
             done.append(shape)
             continue
         other = waiting.pop(met[0][0])
         points = _end_to_end(shape.points, other.points)
         closed = len(points) > 3 and bool(np.hypot(*(points[0] - points[-1])) <= JOINED)
-        one = Shape(shape.layer, points[:-1] if closed else points, closed, shape.kind)
-        (done if closed else waiting).append(one)
+        joined_shape = Shape(shape.layer, points[:-1] if closed else points, closed, shape.kind)
+        (done if closed else waiting).append(joined_shape)
     return done
 
 
-def _end_to_end(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+def _end_to_end(chain: np.ndarray, next_chain: np.ndarray) -> np.ndarray:
     """Two lines (n, 2) that meet as one."""
-    ways = [(a, b) for a in (one, one[::-1]) for b in (other, other[::-1])]
+    ways = [(a, b) for a in (chain, chain[::-1]) for b in (next_chain, next_chain[::-1])]
     first, second = min(ways, key=lambda way: float(np.hypot(*(way[0][-1] - way[1][0]))))
     return np.vstack([first, second[1:]])
 

@@ -25,12 +25,15 @@ def water_table(lines: Sequence[Shape], left: float, right: float) -> tuple[np.n
     points : ndarray (n, 2) of the table (m); None without one
     notices : what was changed, and what is not used
     """
-    found = sorted((line for line in lines if is_water(line)), key=lambda line: -float(np.ptp(line.points[:, 0])))
-    told = [f'not used: a {line.kind} on layer "{line.layer}", {line.span}, beside the longer water table; it may be '
-            "after_drawdown in [water], or the piezometric_level of a stratum" for line in found[1:]]  # fmt: skip
-    if not found:
-        return None, told
-    points = found[0].points
+    candidates = sorted((line for line in lines if is_water(line)), key=lambda line: -float(np.ptp(line.points[:, 0])))
+    notices = [
+        f'not used: a {line.kind} on layer "{line.layer}", {line.span}, beside the longer water table; it may be '
+        "after_drawdown in [water], or the piezometric_level of a stratum"
+        for line in candidates[1:]
+    ]
+    if not candidates:
+        return None, notices
+    points = candidates[0].points
     points = points if points[-1, 0] >= points[0, 0] else points[::-1]
     x = np.maximum.accumulate(points[:, 0])
     points = np.column_stack([x, points[:, 1]])
@@ -39,9 +42,9 @@ def water_table(lines: Sequence[Shape], left: float, right: float) -> tuple[np.n
     short = [f"{side:.6g} m" for side, end in ((left, x[0]), (right, x[-1])) if abs(side - end) > JOINED
              and (end > left if side == left else end < right)]  # fmt: skip
     if short:
-        told.append(f"the water table is drawn from x = {x[0]:.6g} to {x[-1]:.6g} m, and continues level to "
+        notices.append(f"the water table is drawn from x = {x[0]:.6g} to {x[-1]:.6g} m, and continues level to "
                     f"x = {' and '.join(short)}")  # fmt: skip
-    return np.vstack([ends[:1], inside, ends[1:]]), told
+    return np.vstack([ends[:1], inside, ends[1:]]), notices
 
 
 def is_water(line: Shape) -> bool:

@@ -47,12 +47,12 @@ class Continuation(NamedTuple):
         return Line(depth=self.depths(points).tolist())
 
     def _continued(self, points: np.ndarray, left_rise: float, right_rise: float) -> np.ndarray:
-        found = [points]
+        parts = [points]
         if points[0, 0] <= self.left:
-            found.insert(0, points[:1] + np.array([-self.distance, left_rise]))
+            parts.insert(0, points[:1] + np.array([-self.distance, left_rise]))
         if points[-1, 0] >= self.right:
-            found.append(points[-1:] + np.array([self.distance, right_rise]))
-        return np.vstack(found)
+            parts.append(points[-1:] + np.array([self.distance, right_rise]))
+        return np.vstack(parts)
 
 
 def continuation(surface: np.ndarray, distance: float, slope: Slope) -> Continuation:

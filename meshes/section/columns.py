@@ -41,10 +41,10 @@ class Columns:
 
         The bottom of a stratum that is not there is that of the one above.
         """
-        ground = np.array([[its[0].left[0], its[0].right[0]] for its in self.pieces])
+        ground = np.array([[pieces[0].left[0], pieces[0].right[0]] for pieces in self.pieces])
         bottoms = np.full((len(self.stack.names), *ground.shape), np.nan)
-        for column, (its, numbers) in enumerate(zip(self.pieces, self.stack.numbers, strict=True)):
-            for piece, number in zip(its, numbers, strict=True):
+        for column, (pieces, numbers) in enumerate(zip(self.pieces, self.stack.numbers, strict=True)):
+            for piece, number in zip(pieces, numbers, strict=True):
                 bottoms[number, column] = piece.left[1], piece.right[1]
         above = ground
         for bottom in bottoms:
@@ -107,7 +107,7 @@ class Tally:
         here[0], here[2] = max(here[0], height), self.x[column + 1]
 
     def sentences(self) -> list[str]:
-        told = [
+        sentences = [
             f'between "{above}" and "{below}" nothing is drawn, up to {height:.3g} m high from x = {start:.6g} to '
             f'{end:.6g} m: it is taken for "{below}"'
             for (above, below), (height, start, end) in self.gaps.items()
@@ -116,11 +116,11 @@ class Tally:
         for (owner, other), (area, start, end) in self.shared.items():
             nested = area >= INSIDE * min(self.areas[owner], self.areas[other])
             if not nested and area > JOINED * (end - start):
-                told.append(f'"{self.names[owner]}" and "{self.names[other]}" overlap by {area:.3g} m² from x = '
+                sentences.append(f'"{self.names[owner]}" and "{self.names[other]}" overlap by {area:.3g} m² from x = '
                             f'{start:.6g} to {end:.6g} m: that is taken for "{self.names[owner]}"')  # fmt: skip
-        told += [f'the outline on layer "{name}" is covered by others, and not used'
+        sentences += [f'the outline on layer "{name}" is covered by others, and not used'
                  for name, kept in zip(self.names, self.kept, strict=True) if kept <= 0.0]  # fmt: skip
-        return told
+        return sentences
 
 
 def polygon_area(points: np.ndarray) -> float:
@@ -145,7 +145,7 @@ def _crossings(left: np.ndarray, right: np.ndarray) -> np.ndarray:
     order = np.argsort(left[:, 0])
     left, right = left[order], right[order]
     slope = (right[:, 1] - left[:, 1]) / (right[:, 0] - left[:, 0])
-    found = [np.empty(0)]
+    crossings = [np.empty(0)]
     for i in range(len(left)):
         after = slice(i + 1, int(np.searchsorted(left[:, 0], right[i, 0])))
         start, end = left[after, 0], np.minimum(right[after, 0], right[i, 0])
@@ -153,8 +153,8 @@ def _crossings(left: np.ndarray, right: np.ndarray) -> np.ndarray:
                for x in (start, end)]  # fmt: skip
         crossed = (gap[0] * gap[1] < 0.0) & (np.minimum(np.abs(gap[0]), np.abs(gap[1])) > SNAP)
         share = gap[0][crossed] / (gap[0][crossed] - gap[1][crossed])
-        found.append(start[crossed] + share * (end[crossed] - start[crossed]))
-    return np.concatenate(found)
+        crossings.append(start[crossed] + share * (end[crossed] - start[crossed]))
+    return np.concatenate(crossings)
 
 
 @dataclass(frozen=True)

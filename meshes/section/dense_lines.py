@@ -69,14 +69,14 @@ def thinned_lines(lines: Mapping[Place, np.ndarray], cell: float) -> tuple[dict[
     tolerance = LEAST * cell
     while True:
         keep = kept(x, list(sides.values()), fixed, tolerance)
-        found = {place: _rebuilt(x[keep], left[keep], right[keep]) for place, (left, right) in sides.items()}
-        short = np.hypot(*np.diff(found[("surface",)][1:-1], axis=0).T) < near
+        thinned = {place: _rebuilt(x[keep], left[keep], right[keep]) for place, (left, right) in sides.items()}
+        short = np.hypot(*np.diff(thinned[("surface",)][1:-1], axis=0).T) < near
         if not short.any() or tolerance * GROWTH > MOST * cell:
             break
         tolerance *= GROWTH
     moved = {place: len(points) != len(lines[place]) or not np.allclose(points, lines[place], atol=1e-6)
-             for place, points in found.items()}  # fmt: skip
-    return {place: points if moved[place] else lines[place] for place, points in found.items()}, tolerance
+             for place, points in thinned.items()}  # fmt: skip
+    return {place: points if moved[place] else lines[place] for place, points in thinned.items()}, tolerance
 
 
 def lines_by_place(
@@ -89,12 +89,12 @@ def lines_by_place(
         lines[("strata", k, "piezometric_level")] = stratum.piezometric_level
     if water is not None:
         lines |= {("water", "table"): water.table, ("water", "after_drawdown"): water.after_drawdown}
-    found: dict[Place, np.ndarray] = {("surface",): np.array(surface, dtype=float)}
+    by_place: dict[Place, np.ndarray] = {("surface",): np.array(surface, dtype=float)}
     for place, line in lines.items():
         kind = "elevation" if line is not None and line.depth is None else "depth"
         if line is not None and isinstance(getattr(line, kind), tuple):
-            found[(*place, kind)] = np.array(getattr(line, kind), dtype=float)
-    return found
+            by_place[(*place, kind)] = np.array(getattr(line, kind), dtype=float)
+    return by_place
 
 
 def with_lines(data: dict[str, Any], lines: Mapping[Place, np.ndarray]) -> dict[str, Any]:
@@ -128,10 +128,10 @@ def _reach(x: np.ndarray, hard: np.ndarray, half: float) -> np.ndarray:
 
 def _median(values: np.ndarray, reach: np.ndarray) -> np.ndarray:
     """Running median of values (n,) over as many of them on either side: a rising or falling line stays what it is."""
-    found = values.copy()
+    medians = values.copy()
     for i in np.flatnonzero(reach > 0):
-        found[i] = np.median(values[i - reach[i] : i + reach[i] + 1])
-    return found
+        medians[i] = np.median(values[i - reach[i] : i + reach[i] + 1])
+    return medians
 
 
 def _sides(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

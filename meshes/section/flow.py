@@ -53,15 +53,15 @@ def seepage_of(
     steps = layers.x[1:-1][np.abs(layers.right[:-1, 0] - layers.left[1:, 0]) > layers.tolerance]
     free = [(float(x), float(np.interp(x, *table.T))) for x in (layers.x[0], *steps, layers.x[-1])]
     grid = flow_grid(layers, size, walls, free)
-    given = _given(grid, still, table, layers.tolerance)
-    if not np.isfinite(given).any():
+    heads = _given(grid, still, table, layers.tolerance)
+    if not np.isfinite(heads).any():
         raise InputError(
             name,
             ["water, flow: the table lies below the base at both sides, and stands on no ground; expected water "
              "somewhere, from which to where it flows"],
         )  # fmt: skip
     k = [(float(s.permeability or 0.0), float(s.permeability_vertical or s.permeability or 0.0)) for s in strata]
-    return steady_seepage(grid, np.array(k), _without_islands(grid, given), table, layers.tolerance)
+    return steady_seepage(grid, np.array(k), _without_islands(grid, heads), table, layers.tolerance)
 
 
 def _shores(layers: Layering, table: np.ndarray) -> list[float]:
@@ -75,19 +75,19 @@ def _shores(layers: Layering, table: np.ndarray) -> list[float]:
 
 def _given(grid: FlowGrid, still: WaterPressure, table: np.ndarray, tolerance: float) -> np.ndarray:
     """Heads (n,) of the points below free water and, at the sides, below the table; elsewhere not numbers."""
-    given = np.full(len(grid.points), np.nan)
+    heads = np.full(len(grid.points), np.nan)
     places = np.unique(np.concatenate([grid.ground, *grid.sides]))
     points, middle = grid.points[places], grid.points[grid.cells].mean(axis=1)
-    cells = np.bincount(grid.cells.ravel(), minlength=len(given))
-    beside = np.bincount(grid.cells.ravel(), np.repeat(middle[:, 0], 3), minlength=len(given))[places] / cells[places]
+    cells = np.bincount(grid.cells.ravel(), minlength=len(heads))
+    beside = np.bincount(grid.cells.ravel(), np.repeat(middle[:, 0], 3), minlength=len(heads))[places] / cells[places]
     near = np.column_stack([beside, points[:, 1]])
     under = level_at(table, points[:, 0], beside) >= points[:, 1] - 1e-3 * tolerance
     pressure = still.hydrostatic(table, points, near) / still.unit_weight
-    given[places[under]] = (points[:, 1] + pressure)[under]
-    return given
+    heads[places[under]] = (points[:, 1] + pressure)[under]
+    return heads
 
 
-def _without_islands(grid: FlowGrid, given: np.ndarray) -> np.ndarray:
+def _without_islands(grid: FlowGrid, heads: np.ndarray) -> np.ndarray:
     """The heads that are given, and in ground that no water reaches that of its lowest point: it is dry."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -95,9 +95,9 @@ def _without_islands(grid: FlowGrid, given: np.ndarray) -> np.ndarray:
     size = len(grid.points)
     ends = np.concatenate([grid.cells[:, pair] for pair in ([0, 1], [1, 2])])
     _, part = connected_components(coo_array((np.ones(len(ends)), ends.T), shape=(size, size)), directed=False)
-    given = given.copy()
-    for number in np.setdiff1d(part, part[np.isfinite(given)]):
+    heads = heads.copy()
+    for number in np.setdiff1d(part, part[np.isfinite(heads)]):
         here = np.flatnonzero(part == number)
         lowest = here[np.argmin(grid.points[here, 1])]
-        given[lowest] = grid.points[lowest, 1]
-    return given
+        heads[lowest] = grid.points[lowest, 1]
+    return heads

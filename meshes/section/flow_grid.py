@@ -70,7 +70,7 @@ class FlowGrid:
     def interpolated(self, values: np.ndarray, points: np.ndarray, near: np.ndarray, tolerance: float) -> np.ndarray:
         """Interpolate values (n,) at the grid points to points (k, 2). Above and below the grid the nearest value
         holds; NaN where there is no ground."""
-        found = np.full(len(points), np.nan)
+        result = np.full(len(points), np.nan)
         strip = self.strip_at(points, near, tolerance)
         for j in np.unique(strip):
             rungs = self.rungs[j]
@@ -86,8 +86,8 @@ class FlowGrid:
             row = np.arange(len(here))
             low, high = heights[row, below], heights[row, below + 1]
             part = np.clip((z - low) / np.where(high > low, high - low, 1.0), 0.0, 1.0)
-            found[here] = (1.0 - part) * there[row, below] + part * there[row, below + 1]
-        return found
+            result[here] = (1.0 - part) * there[row, below] + part * there[row, below + 1]
+        return result
 
 
 def flow_grid(
@@ -133,8 +133,8 @@ def flow_grid(
 
 
 def _kept(new: np.ndarray, numbers: np.ndarray) -> np.ndarray:
-    found = new[numbers]
-    return np.asarray(found[found >= 0])
+    kept = new[numbers]
+    return np.asarray(kept[kept >= 0])
 
 
 def _lines(layers: Layering, size: float) -> tuple[np.ndarray, np.ndarray]:
@@ -159,13 +159,13 @@ def _heights(
     fixed = np.unique(np.concatenate(sides))
     more = [at for at in (*levels, *tips) if fixed[0] < at < fixed[-1] and np.abs(fixed - at).min() > tolerance]
     fixed = np.union1d(fixed, more)
-    found = [fixed[:1]]
+    heights = [fixed[:1]]
     for low, high in pairwise(fixed.tolist()):
         count = max(1, int(np.ceil((high - low) / size - 1e-9)))
         between = low + (high - low) * np.arange(1, count + 1) / count
         between[-1] = high
-        found.append(between)
-    return np.concatenate(found)
+        heights.append(between)
+    return np.concatenate(heights)
 
 
 def _numbered(
@@ -197,7 +197,7 @@ def _zipped(
     below and that above it."""
     left, right = chains
     i = j = 0
-    found = []
+    triangles = []
     while i + 1 < len(left) or j + 1 < len(right):
         rung = (left[i], right[j])
         # The next one is that whose new rung is the shorter one, by height.
@@ -211,17 +211,17 @@ def _zipped(
         else:
             triangle = (left[i], right[j], right[j + 1])
             j += 1
-        found.append((triangle, (rung, (left[i], right[j]))))
-    return found
+        triangles.append((triangle, (rung, (left[i], right[j]))))
+    return triangles
 
 
 def _on_ground(
     ends: np.ndarray, z: list[np.ndarray], to_left: list[np.ndarray], to_right: list[np.ndarray]
 ) -> list[int]:
     """Grid points on the ground surface: tops of the strips, and points on a vertical step of the surface."""
-    found: list[int] = []
+    points: list[int] = []
     for line, heights in enumerate(z):
         tops = ([ends[line - 1, 1, 0]] if line else []) + ([ends[line, 0, 0]] if line < len(ends) else [])
         bare = heights >= min(tops)
-        found += [*to_left[line][bare].tolist(), *to_right[line][bare].tolist()]
-    return found
+        points += [*to_left[line][bare].tolist(), *to_right[line][bare].tolist()]
+    return points

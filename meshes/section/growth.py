@@ -11,18 +11,18 @@ from meshes.section.stratum import Stratum
 
 def growth_problems(strata: Sequence[Stratum], layers: Layering) -> list[str]:
     """Strata that reach above the level from which their cohesion grows, where it would be smaller than given."""
-    told = []
+    problems = []
     for k, soil in enumerate(strata):
         there = layers.present()[:, k]
         if soil.cohesion_from is None or not there.any():
             continue
         highest = float(max(layers.left[there, k].max(), layers.right[there, k].max()))
         if highest > soil.cohesion_from + layers.tolerance:
-            told.append(
+            problems.append(
                 f"{in_file(strata, k)}, cohesion_from = {soil.cohesion_from:g}: expected an elevation that the "
                 f"stratum does not reach above; it goes up to {highest:g} m"
             )
-    return told
+    return problems
 
 
 def evened(strata: Sequence[Stratum], layers: Layering) -> tuple[Stratum, ...]:

@@ -254,13 +254,13 @@ def _elevations(
 
 def _crossings(x: np.ndarray, ground: np.ndarray, lines: list[np.ndarray], snap: float) -> np.ndarray:
     """Where lines pass through the ground surface between two breakpoints."""
-    found = []
+    crossings = []
     for line in lines:
         gap = ground - line
         i = np.flatnonzero(gap[:, 0] * gap[:, 1] < 0.0)
         at = x[i] + (x[i + 1] - x[i]) * gap[i, 0] / (gap[i, 0] - gap[i, 1])
-        found.append(at[(at - x[i] > snap) & (x[i + 1] - at > snap)])
-    return np.concatenate(found) if found else np.empty(0)
+        crossings.append(at[(at - x[i] > snap) & (x[i + 1] - at > snap)])
+    return np.concatenate(crossings) if crossings else np.empty(0)
 
 
 def _above(line: np.ndarray, other: np.ndarray, x: np.ndarray, snap: float, what: str) -> list[str]:

@@ -52,8 +52,8 @@ def motion_unit(written: str) -> MotionUnit | None:
     """
     word = "".join(written.lower().split()).replace("²", "2").replace("**", "^").replace("⁻", "-").replace("µ", "u")
     word = word.replace("·", "").replace("*", "").strip(".,;:")
-    if found := NAMED.get(word):
-        return MotionUnit(*found)
+    if unit := NAMED.get(word):
+        return MotionUnit(*unit)
     if parts := re.fullmatch(r"(gals?)\((.+)\)", word):  # both say the same, or it is none
         inner = motion_unit(parts[2])
         return inner if inner == motion_unit(parts[1]) else None

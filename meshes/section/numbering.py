@@ -54,13 +54,13 @@ def stacked(columns: Sequence[Sequence[Piece]]) -> Stack:
     strata: list[_Stratum] = []
     members: list[list[_Stratum]] = []
     for column in columns:
-        found = _aligned(column, strata)
+        aligned = _aligned(column, strata)
         members.append([])
         place = 0
         for k, piece in enumerate(column):
-            stratum = found.get(k)
+            stratum = aligned.get(k)
             if stratum is None:
-                after = next((strata.index(found[j]) for j in range(k + 1, len(column)) if j in found), len(strata))
+                after = next((strata.index(aligned[j]) for j in range(k + 1, len(column)) if j in aligned), len(strata))
                 while place < after and sum(strata[place].last.right) > sum(piece.left):
                     place += 1
                 stratum = _Stratum(piece.name, piece)
@@ -76,7 +76,12 @@ def stacked(columns: Sequence[Sequence[Piece]]) -> Stack:
         several = [f'"{new}"' for old, new in zip(before, names, strict=True) if old == name]
         if len(several) > 1:
             notices.append(f'"{name}" lies above and below others: from the top down it is {" and ".join(several)}')
-    return Stack(tuple(before), tuple(names), [[numbers[id(one)] for one in its] for its in members], notices)
+    return Stack(
+        tuple(before),
+        tuple(names),
+        [[numbers[id(member)] for member in column_members] for column_members in members],
+        notices,
+    )
 
 
 def _aligned(column: Sequence[Piece], strata: Sequence[_Stratum]) -> dict[int, _Stratum]:
@@ -86,17 +91,17 @@ def _aligned(column: Sequence[Piece], strata: Sequence[_Stratum]) -> dict[int, _
         for j in range(len(strata) - 1, -1, -1):
             both = _worth(column[i], strata[j], len(column)) + worth[i + 1][j + 1]
             worth[i][j] = max(worth[i + 1][j], worth[i][j + 1], both)
-    found, i, j = {}, 0, 0
+    pairs, i, j = {}, 0, 0
     while i < len(column) and j < len(strata):
-        own = _worth(column[i], strata[j], len(column))
-        if own > 0.0 and worth[i][j] == own + worth[i + 1][j + 1]:
-            found[i] = strata[j]
+        value = _worth(column[i], strata[j], len(column))
+        if value > 0.0 and worth[i][j] == value + worth[i + 1][j + 1]:
+            pairs[i] = strata[j]
             i, j = i + 1, j + 1
         elif worth[i][j] == worth[i][j + 1]:
             j += 1
         else:
             i += 1
-    return found
+    return pairs
 
 
 def _worth(piece: Piece, stratum: _Stratum, pieces: int) -> float:
@@ -111,10 +116,12 @@ def _numbered(names: Sequence[str]) -> list[str]:
     """Names with numbers from the top down where there are several of one."""
     forms = ("{} {}", "{} ({})", "{} no. {}", "{} - {}")
     numbers = range(1, len(names) + 1)
-    form = next(one for one in forms if not any(one.format(name, k) in names for name in names for k in numbers))
+    form = next(
+        pattern for pattern in forms if not any(pattern.format(name, k) in names for name in names for k in numbers)
+    )
     met: dict[str, int] = {}
-    found = []
+    numbered = []
     for name in names:
         met[name] = met.get(name, 0) + 1
-        found.append(form.format(name, met[name]) if names.count(name) > 1 else name)
-    return found
+        numbered.append(form.format(name, met[name]) if names.count(name) > 1 else name)
+    return numbered

@@ -68,8 +68,8 @@ def water_level(section: Section, x: float, stratum: int | None = None) -> float
 
 
 def _level(section: Section, stratum: int | None) -> np.ndarray | None:
-    own = None if stratum is None else section.strata[stratum].piezometric_level
-    return section.water_points() if own is None else section.elevations_of(own)
+    level = None if stratum is None else section.strata[stratum].piezometric_level
+    return section.water_points() if level is None else section.elevations_of(level)
 
 
 def outside(section: Section, x: float, depth: float) -> str:

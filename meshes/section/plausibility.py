@@ -40,11 +40,11 @@ OF_A_STRATUM = {
 
 def implausible(strata: Sequence[Stratum], water: Water | None, surcharges: Sequence[Surcharge]) -> list[str]:
     """One sentence for each quantity that is beyond what there is."""
-    told = [text for k, s in enumerate(strata) for text in _told(in_file(strata, k), s, OF_A_STRATUM)]
-    told += _told("water", water, {"unit_weight": WATER}) if water is not None else []
+    sentences = [text for k, s in enumerate(strata) for text in _told(in_file(strata, k), s, OF_A_STRATUM)]
+    sentences += _told("water", water, {"unit_weight": WATER}) if water is not None else []
     for number, load in enumerate(surcharges, start=1):
-        told += [sentence(f"surcharges {number}, pressure", q, LOAD) for q in load.pressure if not within(q, LOAD)]
-    return list(dict.fromkeys(told))
+        sentences += [sentence(f"surcharges {number}, pressure", q, LOAD) for q in load.pressure if not within(q, LOAD)]
+    return list(dict.fromkeys(sentences))
 
 
 def implausible_as_written(strata: Sequence[Mapping[str, Any]]) -> Iterator[str]:
@@ -69,10 +69,10 @@ def _told(where: str, model: Model, ranges: dict[str, Range]) -> Iterator[str]:
         value = getattr(model, key)
         if value is None or within(value, limits):
             continue
-        one = key.startswith("density_") and isinstance(model, Stratum) and model.density is not None
-        if one and key == "density_ordinary":
+        is_single = key.startswith("density_") and isinstance(model, Stratum) and model.density is not None
+        if is_single and key == "density_ordinary":
             continue  # both densities are the one that was given, and the other is told
-        yield sentence(f"{where}, {'density' if one and key == 'density_seismic' else key}", value, limits)
+        yield sentence(f"{where}, {'density' if is_single and key == 'density_seismic' else key}", value, limits)
 
 
 def against_the_water(

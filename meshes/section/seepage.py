@@ -105,7 +105,7 @@ class Seepage:
         """The phreatic line and the surface of free water (n, 2), from the left to the right (m), without points that
         make little difference; two at one x where the sides of a vertical line differ. On the base where it is dry."""
         x = self.grid.x
-        found: list[tuple[float, float]] = []
+        points: list[tuple[float, float]] = []
         pressure = self.head - self.grid.points[:, 1]
         middle = 0.5 * (x[1:] + x[:-1])
         for strip, rungs in enumerate(self.grid.rungs):
@@ -116,8 +116,10 @@ class Seepage:
                 at = float(x[strip + side])
                 free = float(level_at(self.table, x[[strip + side]], middle[[strip]])[0])
                 level = _highest(self.grid.points[chain, 1], pressure[chain], self.tolerance) if len(chain) else free
-                found.append((at, level if len(chain) and level < self.grid.points[chain[-1], 1] else max(level, free)))
-        line = np.array(found)
+                points.append(
+                    (at, level if len(chain) and level < self.grid.points[chain[-1], 1] else max(level, free))
+                )
+        line = np.array(points)
         again = np.append(False, np.abs(np.diff(line, axis=0)).max(axis=1) <= self.tolerance)
         line = line[~again]
         return line[needed(line, LINE * float(np.median(np.diff(x))))]
@@ -153,7 +155,7 @@ def _highest(z: np.ndarray, pressure: np.ndarray, tolerance: float) -> float:
 
 
 def steady_seepage(
-    grid: FlowGrid, permeability: np.ndarray, given: np.ndarray, table: np.ndarray, tolerance: float
+    grid: FlowGrid, permeability: np.ndarray, heads: np.ndarray, table: np.ndarray, tolerance: float
 ) -> Seepage:
     """The steady flow of water.
 
@@ -162,7 +164,7 @@ def steady_seepage(
     grid : FlowGrid
     permeability : (strata, 2) ndarray
         Horizontal and vertical permeability (m/s).
-    given : (n,) ndarray
+    heads : (n,) ndarray
         Heads (m) that are given, not a number where they are found.
     table : (k, 2) ndarray
         The water table that gave them.
@@ -178,16 +180,16 @@ def steady_seepage(
     SeepageError
         If the phreatic line does not come to rest.
     """
-    z, fixed = grid.points[:, 1], np.isfinite(given)
+    z, fixed = grid.points[:, 1], np.isfinite(heads)
     blocks = _blocks(grid, permeability)
     height = float(np.ptp(z))
     shore = np.setdiff1d(grid.ground, np.flatnonzero(fixed))
     seeps, changes = np.zeros(len(z), dtype=bool), np.zeros(len(z), dtype=int)
     share, step, before = np.ones(len(grid.cells)), STEP, np.inf
-    head = np.full(len(z), float(np.nanmax(given)))
+    head = np.full(len(z), float(np.nanmax(heads)))
     for _ in range(MOST_ITERATIONS):
         known = fixed | seeps
-        last, values = head, np.where(fixed, given, z)
+        last, values = head, np.where(fixed, heads, z)
         head, inflow = _solved(blocks * (DRY + (1.0 - DRY) * share)[:, None, None], grid.cells, known, values)
         flips = shore[np.where(seeps[shore], inflow[shore] > 0.0, head[shore] > z[shore])]
         flips = flips[changes[flips] < MOST_CHANGES]
@@ -241,5 +243,5 @@ def wet_share(pressure: np.ndarray) -> np.ndarray:
     with np.errstate(divide="ignore", invalid="ignore"):
         tip = most**2 / ((most - least) * (most - middle))
         rest = 1.0 - least**2 / ((least - most) * (least - middle))
-    found = np.where(middle > 0.0, rest, tip)
-    return np.asarray(np.where(least >= 0.0, 1.0, np.where(most <= 0.0, 0.0, found)))
+    share = np.where(middle > 0.0, rest, tip)
+    return np.asarray(np.where(least >= 0.0, 1.0, np.where(most <= 0.0, 0.0, share)))

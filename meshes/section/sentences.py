@@ -38,9 +38,9 @@ def sentences(error: ValidationError, data: Any, model: type[BaseModel], beside:
         place, choice = _without_choices(entry["loc"], data)
         entry["loc"] = place
         choices.setdefault(choice or place, []).append(entry)
-    told = [text for field, same in choices.items() for entry in _nearest(field, same)
+    texts = [text for field, same in choices.items() for entry in _nearest(field, same)
             for text in _told(entry, data, model, beside)]  # fmt: skip
-    return list(dict.fromkeys(told))
+    return list(dict.fromkeys(texts))
 
 
 def _without_choices(location: Place, data: Any) -> tuple[Place, Place]:

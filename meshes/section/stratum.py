@@ -105,9 +105,9 @@ class Stratum(Model):
 
     def placed(self, place: str) -> Self:
         """The same, of a ``place`` in the file such as "zones 2"."""
-        found = self.model_copy()
-        found._place = place
-        return found
+        copy = self.model_copy()
+        copy._place = place
+        return copy
 
     @property
     def place(self) -> str:

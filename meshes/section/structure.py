@@ -26,13 +26,13 @@ def structure_problems(structures: Sequence[Structure], extent: tuple[float, flo
     """What is wrong with structures of a section that reaches from ``extent[0]`` to ``extent[1]`` (m)."""
     left, right = extent
     problems = []
-    for k, one in enumerate(structures, start=1):
-        where = f'structures {k} "{one.name}", from = {one.start:g} m, to = {one.end:g} m'
-        if not one.end > one.start:
+    for k, structure in enumerate(structures, start=1):
+        where = f'structures {k} "{structure.name}", from = {structure.start:g} m, to = {structure.end:g} m'
+        if not structure.end > structure.start:
             problems.append(f"{where}: expected the left foot, then the right one")
-        elif one.start < left or one.end > right:
+        elif structure.start < left or structure.end > right:
             problems.append(f"{where}: lies off the section, which reaches from {left:g} to {right:g} m")
-    names = [one.name for one in structures]
+    names = [structure.name for structure in structures]
     return problems + [
         f'structures: {names.count(name)} of them are called "{name}"; expected every name once'
         for name in dict.fromkeys(names)

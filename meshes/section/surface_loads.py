@@ -40,9 +40,9 @@ class SurfaceLoads:
         (Westergaard 1933); a face that is not upright takes the part of it that its horizontal normal is.
         """
         load = sum((s.seismic_share * s.at(points[:, 0], near[:, 0]) for s in self.surcharges), np.zeros(len(points)))
-        found = np.column_stack([sign * load * np.abs(normal[:, 1]), np.zeros(len(points))])
+        traction = np.column_stack([sign * load * np.abs(normal[:, 1]), np.zeros(len(points))])
         if self.water.moves:
             depth = self.water.on_ground(points, near) / self.water.unit_weight
             drawn = WESTERGAARD * self.water.unit_weight * np.sqrt(self.water.deepest * depth)
-            found = found + (sign * drawn * normal[:, 0])[:, None] * normal
-        return found
+            traction = traction + (sign * drawn * normal[:, 0])[:, None] * normal
+        return traction

@@ -81,23 +81,23 @@ def uplift(layers: Layering, strata: tuple[Stratum, ...], loads: SurfaceLoads) -
         grid = water.flow.grid.x
         x = np.union1d(layers.x, grid)
         least = max(LEAST, LEAST_OF_STEP * water.unit_weight * float(np.diff(grid).max()))
-    found: Uplift | None = None
+    worst: Uplift | None = None
     spans, bare = [], False
     for k, below in product(range(len(strata)), (0, 1)):
         points, pressure, weight = _along(layers, loads, x, k, k + below)
         excess = np.where(pressure - weight > least, pressure - weight, 0.0)
         spans += [_positive(x[i : i + 2], (pressure - weight)[i]) for i in np.flatnonzero(excess.any(axis=1))]
         i, end = np.unravel_index(int(np.argmax(excess)), excess.shape)
-        if excess[i, end] > (0.0 if found is None else found.pressure - found.weight):
+        if excess[i, end] > (0.0 if worst is None else worst.pressure - worst.weight):
             at, elevation = points[i, end].tolist()
             u, total = float(pressure[i, end]), float(weight[i, end])
-            found = Uplift(strata[k].name, at, elevation, u, total, at, at, bare=False)
+            worst = Uplift(strata[k].name, at, elevation, u, total, at, at, bare=False)
         on_ground = points[..., 1] >= _along(layers, loads, x, 0, 0)[0][..., 1]
         cohesion = strata[k].cohesion + strata[k].cohesion_increase
         bare = bare or bool(cohesion == 0.0 and (excess[on_ground] > 0.0).any())
-    if found is None:
+    if worst is None:
         return None
-    return replace(found, start=min(start for start, _ in spans), end=max(end for _, end in spans), bare=bare)
+    return replace(worst, start=min(start for start, _ in spans), end=max(end for _, end in spans), bare=bare)
 
 
 def _along(

@@ -128,16 +128,16 @@ class WaterPressure:
         x = x[(x >= ends[0]) & (x <= ends[-1])]
         middle = 0.5 * (x[1:] + x[:-1])
         ground = [self.layers.interfaces(end, near=middle)[:, 0] for end in (x[:-1], x[1:])]
-        found = [line[:, 0] for line in lines]
+        kinks = [line[:, 0] for line in lines]
         for line in lines:
             first, last = (level_at(line, end, middle) - z for end, z in zip((x[:-1], x[1:]), ground, strict=True))
             i = np.flatnonzero((first * last < 0.0) & (np.minimum(abs(first), abs(last)) > ON_GROUND * near))
-            found.append(x[i] + (x[i + 1] - x[i]) * first[i] / (first[i] - last[i]))
-        found += [] if self.flow is None else [self.flow.marks]
+            kinks.append(x[i] + (x[i + 1] - x[i]) * first[i] / (first[i] - last[i]))
+        kinks += [] if self.flow is None else [self.flow.marks]
         by_weight = any(s.pore_pressure_ratio or s.excess_pore_pressure_ratio for s in self.strata)
         if by_weight or self.after is not self.before:
-            found.append(ends)
-        at = np.unique(np.concatenate(found)) if found else np.empty(0)
+            kinks.append(ends)
+        at = np.unique(np.concatenate(kinks)) if kinks else np.empty(0)
         closest = ends[np.abs(at[:, None] - ends).argmin(axis=1)]
         at = np.unique(np.where(np.abs(at - closest) <= near, closest, at))
         at = at[np.diff(at, prepend=-np.inf) > near]

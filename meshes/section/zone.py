@@ -49,7 +49,11 @@ def with_materials(data: Mapping[str, Any]) -> Mapping[str, Any]:
     zones, strata = data.get("zones"), data.get("strata")
     if not isinstance(zones, list | tuple) or not isinstance(strata, list | tuple):
         return data
-    soils = {one["name"]: one for one in strata if isinstance(one, Mapping) and isinstance(one.get("name"), str)}
+    soils = {
+        material["name"]: material
+        for material in strata
+        if isinstance(material, Mapping) and isinstance(material.get("name"), str)
+    }
     problems, filled = [], []
     for number, zone in enumerate(zones, start=1):
         name = zone.get("material") if isinstance(zone, Mapping) else None
@@ -61,7 +65,7 @@ def with_materials(data: Mapping[str, Any]) -> Mapping[str, Any]:
             expected = "expected either the name of a stratum or keys of its own"
             problems.append(f"{where}, material = {name!r} beside {beside[0]}: {expected}")
         if not isinstance(name, str) or name not in soils:
-            listed = ", ".join(f'"{one}"' for one in soils)
+            listed = ", ".join(f'"{material}"' for material in soils)
             problems.append(f"{where}, material = {name!r}: expected the name of a stratum, one of {listed}")
         else:
             kept = {key: value for key, value in soils[name].items() if key not in ("name", "bottom")}
@@ -118,14 +122,14 @@ def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequenc
     above = float((line - _ground_at(layers, columns.x)).max())
     if above > layers.tolerance:
         base = without_depth(ground, base) or base
-        strata = [with_elevations(ground, one, ("piezometric_level",)) for one in strata]
-        zones = [with_elevations(ground, one, ("piezometric_level",)) for one in zones]
+        strata = [with_elevations(ground, layer, ("piezometric_level",)) for layer in strata]
+        zones = [with_elevations(ground, layer, ("piezometric_level",)) for layer in zones]
         ground = columns.points(line)
         surface = tuple((float(x), float(z)) for x, z in ground)
         notices.append(f"zones: they raise the ground by up to {above:.3g} m")
-    found = _strata(columns, bottoms, strata, zones)
-    notices += _parted(columns, found, strata)
-    thick = _thick(ground, base, found)
+    parts = _strata(columns, bottoms, strata, zones)
+    notices += _parted(columns, parts, strata)
+    thick = _thick(ground, base, parts)
     faults = layering(ground, base, [stratum.bottom for stratum in thick]).problems
     return Zoned(surface, base, thick, notices, [f"zones: {text}" for text in faults])
 
@@ -190,28 +194,32 @@ def _strata(columns: Columns, bottoms: np.ndarray, strata: Sequence[Stratum], zo
     soils = {stratum.name: stratum.placed(f"strata {number}") for number, stratum in enumerate(strata, start=1)}
     soils |= {zone.name: zone.soil.placed(f"zones {number}") for number, zone in enumerate(zones, start=1)
               if zone.material is None}  # fmt: skip
-    found: list[Stratum] = []
+    placed: list[Stratum] = []
     for name, bottom in zip(columns.stack.layers, bottoms, strict=True):
-        taken = {one.name for one in found} | (soils.keys() - {name})
+        taken = {earlier.name for earlier in placed} | (soils.keys() - {name})
         line = Line(elevation=columns.points(bottom).tolist())
-        found.append(soils[name].model_copy(update={"name": part_name(name, taken), "bottom": line}))
-    return found
+        placed.append(soils[name].model_copy(update={"name": part_name(name, taken), "bottom": line}))
+    return placed
 
 
-def _parted(columns: Columns, found: Sequence[Stratum], strata: Sequence[Stratum]) -> list[str]:
+def _parted(columns: Columns, layers_left: Sequence[Stratum], strata: Sequence[Stratum]) -> list[str]:
     """Which soils are several strata now, and which strata have nothing left."""
-    told = []
+    notices = []
     for name in dict.fromkeys(columns.stack.layers):
-        parts = [f'"{one.name}"' for one, layer in zip(found, columns.stack.layers, strict=True) if layer == name]
+        parts = [
+            f'"{stratum.name}"'
+            for stratum, layer in zip(layers_left, columns.stack.layers, strict=True)
+            if layer == name
+        ]
         if len(parts) > 1:
-            told.append(f'zones: of "{name}" there are {len(parts)} parts that lie one below another, '
+            notices.append(f'zones: of "{name}" there are {len(parts)} parts that lie one below another, '
                         f"{' and '.join(parts)}")  # fmt: skip
-    gone = [one.name for one in strata if one.name not in columns.stack.layers]
-    return told + [f'zones: they take the place of all of stratum "{name}"' for name in gone]
+    gone = [stratum.name for stratum in strata if stratum.name not in columns.stack.layers]
+    return notices + [f'zones: they take the place of all of stratum "{name}"' for name in gone]
 
 
-def _thick(ground: np.ndarray, base: Line, found: Sequence[Stratum]) -> tuple[Stratum, ...]:
+def _thick(ground: np.ndarray, base: Line, parts: Sequence[Stratum]) -> tuple[Stratum, ...]:
     """The strata that are thicker somewhere than points may be close; the lowest one reaches down to the base."""
-    areas = layering(ground, base, [stratum.bottom for stratum in found]).layering.areas()
-    kept = [stratum for stratum, area in zip(found, areas, strict=True) if area > 0.0]
+    areas = layering(ground, base, [stratum.bottom for stratum in parts]).layering.areas()
+    kept = [stratum for stratum, area in zip(parts, areas, strict=True) if area > 0.0]
     return (*kept[:-1], kept[-1].model_copy(update={"bottom": None}))
