@@ -56,7 +56,7 @@ class Acceleration:
         return np.array([self.x, self.z, right[0] * self.x + right[1] * self.z])
 
     def at(self, time: float) -> "Acceleration":
-        """That of one instant (s), for ever."""
+        """A constant acceleration, with the value of one instant (s)."""
         x, z = (np.interp(time, self.times, values) for values in (self.x, self.z))
         return Acceleration(np.array([time]), np.array([x]), np.array([z]))
 

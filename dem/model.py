@@ -317,7 +317,7 @@ class DiscModel(DiscState):
         self.force_z += normal * nz - tangential * nx
 
     def copy(self) -> "DiscModel":
-        """The same discs once more, to go another way."""
+        """An independent copy of the discs."""
         return copy.deepcopy(self)
 
     def save(self, path: Path | str) -> None:

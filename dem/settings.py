@@ -119,7 +119,7 @@ class DemSettings(Model):
         return self.range or FACTORS[self.model]
 
     def as_paper(self) -> "DemSettings":
-        """The same settings for the paper's own discs as the paper used them: nothing calibrated."""
+        """Settings for the paper's own discs, uncalibrated."""
         return self.model_copy(update={"model": "paper", "paper": False, "parameter": "none"})
 
     def problems(self, section: Section) -> list[str]:

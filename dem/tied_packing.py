@@ -40,7 +40,7 @@ class TiedPacking:
         return (self.layer < 0) & (self.z > 0.5 * self.height)
 
     def without_upper_plate(self) -> "TiedPacking":
-        """The same ground with a bare surface."""
+        """The ground without the upper plate."""
         kept = ~self.above
         return TiedPacking(self.x[kept], self.z[kept], self.radius[kept], self.layer[kept], self.length, self.height)
 

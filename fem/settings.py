@@ -126,5 +126,5 @@ class BoundsSettings(Model):
 
     @property
     def of_factors(self) -> "BoundsSettings":
-        """The same settings for factors of safety."""
+        """The settings for bounds of factors of safety, whose gap is smaller."""
         return self.model_copy(update={"gap": FACTOR_SHARE * self.gap})

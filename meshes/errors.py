@@ -23,7 +23,7 @@ class InputError(ValueError):
         super().__init__("\n".join([f"{source}: {count}", *(f"  - {text}" for text in self.problems)]))
 
     def found_in(self, name: str, file: Path | None) -> "InputError":
-        """The same of a ``file``, if there is one, in place of the section that it calls by ``name``."""
+        """The error of a ``file``, if there is one, in place of the section that it calls by ``name``."""
         return self if file is None or self.source != name else InputError(str(file), self.problems)
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -53,7 +53,7 @@ class Executor(futures.Executor):
         return self.begin(partial(_telling_nothing, partial(work, *arguments, **named)))
 
     def begin(self, work: Callable[[Tell], A], heard: Tell | None = None) -> "Future[A]":
-        """The same of work that tells how far it is. Where it goes to another process it can be pickled."""
+        """The future result of work that reports its progress. Work for another process can be pickled."""
         future: Future[A] = Future()
         _do(future, partial(work, heard or _unheard), Exception)
         return future

@@ -108,7 +108,7 @@ def free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path: Path
 
 
 def make_free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path: Path | str | None = None) -> QuadMesh:
-    """The same in this process."""
+    """Make a free mesh in this process."""
     layers, _ = settings.meshed_layers(section)
     failure: BadMeshError | None = None
     best: QuadMesh | None = None

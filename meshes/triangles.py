@@ -116,7 +116,7 @@ class TriMesh:
         return nodes
 
     def moved(self, shift: np.ndarray, scale: float) -> "TriMesh":
-        """The same mesh with its points at ``(points - shift) / scale``."""
+        """A copy of the mesh with its points at ``(points - shift) / scale``."""
         return TriMesh((self.points - shift) / scale, self.cells, self.stratum, self.boundaries, self.repeats)
 
 

@@ -1,4 +1,4 @@
-"""The help of commands, in which brackets are brackets: typer takes "[uncertain]" for a style, and leaves it out."""
+"""Help texts of commands with their square brackets, which typer would take for styles and leave out."""
 
 from collections.abc import Callable
 from typing import Any

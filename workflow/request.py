@@ -84,8 +84,7 @@ class Request:
         return Job(self.config, self.store, stages.STAGES, **own, **more)
 
     def with_safety_factors(self) -> "Request":
-        """The same, with factors of safety, and strict bounds of them, without shaking and at every Kh whose fields are
-        kept."""
+        """The request with factors of safety and their bounds, at Kh = 0 and at every Kh whose fields are kept."""
         asked = tuple(sorted({0.0, *self.config.fem.kh, *self.config.fem.safety_factor_at}))
         others = {key: value for key, value in self.tables.get("bounds", {}).items() if key != "run"}  # this reads it
         config = self.config.with_settings("fem", safety_factor_at=asked).with_settings("bounds", safety_factor=True)

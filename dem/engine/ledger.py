@@ -115,7 +115,7 @@ class Ledger:
 
     @property
     def kinetic(self) -> float:
-        """Of translation and rotation."""
+        """Kinetic energy of translation and rotation (J/m)."""
         return self.translation + self.rotation
 
     @property

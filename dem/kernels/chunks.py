@@ -110,7 +110,7 @@ def contacts(chunk: int, state: State, scratch: np.ndarray, slip_time: float, la
 def contacts_with_losses(
     chunk: int, state: State, scratch: np.ndarray, slip_time: float, law: Law
 ) -> tuple[bool, float, float, float, float]:
-    """The same, with what dashpots, sliding, cracks and rolling took since the last step (J)."""
+    """Forces and memory of one chunk, and the losses by dashpots, sliding, cracks and rolling in the last step (J)."""
     if not law.soil:
         return all_lanes(chunk, state, scratch, slip_time, law, False, True, True)
     if law.pores:

@@ -127,7 +127,7 @@ def slice_energy(
 def line_energy(
     e: int, layout: Layout, springs: Springs, slip_time: float, law: Law, out: np.ndarray
 ) -> tuple[float, float, float]:
-    """The same for a disc at a rigid line; returns the force and the rim force on the disc."""
+    """The energies of the contact of a disc with a rigid line; returns the force and the rim force on the disc."""
     at, w = line_lane(e, layout)
     m, now = at_line(e, at, w, layout, springs, slip_time, law)
     book(now, out)

@@ -173,7 +173,7 @@ def face(d: int, q: int, state: State, scratch: np.ndarray, law: Law, soil: bool
 
 @inner(forceinline=True)
 def motion(q: int, scratch: np.ndarray, slip_time: float) -> Motion:
-    """Of the contact in lane q of a slice, once `face` has been there."""
+    """Slip and separation of the contact in lane q of a slice, after `face` has written its geometry."""
     nx, nz = scratch[NORMAL_X + q], scratch[NORMAL_Z + q]
     distance, lever = scratch[DISTANCE + q], scratch[LEVER + q]
     ux = scratch[VXS + q] - scratch[OWN + VXS + q]

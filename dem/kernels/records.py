@@ -167,25 +167,25 @@ def add_gathered(context: Any, values: Any, places: Any, first: Any, rows: Any, 
 if config.DISABLE_JIT:
 
     def gather(records: Any, apart: int, fields: int, places: Any, first: Any, rows: Any, to: Any) -> None:
-        """The same, double by double."""
+        """`gather` without vectors, one double at a time."""
         for lane in range(EIGHT):
             for field in range(fields):
                 rows[int(to) + field * _ROW + lane] = records[int(places[int(first) + lane]) * apart + field]
 
     def unfold(records: Any, at: Any, rows: Any, to: Any) -> None:
-        """The same, double by double."""
+        """`unfold` without vectors, one double at a time."""
         for lane in range(EIGHT):
             for field in range(SHARED):
                 rows[int(to) + field * _ROW + lane] = records[int(at) + lane * SHARED + field]
 
     def spread(rows: Any, at: Any, records: Any, to: Any) -> None:
-        """The same, double by double."""
+        """`spread` without vectors, one double at a time."""
         for lane in range(EIGHT):
             for field in range(SHARED):
                 records[int(to) + lane * SHARED + field] = rows[int(at) + field * _ROW + lane]
 
     def add_gathered(values: Any, places: Any, first: Any, rows: Any, to: Any) -> None:
-        """The same, double by double."""
+        """`add_gathered` without vectors, one double at a time."""
         for lane in range(EIGHT):
             for row in range(3):
                 rows[int(to) + row * _ROW + lane] += values[int(places[int(first) + lane]) + row * _ROW]

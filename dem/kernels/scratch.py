@@ -60,7 +60,7 @@ def load_constants(
 def load_all_constants(
     first: int, kinds: np.ndarray, records: np.ndarray, soil: bool, pores: bool, scratch: np.ndarray
 ) -> None:
-    """The same for a whole chunk."""
+    """The constants that the law needs, for all contacts of a chunk."""
     for lane in range(0, LANES, EIGHT):
         load_constants(first + np.uint64(lane), kinds, records, soil, pores, scratch)
 

@@ -210,7 +210,7 @@ def stable_step(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def stable_step_of_layout(layout: Layout, discs: int, skin: float, springs: Springs, period: Period) -> float:
-    """The same step (s), to rounding, from where the kernels keep the contacts; discs: how many there are."""
+    """Stable time step (s) from the arrays of the kernels, as `stable_step` to rounding; discs: how many there are."""
     blocks = np.zeros(discs * BLOCKS)
     shared, links = layout.shared, layout.links
     for p in range(len(layout.chunk_start) - 1):

@@ -169,7 +169,7 @@ def move(p: int, discs: np.ndarray, shared: np.ndarray, scratch: np.ndarray, ste
 def move_with_work(
     p: int, discs: np.ndarray, shared: np.ndarray, scratch: np.ndarray, step: Step
 ) -> tuple[bool, float, float, float]:
-    """The same, with the work of weight, external acceleration and moving boundaries (J)."""
+    """One step of the discs of slice p, with the work of weight, external acceleration and moving boundaries (J)."""
     return move_lanes(p, discs, shared, scratch, step, True)
 
 

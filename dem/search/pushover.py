@@ -58,7 +58,7 @@ class Continuum(NamedTuple):
     upper: float = 0.0
 
     def nearest(self, kh: float) -> float:
-        """Of the critical Kh that the continuum may have, the one that discs which fail at ``kh`` are brought to."""
+        """The critical Kh within the bracket of the FEM that is nearest to ``kh``."""
         return float(np.clip(kh, self.kc, max(self.kc, self.upper)))
 
 
@@ -78,7 +78,7 @@ class DisplacementControl(NamedTuple):
 
     @property
     def frequency(self) -> float:
-        """That with which the whole ground swings on the spring (rad/s)."""
+        """Natural angular frequency of the ground on the spring (rad/s)."""
         return float(np.sqrt(GRAVITY * self.stiffness))
 
     @property

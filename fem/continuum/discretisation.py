@@ -131,7 +131,7 @@ def discretise(mesh: QuadMesh, element: Element, comm: Any) -> Discretisation:
 
 
 def tied(d: Discretisation, masters: np.ndarray, slaves: np.ndarray) -> Discretisation:
-    """The same elements with the components of the slave nodes (k,) replaced by those of their masters (k,)."""
+    """A copy of the elements whose slave components (k,) are replaced by their masters (k,)."""
     replacement = np.arange(d.size, dtype=d.global_dofs.dtype)
     for axis in (0, 1):
         replacement[2 * slaves + axis] = 2 * masters + axis

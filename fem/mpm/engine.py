@@ -59,7 +59,7 @@ class MaterialPointEnergy:
 
     @property
     def transfer_loss_share(self) -> float:
-        """The same over what was turned over (-)."""
+        """The energy lost in transfers between points and grid over the energy turned over (-)."""
         return self.transfer_loss / self.turned_over
 
     @property

@@ -295,7 +295,7 @@ class _Search:
     def between_fixed_sides(
         self, settings: FemSettings, adapted: AdaptiveResult[LimitLoadResult] | None, mesh: QuadMesh, below_faces: bool
     ) -> AdaptiveResult[CriticalResult]:
-        """The same by the flow rule of the ``settings``."""
+        """The answer between fixed sides, by the flow rule of the ``settings``."""
         fixed = settings.model_copy(update={"sides": "fixed", "kh": ()})
         start, limit = None, None
         if below_faces:

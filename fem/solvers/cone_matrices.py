@@ -130,7 +130,8 @@ def _tension_of(program: ConeProgram) -> np.ndarray:
 def _opening(program: ConeProgram) -> tuple[sparse.csr_matrix, sparse.csr_matrix, np.ndarray, list]:
     """How torn corners open: strain rates (3 k, p) of p unknowns, and a matrix, offset and cones that these lie in.
 
-    Three unknowns a corner, a strain rate whose volume is at least its shear; on a bare surface one, half the volume.
+    Each corner has three unknowns, a strain rate whose volumetric part is at least its shear part; on a bare surface it
+    has one, half of the volumetric part.
     """
     torn, corners = program.torn, len(program.cohesion)
     bare = np.broadcast_to(program.bare, corners)[torn]

@@ -288,7 +288,7 @@ class _Method:
         return dy, dz
 
     def once(self, ry: np.ndarray, rz: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The same with that row."""
+        """dy and dz of the system with the row of the load."""
         dy, dz = self.without_load(ry, rz)
         multiplier = (float(self.load @ dy) - rz[0]) / self.load_work
         dy -= multiplier * self.to_load[0]

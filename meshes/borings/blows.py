@@ -99,7 +99,7 @@ def _counted(text: str) -> tuple[float, bool]:
 
 
 def _without_unit(blows: float, depth: float) -> tuple[float, bool]:
-    """The same of "12/30" or "50/75": in cm, as Japanese logs have it, or mm, where only one of both makes sense."""
+    """The count and refusal of "12/30" or "50/75", whose penetration is in cm, as Japanese logs have it, or in mm."""
     if depth in (30.0, DRIVE):
         return blows, False
     if blows >= REFUSAL:

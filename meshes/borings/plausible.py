@@ -29,7 +29,7 @@ def implausible_tests(borings: Sequence[Boring]) -> list[str]:
 
 
 def implausible_sample(where: str, sample: Sample, remedy: str = "") -> Iterator[str]:
-    """The same of one blow count; ``where`` goes before the key, the ``remedy`` to the end."""
+    """One sentence for a blow count beyond what there is; ``where`` goes before the key, the ``remedy`` to the end."""
     for key, limits in OF_A_SAMPLE.items():
         value = getattr(sample, key)
         if value is not None and not within(value, limits):

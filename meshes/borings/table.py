@@ -181,7 +181,7 @@ def written(value: str, unit: str) -> str:
 
 
 def with_unit(value: str, unit: str) -> str | float:
-    """The same as a person would write it in a section: a plain number is a number."""
+    """A value with its unit as a person would write it in a section: a plain number is a number."""
     text = written(value, unit)
     try:
         return float(text)

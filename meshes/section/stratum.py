@@ -104,7 +104,7 @@ class Stratum(Model):
     _place: str = PrivateAttr(default="")  # the table of its file, such as "zones 2", where not its own number tells
 
     def placed(self, place: str) -> Self:
-        """The same, of a ``place`` in the file such as "zones 2"."""
+        """A copy that knows its ``place`` in the file, such as "zones 2"."""
         copy = self.model_copy()
         copy._place = place
         return copy

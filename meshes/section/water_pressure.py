@@ -63,7 +63,7 @@ class WaterPressure:
 
     @cached_property
     def still(self) -> bool:
-        """The same without what shaking adds."""
+        """The water pressure without the excess pore pressure of shaking."""
         levels = any(level is not None for level in self.levels)
         return levels or self.after is not None or any(s.pore_pressure_ratio for s in self.strata)
 

@@ -13,7 +13,8 @@ from meshes.section.water import Cutoff, Water
 
 
 def water_problems(water: Water | None, drawn: Line | None, strata: Sequence[Stratum]) -> Iterator[str]:
-    """Of the table [water] and of the strata that have water; ``drawn`` is the table that is only drawn."""
+    """Problems of the table [water] and of strata with water, a sentence each; ``drawn`` is the table that is only
+    drawn."""
     table = None if water is None else water.table
     if water is not None and drawn is not None:
         yield "water_table beside [water]: expected table in [water] alone; water_table is only drawn"
@@ -64,7 +65,7 @@ def cutoff_problems(walls: Sequence[Cutoff], layers: Layering) -> Iterator[str]:
 
 
 def surcharge_problems(surcharges: Sequence[Surcharge], left: float, right: float) -> Iterator[str]:
-    """Of loads on ground from ``left`` to ``right`` (m)."""
+    """Problems of surcharges on ground from ``left`` to ``right`` (m), a sentence each."""
     for number, load in enumerate(surcharges, start=1):
         if load.start < left or load.end > right:
             yield (

@@ -142,7 +142,7 @@ def without_depth(ground: np.ndarray, line: Line | None) -> Line | None:
 
 
 def with_elevations(ground: np.ndarray, model: AnyModel, keys: Sequence[str]) -> AnyModel:
-    """The same with elevations in the place of depths below the ``ground`` (n, 2) in the lines ``keys``."""
+    """A copy with elevations in place of depths below the ``ground`` (n, 2) in the lines ``keys``."""
     return model.model_copy(update={key: without_depth(ground, getattr(model, key)) for key in keys})
 
 

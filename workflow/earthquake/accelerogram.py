@@ -46,7 +46,7 @@ class Accelerogram:
         return float(np.abs(self.acceleration).max())
 
     def scaled(self, factor: float) -> "Accelerogram":
-        """The same with every acceleration multiplied."""
+        """The record with every acceleration multiplied by a factor."""
         scaled = replace(self, acceleration=factor * self.acceleration)
         remarks = [text for text in (_size(scaled.peak),) if text and factor != 1.0]
         return replace(scaled, remarks=(*self.remarks, *(f"multiplied by {factor:g}, {text}" for text in remarks)))

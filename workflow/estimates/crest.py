@@ -29,7 +29,7 @@ class Crest:
 
     @property
     def width(self) -> float:
-        """Of the crest (m)."""
+        """Width of the crest (m)."""
         return self.right - self.left
 
 

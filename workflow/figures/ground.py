@@ -184,7 +184,7 @@ def _heights(much: int) -> str:
 
 
 def _line_width(section: Section) -> float:
-    """Of the lines between strata (points): finer where there are so many that lines would hide the colours."""
+    """Width (points) of the lines between strata, less where many lines would hide the colours."""
     return float(np.clip(30.0 / len(section.strata), 0.05, 0.6))
 
 

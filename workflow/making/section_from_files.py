@@ -38,7 +38,7 @@ class Reading:
 
     @classmethod
     def of(cls, off_line: float, layers: str | None, columns: Sequence[str], unit: str | None) -> "Reading":
-        """The same from options of the command line. Raises InputError with every one that cannot be understood."""
+        """Reading options from the command line. Raises InputError with every one that cannot be understood."""
         pairs = [text.partition("=") for one in columns for text in one.split(",")]
         told = [f"{key}{equals}{name}: expected ours=theirs, such as layer=Stratum" for key, equals, name in pairs
                 if not key.strip() or not name.strip()]  # fmt: skip

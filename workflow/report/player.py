@@ -49,7 +49,7 @@ class Film:
 
 
 def films(results: Results) -> list[Film]:
-    """The films of the slides, the set of springs that counts first, and of the equilibrium path."""
+    """Films of the slides, calibrated discs first, and of the equilibrium path."""
     return [*_path(results), *_slides(results)]
 
 

@@ -89,7 +89,7 @@ class ShallowFailurePart(Part):
 
 
 class RigidBox(Part):
-    """The same ground between sides that are held in both directions, as those of the discs' box are."""
+    """The answer for the section between fixed sides, as the box of the discs has them."""
 
     kc: float = Field(description="the largest Kh at which an equilibrium was found")
     kc_upper: float = Field(description="what the critical Kh may be at most")

@@ -37,7 +37,7 @@ class TimeLeft:
         return self.told
 
     def words(self, now: float, share: float | None) -> str:
-        """The same in words, such as "2 min 5 s left"; empty where nobody can say."""
+        """The time left in words, such as "2 min 5 s left"; empty where it is not known."""
         left = self.seconds(now, share)
         if left is None or share is None:
             return ""

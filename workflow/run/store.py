@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def _finite(data: Any) -> Any:
-    """The same without numbers that are not finite."""
+    """Data without numbers that are not finite."""
     if isinstance(data, float):
         return data if math.isfinite(data) else None
     if isinstance(data, dict):
@@ -115,7 +115,7 @@ class Store:
         return sorted(names, key=_by_numbers)
 
     def marks(self, patterns: Sequence[str]) -> dict[str, tuple[int, int]]:
-        """Of every file that matches what changes when it is written again: its inode, and when it was written (ns)."""
+        """Inode and time of writing (ns) of every matching file: they change when it is written again."""
         stats = {name: (self.folder / name).stat() for name in self.matching(patterns)}
         return {name: (stat.st_ino, stat.st_mtime_ns) for name, stat in stats.items()}
 

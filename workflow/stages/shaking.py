@@ -68,7 +68,8 @@ def _record(config: Config) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _average(config: Config) -> tuple[np.ndarray, np.ndarray]:
-    """The same of all above the slip surface, under the record of [site_response]."""
+    """Times (s) and average accelerations (m/s²) of the soil above the slip surface, under the record of
+    [site_response]."""
     column = column_of(config.section, config.site_response)
     average = column.average_above(float(config.site_response.slip_depth or 0.0))
     return column.step * np.arange(len(average)), average

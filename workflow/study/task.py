@@ -45,7 +45,7 @@ class Task(Generic[Given, Found]):
 
     @cached_property
     def fingerprint(self) -> str:
-        """Of the function, of its module and the program, and of its input."""
+        """Fingerprint of the function, its module, the program and its input."""
         made_by = {"task": self.name, "program": program(), "module": _text(self.function.__module__)}
         return fingerprint_of({**made_by, "given": self.given.model_dump(mode="json")})
 

@@ -114,7 +114,7 @@ class Distribution(Model):
         return self._normal_at(chance, *p)
 
     def _normal_at(self, chance: float, mean: float, deviation: float) -> float:
-        """Of the normal or lognormal distribution, cut off at its bounds."""
+        """Quantile of the normal or lognormal distribution, cut off at its bounds."""
         logarithmic = self.kind == "lognormal"
         if logarithmic:
             variance = math.log1p((deviation / mean) ** 2)

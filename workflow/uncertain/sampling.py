@@ -37,7 +37,7 @@ def chances(dimensions: int, count: int, method: Method, seed: int) -> np.ndarra
 
 
 def correlated(points: np.ndarray, correlation: np.ndarray) -> np.ndarray:
-    """The same chances (n, d) with a Gaussian copula: each stays uniform, together they are correlated."""
+    """Correlated probabilities (n, d) by a Gaussian copula; each stays uniform."""
     from scipy.special import ndtr, ndtri
 
     if np.array_equal(correlation, np.eye(len(correlation))):

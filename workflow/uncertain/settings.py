@@ -109,7 +109,7 @@ class StudySettings(Model):
     samples: int = Field(default=64, ge=2, le=1_000_000, description="samples; a power of two fills the space best")
     method: Method = Field(
         default="sobol",
-        description='"sobol" (scrambled sequence; more samples go on from fewer), "latin" (Latin hypercube), or '
+        description='"sobol" (scrambled sequence; more samples continue fewer), "latin" (Latin hypercube), or '
         '"saltelli" (Sobol\' indices, which takes 2 more sets of samples and one for each uncertain number)',
     )
     seed: int = Field(default=0, ge=0, description="seed of the samples")

@@ -49,7 +49,7 @@ def judge(case: SlideCase, answer: SlideAnswer | None) -> SlideVerdict:
 
 
 def judge_points(case: SlideCase, answer: SlideAnswer | None) -> SlideVerdict | None:
-    """The same of what material points predict; None where MPM was not requested."""
+    """The verdict on the prediction by material points; None where MPM was not requested."""
     return None if answer is None or answer.points is None else _judged(case, (answer.points,))
 
 
