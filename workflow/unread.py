@@ -61,11 +61,7 @@ def in_words(keys: Sequence[str], command: str, commands: Sequence[str]) -> list
     reads = {command_of(stage.name): stage.reads for stage in STAGES if not stage.of_all}
     phrases = []
     for key in keys:
-        others = [
-            name
-            for name, read_keys in reads.items()
-            if name in commands and name != command and is_read(key, read_keys)
-        ]
+        others = [name for name, used in reads.items() if name in commands and name != command and is_read(key, used)]
         others = ["study"] if key.split(".")[0] in OF_STUDIES else [*others, *(["run"] if command != "run" else [])]
         does = " and ".join(f"noshiro {name}" for name in others) or "no command"
         phrases.append(f"Warning: noshiro {command} does not read {key}; it is read by {does}.")

@@ -70,13 +70,9 @@ class ElementTestProgramme:
             for itself in self.wanted
             for like in [_alike(*itself)]
         ]
-        per_layer = len(scaled) // max(1, len(self.layers))
+        n = len(scaled) // max(1, len(self.layers))
         return [
-            _check(
-                layer,
-                self.wanted[k * per_layer][0],
-                [patch for patches in scaled[k * per_layer : (k + 1) * per_layer] for patch in patches],
-            )
+            _check(layer, self.wanted[k * n][0], [patch for tests in scaled[k * n : (k + 1) * n] for patch in tests])
             for k, layer in enumerate(self.layers)
         ]
 

@@ -237,23 +237,16 @@ class EquilibriumPath:
         self.solves += result.iterations
         return result
 
-    def _accept(self, result: NewtonResult, length: float, cutbacks: int, at_rest: bool) -> None:
+    def _accept(self, end: NewtonResult, length: float, cutbacks: int, at_rest: bool) -> None:
         share = self.problem.plastic_share()
-        self.problem.accept(result.increment)
+        self.problem.accept(end.increment)
         if length > 0.0:
-            self._last = result.increment, length, result.multiplier - self.factor
-        self.factor = result.multiplier
+            self._last = end.increment, length, end.multiplier - self.factor
+        self.factor = end.multiplier
         self.length += length
-        self.displacement += self.problem.exchange.dot(self.control, result.increment)
+        self.displacement += self.problem.exchange.dot(self.control, end.increment)
         self.steps.append(
             PathStep(
-                self.length,
-                self.displacement,
-                self.factor,
-                result.iterations,
-                result.residual,
-                share,
-                cutbacks,
-                at_rest,
+                self.length, self.displacement, self.factor, end.iterations, end.residual, share, cutbacks, at_rest
             )
         )

@@ -115,18 +115,12 @@ def _departures(ags4: Any, path: Path, lines: str) -> list[str]:
     """
     report = ags4.check_file(io.StringIO(lines.replace("\n", "\r\n")))
     rules = {
-        rule.removeprefix("AGS Format Rule "): messages
-        for rule, messages in report.items()
-        if rule.startswith("AGS For")
+        rule.removeprefix("AGS Format Rule "): faults for rule, faults in report.items() if rule.startswith("AGS For")
     }
     if not rules:
         return []
-    rule, messages = next(iter(rules.items()))
-    first = (
-        f"line {messages[0]['line']}, {messages[0]['desc']}"
-        if str(messages[0]["line"]).isdigit()
-        else messages[0]["desc"]
-    )
-    counts = ", ".join(f"{rule} ({len(messages)})" for rule, messages in rules.items())
+    rule, faults = next(iter(rules.items()))
+    first = f"line {faults[0]['line']}, {faults[0]['desc']}" if str(faults[0]["line"]).isdigit() else faults[0]["desc"]
+    counts = ", ".join(f"{rule} ({len(faults)})" for rule, faults in rules.items())
     first = first.rstrip(".")
     return [f"{path.name} departs from rules of AGS4, as python-ags4 counts: {counts}; the first: rule {rule}, {first}"]

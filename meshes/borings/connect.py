@@ -78,16 +78,16 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...
         problems = [f"boring {log.name}: {abs(away):.1f} m off the line of the section; expected at most {off_line:g} m"
                     for log, away in zip(logs, beside, strict=True) if abs(away) > off_line]  # fmt: skip
         borings = [Placed(log, round(float(a), 3), float(b)) for log, a, b in zip(logs, x, beside, strict=True)]
-    borings.sort(key=lambda boring: boring.x)
-    layers = [boring for boring in borings if boring.log.layers]
+    borings.sort(key=lambda at: at.x)
+    layers = [at for at in borings if at.log.layers]
     problems += [f"borings {a.log.name} and {b.log.name} stand at the same x = {a.x:g} m" for a, b in pairwise(layers)
                  if b.x - a.x < 1e-3]  # fmt: skip
-    ends = [boring.x for boring in layers]
+    ends = [at.x for at in layers]
     problems += [
-        f"sounding {boring.log.name}: at x = {boring.x:g} m it stands beyond the borings with layers, "
+        f"sounding {at.log.name}: at x = {at.x:g} m it stands beyond the borings with layers, "
         f"{ends[0]:g} to {ends[-1]:g} m"
-        for boring in borings
-        if not ends[0] <= boring.x <= ends[-1]
+        for at in borings
+        if not ends[0] <= at.x <= ends[-1]
     ]
     if problems:
         raise InputError("borings", problems)

@@ -77,10 +77,7 @@ def stacked(columns: Sequence[Sequence[Piece]]) -> Stack:
         if len(several) > 1:
             notices.append(f'"{name}" lies above and below others: from the top down it is {" and ".join(several)}')
     return Stack(
-        tuple(before),
-        tuple(names),
-        [[numbers[id(member)] for member in column_members] for column_members in members],
-        notices,
+        tuple(before), tuple(names), [[numbers[id(member)] for member in of_column] for of_column in members], notices
     )
 
 

@@ -49,11 +49,7 @@ def with_materials(data: Mapping[str, Any]) -> Mapping[str, Any]:
     zones, strata = data.get("zones"), data.get("strata")
     if not isinstance(zones, list | tuple) or not isinstance(strata, list | tuple):
         return data
-    soils = {
-        material["name"]: material
-        for material in strata
-        if isinstance(material, Mapping) and isinstance(material.get("name"), str)
-    }
+    soils = {soil["name"]: soil for soil in strata if isinstance(soil, Mapping) and isinstance(soil.get("name"), str)}
     problems, filled = [], []
     for number, zone in enumerate(zones, start=1):
         name = zone.get("material") if isinstance(zone, Mapping) else None
@@ -65,7 +61,7 @@ def with_materials(data: Mapping[str, Any]) -> Mapping[str, Any]:
             expected = "expected either the name of a stratum or keys of its own"
             problems.append(f"{where}, material = {name!r} beside {beside[0]}: {expected}")
         if not isinstance(name, str) or name not in soils:
-            listed = ", ".join(f'"{material}"' for material in soils)
+            listed = ", ".join(f'"{soil}"' for soil in soils)
             problems.append(f"{where}, material = {name!r}: expected the name of a stratum, one of {listed}")
         else:
             kept = {key: value for key, value in soils[name].items() if key not in ("name", "bottom")}
@@ -202,14 +198,12 @@ def _strata(columns: Columns, bottoms: np.ndarray, strata: Sequence[Stratum], zo
     return placed
 
 
-def _parted(columns: Columns, layers_left: Sequence[Stratum], strata: Sequence[Stratum]) -> list[str]:
+def _parted(columns: Columns, present: Sequence[Stratum], strata: Sequence[Stratum]) -> list[str]:
     """Which soils are several strata now, and which strata have nothing left."""
     notices = []
     for name in dict.fromkeys(columns.stack.layers):
         parts = [
-            f'"{stratum.name}"'
-            for stratum, layer in zip(layers_left, columns.stack.layers, strict=True)
-            if layer == name
+            f'"{stratum.name}"' for stratum, layer in zip(present, columns.stack.layers, strict=True) if layer == name
         ]
         if len(parts) > 1:
             notices.append(f'zones: of "{name}" there are {len(parts)} parts that lie one below another, '

@@ -23,25 +23,19 @@ def draw(series: Sequence[Series], title: str, path: Path) -> None:
     frames = np.ravel([figure.subplots(rows, ACROSS, squeeze=False)])
     for axes in frames[len(series) :]:
         axes.set_visible(False)
-    for axes, quantity in zip(frames, series, strict=False):
-        halves = [half or 0.0 for half in quantity.half_ci95]
-        axes.errorbar(
-            quantity.sizes, quantity.values, yerr=halves, fmt="o", color=CONTINUUM, markersize=3.5, linewidth=0.9
-        )
-        sizes = np.linspace(0.0, quantity.sizes[0], 60)
-        ends = (quantity.sizes[-1], quantity.values[-1])
-        power = quantity.order or 1.0
-        rise = (ends[1] - quantity.limit) / ends[0] ** power
-        axes.plot(sizes, quantity.limit + rise * sizes**power, color=CONTINUUM, linewidth=0.8, linestyle=(0, (4, 2)))
-        axes.plot(
-            0.0, quantity.limit, "D", color=CONTINUUM if quantity.converged else CRITICAL, markersize=4, clip_on=False
-        )
+    for axes, row in zip(frames, series, strict=False):
+        halves = [half or 0.0 for half in row.half_ci95]
+        axes.errorbar(row.sizes, row.values, yerr=halves, fmt="o", color=CONTINUUM, markersize=3.5, linewidth=0.9)
+        sizes = np.linspace(0.0, row.sizes[0], 60)
+        ends = (row.sizes[-1], row.values[-1])
+        power = row.order or 1.0
+        rise = (ends[1] - row.limit) / ends[0] ** power
+        axes.plot(sizes, row.limit + rise * sizes**power, color=CONTINUUM, linewidth=0.8, linestyle=(0, (4, 2)))
+        axes.plot(0.0, row.limit, "D", color=CONTINUUM if row.converged else CRITICAL, markersize=4, clip_on=False)
         axes.set_title(
-            f"{quantity.name}\n{quantity.verdict.split(':')[0]}", fontsize=6.5, loc="left", color=INK, parse_math=False
+            f"{row.name}\n{row.verdict.split(':')[0]}", fontsize=6.5, loc="left", color=INK, parse_math=False
         )
-        axes.set_xlabel(
-            "radius (m)" if quantity.over == "radius" else "step over the stable one", fontsize=7, color=INK
-        )
+        axes.set_xlabel("radius (m)" if row.over == "radius" else "step over the stable one", fontsize=7, color=INK)
         axes.set_xlim(left=0.0)
         axes.tick_params(labelsize=6.5, colors=INK)
         axes.grid(color="#dddddd", linewidth=0.5)

@@ -30,13 +30,8 @@ def draw(section: Section, answer: SiteResponseAnswer, path: Path) -> None:
     )
     for axes, (label, values, depths) in zip(figure.subplots(1, 4, sharey=True), curves, strict=True):
         for layer in layers:
-            axes.axhspan(
-                layer.top_m,
-                layer.bottom_m,
-                color=soil_colours(names)[names.index(layer.stratum)],
-                alpha=0.75,
-                linewidth=0,
-            )
+            colour = soil_colours(names)[names.index(layer.stratum)]
+            axes.axhspan(layer.top_m, layer.bottom_m, color=colour, alpha=0.75, linewidth=0)
         axes.plot(values, depths, color=CONTINUUM, marker="o", markersize=2.5)
         axes.set_xlabel(label, fontsize=8, color=INK, parse_math=False)
         axes.set_xlim(left=0.0)

@@ -41,11 +41,7 @@ def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
     """The slide of the discs by their weight alone, where the continuum fails and the discs do not flow."""
     _, cases = results.case_set()
     discs = {number: cases[number] for number in case.cases if number in cases and not cases[number].flows}
-    far = {
-        number: discs_case.slide_by_weight_m
-        for number, discs_case in discs.items()
-        if discs_case.slide_by_weight_m is not None
-    }
+    far = {number: slide for number, each in discs.items() if (slide := each.slide_by_weight_m) is not None}
     if not far:
         return
     phrase = f"by their weight alone they slide {span(list(far.values()))} in {of_cases(list(far))}"

@@ -92,11 +92,8 @@ def _target_range(results: Results) -> Iterator[str]:
 def _sides(results: Results) -> Iterator[str]:
     """That the critical Kh depends on the condition at the sides of the section."""
     fem = results.fem
-    change = (
-        next((variant for variant in results.variants.variants if variant.name == "sides"), None)
-        if results.variants
-        else None
-    )
+    variants = results.variants.variants if results.variants else ()
+    change = next((variant for variant in variants if variant.name == "sides"), None)
     other = change.of(fem.kc) if change is not None and fem is not None else None
     if fem is None or change is None or other is None or not fem.kc > 0.0:
         return

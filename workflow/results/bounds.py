@@ -127,11 +127,8 @@ class SafetyPart(Part):
         """The bracket as a person reads it."""
         low = "no lower bound" if self.lower is None else f"{self.lower:.3f}"
         high = "no upper bound" if self.upper is None else f"{self.upper:.3f}"
-        rolling = (
-            ""
-            if self.shallow_failure is None
-            else f"; a face fails before (shallow failure) at {self.shallow_failure:.3f}"
-        )
+        at = self.shallow_failure
+        rolling = "" if at is None else f"; a face fails before (shallow failure) at {at:.3f}"
         force = f", force {self.direction}" if self.direction else ""
         return f"{low} <= FS <= {high} at Kh = {self.kh:g}{force}, {self.cells} triangles{rolling}"
 

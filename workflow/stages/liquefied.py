@@ -67,10 +67,7 @@ def _case(config: Config, mesh: "QuadMesh", remains: dict[int, "Remains"], numbe
         section,
         config,
         mesh,
-        nothing=not any(
-            remains_of_stratum.friction or remains_of_stratum.residual or remains_of_stratum.strength
-            for remains_of_stratum in remains.values()
-        ),
+        nothing=not any(soil.friction or soil.residual or soil.strength for soil in remains.values()),
     )
     cases = [config.cases[number - 1] for number in numbers]
     return LiquefiedCase(

@@ -106,11 +106,8 @@ def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] 
         return name, f"{other} element instead of {element}", config.with_settings("fem", element=other)
     if name == "step" and fem.first_step < LARGEST_STEP and not is_unique(config.section, fem):
         step = min(2.0 * fem.first_step, LARGEST_STEP)
-        return (
-            name,
-            f"first step of Kh {step:g} instead of {fem.first_step:g}",
-            config.with_settings("fem", first_step=step),
-        )
+        text = f"first step of Kh {step:g} instead of {fem.first_step:g}"
+        return name, text, config.with_settings("fem", first_step=step)
     if name == "sides" and fem.sides != "periodic":
         sides = "fixed" if fem.sides == "free-field" else "free-field"
         return name, f"sides {sides} instead of {fem.sides}", config.with_settings("fem", sides=sides)

@@ -101,8 +101,4 @@ def _moved(before: Any, distribution: Distribution, value: Any) -> Any:
 
 
 def _is_point(value: Any) -> bool:
-    return (
-        isinstance(value, list)
-        and len(value) == 2
-        and not any(isinstance(coordinate, list | dict) for coordinate in value)
-    )
+    return isinstance(value, list) and len(value) == 2 and not any(isinstance(entry, list | dict) for entry in value)

@@ -52,11 +52,8 @@ def _bounds(case: Case, known: Answer, settings: BoundsSettings) -> dict[str, An
     if case.published.expected == "kc":
         bounds = kh_bounds(case.section, case.fem, settings)
         shallow = min((face.kh for face in bounds.shallow_failures), default=None)
-        return {
-            "lower": bounds.stress and bounds.lower,
-            "upper": bounds.mechanism and bounds.upper,
-            "shallow_failure": shallow,
-        }
+        lower, upper = bounds.stress and bounds.lower, bounds.mechanism and bounds.upper
+        return {"lower": lower, "upper": upper, "shallow_failure": shallow}
     guess = known.associated or case.published.values[0].ends[0]
     factor = safety_bounds(case.section, case.fem, settings, case.published.kh, guess)
     upper = factor.upper if factor.upper < math.inf else None

@@ -79,20 +79,12 @@ def _summary(
     ]
     for group in GROUPS:
         chosen = [case for case in cases if case.known.group == group]
-        run = [
-            verdict for verdict in (verdicts[case.name] for case in chosen) if verdict.word not in ("not run", "failed")
-        ]
-        points = [verdict for case in chosen if (verdict := judge_points(case, answers.get(case.name))) is not None]
-        for name, group_verdicts in ((group, run), (f"{group}, by material points", points)):
-            if chosen and (group_verdicts or name == group):
-                middle = bias(group_verdicts)
-                cells = [
-                    name,
-                    len(chosen),
-                    len(group_verdicts),
-                    right(group_verdicts, CLOSE),
-                    right(group_verdicts, FAR),
-                ]
+        run = [each for each in (verdicts[case.name] for case in chosen) if each.word not in ("not run", "failed")]
+        points = [each for case in chosen if (each := judge_points(case, answers.get(case.name))) is not None]
+        for name, judged in ((group, run), (f"{group}, by material points", points)):
+            if chosen and (judged or name == group):
+                middle = bias(judged)
+                cells = [name, len(chosen), len(judged), right(judged, CLOSE), right(judged, FAR)]
                 rows.append(f"| {' | '.join(map(str, cells))} | {'-' if middle is None else f'{middle:.2f}'} |")
     return "\n".join(rows)
 
