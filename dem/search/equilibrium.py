@@ -195,7 +195,7 @@ def settle(
     else:
         model.cut_pore_springs()
         model.set_springs(layers)
-    _rest(model, ground, "under its weight")
+    calm_down(model, ground, "under its weight")
     if any(layer.kpn > 0.0 for layer in layers):  # soil discs have no pore springs
         model.set_pore_springs()
     if fresh and shaken:
@@ -206,10 +206,10 @@ def settle(
 def shake(model: DiscModel, ground: Ground) -> None:
     """Adds the pore pressure that shaking adds to discs at rest, if it adds any, and takes them to rest again."""
     if ground.weaken(model):
-        _rest(model, ground, "once shaking has added its pore pressure")
+        calm_down(model, ground, "once shaking has added its pore pressure")
 
 
-def _rest(model: DiscModel, ground: Ground, under: str) -> None:
+def calm_down(model: DiscModel, ground: Ground, under: str) -> None:
     """Takes discs on until the unbalanced force ratio is below `SETTLED`.
 
     Velocities are set to zero whenever the kinetic energy has passed a peak (kinetic damping, Cundall 1976).
