@@ -95,7 +95,9 @@ def _fillings(
 
     Their centres lie between two ends (m).
     """
-    there = discs[discs[:, 1] > _level(section, discs[:, 0]) - DEEP * radius]
+    # behind a steep face discs lie deep below their own surface and yet beside the places at its toe
+    lowest = np.min([_level(section, discs[:, 0] + DEEP * way) for way in (-radius, 0.0, radius)], axis=0)
+    there = discs[discs[:, 1] > lowest - DEEP * radius]
     sizes = radius * (np.linspace(1.0 - spread, 1.0 + spread, SIZES) if spread > 0.0 else np.ones(1))
     laid = np.zeros((0, 3))
     places = _places(there, np.arange(len(there)), sizes)

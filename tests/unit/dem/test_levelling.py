@@ -15,6 +15,7 @@ SPREAD = 0.2
 TOP = 6.0
 FACE = [[0.0, TOP + 6.0], [18.0, TOP], [36.0, TOP]]  # 1:3, and a level bank
 LEVEL = [[0.0, TOP], [36.0, TOP]]
+QUAY = [[0.0, TOP + 6.0], [18.0, TOP + 6.0], [18.1, TOP], [36.0, TOP]]
 
 
 def section(surface: list[list[float]]) -> Section:
@@ -83,6 +84,16 @@ def test_new_discs_overlap_none_and_rest_on_two(surface: list[list[float]]) -> N
     gap[gap == -2.0 * after.radius[new, None]] = np.inf  # itself
     assert gap.min() >= -TOUCHES * RADIUS - 1e-9
     assert ((gap < 1e-9).sum(axis=1) >= 2).all()
+
+
+def test_new_discs_at_the_toe_of_a_quay_overlap_none_behind_it() -> None:
+    """The first of these lies six metres below the surface above it, and beside the place on the other two."""
+    x, z = np.array([[17.9, 5.6], [18.3, 4.4], [19.3, 4.6]]).T
+    before = Packing(x, z, np.full(3, RADIUS), np.zeros(3, np.int32), np.zeros((0, 6)))
+    after = levelled(section(QUAY), before, RADIUS, SPREAD)
+    assert len(after.x) > 3
+    apart = np.hypot(after.x[:, None] - after.x, after.z[:, None] - after.z) - after.radius[:, None] - after.radius
+    assert apart[np.triu_indices(len(after.x), 1)].min() >= -TOUCHES * RADIUS - 1e-9
 
 
 def test_the_same_discs_give_the_same_surface() -> None:
