@@ -82,6 +82,9 @@ def test_verdicts() -> None:
     stands = CASES["vertical_cut_30"]
     assert judge(stands, answered(0.01, 0.02)).word == "stands"
     assert judge(stands, answered(0.01, 0.2)).word == "moved"
+    endless = CASES["whiskey_springs_1983_slope_n461"]
+    assert judge(endless, SlideAnswer(endless.name, (1600.0,), (0.0,), (False,))).word == "flows"
+    assert judge(endless, SlideAnswer(endless.name, (1.0,), (0.0,), (True,))).word == "within 1.5"
     verdicts = [judge(case, answered(one)) for one in (1.3, 0.6, 0.1)] + [judge(stands, answered(0.0))]
     assert right(verdicts, 1.5) == 2
     assert right(verdicts, 3.0) == 3

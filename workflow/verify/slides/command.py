@@ -11,7 +11,7 @@ from workflow.verify.numbers import keep_numbers
 from workflow.verify.record import FILE, read_answers
 from workflow.verify.slides.case import FOLDER, read_cases
 from workflow.verify.slides.collection import run, write_errors
-from workflow.verify.slides.page import counts, number, told, write_page
+from workflow.verify.slides.page import counts, number, predicted, told, write_page
 from workflow.verify.slides.record import SlideAnswer
 
 if TYPE_CHECKING:
@@ -52,9 +52,9 @@ def _as_dict(row: "SlideRow") -> dict[str, object]:
 def _tell(out: "Console", row: "SlideRow") -> None:
     """One line for a case."""
     answer = row.found
-    predicted = ", ".join(number(value) for value in answer.values) if answer is not None else ""
+    values = predicted(answer, row.verdict) if answer is not None else ""
     measured = " to ".join(dict.fromkeys(number(end) for end in row.case.measured))
-    line = f"{row.verdict.word:<15} {row.case.name:<30} measured {measured}, predicted {predicted}; {told(row.verdict)}"
+    line = f"{row.verdict.word:<15} {row.case.name:<30} measured {measured}, predicted {values}; {told(row.verdict)}"
     out.print(escape(line.rstrip("; ")), soft_wrap=True)
     if answer is not None and answer.failure:
         out.print(escape(f"                {answer.failure}"), soft_wrap=True)

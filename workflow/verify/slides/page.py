@@ -21,7 +21,8 @@ runs those whose names begin so.
 The ratio is the mean prediction of the packings over the (geometric) middle of what was measured, in brackets that of
 the least and of the largest prediction. **Within the band** is a mean between the least and the largest number that was
 measured or derived; else the word says whether the ratio is within a factor of {CLOSE:g}, within {FAR:g}, or beyond.
-Where nothing moved in nature, **stands** is right and **moved** is wrong.
+Where nothing moved in nature, **stands** is right and **moved** is wrong. An endless slope **flows** where its weight asks
+for more than the strength that is left.
 
 Slides of the field are run as a user without a record of the site runs them: flows and dams by their weight alone,
 spreads under the cycles of Kh, both ways, that the program takes from the earthquake. Gently sloping ground is an
@@ -63,6 +64,11 @@ def told(verdict: SlideVerdict) -> str:
         return ""
     low, high = verdict.spread
     return f"{verdict.ratio:.2f}" if low == high else f"{verdict.ratio:.2f} ({low:.2f} to {high:.2f})"
+
+
+def predicted(answer: SlideAnswer, verdict: SlideVerdict) -> str:
+    """The numbers of all packings; of ground that flows there are none."""
+    return "no end" if verdict.word == "flows" else ", ".join(number(value) for value in answer.values)
 
 
 def number(value: float) -> str:
@@ -117,7 +123,7 @@ def _table(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer], verdi
             f"[{case.name}]({case.name}.toml)<br>{case.title}<br>{case.known.quantity}"
             + (f" ({case.known.unit})" if case.known.unit else ""),
             measured,
-            ", ".join(number(value) for value in answer.values)
+            predicted(answer, verdict)
             + ("" if answer.points is None else f"<br>material points {number(answer.points)}"),
             told(verdict) + _of_points(case, answer),
             f"{100.0 * max(answer.loose):.1f} %" if answer.loose else "",

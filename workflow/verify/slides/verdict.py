@@ -6,12 +6,12 @@ from typing import Literal
 
 import numpy as np
 
-from workflow.verify.slides.case import SlideCase
+from workflow.verify.slides.case import SlideCase, UniformSlope
 from workflow.verify.slides.record import SlideAnswer
 
 CLOSE, FAR = 1.5, 3.0  # times or a part of what was measured
 
-Word = Literal["not run", "failed", "within the band", "within 1.5", "within 3", "beyond 3", "stands", "moved"]
+Word = Literal["not run", "failed", "within the band", "within 1.5", "within 3", "beyond 3", "stands", "moved", "flows"]
 
 
 @dataclass(frozen=True)
@@ -23,8 +23,8 @@ class SlideVerdict:
     word : str
         As in `Word`.
     ratio : float or None
-        Mean of the predictions over the middle (geometric) of what was measured; None where nothing was measured to
-        move, or there is no prediction.
+        Mean of the predictions over the middle (geometric) of what was measured; infinite where the ground flows; None
+        where nothing was measured to move, or there is no prediction.
     spread : (float, float) or None
         The same of the least and the largest prediction of the packings.
     """
@@ -42,9 +42,11 @@ class SlideVerdict:
 
 
 def judge(case: SlideCase, answer: SlideAnswer | None) -> SlideVerdict:
-    """The verdict on a case."""
+    """The verdict on a case. An endless slope that does not come to rest holds less than its weight asks for: it flows."""
     if answer is None:
         return SlideVerdict("not run")
+    if isinstance(case.known.problem, UniformSlope) and not all(answer.rested):
+        return SlideVerdict("flows", float("inf"))
     return _judged(case, answer.values) if answer.values else SlideVerdict("failed")
 
 
