@@ -115,7 +115,7 @@ def deposit(section: Section, settings: DemSettings, layers_of: LayersOf) -> Dep
 
 
 def shaken_down(settled: DiscModel, ground: Ground) -> DiscModel:
-    """Discs at rest after cycles of Kh both ways; as they were where any Kh of `SHAKES` takes them further and further."""
+    """Discs at rest after cycles of Kh both ways; as they were where every Kh of `SHAKES` moves them on and on."""
     cycle = PERIODS * period(settled, ground)
     time = np.linspace(0.0, cycle, 41)
     for kh in SHAKES:

@@ -21,8 +21,8 @@ runs those whose names begin so.
 The ratio is the mean prediction of the packings over the (geometric) middle of what was measured, in brackets that of
 the least and of the largest prediction. **Within the band** is a mean between the least and the largest number that was
 measured or derived; else the word says whether the ratio is within a factor of {CLOSE:g}, within {FAR:g}, or beyond.
-Where nothing moved in nature, **stands** is right and **moved** is wrong. An endless slope **flows** where its weight asks
-for more than the strength that is left.
+Where nothing moved in nature, **stands** is right and **moved** is wrong. An endless slope **flows** where its weight
+asks for more than the strength that is left.
 
 Slides of the field are run as a user without a record of the site runs them: flows and dams by their weight alone,
 spreads under the cycles of Kh, both ways, that the program takes from the earthquake. Gently sloping ground is an

@@ -42,7 +42,7 @@ class SlideVerdict:
 
 
 def judge(case: SlideCase, answer: SlideAnswer | None) -> SlideVerdict:
-    """The verdict on a case. An endless slope that does not come to rest holds less than its weight asks for: it flows."""
+    """The verdict on a case. An endless slope flows where it does not come to rest: its weight asks for more."""
     if answer is None:
         return SlideVerdict("not run")
     if isinstance(case.known.problem, UniformSlope) and not all(answer.rested):
