@@ -284,7 +284,7 @@ class FactorSearch:
         return sum(values) / len(values) if values else -math.inf
 
     def gap_of(self, trial: Trial) -> float:
-        """How far the factors at which the bounds of a trial come to what is to be borne are apart, as a share."""
+        """Relative gap between the factors of safety that the lower and the upper bound of a trial give."""
         if trial.lower is None or trial.upper is None or self.slope is None:
             return 0.0
         return (self.over(trial.lower) - self.over(trial.upper)) / self.slope

@@ -37,7 +37,7 @@ class Study:
     answer: StudyAnswer
 
     def refuse_parts_without_answer(self) -> None:
-        """Raise NoAnswerError, with the reasons, where a part that was asked for has an answer in no sample."""
+        """Raise NoAnswerError, with the reasons, where a requested part has no answer in any sample."""
         if not self.answer.without:
             return
         names = " and ".join(self.answer.without)
