@@ -43,13 +43,16 @@ def papers(folder: Path) -> Config:
     """A few of the paper's discs for a moment, and all that stands beside them."""
     data = tomllib.loads(small_run.written(folder).read_text())
     data["sliding_block"] = {"accelerogram": str(folder / "quake.csv")}
+    data["slide"] |= {"judges": ["discs", "mpm"], "mpm_cells": 100}
     return analysed({**data, "dem": {**small_run.FEW_DISCS, "model": "paper", "workers": 1}})
 
 
 def soil(folder: Path) -> Config:
-    """Soil discs, calibrated on two packings."""
+    """Soil discs, calibrated on two packings, and a moment of material points."""
     few = {"elements": 150, "resolution": 0.1, "workers": 1}
-    return analysed({**SECTION, "dem": {**SECTION["dem"], **few}, "slide": {**SECTION["slide"], "duration": 1.0}})
+    slide = {**SECTION["slide"], "judges": ["discs", "mpm"], "duration": 1.0, "mpm_cells": 300}
+    slide |= {"kh_seconds": None, "kh_cycles": 1.0, "kh_period": 0.5}
+    return analysed({**SECTION, "dem": {**SECTION["dem"], **few}, "slide": slide})
 
 
 def shaken(folder: Path) -> Config:
@@ -69,7 +72,7 @@ def shaken(folder: Path) -> Config:
         "earthquake": {"magnitude": 7.5, "peak_acceleration": "300 gal"},
         "triggering": {"borings": [{"name": "B-1", "x": 50.0, "spt": tests}]},
         "dem": {**small_run.FEW_DISCS, "model": "paper", "workers": 1},
-        "slide": {**small_run.SHORT_SLIDE, "cases": cases, "accelerogram": quake},
+        "slide": {**small_run.SHORT_SLIDE, "judges": ["discs", "mpm"], "cases": cases, "accelerogram": quake},
         "sliding_block": {},
     }
     return analysed(data)
@@ -96,7 +99,9 @@ def unheard(given: Config, reads: Reads) -> set[tuple[str, str]]:
 
 def test_what_a_stage_reads_makes_it_run_again(of_the_papers: tuple[Config, Reads]) -> None:
     given, reads = of_the_papers
-    assert set(reads) == {"mesh", "fem", "variants", "bounds", "slices", "liquefied", "calibrate", "slide", "report"}
+    assert set(reads) == {
+        "mesh", "fem", "variants", "bounds", "slices", "liquefied", "mpm", "calibrate", "slide", "report",
+    }  # fmt: skip
     assert all(reads.values())
     assert unheard(given, reads) == set()
 

@@ -215,7 +215,7 @@ STAGE = Stage(
     reads=(
         "bounds", "fem.direction", "fem.flow", "fem.least_depth", "fem.safety_factor_at", "fem.sides", "fem.vertical",
     ),
-    ignores=lambda config: () if config.bounds.safety_factor else ("fem.safety_factor_at",),
+    ignores=lambda config: ("bounds.run", *(() if config.bounds.safety_factor else ("fem.safety_factor_at",))),
     beside=("fem",),
     results=(BoundsAnswer.FILE,),
     read=BoundsAnswer.read,
