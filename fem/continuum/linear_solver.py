@@ -1,5 +1,5 @@
 """The linear system of a Newton iteration: one matrix whose entries are set anew and factorised, by MUMPS, or on one
-rank and for associated flow by CHOLMOD, which takes a third of the time."""
+rank and for associated flow by CHOLMOD, which is faster."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
