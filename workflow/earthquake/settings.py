@@ -105,9 +105,8 @@ class EarthquakeSettings(Model):
 
     def notices(self, slide: SlideSettings | None) -> list[str]:
         """Warnings, contradictions, and where the Kh of the slides comes from, if it is of here."""
-        notices, cycles = [self._unlikely_peak(), self.contradiction()], self.equivalent()
-        pushed = (slide.kh, slide.kh_cycles) if slide is not None and not slide.accelerogram else None
-        if cycles is not None and pushed == (cycles.kh, cycles.cycles):
+        notices = [self._unlikely_peak(), self.contradiction()]
+        if slide is not None and (cycles := self.driving(slide)) is not None:
             notices.append(f"slide, kh = {cycles.kh:g} of [earthquake]: {cycles.words}")
         return [text for text in notices if text]
 
@@ -121,6 +120,11 @@ class EarthquakeSettings(Model):
             unit = "a plain number, in m/s^2" if plain else "as written"
             return f"earthquake, peak_acceleration is {peak / GRAVITY:.3g} g, {unit}; check its unit"
         return ""
+
+    def driving(self, slide: SlideSettings) -> EquivalentKh | None:
+        """The cycles of Kh that stand for it, where slides are driven by these; None where by anything else."""
+        found = None if slide.accelerogram else self.equivalent()
+        return found if found is not None and (slide.kh, slide.kh_cycles) == (found.kh, found.cycles) else None
 
     def equivalent(self) -> EquivalentKh | None:
         """The cycles of Kh that stand for it; None where nothing says its peak."""

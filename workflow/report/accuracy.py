@@ -14,6 +14,11 @@ COARSE = 0.1
 # What is left of the error of a sequence that has not converged, in times of what its last meshes tell.
 WIDER = 2.0
 LEAST = 0.001  # numerical errors are told as no less
+# What an interval can follow from.
+METHODS = (
+    "by the sequence of meshes", "by strict bounds", "by bounds of deeper failures",
+    "by strict bounds and the sequence of meshes", "by bounds of deeper failures and the sequence of meshes",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -35,6 +40,11 @@ class Accuracy:
     by: str
     sure: bool
 
+    @property
+    def method(self) -> str:
+        """What the interval follows from, in few words."""
+        return self.by.partition(",")[0]
+
     def error(self, kc: float) -> float:
         """By how much ``kc`` may be off (-)."""
         return max(abs(kc - self.low), abs(kc - self.high))
@@ -46,10 +56,15 @@ def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
     if strict is None:
         return meshes
     low, high = strict
-    bounds = "by strict bounds" if results.bounds is None or not results.bounds.shallow_failures else "by bounds"
+    bounds = proven_by(results.bounds is not None and bool(results.bounds.shallow_failures))
     if meshes is None or not meshes.sure or meshes.low > high or meshes.high < low:
         return Accuracy(low, high, bounds, True)
     return Accuracy(max(low, meshes.low), min(high, meshes.high), f"{bounds} and {meshes.by[3:]}", True)
+
+
+def proven_by(strengthened: bool) -> str:
+    """Which bounds an interval follows from: of the ground as it is, or with its cohesionless faces ``strengthened``."""
+    return "by bounds of deeper failures" if strengthened else "by strict bounds"
 
 
 def of_meshes(fem: FemAnswer, halved: float | None = None) -> Accuracy | None:

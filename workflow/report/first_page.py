@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from meshes.section.cutting import spoken
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.slide_error import slide_error
-from workflow.report.accuracy import Accuracy, accuracy
+from workflow.report.accuracy import METHODS, Accuracy, accuracy, proven_by
 from workflow.report.findings import CONTRADICTED, lies_still
 from workflow.report.numbers import coefficient, span
 from workflow.report.paper import rows
@@ -81,21 +81,23 @@ def _contradicted(fem: FemAnswer, error: Accuracy, conditions: str, _: Texts) ->
     lie close together."""
     if error.low >= CLOSE_BOUNDS * error.high:
         phrase = _(
-            "The section fails {direction}, to the {side}, at Kh = {low} to {high} by strict bounds; the finite "
+            "The section fails {direction}, to the {side}, at Kh = {low} to {high} {method}; the finite "
             "elements are {excess} % above ({conditions}).",
             direction=_(DIRECTION[fem.direction]),
             side=_(fem.towards),
             low=coefficient(error.low),
             high=coefficient(error.high),
+            method=_(error.method),
             excess=f"{100.0 * (fem.kc / error.high - 1.0):.1f}",
             conditions=conditions,
         )
         value = coefficient(error.high)
     else:
         phrase = _(
-            "Strict bounds prove failure at Kh = {high}, below the {kc} of the finite elements: use {high} as an upper "
+            "The section fails at Kh = {high} {method}, below the {kc} of the finite elements: use {high} as an upper "
             "limit ({conditions}).",
             high=coefficient(error.high),
+            method=_(error.method),
             kc=coefficient(fem.kc),
             conditions=conditions,
         )
@@ -106,10 +108,13 @@ def _contradicted(fem: FemAnswer, error: Accuracy, conditions: str, _: Texts) ->
 def _interval(error: Accuracy | None, _: Texts) -> str:
     if error is None:
         return _("numerical error not known: one mesh, no strict bounds")
-    low, high = coefficient(error.low), coefficient(error.high)
-    if error.by.startswith("by strict bounds"):
-        return _("{low} to {high} by strict bounds", low=low, high=high)
-    return _("{low} to {high} by the sequence of meshes", low=low, high=high)
+    return _from_to(coefficient(error.low), coefficient(error.high), error.method, _)
+
+
+def _from_to(low: str, high: str, method: str, _: Texts) -> str:
+    """An interval and what it follows from; one number where both ends come to the same."""
+    both = _("{low} to {high}", low=low, high=high) if low != high else low
+    return _("{interval} {method}", interval=both, method=_(method))
 
 
 def _safety(results: Results, _: Texts) -> HeadlinePart:
@@ -146,10 +151,11 @@ def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Text
     if bounds is not None and bounds.sides == fem.settings.sides and fem.flow == "associated":
         for strict in bounds.safety:
             if strict.kh == factor.kh and strict.lower is not None and strict.upper is not None:
-                return _("{low} to {high} by strict bounds", low=f"{strict.lower:.2f}", high=f"{strict.upper:.2f}")
+                low, high = f"{strict.lower:.2f}", f"{strict.upper:.2f}"
+                return _from_to(low, high, proven_by(strict.shallow_failure is not None), _)
     if factor.rest is not None:
         low = f"{factor.factor * (1.0 - factor.rest):.2f}"
-        return _("{low} to {high} by the sequence of meshes", low=low, high=f"{factor.factor:.2f}")
+        return _from_to(low, f"{factor.factor:.2f}", METHODS[0], _)
     return _("numerical error not known: one mesh, no strict bounds")
 
 

@@ -75,7 +75,8 @@ def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
         yield "earthquake", f"M {earthquake.magnitude:g}", "[earthquake]"
     if config.section.liquefies:
         default = config.slide.kh == type(config.slide).model_fields["kh"].default
-        by = "[earthquake], [site_response]" if "kh" in config.left_open else "default" if default else "slide.kh"
+        derived = "kh" in config.left_open or earthquake.driving(config.slide) is not None  # also of a stored section
+        by = "[earthquake], [site_response]" if derived else "default" if default else "slide.kh"
         yield "shaking of the slides", config.slide.shaking, by
     heads = [name for name, _ in case_heads(config)]
     for number, names, *left in case_rows(config):

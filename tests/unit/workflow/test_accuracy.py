@@ -9,6 +9,9 @@ from tests.support.sections import slope
 from workflow.config import Config
 from workflow.report.accuracy import Accuracy, accuracy, numerical_error, of_meshes, rounded_up
 from workflow.report.findings import findings
+from workflow.report.first_page import headlines
+from workflow.report.texts import Texts
+from workflow.results.bounds import ShallowBoundPart
 from workflow.results.continuum import FemAnswer, MeshStep, VariantsAnswer
 
 RUN = Config.parse(slope())
@@ -59,6 +62,18 @@ def test_strict_bounds_of_the_same_flow_close_the_interval() -> None:
     for other in ({"flow": "davis"}, {"direction": "uphill"}):
         apart = answer.model_copy(update=other)
         assert accuracy(results(RUN, fem=apart, bounds=bounds(RUN, 0.2799, 0.2815)), apart) == of_meshes(answer)
+
+
+def test_the_first_page_names_all_that_its_interval_follows_from() -> None:
+    answer, wide = sequence(0.2844, 0.2826, limit=0.2820), bounds(RUN, 0.27, 0.30)
+    face = ShallowBoundPart(stratum="Sand", start=1.0, end=5.0, kh=0.1)
+    deeper = wide.model_copy(update={"shallow_failures": (face,)})
+    found = [headlines(results(RUN, fem=answer, bounds=one), Texts())[0].interval for one in (wide, deeper, None)]
+    assert found == [
+        "0.282 to 0.283 by strict bounds and the sequence of meshes",
+        "0.282 to 0.283 by bounds of deeper failures and the sequence of meshes",
+        "0.282 to 0.283 by the sequence of meshes",
+    ]
 
 
 def test_a_single_mesh_is_judged_by_halved_cells_where_these_were_looked_at() -> None:

@@ -26,6 +26,7 @@ from workflow.earthquake.equivalent_kh import (
 from workflow.estimates.comparison import block_drive
 from workflow.estimates.empirical import empirical
 from workflow.estimates.sliding_block import newmark
+from workflow.report.tables import parameter_rows
 from workflow.stages.liquefaction import lowest_factors
 from workflow.stages.shaking import shaking_of
 
@@ -50,6 +51,7 @@ def test_kh_and_its_cycles_are_those_of_the_earthquake() -> None:
     assert "both ways in 13.9 cycles of M 7.4" in pushed
     again = analysed(tomllib.loads(given.to_toml()))
     assert (again.slide, again.notices) == (given.slide, given.notices)
+    assert list(parameter_rows(again)) == list(parameter_rows(given))  # the source of a stored section is the same
     assert given.slide.shaking == f"Kh = {given.slide.kh:g} both ways, 13.9 cycles of {given.slide.kh_period:g} s"
 
 

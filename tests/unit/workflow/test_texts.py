@@ -12,6 +12,7 @@ from tests.support import TOP
 from tests.support.answers import bounds, fem, results
 from tests.support.sections import analysed, slope
 from workflow.report import assumptions, uncertainty
+from workflow.report.accuracy import METHODS
 from workflow.report.captions import CAPTIONS
 from workflow.report.first_page import DIRECTION, FLOW, SIDES, headlines
 from workflow.report.page import VARIED
@@ -72,7 +73,7 @@ def warnings_of_report() -> Iterator[str]:
 
 
 def wanted() -> set[str]:
-    fixed = [*DIRECTION.values(), *FLOW.values(), *SIDES.values(), *VARIED, "left", "right"]
+    fixed = [*DIRECTION.values(), *FLOW.values(), *SIDES.values(), *VARIED, *METHODS, "left", "right"]
     heads = [head.strip().replace("\n", ", ") for head in STRATA_HEADS]
     head = [name for name, field in ReportSettings.model_fields.items() if field.annotation is str and name != "logo"]
     machine = ["host", "system", "processor"]
