@@ -6,7 +6,7 @@ taken away, and every disc that remains is given the stratum in which it has com
 the void ratio that is measured then: section over discs. Both are done `ROUNDS` times, the last time with the hollows
 at the surface filled, and that is repeated where a column is still off (`dem.search.levelling`).
 
-Discs that have come to rest under their weight alone hang on hardly more contacts than they need (three each), and give
+Discs that have come to rest under their weight alone have hardly more contacts than they need (three each), and give
 way at a small share of their strength: S-13 moved 0.44 m under Kh = 0.1, its continuum 0.10 m. No ground is as young as
 that. So it is shaken down: some cycles of a small Kh, after which the same Kh moves S-13 by 0.05 m.
 """
