@@ -123,6 +123,8 @@ def shallow_failures(
             (float(ratio * np.tan(phi - angle) - sign * drawn), ratio, sign * drawn)
             for ratio, drawn in _forces(section, piece, settings, shaken)
         ]
+        if not choices:  # where a stratum pinches out it is thinner than points are told apart
+            continue
         face = ShallowFailure(
             soil.name, piece.start, piece.end, angle, *min(choices), into_water=max(piece.strata, len(choices)) > 1
         )

@@ -35,6 +35,19 @@ def test_the_shallow_failure_is_an_infinite_slope():
     assert shallow_failures(bank(cohesion="1 kPa"), FIXED) == []
 
 
+def test_where_a_stratum_pinches_out_it_is_no_face() -> None:
+    """The wedge of cover at the crest is 2.5 mm thick in its middle, less than points are told apart."""
+    surface = [[0.0, 5.0], [10.0, 5.0], [10.01, 4.995], [20.0, 0.0], [30.0, 0.0]]
+    line = {"elevation": [[0.0, 4.0], [9.9, 4.0], [10.0, 4.995], [10.01, 4.995], [20.0, 0.0], [30.0, 0.0]]}
+    cover = layer("cover", cohesion=0, friction_angle="35 deg", bottom=line)
+    sand = layer("sand", cohesion=0, friction_angle="35 deg", bottom={"elevation": -2.0})
+    clay = layer("clay", cohesion="60 kPa", friction_angle="0 deg")
+    data = {"name": "bank", "surface": surface, "base": {"elevation": -4.0}, "strata": [cover, sand, clay]}
+    pinched = shallow_failures(Section.parse(data), FIXED)
+    assert [face.stratum for face in pinched] == ["sand"]
+    assert pinched[0].kh == pytest.approx(shallow_failures(bank(), FIXED)[0].kh)
+
+
 def test_the_strengthened_strip_carries_what_level_ground_does():
     """The infinite slope: γ d sin β + Kh γ d cos β = c / cos β + tan φ (γ d cos β - Kh γ d sin β), d vertical."""
     section, settings = bank(), FemSettings(least_depth="0.8 m")
