@@ -12,12 +12,14 @@ from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
 from tests.support import command_line
 from tests.support.borings import bored, test
+from tests.support.newmark import newmark_shaken
 from tests.support.records import motion, peer
 from tests.support.sections import analysed
 from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
 from workflow.earthquake.accelerogram import Accelerogram
 from workflow.earthquake.equivalent_kh import (
+    SHARE,
     cycles_of_magnitude,
     cycles_of_record,
     mean_period,
@@ -246,3 +248,16 @@ def _of_a_sine(kh: float, ky: float, period: float) -> float:
     speed = np.append(0.0, np.cumsum(0.5 * (excess[1:] + excess[:-1]) * np.diff(time)))
     stop = int(np.argmax(speed[1:] <= 0.0)) + 1
     return float(np.sum(0.5 * (speed[1:stop] + speed[: stop - 1]) * np.diff(time[:stop])))
+
+
+@pytest.mark.parametrize(("share", "ratio"), [(0.1, 1.96), (0.25, 5.6), (0.5, 5.1), (0.7, 0.0)])
+def test_cycles_drive_a_block_further_than_records_do(share: float, ratio: float) -> None:
+    """Over the median of records, log D (cm) = -2.710 + log[(1 - r)^2.335 r^-1.478] + 0.424 M (Jibson 2007, eq. 7).
+
+    M 7, a peak of 0.35 g, a yield coefficient of r times that; on this slope the block slides one way only.
+    """
+    magnitude, peak, angle = 7.0, 0.35, np.radians(20.0)
+    cycles = cyclic_acceleration(SHARE * peak, cycles_of_magnitude(magnitude), mean_period(magnitude))
+    slide = newmark_shaken(angle, float(np.tan(angle)) + share * peak, *cycles)
+    median = 0.01 * 10.0 ** (-2.710 + 0.424 * magnitude) * (1.0 - share) ** 2.335 * share**-1.478
+    assert slide / median == pytest.approx(ratio, rel=0.02)

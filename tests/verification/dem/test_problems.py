@@ -46,7 +46,7 @@ def test_a_column_of_clay_that_stands() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="pore pressure of a sheared packing bears shear: 1.27 of what was asked")
+@pytest.mark.xfail(strict=True, reason="bonds are fitted on slip along a fixed base: 1.27 of what was asked")
 def test_a_liquefied_layer_between_dry_ones_holds_what_was_asked() -> None:
     """Statics of an endless slope (Newmark 1965): accelerations at twice the yield coefficient show the strength."""
     angle, ratio, radius = np.radians(2.6), 0.2, 0.25
