@@ -357,14 +357,10 @@ def _out_of_reach(
     """Why no factor meets the target, in words."""
     reach = [middle(search) for search in tried.values()]
     message = (
-        f"{parameter} times {min(tried):.3g} to {max(tried):.3g} reaches critical Kh from {min(reach):.3f} to "
-        f"{max(reach):.3f}, closest to {target:.4f} at {value:.3g}: {middle(tried[value]):.4f}"
+        f"with {parameter} times {min(tried):.3g} to {max(tried):.3g} the discs fail at Kh = {min(reach):.3f} to "
+        f"{max(reach):.3f}, not at {target:.3f}; the nearest is {middle(tried[value]):.3f} at {value:.3g}"
     )
-    return (
-        f"calibration failed, the disc assembly cannot reproduce this strength: {message}"
-        if settings.model == "soil"
-        else message
-    )
+    return f"calibration failed: {message}" if settings.model == "soil" else message
 
 
 def _outwards(base: Search | None, target: float, settings: DemSettings) -> Iterator[list[float]]:

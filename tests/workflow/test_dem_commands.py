@@ -87,7 +87,7 @@ def test_the_calibration_meets_the_continuum_or_says_why_not(whole: Path) -> Non
     if found["verdict"] == "calibrated":
         assert abs(found["kc"] - target) <= 0.1
     else:
-        assert "reaches critical Kh from" in found["reason"]
+        assert "the discs fail at Kh = " in found["reason"]
     rows = {(row["parameter"], row["value"]) for row in found["sensitivity"]}
     assert rows >= {(p, f) for p in ("stiffness", "friction", "pore_strength") for f in (0.5, 1.0, 2.0)}
     assert any(trial["value"] == found["value"] for trial in found["trials"])
@@ -172,5 +172,5 @@ def test_out_of_reach_is_no_answer(tmp_path: Path, capsys: pytest.CaptureFixture
     narrow = {"parameter": "pore_strength", "range": [0.9, 1.1], "tolerance": 0.001, "out_of_reach": "stop"}
     assert run("calibrate", written(tmp_path, dem=narrow), "--out", tmp_path / "out") == 3
     told = capsys.readouterr()
-    assert "reaches critical Kh from" in " ".join((told.out + told.err).split())
+    assert "the discs fail at Kh = " in " ".join((told.out + told.err).split())
     assert answer(tmp_path / "out", "calibration.json")["verdict"] == "out of reach"

@@ -1,5 +1,7 @@
 """The picture of the report's first page: the section, how it fails, and where the surface comes to lie."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
@@ -8,6 +10,7 @@ from workflow.figures.canvas import CRITICAL, DISCS, INK
 from workflow.figures.ground import Overlay, draw_section
 from workflow.figures.slides import smoothed
 from workflow.results.cases import CaseAnswer
+from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 
 FRONT = "figures/front.png"
@@ -23,22 +26,25 @@ def front(results: Results, name: str) -> bool:
         label = f"slip surface at Kh = {results.kc:.3f}"
         lines.append(Overlay(results.slip_surface, CRITICAL, (0, ()), label))
     number, case = _largest(results)
-    if case is not None and results.dem is not None:
-        after = smoothed(np.array(case.surface_after), 2.0 * results.dem.model.radius_m)
-        label = f"surface after the slide, case {number}: {case.slide_max_m:.2g} m"
+    if case is not None:
+        after, by = np.array(case.surface_after), "material points"
+        if isinstance(case, CaseAnswer) and results.dem is not None:
+            after, by = smoothed(after, 2.0 * results.dem.model.radius_m), "discs"
+        label = f"surface after the slide by {by}, case {number}: {case.slide_max_m:.2g} m"
         lines.append(Overlay(after, DISCS, (0, ()), label))
     if not lines and results.fem is None:
         return False
     with results.store.writing(name) as path:
         draw_section(
-            results.config.section, path, "failure and slide", lines, decorate=lambda axes: _marks(axes, results)
+            results.config.section, path, "failure and slide", lines, lambda axes: _marks(axes, results), ABOVE
         )
     return True
 
 
-def _largest(results: Results) -> tuple[int, CaseAnswer | None]:
-    """The case of the set that counts with the largest slide; None without slides."""
-    _, cases = results.case_set()
+def _largest(results: Results) -> tuple[int, CaseAnswer | PointCase | None]:
+    """The largest slide of the set of discs that counts, or else of material points; None without slides."""
+    _, discs = results.case_set()
+    cases: Mapping[int, CaseAnswer | PointCase] = discs or (results.mpm.cases if results.mpm is not None else {})
     if not cases:
         return 0, None
     number = max(cases, key=lambda case: cases[case].slide_max_m)

@@ -112,6 +112,14 @@ def water_beside(config: Config, crest: Crest) -> float | None:
     return None if points is None else float(np.interp([crest.start, crest.end], *points.T).max())
 
 
+def holds_water(config: Config) -> bool:
+    """Whether freeboard means something: a criterion asks for it, or water stands on the ground."""
+    points, ground = config.section.water_points(), config.section.ground
+    if points is None or config.criteria.freeboard is not None:
+        return config.criteria.freeboard is not None
+    return bool((np.interp(ground[:, 0], *points.T) > ground[:, 1] + 1e-6).any())
+
+
 def crest_sentences(parts: Iterator[CrestPart]) -> Iterator[str]:
     """Every crest after every slide."""
     for part in parts:

@@ -5,11 +5,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from meshes.section.cutting import spoken
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.slide_error import slide_error
+from workflow.estimates.structures import structures_of
 from workflow.report.accuracy import METHODS, Accuracy, accuracy, proven_by
 from workflow.report.findings import CONTRADICTED, lies_still
 from workflow.report.numbers import coefficient, span
 from workflow.report.paper import rows
 from workflow.report.texts import Texts
+from workflow.report.warnings import of_cases
 from workflow.results.cases import CaseAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.material_points import PointCase
@@ -59,11 +61,10 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
     error = accuracy(results, fem)
     conditions = _("{sides}, {flow}", sides=_(SIDES[fem.settings.sides]), flow=_(FLOW[fem.flow]))
     if error is not None and fem.kc > CONTRADICTED * error.high:
-        return _contradicted(fem, error, conditions, _)
+        return _contradicted(results, fem, error, conditions, _)
     phrase = _(
-        "The section fails {direction}, to the {side}, at Kh = {kc} ({acceleration} m/s²), with {conditions}.",
-        direction=_(DIRECTION[fem.direction]),
-        side=_(fem.towards),
+        "The section fails {way} at Kh = {kc} ({acceleration} m/s²), with {conditions}.",
+        way=_way(results, fem, _),
         kc=coefficient(fem.kc),
         acceleration=f"{fem.kc * GRAVITY:.2g}",
         conditions=conditions,
@@ -76,15 +77,21 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
     return HeadlinePart(name=name, value=coefficient(fem.kc), interval=_interval(error, _), conclusion=phrase)
 
 
-def _contradicted(fem: FemAnswer, error: Accuracy, conditions: str, _: Texts) -> HeadlinePart:
+def _way(results: Results, fem: FemAnswer, _: Texts) -> str:
+    """Where to the section fails: downslope or upslope, but for ground that falls to both sides."""
+    if structures_of(results.config.section):
+        return _("to the {side}", side=_(fem.towards))
+    return _("{direction}, to the {side},", direction=_(DIRECTION[fem.direction]), side=_(fem.towards))
+
+
+def _contradicted(results: Results, fem: FemAnswer, error: Accuracy, conditions: str, _: Texts) -> HeadlinePart:
     """The critical Kh where strict bounds say that it is smaller than the finite elements have it: theirs, where they
     lie close together."""
     if error.low >= CLOSE_BOUNDS * error.high:
         phrase = _(
-            "The section fails {direction}, to the {side}, at Kh = {low} to {high} {method}; the finite "
-            "elements are {excess} % above ({conditions}).",
-            direction=_(DIRECTION[fem.direction]),
-            side=_(fem.towards),
+            "The section fails {way} at Kh = {low} to {high} {method}; the finite elements are {excess} % above "
+            "({conditions}).",
+            way=_way(results, fem, _),
             low=coefficient(error.low),
             high=coefficient(error.high),
             method=_(error.method),
@@ -217,7 +224,7 @@ def _of_slides(results: Results, cases: Slides, _: Texts) -> str:
     if 2 * error.held < error.cases:
         return _("no interval: discs did not predict the known slides of this kind")
     return _(
-        "{span} with the error on known slides (factor {factor} in {held} of {cases})",
+        "{span}: {held} of {cases} known slides were predicted within a factor of {factor}",
         span=span(error.interval(min(moved), max(moved))),
         factor=f"{error.factor:g}",
         held=error.held,
@@ -227,6 +234,7 @@ def _of_slides(results: Results, cases: Slides, _: Texts) -> str:
 
 def conclusions(results: Results, _: Texts) -> Iterator[str]:
     """Sentences of the first page behind the numbers: why this Kh, which slide counts, and the paper."""
+    yield from _without_shaking(results, _)
     yield from _why_kh(results, _)
     if results.cases is not None and len([name for name, cases in results.cases.sets.items() if cases]) > 1:
         yield _("The slides of the calibrated discs count; those with the springs of Table 2 are a comparison.")
@@ -242,6 +250,19 @@ def conclusions(results: Results, _: Texts) -> Iterator[str]:
             off_discs=len([row for row in discs if not row.agrees]),
             discs=len(discs),
         )
+
+
+def _without_shaking(results: Results, _: Texts) -> Iterator[str]:
+    """Whether the continuum still stands after liquefaction, once the shaking is over."""
+    cases = results.liquefied.cases if results.liquefied is not None else ()
+    flows = [number for one in cases if one.stands == "flows" for number in one.cases]
+    stands = [number for one in cases if one.stands == "stands" for number in one.cases]
+    if flows:
+        yield _(
+            "After liquefaction the section does not stand, even without shaking, in {cases}.", cases=of_cases(flows)
+        )
+    if stands:
+        yield _("After liquefaction the section still stands without shaking in {cases}.", cases=of_cases(stands))
 
 
 def _why_kh(results: Results, _: Texts) -> Iterator[str]:

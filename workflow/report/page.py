@@ -21,6 +21,7 @@ from workflow.report import tables
 from workflow.report.after import just_enough
 from workflow.report.assumptions import assumptions
 from workflow.report.captions import collect
+from workflow.report.crests import holds_water
 from workflow.report.findings import lies_still, moved_lately, springs_of
 from workflow.report.labels import Labels, Notes
 from workflow.report.numbers import metres, number, scaled
@@ -68,7 +69,7 @@ def page(results: Results, summary: Summary) -> str:
     first, second = Labels(texts), Labels(texts)
     template.render(content, labels=first)
     second.known, second.contents = first.found, first.sections
-    return template.render(content, labels=second)
+    return texts.page(template.render(content, labels=second))
 
 
 def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]:
@@ -100,12 +101,17 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "assumptions": list(assumptions(config)),
         "enough": just_enough(results.liquefied.cases) if results.liquefied is not None else None,
         "faces": face_rows(config, results.slices) if results.slices is not None else [],
+        "holds_water": holds_water,
         "crests": summary.crests or (),
         "verdicts": summary.criteria or (),
         "limit_words": limit_words,
         "interval_words": interval_words,
         "elsewhere": list(elsewhere(config, results.slices)) if results.slices is not None else [],
-        "estimates": estimates(config.section, config, results.kc, results.slip_surface),
+        "estimates": [
+            one
+            for one in estimates(config.section, config, results.kc, results.slip_surface)
+            if is_s13(config.section) or not one.source.startswith("the paper")
+        ],
         "slides": list(slides(results)),
         "paper": rows(results),
         "is_s13": is_s13(config.section),

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from workflow.estimates.structures import structures_of
 from workflow.report.first_page import FLOW, SIDES
 from workflow.report.numbers import coefficient
 from workflow.report.slices import factor_on_surface
@@ -41,6 +42,8 @@ def _elements(results: Results, _: Texts) -> Iterator[Row]:
         value = f"> {coefficient(other.kc)}" if other.verdict == "no failure" else coefficient(other.kc)
         cut = _("; slides out at the side of the section") if other.at_sides else ""
         force = _("seismic force upslope") if other.direction == "uphill" else _("seismic force downslope")
+        if structures_of(results.config.section):
+            force = _("seismic force to the {side}", side=_("left" if fem.towards == "right" else "right"))
         yield Row(name, value, "", force + cut)
     for shallow_failure in fem.shallow_failures:
         where = _("shallow failure of the face from x = {start} to {end} m",
@@ -112,7 +115,10 @@ def _discs(results: Results, _: Texts) -> Iterator[Row]:
                 "factor {value} on {what}", value=f"{calibration.value:.3g}", what=_parameter(calibration.parameter, _)
             )
             compared = f"{factor}; {compared}" if compared else factor
-        yield Row(_("critical Kh, discs, calibrated"), coefficient(discs.after.kc), interval, compared)
+        name = _("critical Kh, discs, calibrated")
+        if calibration is not None and calibration.verdict == "out of reach":
+            name = _("critical Kh, discs, the nearest that calibration reaches")
+        yield Row(name, coefficient(discs.after.kc), interval, compared)
 
 
 def _parameter(name: str, _: Texts) -> str:

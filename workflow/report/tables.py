@@ -76,14 +76,15 @@ def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
     if config.section.liquefies:
         default = config.slide.kh == type(config.slide).model_fields["kh"].default
         derived = "kh" in config.left_open or earthquake.driving(config.slide) is not None  # also of a stored section
-        by = "[earthquake], [site_response]" if derived else "default" if default else "slide.kh"
+        by = "[earthquake]" if derived else "default" if default else "slide.kh"
         yield "shaking of the slides", config.slide.shaking, by
     heads = [name for name, _ in case_heads(config)]
     for number, names, *left in case_rows(config):
         phrase = ", ".join(f"{head} {value}" for head, value in zip(heads, left, strict=True) if head != "name")
         derived = int(number) > len(config.slide.cases)
-        called = config.called(int(number))
-        yield called, f"{names}: {phrase}", "borings ([triggering])" if derived else "slide.cases"
+        default = config.slide.cases == type(config.slide).model_fields["cases"].default
+        by = "borings ([triggering])" if derived else "default" if default else "slide.cases"
+        yield config.called(int(number)), f"{names}: {phrase}", by
 
 
 def texts(section: Section) -> list[str]:

@@ -15,6 +15,13 @@ Language = Literal["en", "ja"]
 
 SENTENCES = "sentences"  # the table of the catalogue with whole sentences, whose values are written {}
 CASES = re.compile(r"cases? ([\d, and]+)")
+# A page is cut at scripts and at all tags but those within a sentence; a paragraph is cut behind its sentences.
+CUT = re.compile(r"(<(?:script|style)\b.*?</(?:script|style)>|<(?!/?(?:i|sub|a|br)\b)[^>]*>)", re.DOTALL)
+END = re.compile(r"(?<=\.)(?<!al\.)(?<!eq\.)(?<!Sec\.) (?=[A-Zκ])")
+EDGES = re.compile(r"([\s:;,]*)(.*?)(\s*)", re.DOTALL)
+VALUE = r"((?:(?!\.\ [A-Z]).)+?)"  # within one sentence
+LIST = re.compile(r", and | and |, ")
+QUOTES = (("&#34;", '"'), ("&#39;", "'"))
 
 
 @cache
@@ -38,8 +45,10 @@ def sentences(language: Language) -> dict[str, str]:
 
 
 @cache
-def _pattern(sentence: str) -> re.Pattern[str]:
-    return re.compile("(.+?)".join(map(re.escape, sentence.split("{}"))))
+def _patterns(language: Language) -> tuple[tuple[re.Pattern[str], str], ...]:
+    """What sentences look like, those with the most fixed words first, and their translations."""
+    found = sorted(sentences(language).items(), key=lambda one: len(one[0].replace("{}", "")), reverse=True)
+    return tuple((re.compile(VALUE.join(map(re.escape, text.split("{}")))), told) for text, told in found)
 
 
 class Texts:
@@ -70,18 +79,47 @@ class Texts:
 
     def sentence(self, text: str) -> str:
         """Translate a whole sentence that a stage has left, numbers and all; unchanged where none fits it."""
-        for english, translation in sentences(self.language).items():
-            match = _pattern(english).fullmatch(text)
+        if text in self.translations:
+            return self.translations[text]
+        for pattern, translation in _patterns(self.language):
+            match = pattern.fullmatch(text)
             if match is not None:
                 return translation.format(*map(self._value, match.groups()))
         return text
 
+    def page(self, html: str) -> str:
+        """Translate all that is still English on a page, sentence by sentence; scripts and styles stay."""
+        if self.language == "en":
+            return html
+        parts = CUT.split(html)
+        return "".join(part if index % 2 else self._paragraph(part) for index, part in enumerate(parts))
+
+    def _paragraph(self, text: str) -> str:
+        """The sentences between two tags of a page."""
+        before, words, after = EDGES.fullmatch(text).groups()  # type: ignore[union-attr]
+        for code, letter in QUOTES:
+            words = words.replace(code, letter)
+        words = " ".join(words.split())
+        told = self.sentence(words)
+        if told == words:
+            each = map(self.sentence, END.split(words))
+            told = "".join(one if one.endswith("。") else f"{one} " for one in each).strip()
+        told = self._plain(told)
+        return before + told + after if told != words else text
+
     def _value(self, text: str) -> str:
-        """A value within a text: cases, and the range of two numbers."""
+        """A value within a text: a text of its own, cases, and the range of two numbers."""
         if self.language == "en":
             return text
-        text = CASES.sub(lambda match: f"ケース{match[1].replace(' and ', ', ')}", text)
-        return self.translations.get(text, re.sub(r"(?<=\d) to (?=\d)", "~", text))
+        found = self.sentence(text)
+        if found == text and " and " in text:
+            return "、".join(map(self._value, LIST.split(text)))
+        return self._plain(found)
+
+    def _plain(self, text: str) -> str:
+        """A text with its cases, and its ranges of numbers."""
+        text = CASES.sub(lambda match: f"ケース{LIST.sub('、', match[1])}", text)
+        return re.sub(r"(?<=\d) to (?=\d)", "~", text)
 
     def listed(self, words: list[str]) -> str:
         """Join words as people list them: a, b and c."""

@@ -14,6 +14,7 @@ from workflow.results.verdicts import WarningPart, Weight
 CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond this is told
 SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apart than this are told
 DECIDE = 1.15  # times, or divided by it: other sides that change the critical Kh by more decide it
+DOUBT = "Warning: "  # begins a note of material points that is one
 OPEN = 1.1  # times: a critical Kh that may be so much larger than the one the discs are brought to is told
 # A number in a note, and what is none though it has digits: what stands in quotation marks, and names as Ac1.
 NUMBER = re.compile(r'("[^"]*")|(?<![\w.])(\d+(?:\.\d+)?)(?![\w.]*\w)')
@@ -57,7 +58,7 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
         yield 2, text
     if results.config.section.reconstruction:
         yield 2, "the ground is a reconstruction: confirm the depths of the layers by borings"
-    for text in (*_calibration(results), *_target_range(results), *_fails_when_held(results)):
+    for text in (*_calibration(results), *_target_range(results), *_fails_when_held(results), *_nothing_left(results)):
         yield 2, text
     yield from contradictions(results)
     yield from ((2, text) for text in _of_cases(results))
@@ -76,6 +77,31 @@ def _of_cases(results: Results) -> Iterator[str]:
     if escaped:
         yield f"discs have left the section in {of_cases(escaped)}: take a longer section (beyond)"
     yield from joined({number: case.notes for number, case in cases.items()})
+    points = results.mpm.cases if results.mpm is not None else {}
+    doubted = {
+        number: [note.removeprefix(DOUBT) for note in case.notes if note.startswith(DOUBT)]
+        for number, case in points.items()
+    }
+    for text in joined(doubted):
+        yield f"of the slide by material points {text}: compare it with the slide of the discs"
+
+
+def _nothing_left(results: Results) -> Iterator[str]:
+    """That layers which liquefy keep no strength at all, which nobody measured."""
+    names = [stratum.name for stratum in results.config.section.strata if stratum.liquefies_in]
+    used = {number for stratum in results.config.section.strata for number in stratum.liquefies_in}
+    left = {number: results.config.cases[number - 1] for number in sorted(used)}
+    none = [
+        number
+        for number, case in left.items()
+        if not any(case.residual_of(name) or case.strength_of(name) or case.cohesion or case.friction for name in names)
+    ]
+    computed = results.liquefied is not None or results.mpm is not None or results.case_set()[1]
+    if none and computed and not results.config.dem.paper:
+        yield (
+            f"the layers that liquefy keep no strength at all in {of_cases(none)}, so that the slide has no lower "
+            "limit of resistance: give a residual strength (slide.cases, residual or residual_strength)"
+        )
 
 
 def _target_range(results: Results) -> Iterator[str]:
@@ -164,7 +190,12 @@ def _calibration(results: Results) -> Iterator[str]:
     calibration = results.calibration
     if calibration is None:
         return
-    if calibration.verdict == "out of reach":
+    if calibration.verdict == "out of reach" and results.no_answer("calibrate") is not None:
+        yield (
+            "no factor on the strength of the discs gives the critical Kh of the finite elements, so no slide of discs "
+            'was computed: take more discs (dem.elements), or dem.out_of_reach = "go on" for the nearest'
+        )
+    elif calibration.verdict == "out of reach":
         yield (
             "calibration failed, since no factor on the strength of the discs gives the critical Kh of the finite "
             "elements: take the slides as those of another soil"

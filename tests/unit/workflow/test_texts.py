@@ -100,7 +100,7 @@ def test_a_warning_is_translated_with_its_numbers() -> None:
         "its thirds."
     )
     assert Texts("ja").sentence(told) == (
-        "ケース1, 2で地表がx = 66~70 mにおいて6.1~6.9 m沈下し、1/3区間の平均沈下量を大きく上回る。"
+        "ケース1、2で地表がx = 66~70 mにおいて6.1~6.9 m沈下し、1/3区間の平均沈下量を大きく上回る。"
     )
     assert Texts("ja").sentence("What nobody has translated.") == "What nobody has translated."
     assert Texts().sentence(told) == told

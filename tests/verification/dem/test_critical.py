@@ -144,7 +144,7 @@ def test_calibration_finds_the_friction_that_the_block_needs() -> None:
     lost = calibrate(far, 0.1 * MU, "friction", [("", 1.0, far.search("", 1.0))])
     assert lost.verdict == "out of reach"
     assert lost.value == 0.5
-    assert "reaches critical Kh from 0.1" in lost.reason
+    assert "the discs fail at Kh = 0.1" in lost.reason
 
 
 def test_springs_that_do_not_carry_the_ground_are_no_fault() -> None:
