@@ -100,12 +100,16 @@ class Texts:
         for code, letter in QUOTES:
             words = words.replace(code, letter)
         words = " ".join(words.split())
-        told = self.sentence(words)
+        told = self._sentence_of_page(words)
         if told == words:
-            each = map(self.sentence, END.split(words))
+            each = map(self._sentence_of_page, END.split(words))
             told = "".join(one if one.endswith("。") else f"{one} " for one in each).strip()
-        told = self._plain(told)
         return before + told + after if told != words else text
+
+    def _sentence_of_page(self, text: str) -> str:
+        """A translation, or the English sentence where only a part of it would be translated."""
+        told = self.sentence(text)
+        return text if text.endswith(".") and not told.endswith("。") else self._plain(told)
 
     def _value(self, text: str) -> str:
         """A value within a text: a text of its own, cases, and the range of two numbers."""

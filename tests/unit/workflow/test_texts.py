@@ -102,6 +102,8 @@ def test_a_warning_is_translated_with_its_numbers() -> None:
     assert Texts("ja").sentence(told) == (
         "ケース1、2で地表がx = 66~70 mにおいて6.1~6.9 m沈下し、1/3区間の平均沈下量を大きく上回る。"
     )
+    mixed = "In cases 1 and 2 the layers keep 0.1 of the stiffness, and what nobody has translated."
+    assert Texts("ja").page(f"<p>{mixed}</p>") == f"<p>{mixed}</p>"
     assert Texts("ja").sentence("What nobody has translated.") == "What nobody has translated."
     assert Texts().sentence(told) == told
 
