@@ -13,6 +13,7 @@ from workflow.results.verdicts import WarningPart, Weight
 
 CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond this is told
 SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apart than this are told
+AT_SIDE = 0.02  # of the length of the section: a slip surface ends at a side if it is so near, and so deep
 DECIDE = 1.15  # times, or divided by it: other sides that change the critical Kh by more decide it
 DOUBT = "Warning: "  # begins a note of material points that is one
 OPEN = 1.1  # times: a critical Kh that may be so much larger than the one the discs are brought to is told
@@ -124,11 +125,23 @@ def _sides(results: Results) -> Iterator[str]:
     if fem is None or change is None or other is None or not fem.kc > 0.0:
         return
     if not 1.0 / DECIDE <= other / fem.kc <= DECIDE:
-        longer = "a larger value of beyond" if results.config.section.beyond else 'beyond = "50 m"'
         yield (
             f"with {change.change} the critical Kh is {coefficient(other)} instead of {coefficient(fem.kc)}, so that "
-            f"the condition at the sides decides: move the sides away by {longer}"
+            f"the condition at the sides decides: {_held_otherwise(results)}"
         )
+
+
+def _held_otherwise(results: Results) -> str:
+    """What to do about sides that decide. Farther away they decide as much where level ground slides out at one."""
+    section, line = results.config.section, results.slip_surface
+    left, right = section.extent
+    near = AT_SIDE * (right - left)
+    for side, end in (("left", left), ("right", right)):
+        depth = np.interp(line[:, 0], *np.array(section.surface, dtype=float).T) - line[:, 1]
+        if (depth[np.abs(line[:, 0] - end) < near] > near).any():
+            return f'take fem.sides = "smooth" if the ground continues beyond the {side} side, where it slides out'
+    longer = "a larger value of beyond" if section.beyond else 'beyond = "50 m"'
+    return f"move the sides away by {longer}"
 
 
 def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:
