@@ -106,9 +106,10 @@ def deposit(section: Section, settings: DemSettings, layers_of: LayersOf) -> Dep
         ground = replace(ground, packing=_in_strata(section, packing))
         layers = list(layers_of(radius, void_ratio(section, ground.packing)))
         settled = settle(ground, layers, settings, shaken=False)
-        if done >= ROUNDS - 1:
-            settled = shaken_down(settled, ground)
-        if done >= ROUNDS - 1 and np.abs(misfit(section, settled, radius)).max() <= OFF * radius:
+        if done < ROUNDS - 1:
+            continue
+        settled = shaken_down(settled, ground)
+        if np.abs(misfit(section, settled, radius)).max() <= OFF * radius:
             break
     shake(settled, ground)
     return Deposit(ground, layers, settled, void_ratio(section, ground.packing))

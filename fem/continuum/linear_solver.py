@@ -157,8 +157,8 @@ class _ByCholmod:
 
 
 class _ByMumps:
-    """The same, of which every rank has the rows that it owns; of a ``symmetric`` one a triangle is factorised, in
-    three quarters of the time."""
+    """The matrix on any number of ranks, each with the rows that it owns; of a ``symmetric`` one a triangle is
+    factorised, in three quarters of the time."""
 
     def __init__(
         self, d: Discretisation, exchange: Exchange, rows: np.ndarray, own: np.ndarray, symmetric: bool

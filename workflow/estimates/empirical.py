@@ -12,7 +12,7 @@ from meshes.section.section import Section
 from workflow.earthquake.attenuation import Motion
 from workflow.earthquake.column import MAKDISI, column_of
 from workflow.estimates import truss
-from workflow.estimates.estimate import Estimate, flow_words, mean_inclination
+from workflow.estimates.estimate import Estimate, depth_below_ground, flow_words, mean_inclination
 from workflow.estimates.lateral_spread import (
     LOOSE,
     YOUD,
@@ -131,7 +131,7 @@ def _depth_of(slip_surface: np.ndarray, section: Section, x: float) -> float | N
     """Depth (m) of a slip surface below the ground at x, or where it is deepest if it does not pass there."""
     if not len(slip_surface):
         return None
-    depths = np.interp(slip_surface[:, 0], *section.ground.T) - slip_surface[:, 1]
+    depths = depth_below_ground(section, slip_surface)
     passes = slip_surface[0, 0] <= x <= slip_surface[-1, 0]
     depth = float(np.interp(x, slip_surface[:, 0], depths)) if passes else float(depths.max())
     return depth if depth > 0.0 else None

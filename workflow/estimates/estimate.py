@@ -4,6 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from fem.continuum.strength import FlowSetting, davis_words, flow_of
 from meshes.section.section import Section
 
@@ -36,6 +38,12 @@ def mean_inclination(section: Section) -> float:
     """By how much the ground is inclined from one end to the other (rad), whichever way it falls: never negative."""
     (x0, z0), (x1, z1) = section.ground[0], section.ground[-1]
     return math.atan(abs(z1 - z0) / (x1 - x0))
+
+
+def depth_below_ground(section: Section, line: np.ndarray) -> np.ndarray:
+    """How deep the points of a ``line`` (n, 2), such as a slip surface, lie below the ground (n,), in m."""
+    depth: np.ndarray = np.interp(line[:, 0], *section.ground.T) - line[:, 1]
+    return depth
 
 
 def flow_words(section: Section, setting: FlowSetting) -> str:

@@ -114,10 +114,10 @@ def water_beside(config: Config, crest: Crest) -> float | None:
 
 def holds_water(config: Config) -> bool:
     """Whether freeboard means something: a criterion asks for it, or water stands on the ground."""
+    if config.criteria.freeboard is not None:
+        return True
     points, ground = config.section.water_points(), config.section.ground
-    if points is None or config.criteria.freeboard is not None:
-        return config.criteria.freeboard is not None
-    return bool((np.interp(ground[:, 0], *points.T) > ground[:, 1] + 1e-6).any())
+    return points is not None and bool((np.interp(ground[:, 0], *points.T) > ground[:, 1] + 1e-6).any())
 
 
 def crest_sentences(parts: Iterator[CrestPart]) -> Iterator[str]:

@@ -101,7 +101,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "assumptions": list(assumptions(config)),
         "enough": just_enough(results.liquefied.cases) if results.liquefied is not None else None,
         "faces": face_rows(config, results.slices) if results.slices is not None else [],
-        "holds_water": holds_water,
+        "holds_water": holds_water(config),
         "crests": summary.crests or (),
         "verdicts": summary.criteria or (),
         "limit_words": limit_words,

@@ -41,9 +41,10 @@ def _elements(results: Results, _: Texts) -> Iterator[Row]:
     if other is not None:
         value = f"> {coefficient(other.kc)}" if other.verdict == "no failure" else coefficient(other.kc)
         cut = _("; slides out at the side of the section") if other.at_sides else ""
-        force = _("seismic force upslope") if other.direction == "uphill" else _("seismic force downslope")
         if structures_of(results.config.section):
             force = _("seismic force to the {side}", side=_("left" if fem.towards == "right" else "right"))
+        else:
+            force = _("seismic force upslope") if other.direction == "uphill" else _("seismic force downslope")
         yield Row(name, value, "", force + cut)
     for shallow_failure in fem.shallow_failures:
         where = _("shallow failure of the face from x = {start} to {end} m",

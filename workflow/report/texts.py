@@ -47,8 +47,8 @@ def sentences(language: Language) -> dict[str, str]:
 @cache
 def _patterns(language: Language) -> tuple[tuple[re.Pattern[str], str], ...]:
     """What sentences look like, those with the most fixed words first, and their translations."""
-    found = sorted(sentences(language).items(), key=lambda one: len(one[0].replace("{}", "")), reverse=True)
-    return tuple((re.compile(VALUE.join(map(re.escape, text.split("{}")))), told) for text, told in found)
+    by_words = sorted(sentences(language).items(), key=lambda pair: len(pair[0].replace("{}", "")), reverse=True)
+    return tuple((re.compile(VALUE.join(map(re.escape, text.split("{}")))), to) for text, to in by_words)
 
 
 class Texts:
@@ -100,25 +100,25 @@ class Texts:
         for code, letter in QUOTES:
             words = words.replace(code, letter)
         words = " ".join(words.split())
-        told = self._sentence_of_page(words)
-        if told == words:
-            each = map(self._sentence_of_page, END.split(words))
-            told = "".join(one if one.endswith("。") else f"{one} " for one in each).strip()
-        return before + told + after if told != words else text
+        translation = self._sentence_of_page(words)
+        if translation == words:
+            parts = map(self._sentence_of_page, END.split(words))
+            translation = "".join(part if part.endswith("。") else f"{part} " for part in parts).strip()
+        return before + translation + after if translation != words else text
 
     def _sentence_of_page(self, text: str) -> str:
         """A translation, or the English sentence where only a part of it would be translated."""
-        told = self.sentence(text)
-        return text if text.endswith(".") and not told.endswith("。") else self._plain(told)
+        translation = self.sentence(text)
+        return text if text.endswith(".") and not translation.endswith("。") else self._plain(translation)
 
     def _value(self, text: str) -> str:
         """A value within a text: a text of its own, cases, and the range of two numbers."""
         if self.language == "en":
             return text
-        found = self.sentence(text)
-        if found == text and " and " in text:
+        translation = self.sentence(text)
+        if translation == text and " and " in text:
             return "、".join(map(self._value, LIST.split(text)))
-        return self._plain(found)
+        return self._plain(translation)
 
     def _plain(self, text: str) -> str:
         """A text with its cases, and its ranges of numbers."""

@@ -5,9 +5,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from workflow.estimates.estimate import depth_below_ground
 from workflow.report.contradictions import contradictions
 from workflow.report.numbers import coefficient, listed
 from workflow.results.discs import SlipSurfaces
+from workflow.results.material_points import WARNING
 from workflow.results.results import Results
 from workflow.results.verdicts import WarningPart, Weight
 
@@ -15,7 +17,6 @@ CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond th
 SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apart than this are told
 AT_SIDE = 0.02  # of the length of the section: a slip surface ends at a side if it is so near, and so deep
 DECIDE = 1.15  # times, or divided by it: other sides that change the critical Kh by more decide it
-DOUBT = "Warning: "  # begins a note of material points that is one
 OPEN = 1.1  # times: a critical Kh that may be so much larger than the one the discs are brought to is told
 # A number in a note, and what is none though it has digits: what stands in quotation marks, and names as Ac1.
 NUMBER = re.compile(r'("[^"]*")|(?<![\w.])(\d+(?:\.\d+)?)(?![\w.]*\w)')
@@ -79,24 +80,23 @@ def _of_cases(results: Results) -> Iterator[str]:
         yield f"discs have left the section in {of_cases(escaped)}: take a longer section (beyond)"
     yield from joined({number: case.notes for number, case in cases.items()})
     points = results.mpm.cases if results.mpm is not None else {}
-    doubted = {
-        number: [note.removeprefix(DOUBT) for note in case.notes if note.startswith(DOUBT)]
+    warned = {
+        number: [note.removeprefix(WARNING) for note in case.notes if note.startswith(WARNING)]
         for number, case in points.items()
     }
-    for text in joined(doubted):
+    for text in joined(warned):
         yield f"of the slide by material points {text}: compare it with the slide of the discs"
 
 
 def _nothing_left(results: Results) -> Iterator[str]:
     """That layers which liquefy keep no strength at all, which nobody measured."""
-    names = [stratum.name for stratum in results.config.section.strata if stratum.liquefies_in]
-    used = {number for stratum in results.config.section.strata for number in stratum.liquefies_in}
-    left = {number: results.config.cases[number - 1] for number in sorted(used)}
-    none = [
-        number
-        for number, case in left.items()
-        if not any(case.residual_of(name) or case.strength_of(name) or case.cohesion or case.friction for name in names)
-    ]
+    liquefies = [stratum for stratum in results.config.section.strata if stratum.liquefies_in]
+    none = []
+    for number in sorted({number for stratum in liquefies for number in stratum.liquefies_in}):
+        case = results.config.cases[number - 1]
+        kept = any(case.residual_of(stratum.name) or case.strength_of(stratum.name) for stratum in liquefies)
+        if not (kept or case.cohesion or case.friction):
+            none.append(number)
     computed = results.liquefied is not None or results.mpm is not None or results.case_set()[1]
     if none and computed and not results.config.dem.paper:
         yield (
@@ -136,9 +136,9 @@ def _held_otherwise(results: Results) -> str:
     section, line = results.config.section, results.slip_surface
     left, right = section.extent
     near = AT_SIDE * (right - left)
+    deep = line[depth_below_ground(section, line) > near, 0]
     for side, end in (("left", left), ("right", right)):
-        depth = np.interp(line[:, 0], *np.array(section.surface, dtype=float).T) - line[:, 1]
-        if (depth[np.abs(line[:, 0] - end) < near] > near).any():
+        if (np.abs(deep - end) < near).any():
             return f'take fem.sides = "smooth" if the ground continues beyond the {side} side, where it slides out'
     longer = "a larger value of beyond" if section.beyond else 'beyond = "50 m"'
     return f"move the sides away by {longer}"

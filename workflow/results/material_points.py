@@ -6,6 +6,8 @@ from pydantic import Field
 
 from workflow.results.answer import Answer, Line, Part, SectionLabel
 
+WARNING = "Warning: "  # how a note begins that warns
+
 
 class PointCase(Part):
     """One case by material points. Lengths in m, downslope and down positive."""

@@ -12,7 +12,7 @@ from meshes.executor import Tell
 from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.answer import SectionLabel, line
-from workflow.results.material_points import PointCase, PointSlidesAnswer
+from workflow.results.material_points import WARNING, PointCase, PointSlidesAnswer
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 from workflow.stages.liquefaction import liquefying, taken
@@ -227,7 +227,7 @@ def _answer(counts: "PointSlide", other: "PointSlide", softened: tuple[str, ...]
     lost = 100.0 * counts.energy_lost_share
     if abs(counts.energy_lost_share) > LOSS and counts.slide_max > DOUBTED_FROM:
         how = "lost, so that the slide is a low estimate" if lost > 0.0 else "gained, so that the slide is a high one"
-        notes.append(f"Warning: {abs(lost):.0f} % of the energy is {how}")
+        notes.append(f"{WARNING}{abs(lost):.0f} % of the energy is {how}")
     if counts.stopped_by:
         notes.append(f"the slide ran up against the {counts.stopped_by} side of the section, which held it")
     if softened:
