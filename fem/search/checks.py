@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.continuum.fields import State, touched_sides
+from fem.continuum.fields import State
 from fem.search.result_warnings import ResultWarning
 from meshes.quad_mesh import QuadMesh
 from meshes.quality import corner_angles
@@ -35,7 +35,7 @@ def warnings_of(
     return [
         *of_verdict(result.verdict, result.reason, result.remedy),
         *of_dilation(result, associated),
-        *of_boundaries(mesh, result.mechanism, result.verdict),
+        *of_base(mesh, result.mechanism, result.verdict),
         *of_cells(mesh),
     ]
 
@@ -68,18 +68,9 @@ def of_dilation(
         )
 
 
-def of_boundaries(mesh: QuadMesh, mechanism: State, verdict: "PathVerdict") -> Iterator[ResultWarning]:
-    """A mechanism that the edges of the section have a part in."""
-    if verdict not in ("plateau", "peak"):
-        return
-    sides = touched_sides(mesh, mechanism)
-    if sides:
-        yield ResultWarning(
-            f"The ground that slides reaches the {' and the '.join(sides)} side: what is assumed there decides.",
-            'make the section wider, or compare sides = "fixed", "smooth" and "free-field"',
-            contradiction=False,
-        )
-    if touches_base(mesh, mechanism):
+def of_base(mesh: QuadMesh, mechanism: State, verdict: "PathVerdict") -> Iterator[ResultWarning]:
+    """A mechanism along the base of the section."""
+    if verdict in ("plateau", "peak") and touches_base(mesh, mechanism):
         yield ResultWarning(
             "The slip surface runs along the base of the section: ground below it might fail with less.",
             "make the section deeper, unless firm rock lies there",

@@ -24,7 +24,8 @@ HAMADA = "M. Hamada, S. Yasuda, R. Isoyama, K. Emoto (1986)"
 HAMADA_VALIDITY = (
     "60 sections in Niigata and Noshiro: gentle slopes of liquefied sand; knows neither the shaking nor the strength"
 )
-
+PAPER = "the paper"  # on S-13
+S13_STRATA = ("1 Ts", "2 Ac1", "3 Asd", "4 Asd", "5 Asd", "6 As1", "7 Ac2", "8 As1", "9 Ac3", "10 Base")
 
 FOR_EVER = 10.0  # s for which a block is pushed where slides are pushed for ever
 
@@ -69,12 +70,18 @@ def block_drive(settings: Tables) -> BlockDrive:
     return BlockDrive(seconds or slide.kh_seconds or FOR_EVER)
 
 
+def is_s13(section: Section) -> bool:
+    """Whether a section is the paper's: by its name and its ten strata."""
+    return section.name == "s13" and tuple(stratum.name for stratum in section.strata) == S13_STRATA
+
+
 def estimates(
     section: Section, settings: Tables, kc: float | None, slip_surface: np.ndarray = NO_LINE
 ) -> list[Estimate]:
     """All estimates that this input allows; those of a block that resists need the critical Kh found.
 
-    ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty.
+    ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty. Estimates that the paper alone makes
+    are of its own section only.
     """
     rows: list[Estimate] = []
     if kc is not None and kc > 0.0:
@@ -82,8 +89,10 @@ def estimates(
         rows.append(_constant(settings, kc, resisted))
         if settings.sliding_block.accelerogram:
             rows += _newmark(settings, kc, resisted)
-    rows.append(_smooth(section))
-    return [*rows, *_regressions(section), *empirical(section, settings, kc, slip_surface)]
+    rows += [_smooth(section), *_regressions(section)]
+    if not is_s13(section):
+        rows = [row for row in rows if not row.source.startswith(PAPER)]
+    return [*rows, *empirical(section, settings, kc, slip_surface)]
 
 
 @dataclass(frozen=True)
@@ -140,7 +149,7 @@ def _smooth(section: Section) -> Estimate:
             f"and after 9 s it has gone {plane.distance(9.0):.0f} m at {plane.speed(9.0):.1f} m/s; it does not stop"
         )
     return Estimate(
-        "smooth block", "block without friction on the mean slope", None, words, "the paper, Sec. 5",
+        "smooth block", "block without friction on the mean slope", None, words, f"{PAPER}, Sec. 5",
         "no strength at all is left on the slip surface; a limit, not an estimate",
     )  # fmt: skip
 
@@ -164,6 +173,6 @@ def _regressions(section: Section) -> Iterator[Estimate]:
             "Hamada et al. as the paper prints it, D = 0.75 ∛H ∛θ",
             hamada_as_printed(ground.thickness, ground.gradient),
             words,
-            "the paper, eq. (18), which has a cube root of H where all other sources have a square root",
+            f"{PAPER}, eq. (18), which has a cube root of H where all other sources have a square root",
             HAMADA_VALIDITY,
         )

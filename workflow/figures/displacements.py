@@ -1,23 +1,25 @@
-"""Displacements by all methods in one picture: other methods, the discs, and what was measured."""
+"""Displacements by all methods in one picture: other methods, discs, material points, and what was measured."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
-from workflow.estimates.comparison import estimates
+from workflow.estimates.comparison import estimates, is_s13
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
 from workflow.figures.ground import foot
 from workflow.results.cases import CaseAnswer
+from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 
 SMALLEST = 0.005  # m: what is less is drawn here
 ROW = 0.024  # height of a row over the width of the picture
 PAPER = (("the paper, case 2", 3.3), ("the paper, case 3", 4.9))  # m, Sec. 4(3)
 # Colours, and marks that tell them apart on paper without colours.
-OTHERS, SLIDES, PRINTED, PAPERS = (CONTINUUM, "o"), (DISCS, "D"), (DISCS, "s"), (INK, "x")
+OTHERS, SLIDES, POINTS = (CONTINUUM, "o"), (DISCS, "D"), ("#2c7a3f", "^")
+PRINTED, PAPERS = (DISCS, "s"), (INK, "x")
 GREY = "#6b757c"
 BLANK = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
 
@@ -85,13 +87,14 @@ def _others(results: Results) -> Iterator[Row]:
 
 
 def slides(results: Results) -> Iterator[Row]:
-    """What slides in every case: the discs that count, the paper's discs, and what the paper printed of S-13."""
+    """The slide of every case by discs, by material points, by the paper's discs, and as the paper printed it."""
     first, cases = results.case_set()
-    yield from _of_discs(results, cases)
+    yield from _of_cases(results, cases, "discs", SLIDES)
+    yield from _of_cases(results, results.mpm.cases if results.mpm is not None else {}, "material points", POINTS)
     printed = results.cases.sets.get("table2", {}) if results.cases is not None and first != "table2" else {}
     for number, case in sorted(printed.items()):
         yield Row(f"the paper's discs, {results.config.called(number)}", PRINTED, case.slide_max_m)
-    if results.config.section.name == "s13":
+    if is_s13(results.config.section):
         for words, value in PAPER:
             yield Row(words, PAPERS, value)
 
@@ -105,20 +108,24 @@ def _why_not(words: str) -> str:
     return words
 
 
-def _of_discs(results: Results, cases: dict[int, CaseAnswer]) -> Iterator[Row]:
-    """The discs of each case: at every place where something was measured, and at most."""
-    places = dict.fromkeys(
-        observation.x for observation in results.config.report.observed if results.slides_at(observation.x) is not None
-    )
+def _of_cases(
+    results: Results, cases: Mapping[int, CaseAnswer | PointCase], method: str, look: tuple[str, str]
+) -> Iterator[Row]:
+    """The slide of each case by a method: at every place where something was measured, and at most."""
+    observed = dict.fromkeys(row.x for row in results.config.report.observed if row.x is not None)
+    places = [x for x in observed if all(case.slide_at(x) is not None for case in cases.values())]
     for number, case in sorted(cases.items()):
-        name = f"discs, {results.config.called(number)}"
+        name = f"{method}, {results.config.called(number)}"
         for x in places:
-            yield Row(f"{name}, at x = {x:g} m", SLIDES, (results.slides_at(x) or {})[number])
-        yield Row(f"{name}, at most" if places else name, SLIDES, case.slide_max_m)
+            yield Row(f"{name}, at x = {x:g} m", look, case.slide_at(x))
+        yield Row(f"{name}, at most" if places else name, look, case.slide_max_m)
 
 
 def _handles(rows: list[Row]) -> Iterator[Line2D]:
-    named = {OTHERS: "by other methods", SLIDES: "discs", PRINTED: "the paper's discs, here", PAPERS: "the paper"}
+    named = {
+        OTHERS: "by other methods", SLIDES: "discs", POINTS: "material points", PRINTED: "the paper's discs, here",
+        PAPERS: "the paper",
+    }  # fmt: skip
     for look, label in named.items():
         if any(row.look == look for row in rows):
             yield Line2D([], [], color=look[0], marker=look[1], linestyle="", label=label)

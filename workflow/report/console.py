@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 
 from meshes.section.cutting import spoken
+from meshes.section.section import Section
 from workflow.config import Config
 from workflow.earthquake.site_response import CLOSE as CAME_TO_REST
 from workflow.report import after
@@ -16,6 +17,7 @@ from workflow.report.slices import slices_sentences
 from workflow.report.structures import structure_sentences
 from workflow.report.tables import case_heads, case_rows
 from workflow.report.verdicts import verdict_paragraph
+from workflow.report.warnings import sides_warning, split
 from workflow.results.answer import SectionLabel
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
@@ -48,7 +50,7 @@ def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
         yield f"Warning: {notice}."
 
 
-def fem_sentences(answer: FemAnswer) -> Iterator[str]:
+def fem_sentences(answer: FemAnswer, section: Section) -> Iterator[str]:
     """The critical Kh with its bracket, and the factors of safety, from fem/critical.json."""
     most = f", at most {answer.kc_upper:.4f} on this mesh" if answer.kc_upper > answer.kc else ""
     yield (
@@ -62,6 +64,8 @@ def fem_sentences(answer: FemAnswer) -> Iterator[str]:
     yield from (safety_sentence(factor, answer) for factor in answer.safety_factors)
     for warning in answer.warnings:
         yield f"{'Contradiction' if warning.contradiction else 'Warning'}: {warning.what} To do: {warning.remedy}."
+    for _, text in sides_warning(answer, section):
+        yield "Warning: {} To do: {}".format(*split(text))
 
 
 def safety_sentence(factor: FactorOfSafety, answer: FemAnswer) -> str:
@@ -287,7 +291,7 @@ def sentences(name: str, config: Config, store: Store) -> Iterator[str]:
         "response": lambda: response_sentences(SiteResponseAnswer.read(store)),
         "liquefied": lambda: after.sentences(LiquefiedAnswer.read(store)),
         "mesh": lambda: mesh_sentences(config, store),
-        "fem": lambda: fem_sentences(FemAnswer.read(store)),
+        "fem": lambda: fem_sentences(FemAnswer.read(store), config.section),
         "bounds": lambda: bounds_sentences(BoundsAnswer.read(store)),
         "slices": lambda: _slices(config, SlicesAnswer.read(store)),
         "calibrate": lambda: calibrate_sentences(CalibrationAnswer.read(store)),

@@ -11,7 +11,7 @@ from markupsafe import Markup
 from fem.continuum.strength import flow_of, is_dilating_fully
 from meshes.errors import InputError
 from meshes.section.section import Section
-from workflow.estimates.comparison import estimates
+from workflow.estimates.comparison import estimates, is_s13
 from workflow.estimates.structures import structures_of
 from workflow.figures import fonts
 from workflow.figures.comparison import PICTURES
@@ -25,7 +25,7 @@ from workflow.report.crests import holds_water
 from workflow.report.findings import lies_still, moved_lately, springs_of
 from workflow.report.labels import Labels, Notes
 from workflow.report.numbers import metres, number, scaled
-from workflow.report.paper import is_s13, rows
+from workflow.report.paper import rows
 from workflow.report.player import films
 from workflow.report.second_opinion import second_opinions
 from workflow.report.stability import stability_rows
@@ -107,11 +107,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "limit_words": limit_words,
         "interval_words": interval_words,
         "elsewhere": list(elsewhere(config, results.slices)) if results.slices is not None else [],
-        "estimates": [
-            one
-            for one in estimates(config.section, config, results.kc, results.slip_surface)
-            if is_s13(config.section) or not one.source.startswith("the paper")
-        ],
+        "estimates": estimates(config.section, config, results.kc, results.slip_surface),
         "slides": list(slides(results)),
         "paper": rows(results),
         "is_s13": is_s13(config.section),

@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from meshes.section.section import Section
+from workflow.estimates.comparison import is_s13
 from workflow.estimates.sliding_block import SmoothPlane
 from workflow.results.answer import Line
 from workflow.results.cases import CaseAnswer
@@ -15,7 +16,6 @@ from workflow.results.discs import SetOfSprings
 from workflow.results.results import Results
 from workflow.results.summary import PaperRow
 
-STRATA = ("1 Ts", "2 Ac1", "3 Asd", "4 Asd", "5 Asd", "6 As1", "7 Ac2", "8 As1", "9 Ac3", "10 Base")
 ASD = ("3 Asd", "4 Asd", "5 Asd")
 ASD_BELOW_WATER = ("4 Asd", "5 Asd")
 
@@ -36,11 +36,6 @@ SLOPE_DEG = 2.6
 Judge = Callable[[CaseAnswer], tuple[str, bool]]
 
 SECTION = "the depths of the interfaces are a reconstruction"
-
-
-def is_s13(section: Section) -> bool:
-    """Whether a section is the paper's: by its name and its ten strata."""
-    return section.name == "s13" and tuple(stratum.name for stratum in section.strata) == STRATA
 
 
 def rows(results: Results) -> list[PaperRow]:

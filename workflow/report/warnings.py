@@ -5,9 +5,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from workflow.estimates.estimate import depth_below_ground
+from meshes.section.section import Section
 from workflow.report.contradictions import contradictions
 from workflow.report.numbers import coefficient, listed
+from workflow.results.continuum import FemAnswer, Variant
 from workflow.results.discs import SlipSurfaces
 from workflow.results.material_points import WARNING
 from workflow.results.results import Results
@@ -15,7 +16,6 @@ from workflow.results.verdicts import WarningPart, Weight
 
 CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond this is told
 SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apart than this are told
-AT_SIDE = 0.02  # of the length of the section: a slip surface ends at a side if it is so near, and so deep
 DECIDE = 1.15  # times, or divided by it: other sides that change the critical Kh by more decide it
 OPEN = 1.1  # times: a critical Kh that may be so much larger than the one the discs are brought to is told
 # A number in a note, and what is none though it has digits: what stands in quotation marks, and names as Ac1.
@@ -56,8 +56,8 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
         yield (1 if warning.contradiction else 3), f"{warning.what.rstrip('.')}: {warning.remedy}"
     if results.response is not None and results.response.warning:
         yield 2, f"response of the layers to {results.response.record}: {results.response.warning}"
-    for text in _sides(results):
-        yield 2, text
+    if fem is not None:
+        yield from sides_warning(fem, results.config.section, results.variants.variants if results.variants else ())
     if results.config.section.reconstruction:
         yield 2, "the ground is a reconstruction: confirm the depths of the layers by borings"
     for text in (*_calibration(results), *_target_range(results), *_fails_when_held(results), *_nothing_left(results)):
@@ -116,32 +116,20 @@ def _target_range(results: Results) -> Iterator[str]:
         )
 
 
-def _sides(results: Results) -> Iterator[str]:
-    """That the critical Kh depends on the condition at the sides of the section."""
-    fem = results.fem
-    variants = results.variants.variants if results.variants else ()
-    change = next((variant for variant in variants if variant.name == "sides"), None)
-    other = change.of(fem.kc) if change is not None and fem is not None else None
-    if fem is None or change is None or other is None or not fem.kc > 0.0:
-        return
-    if not 1.0 / DECIDE <= other / fem.kc <= DECIDE:
-        yield (
-            f"with {change.change} the critical Kh is {coefficient(other)} instead of {coefficient(fem.kc)}, so that "
-            f"the condition at the sides decides: {_held_otherwise(results)}"
-        )
-
-
-def _held_otherwise(results: Results) -> str:
-    """What to do about sides that decide. Farther away they decide as much where level ground slides out at one."""
-    section, line = results.config.section, results.slip_surface
-    left, right = section.extent
-    near = AT_SIDE * (right - left)
-    deep = line[depth_below_ground(section, line) > near, 0]
-    for side, end in (("left", left), ("right", right)):
-        if (np.abs(deep - end) < near).any():
-            return f'take fem.sides = "smooth" if the ground continues beyond the {side} side, where it slides out'
+def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] = ()) -> Iterator[tuple[Weight, str]]:
+    """That the critical Kh depends on the condition at the sides, or may where it was computed with no other."""
     longer = "a larger value of beyond" if section.beyond else 'beyond = "50 m"'
-    return f"move the sides away by {longer}"
+    remedy, at = f"move the sides away by {longer}", listed(fem.at_sides)
+    if at and fem.settings.sides == "free-field":  # farther away it decides as much: level ground slides out there, too
+        remedy = f'take fem.sides = "smooth" if the ground continues beyond the {at} side, where it slides out'
+    change = next((variant for variant in variants if variant.name == "sides"), None)
+    other = change.of(fem.kc) if change is not None else None
+    if change is None or other is None or not fem.kc > 0.0:
+        if at:
+            yield 3, f"the ground that fails reaches the {at} side, so that the condition there may decide: {remedy}"
+    elif not 1.0 / DECIDE <= other / fem.kc <= DECIDE:
+        instead = f"with {change.change} the critical Kh is {coefficient(other)} instead of {coefficient(fem.kc)}"
+        yield 2, f"{instead}, so that the condition at the sides decides: {remedy}"
 
 
 def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:

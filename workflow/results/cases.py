@@ -57,15 +57,22 @@ class CaseSummary(CaseNumbers):
     slide_max_m_ci95: tuple[float, float] | None = Field(default=None, description="of the mean, by Student")
 
 
-class CaseAnswer(CaseNumbers):
-    """One case of liquefaction: the numbers, and where the ground lay and came to lie, points [x, elevation] in m.
+class MovedSurface(Part):
+    """The surface of the ground before and after a slide."""
 
-    ``slide_along`` are points [x, slide] of the surface as it was before (m).
-    """
+    surface_before: Line = Field(description="points [x, elevation] (m)")
+    surface_after: Line = Field(description="points [x, elevation] (m)")
+    slide_along: Line = Field(default=(), description="points [x, slide] of the surface as it was before (m)")
 
-    surface_before: Line
-    surface_after: Line
-    slide_along: Line = ()
+    def slide_at(self, x: float) -> float | None:
+        """How far the surface slides that was at x (m); None off the surface, or where it was not kept."""
+        if not self.slide_along or not self.slide_along[0][0] <= x <= self.slide_along[-1][0]:
+            return None
+        return float(np.interp(x, *np.array(self.slide_along).T))
+
+
+class CaseAnswer(MovedSurface, CaseNumbers):
+    """One case of liquefaction: the numbers, and the surface of the ground."""
 
     @classmethod
     def of(cls, slide: "Slide", alone: "Slide", stiffness: float) -> Self:
@@ -74,12 +81,6 @@ class CaseAnswer(CaseNumbers):
         ``alone`` is the same ground under Kh without liquefaction, which tells sliding from giving way elastically.
         """
         return cls(stiffness=stiffness, **slide.as_json(alone))
-
-    def slide_at(self, x: float) -> float | None:
-        """How far the surface slides that was at x (m); None off the surface, or where it was not kept."""
-        if not self.slide_along or not self.slide_along[0][0] <= x <= self.slide_along[-1][0]:
-            return None
-        return float(np.interp(x, *np.array(self.slide_along).T))
 
     @property
     def largest_fall(self) -> tuple[float, float]:

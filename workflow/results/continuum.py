@@ -150,6 +150,9 @@ class FemAnswer(Answer):
     warnings: tuple[ResultWarning, ...]
     direction: Literal["downhill", "uphill"] = Field(description="where the ground fails, by the ends of its surface")
     towards: Literal["left", "right"]
+    at_sides: tuple[str, ...] = Field(
+        default=(), description="sides, left or right, that the ground that fails reaches"
+    )
     opposite: OtherWay | None = Field(
         description="the same for a seismic force in the other direction, where both were computed"
     )

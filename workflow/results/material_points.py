@@ -4,12 +4,13 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from workflow.results.answer import Answer, Line, Part, SectionLabel
+from workflow.results.answer import Answer, SectionLabel
+from workflow.results.cases import MovedSurface
 
 WARNING = "Warning: "  # how a note begins that warns
 
 
-class PointCase(Part):
+class PointCase(MovedSurface):
     """One case by material points. Lengths in m, downslope and down positive."""
 
     slide_max_m: float = Field(description="largest slide of the surface, with velocities given up at 10 1/s")
@@ -30,9 +31,6 @@ class PointCase(Part):
     energy_lost_share: float = Field(description="energy out of balance over that turned over; negative: created")
     stopped_by: str | None = Field(default=None, description="the side of the box that the slide ran up against")
     notes: tuple[str, ...] = Field(description="what a reader must know to believe these numbers")
-    surface_before: Line
-    surface_after: Line
-    slide_along: Line = Field(description="points [x, slide] of the surface as it was before")
 
 
 class PointSlidesAnswer(Answer):

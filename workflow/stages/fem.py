@@ -29,6 +29,7 @@ from workflow.run.store import Store
 
 if TYPE_CHECKING:
     from fem.continuum.fields import State
+    from fem.limit_load.limit_load import LimitLoadResult
     from fem.path.equilibrium_path import EquilibriumPath
     from fem.search.assessment import Assessment
     from fem.search.critical import CriticalResult
@@ -120,6 +121,7 @@ def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
         warnings=tuple(assessment.warnings),
         direction=result.direction,
         towards="right" if result.sign > 0 else "left",
+        at_sides=_at_sides(mesh, result),
         opposite=_other_way(assessment.opposite),
         associated=_other_way(assessment.associated),
         davis=_other_way(assessment.davis),
@@ -151,19 +153,26 @@ def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
 
 
 def _other_way(adapted: "AdaptiveResult[Any] | None") -> OtherWay | None:
-    from fem.continuum.fields import touched_sides
-
     if adapted is None:
         return None
-    result, fails = adapted.result, adapted.result.verdict in ("plateau", "peak")
+    result = adapted.result
     return OtherWay(
         kc=result.kc,
         kc_upper=result.upper,
         verdict=result.verdict,
         reason=result.reason,
         direction=result.direction,
-        at_sides=touched_sides(adapted.mesh, result.mechanism) if fails and result.mechanism is not None else (),
+        at_sides=_at_sides(adapted.mesh, result),
     )
+
+
+def _at_sides(mesh: "QuadMesh", result: "CriticalResult | LimitLoadResult") -> tuple[str, ...]:
+    """The sides that the ground that fails reaches."""
+    from fem.continuum.fields import touched_sides
+
+    if result.mechanism is None or result.verdict not in ("plateau", "peak"):
+        return ()
+    return touched_sides(mesh, result.mechanism)
 
 
 def _fails(state: "State", result: "CriticalResult") -> bool:

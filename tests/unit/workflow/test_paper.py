@@ -6,7 +6,8 @@ from tests.support import SECTIONS, dem_fixture
 from tests.support.answers import bounds, fem, results
 from tests.support.sections import slope
 from workflow.config import Config
-from workflow.report.paper import is_s13, rows
+from workflow.estimates.comparison import is_s13
+from workflow.report.paper import rows
 from workflow.report.uncertainty import sources_of_uncertainty
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import Variant, VariantsAnswer
