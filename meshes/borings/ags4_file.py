@@ -22,10 +22,12 @@ from meshes.borings.log import (
     refusal_notices,
 )
 from meshes.borings.plausible import implausible_cones, implausible_sample
+from meshes.borings.table import NOT_MEASURED
 from meshes.errors import InputError
 from meshes.section.sentences import sentences
 
 NATIONAL, LOCAL = ("LOCA_NATE", "LOCA_NATN"), ("LOCA_LOCX", "LOCA_LOCY")
+COUNTS = ("ISPT_NVAL", "ISPT_REP")
 # The middle of the 30 cm that are counted lies so far (m) below the top of a test: below 15 cm of seating.
 MIDDLE = 0.30
 DRY = {
@@ -75,6 +77,14 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
     if axes is LOCAL:
         some = "not all borings have" if any(row.get(NATIONAL[0]) for row in borings) else "no boring has"
         groups.notices.append(f"{some} national coordinates: LOCA_LOCX and LOCA_LOCY are taken")
+    known = {row.get("LOCA_ID", "") for row in borings}
+    for group in ("GEOL", "ISPT", "SCPT", "WSTG"):
+        strangers = dict.fromkeys(row.get("LOCA_ID", "") for row in groups.rows.get(group, ()))
+        if lost := [name or "without a name" for name in strangers if name not in known]:
+            more = f" and {len(lost) - 3} more" if len(lost) > 3 else ""
+            groups.notices.append(
+                f"group {group}, borings {', '.join(lost[:3])}{more}: not used, as LOCA has none of them"
+            )
     logs = [log for row in borings if (log := _log(row, axes, naming, groups)) is not None]
     if not logs and not groups.problems:
         groups.problems.append("no boring of LOCA has layers in GEOL, or a cone in SCPT")
@@ -102,7 +112,8 @@ def _log(row: Row, axes: tuple[str, str], naming: tuple[str, ...], groups: Group
         label = next((group_row[key] for key in naming if group_row.get(key)), "")
         if not label:
             groups.problems.append(
-                f"boring {name}: the layer at {group_row.get('GEOL_TOP', '?')} m has no {naming[0]}, no name"
+                f"boring {name}: the layer at {group_row.get('GEOL_TOP', '?')} m has no {naming[0]}, no name; "
+                "--layers GEOL_DESC takes another column"
             )
         top, bottom = _number(group_row, "GEOL_TOP", name, groups), _number(group_row, "GEOL_BASE", name, groups)
         layers.append(LogLayer(label, top, bottom, "", group_row.get("GEOL_DESC", "")))
@@ -121,7 +132,7 @@ def _samples(name: str, groups: Groups) -> tuple[Sample, ...]:
     """The blow counts of a boring from the top down; of two at one depth the smaller one."""
     samples: dict[float, Sample] = {}
     for row in groups.of("ISPT", name):
-        count, report = row.get("ISPT_NVAL", ""), row.get("ISPT_REP", "")
+        count, report = ("" if row.get(key, "").lower() in NOT_MEASURED else row[key] for key in COUNTS)
         if not row.get("ISPT_TOP"):
             groups.problems.append(f"boring {name}: a blow count N = {count or report} without a depth, ISPT_TOP")
             continue

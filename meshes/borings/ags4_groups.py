@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from meshes.borings.table import with_unit
+from meshes.borings.table import DECIMAL_COMMA, with_unit
 from meshes.borings.text_file import read_text
 from meshes.errors import InputError
 from meshes.section.quantity import COORDINATE, STRENGTH, Kind
@@ -50,7 +50,7 @@ class Groups:
 
     def read(self, row: Row, key: str) -> float:
         """A length (m) or stress (Pa) by the unit of its heading; a stress may be below zero. Raises ValueError."""
-        text, kind = row.get(key, ""), KINDS[key]
+        text, kind = DECIMAL_COMMA.sub(r"\1.\2\3", row.get(key, "")), KINDS[key]
         below = kind is STRENGTH and text.startswith("-")
         size = float(kind.read(with_unit(text.removeprefix("-") if below else text, self.units.get(key, ""))))
         return -size if below else size
@@ -78,6 +78,9 @@ def read_groups(path: Path) -> Groups:
         rows[group] = [row for row in every if row.get("HEADING") == "DATA"]
         units |= {key: unit for row in every if row.get("HEADING") == "UNIT" for key, unit in row.items()}
     known = {key: units.get(key) or UNITS.get(key, "m") for key in KINDS}
+    for key, unit in known.items():  # "M" and "FT" are no molars
+        if _unit_problem(KINDS[key], unit) and not _unit_problem(KINDS[key], unit.lower()):
+            known[key] = unit.lower()
     problems = [f"group {key.partition('_')[0]}, unit {unit!r} of {key}: {wrong}" for key, unit in known.items()
                 if (wrong := _unit_problem(KINDS[key], unit))]  # fmt: skip
     if problems:

@@ -20,17 +20,24 @@ MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "inch": 25.4, "in
 NUMBER = r"(\d+(?:\.\d+)?)"
 AT_LEAST = re.compile(rf"(?:N\s*)?(?:>=?|≥|=>)\s*{NUMBER}|{NUMBER}\s*\+", re.IGNORECASE)
 # Which tool was driven, "S" the split spoon and "C" a solid cone, and a mark of a footnote say nothing of the count.
-BESIDE = re.compile(r"^\(?[SC]\)?(?=[\s\d(N])\s*|\s*\(?\b[SC]\)?$|\s*\*+$", re.IGNORECASE)
+BESIDE = re.compile(r"^\(?[SC]\)?(?=[\s\d(N])\s*|\s*\(?\b[SC]\)?$|\s*\*+$|^(?:N\s*[=:]\s*)?\*+", re.IGNORECASE)
 # Blows of seating and of four quarters before the count, as AGS4 has them: "1,2/3,4,5,6 N=18".
 INCREMENTS = re.compile(r"^[\d\s,]+/[\d\s,]+(?=N\s*[=:])", re.IGNORECASE)
 # A count that is told before how it came about, as in "N=50 (25 for 5mm/50 for 15mm)".
 TOLD = re.compile(rf"N\s*[=:]\s*>?\s*{NUMBER}(.*)|{NUMBER}\s*(\(.*\))", re.IGNORECASE)
 # Blows for a depth with its unit, "50/75mm" or "12 blows/ft"; without one only where nothing else is written.
 LENGTH = "mm|cm|m|inches|inch|in|feet|foot|ft|\"|'"
-DRIVEN = re.compile(rf"{NUMBER}\s*(?:blows?)?\s*(?:/|-|\(|for|per|in)\s*{NUMBER}?\s*({LENGTH})", re.IGNORECASE)
+DRIVEN = re.compile(
+    rf"{NUMBER}\s*(?:blows?)?\s*(?:/|-|\(\s*(?:for|pour)?|for|per|in|pour|sur|por|para|für|auf)\s*{NUMBER}?\s*({LENGTH})\.?",
+    re.IGNORECASE,
+)
 BARE = re.compile(rf"(?<![/\d.]){NUMBER}\s*/\s*{NUMBER}")
-WORDS = {"r", "ref", "refusal", "refused", "refus", "rechazo", "rifiuto", "rebote", "abbruch", "貫入不能"}
-UNDER_ITS_WEIGHT = {"woh", "wor", "wr", "wh", "sw"}
+WORDS = {"r", "ref", "ref.", "refusal", "refused", "refus", "rechazo", "rifiuto", "rebote", "abbruch", "貫入不能"}
+UNDER_ITS_WEIGHT = re.compile(r"(woh|wor|wr|wh|hw|rw|sw)(\s*/.*)?", re.IGNORECASE)
+WORD = "|".join(map(re.escape, sorted(WORDS, key=len, reverse=True)))
+REFUSED = re.compile(
+    rf"(?:N\s*[=:]\s*)?(?:{NUMBER}[\s(/-]*)?(?:{WORD})\)?|(?:{WORD})[\s(/-]*{NUMBER}\)?", re.IGNORECASE
+)
 
 
 def read_blows(value: Any) -> Quantity:
@@ -77,14 +84,13 @@ def _counted(text: str) -> tuple[float, bool]:
         return float(text), False
     except ValueError:
         pass
-    if text.lower() not in WORDS | UNDER_ITS_WEIGHT:
-        text = INCREMENTS.sub("", BESIDE.sub("", text))
-        if text.replace(".", "", 1).isdecimal():
-            return float(text), False
-    if text.lower() in WORDS:
-        return REFUSAL, True
-    if text.lower() in UNDER_ITS_WEIGHT:
+    if refused := REFUSED.fullmatch(text):
+        return float(refused[1] or refused[2] or REFUSAL), True
+    if UNDER_ITS_WEIGHT.fullmatch(text):
         return 0.0, False
+    text = INCREMENTS.sub("", BESIDE.sub("", text))
+    if text.replace(".", "", 1).isdecimal():
+        return float(text), False
     if least := AT_LEAST.fullmatch(text):
         return float(least[1] or least[2]), True
     if match := TOLD.fullmatch(text):

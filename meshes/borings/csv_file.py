@@ -11,7 +11,7 @@ from meshes.borings.complaints import folded
 from meshes.borings.cone_file import read_cones
 from meshes.borings.log import BoringFile, Log, LogLayer, depth_problems, joined, layer_problems, refusal_notices
 from meshes.borings.plausible import implausible_sample
-from meshes.borings.table import PLACE, Table, has_column, read_table, with_unit, written
+from meshes.borings.table import NOT_MEASURED, PLACE, Table, has_column, read_table, with_unit, written
 from meshes.errors import InputError
 from meshes.section.quantity import DENSITY
 from meshes.section.sentences import sentences
@@ -19,7 +19,6 @@ from meshes.section.sentences import sentences
 NEEDED = ("boring", "ground_level", "top", "bottom", "layer")
 KNOWN = (*NEEDED, *PLACE, "N", "fines", "d50", "plasticity", "unit_weight", "water_level", "energy_ratio")
 OF_A_BORING = (*PLACE, "ground_level", "water_level")
-NOT_MEASURED = {"", "-", "--", "n/a", "na", "nan", "none"}
 
 
 def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:

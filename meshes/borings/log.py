@@ -7,7 +7,9 @@ from itertools import pairwise
 
 from meshes.borings.blows import is_refusal
 from meshes.borings.boring import Cone, Sample
+from meshes.section.ranges import Range, sentence, within
 
+DEPTH = Range(0.0, 300.0, "m", 1.0, ((1e-2, "cm"), (1e-3, "mm")))  # of the deepest borings for foundations
 # Two depths of one contact may differ by so much (m): a centimetre, which is nothing to a section either, and rounding.
 CONTACT = 0.0101
 # The last test of a boring goes on below its end (m).
@@ -91,6 +93,8 @@ def layer_problems(name: str, layers: list[LogLayer]) -> list[str]:
 def depth_problems(log: Log) -> list[str]:
     """What lies far below the end of a boring, blow counts and water: a slip, or a depth in another unit."""
     end = log.layers[-1].bottom if log.layers else math.inf
+    if end < math.inf and not within(end, DEPTH):
+        return [sentence(f"boring {log.name}, depth of its end", round(end, 2), DEPTH, "")]
     depths = [(f"N = {sample.N:g}", sample.depth) for sample in log.samples]
     depths += [] if log.water_level is None else [("water", log.ground_level - log.water_level)]
     return [f"boring {log.name}: {what} at a depth of {depth:.4g} m; the boring ends at {end:g} m"

@@ -3,14 +3,14 @@
 from collections.abc import Iterator, Sequence
 
 from meshes.borings.boring import Boring, Cone, Sample
+from meshes.borings.log import DEPTH
 from meshes.section.ranges import UNUSUAL, Range, sentence, within
 
-# From clay to the coarsest sand with gravel that a sampler of 35 mm brings up whole; a refusal to rock; bentonite; the
-# deepest borings for foundations; from mud to hard rock.
+# From clay to the coarsest sand with gravel that a sampler of 35 mm brings up whole; a refusal to rock; bentonite; from
+# mud to hard rock.
 GRAIN = Range(1e-5, 10.0, "mm", 1e-3, ((1e-3, "mm"), (1e-6, "µm")))
 BLOWS = Range(0.0, 200.0, "blows", 1.0, ())
 PLASTICITY = Range(0.0, 200.0, "%", 1.0, ())
-DEPTH = Range(0.0, 300.0, "m", 1.0, ((1e-2, "cm"), (1e-3, "mm")))
 # Of a whole sounding: single readings of soft ground are as small as noise.
 LARGEST_TIP = Range(0.02, 200.0, "MPa", 1e6, ((1e6, "MPa"), (1e3, "kPa"), (1e-3, "kPa")))
 LARGEST_SLEEVE = Range(0.2, 5000.0, "kPa", 1e3, ((1e3, "kPa"), (1e6, "MPa"), (1e-3, "Pa")), or_none=True)

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from meshes.borings.complaints import folded
 from meshes.borings.text_file import read_text
 from meshes.errors import InputError
 from meshes.section.quantity import COORDINATE, DENSITY, LENGTH, STRENGTH, Kind
@@ -14,6 +15,7 @@ from meshes.section.quantity import COORDINATE, DENSITY, LENGTH, STRENGTH, Kind
 HEADING = re.compile(r"^\s*([^(\[]+?)\s*(?:[(\[]\s*([^)\]]*?)\s*[)\]])?\s*$")
 PLACE = ("x", "easting", "northing")
 SEPARATORS = ";\t,"
+NOT_MEASURED = {"", "-", "--", "n/a", "na", "nan", "none"}
 # A number with a decimal comma, and perhaps a unit, in a file whose cells are not parted by commas.
 DECIMAL_COMMA = re.compile(r"([-+]?\d+),(\d+)(\s*[^\d,]\S*)?")
 KINDS: dict[str, Kind] = {
@@ -88,8 +90,11 @@ def read_table(path: Path, needed: Sequence[str], known: Sequence[str], columns:
     others = [name for name in names if name not in known]
     problems = _unknown(sheet, columns, known, needed)
     problems += [text for name, unit in sheet.heads if (text := _unit_problem(name, unit))]
+    problems += [f"line {number}: has {len(row)} cells where the heading has {len(names)}; expected numbers with a "
+                 "decimal point, or cells parted by semicolons"
+                 for number, row in sheet.rows[1:] if any(row[len(names):])]  # fmt: skip
     if problems:
-        raise InputError(str(path), problems)
+        raise InputError(str(path), folded(problems))
     if others:
         sheet.notices.append(f"{path.name}: not used: {', '.join(others)}")
     by_boring: dict[str, list[tuple[int, dict[str, str]]]] = {}

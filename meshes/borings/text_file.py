@@ -38,8 +38,9 @@ def read_text(path: Path) -> Text:
     for mark, encoding in MARKS:
         if data.startswith(mark):
             return Text(_decoded(path, data, encoding), "")
-    if data[1:200:2].count(0) > len(data[1:200:2]) // 2:
-        return Text(_decoded(path, data, "utf-16-le"), "")
+    for first, encoding in ((1, "utf-16-le"), (0, "utf-16-be")):
+        if data[first:200:2].count(0) > len(data[first:200:2]) // 2:
+            return Text(_decoded(path, data, encoding), "")
     try:
         return Text(data.decode("utf-8"), "")
     except UnicodeDecodeError:

@@ -8,11 +8,15 @@ from typing import NamedTuple
 import numpy as np
 
 from meshes.drawings.shapes import Shape, Shapes
-from meshes.drawings.water_line import is_water, water_table
+from meshes.drawings.water_line import is_pond, is_water, upper_edge, water_table
 from meshes.errors import InputError
-from meshes.section.columns import SNAP, columns_of
+from meshes.section.columns import JOINED, SNAP, columns_of
+from meshes.section.numbering import numbered_names
 from meshes.section.simplified import needed
 
+# Outlines that end within this share of the width of a side were drawn to it.
+SIDE = 0.002
+MOST_ALIKE = 3  # lines of one layer that are told one by one
 SOIL = ("density", "youngs_modulus", "poissons_ratio", "cohesion", "friction_angle")
 
 
@@ -26,47 +30,126 @@ class Drawn(NamedTuple):
 def drawn_section(shapes: Shapes, path: Path, name: str) -> Drawn:
     """The section of a drawing, its soils still to be given.
 
-    Outlines are strata, of the names of their layers. Without outlines the highest line is the ground, and each other
-    one the bottom of the stratum of its layer. Raises InputError with all problems.
+    Outlines are strata, of the names of their layers. Without outlines, or where lines go on past them, the highest
+    line is the ground, each other one the bottom of the stratum of its layer, and outlines are zones.
+    Raises InputError with all problems.
     """
-    others = [line for line in shapes.lines if not is_water(line)]
-    if not shapes.outlines:
-        return _of_lines(others, shapes, path, name)
-    columns = columns_of(
-        [outline.layer for outline in shapes.outlines], [outline.points for outline in shapes.outlines]
-    )
+    outlines, pond_levels, notices = _without_water(shapes)
+    lines_of_water = [*filter(is_water, shapes.lines), *pond_levels]
+    lines = [line for line in shapes.lines if not is_water(line)]
+    if not outlines or _go_past(lines, outlines):
+        return _of_lines(lines, outlines, lines_of_water, [*shapes.notices, *notices], path, name)
+    points, trimmed = _with_one_side([outline.points for outline in outlines])
+    columns = columns_of([outline.layer for outline in outlines], points)
     if columns.problems:
         raise InputError(str(path), columns.problems)
     ground, bottoms = columns.interfaces()
-    table, remarks = water_table(shapes.lines, float(columns.x[0]), float(columns.x[-1]))
-    unused = [f'not used: a {line.kind} on layer "{line.layer}", {line.span}: it closes no outline, and is no water '
-              "table" for line in others]  # fmt: skip
-    notices = [*shapes.notices, *columns.stack.notices, *columns.tally.sentences(), *remarks, *unused]
+    table, remarks = water_table(lines_of_water, float(columns.x[0]), float(columns.x[-1]))
+    notices = [*shapes.notices, *notices, *trimmed, *_doubts(outlines), *columns.stack.notices,
+               *columns.tally.sentences(), *remarks, *_unused(lines)]  # fmt: skip
     strata = [(stratum, columns.points(bottom))
               for stratum, bottom in zip(columns.stack.names, bottoms, strict=True)]  # fmt: skip
     base = strata[-1][1]
     return Drawn(_text(name, notices, columns.points(ground), base, table, strata), notices)
 
 
-def _of_lines(lines: Sequence[Shape], shapes: Shapes, path: Path, name: str) -> Drawn:
+def _without_water(shapes: Shapes) -> tuple[list[Shape], list[Shape], list[str]]:
+    """Outlines that are ground; the upper edges of those that are free water; and a sentence for each of these."""
+    ponds = [outline for outline in shapes.outlines if is_pond(outline) and outline.layer not in shapes.strata]
+    notices = [f'the outline on layer "{pond.layer}", {pond.span}, is water: its upper edge is a water table'
+               for pond in ponds]  # fmt: skip
+    ground = [outline for outline in shapes.outlines if not any(outline is pond for pond in ponds)]
+    return ground, [upper_edge(pond) for pond in ponds], notices
+
+
+def _go_past(lines: Sequence[Shape], outlines: Sequence[Shape]) -> bool:
+    """Whether two lines or more are wider than all outlines together: ground and bottoms, with lenses between them."""
+    x = np.concatenate([outline.points[:, 0] for outline in outlines])
+    beyond = [line for line in lines if line.points[:, 0].min() < x.min() - JOINED
+              and line.points[:, 0].max() > x.max() + JOINED]  # fmt: skip
+    return len(beyond) > 1
+
+
+def _with_one_side(outlines: Sequence[np.ndarray]) -> tuple[list[np.ndarray], list[str]]:
+    """Outlines (n, 2) cut where the first of those that reach a side ends, and a sentence where that is told.
+
+    Else the ground would fall into a slit at that side, as deep as the outline that ends short of it.
+    """
+    ends = np.array([[points[:, 0].min(), points[:, 0].max()] for points in outlines])
+    near = SIDE * float(np.ptp(ends))
+    notices, sides = [], []
+    for side, sign in ((0, 1.0), (1, -1.0)):
+        outmost = float((sign * ends[:, side]).min())
+        reach = (sign * ends[:, side] <= outmost + near) & (sign * ends[:, 1 - side] > outmost + 2.0 * near)
+        sides.append(sign * float((sign * ends[reach, side]).max(initial=outmost)))
+        if abs(sides[-1] - sign * outmost) > JOINED:
+            notices.append(f"outlines end at different x at one side, {sign * outmost:.6g} and {sides[-1]:.6g} m: the "
+                           "section ends with the narrower one")  # fmt: skip
+    clipped = [np.column_stack([points[:, 0].clip(*sides), points[:, 1]]) for points in outlines]
+    return clipped, notices
+
+
+def _doubts(outlines: Sequence[Shape]) -> list[str]:
+    """What may not be meant: all outlines on one layer, and an outline round all others, as the frame of a sheet is."""
+    layers = {outline.layer for outline in outlines}
+    doubts = []
+    if len(layers) == 1 < len(outlines):
+        doubts.append(f'all {len(outlines)} outlines are on layer "{outlines[0].layer}", and make one stratum')
+    for outline in outlines:
+        low, high = outline.points.min(axis=0), outline.points.max(axis=0)
+        others = [other.points for other in outlines if other is not outline]
+        if others and all((points > low + JOINED).all() and (points < high - JOINED).all() for points in others):
+            doubts.append(f'the outline on layer "{outline.layer}" lies round all others: if it is the frame of the '
+                          "sheet, turn its layer off in the drawing")  # fmt: skip
+    return doubts
+
+
+def _unused(lines: Sequence[Shape]) -> list[str]:
+    """A sentence for each line that is neither ground nor water, and one for all of a layer that has many."""
+    sentences = []
+    for layer in dict.fromkeys(line.layer for line in lines):
+        mine = [line for line in lines if line.layer == layer]
+        if len(mine) > MOST_ALIKE:
+            sentences.append(f'not used: {len(mine)} lines on layer "{layer}": they close no outline, and are no water '
+                             "table")  # fmt: skip
+        else:
+            sentences += [f'not used: a {line.kind} on layer "{layer}", {line.span}: it closes no outline, and is no '
+                          "water table" for line in mine]  # fmt: skip
+    return sentences
+
+
+def _of_lines(
+    lines: Sequence[Shape],
+    outlines: Sequence[Shape],
+    lines_of_water: Sequence[Shape],
+    notices: list[str],
+    path: Path,
+    name: str,
+) -> Drawn:
     if len(lines) < 2:
         expected = (
             "expected one for each stratum, on a layer of its name, or a line for the ground and one for each bottom"
         )
-        raise InputError(str(path), [f"holds no closed polylines; {expected}", *shapes.notices])
+        raise InputError(str(path), [f"holds no closed polylines; {expected}", *notices])
     ordered = [(line.layer, line.points if line.points[0, 0] <= line.points[-1, 0] else line.points[::-1])
                for line in sorted(lines, key=lambda line: -float(_mean(line.points)))]  # fmt: skip
-    (top, ground), *strata = ordered
-    left, right = float(ground[0, 0]), float(ground[-1, 0])
-    table, remarks = water_table(shapes.lines, left, right)
+    (top, ground), *below = ordered
+    table, remarks = water_table(lines_of_water, float(ground[0, 0]), float(ground[-1, 0]))
+    has = "the drawing has no outlines" if not outlines else "lines of the drawing go on past its outlines, its zones"
     notices = [
-        *shapes.notices,
-        f'the drawing has no outlines: the highest line, on layer "{top}", is the ground, and each other one the '
-        "bottom of the stratum of its layer",
+        *notices,
+        f'{has}: the highest line, on layer "{top}", is the ground, and each other one the bottom of the stratum of '
+        "its layer",
         *remarks,
     ]
-    below = [(layer, _thinned(points)) for layer, points in strata]
-    return Drawn(_text(name, notices, _thinned(ground), below[-1][1], table, below), notices)
+    layers = [*(layer for layer, _ in below), *(outline.layer for outline in outlines)]
+    names = numbered_names(layers)
+    for layer in dict.fromkeys(layer for layer in layers if layers.count(layer) > 1):
+        several = [f'"{new}"' for old, new in zip(layers, names, strict=True) if old == layer]
+        notices.append(f'layer "{layer}" has several lines or outlines: they are {" and ".join(several)}')
+    strata = [(stratum, _thinned(points)) for stratum, (_, points) in zip(names, below, strict=False)]
+    zones = [(zone, outline.points) for zone, outline in zip(names[len(below) :], outlines, strict=True)]
+    return Drawn(_text(name, notices, _thinned(ground), strata[-1][1], table, strata, zones), notices)
 
 
 def _mean(points: np.ndarray) -> float:
@@ -82,6 +165,7 @@ def _text(
     base: np.ndarray,
     table: np.ndarray | None,
     strata: Sequence[tuple[str, np.ndarray]],
+    zones: Sequence[tuple[str, np.ndarray]] = (),
 ) -> str:
     lines = ["# Section from a drawing: the soils have to be added.", *(f"# {text}." for text in notices), ""]
     lines += [f"name = {json.dumps(name)}", f"surface = {_written(ground)}"]
@@ -93,6 +177,9 @@ def _text(
         if k + 1 < len(strata):
             lines.append(f"bottom = {{ elevation = {_written(bottom)} }}")
         lines += [f"# {key} =" for key in SOIL] + [""]
+    for zone, points in zones:
+        lines += ["[[zones]]", f"name = {json.dumps(zone, ensure_ascii=False)}", f"points = {_written(points)}"]
+        lines += [f"# {key} =" for key in SOIL] + [""]
     return "\n".join(lines)
 
 
@@ -101,4 +188,4 @@ def _thinned(points: np.ndarray) -> np.ndarray:
 
 
 def _written(points: np.ndarray) -> str:
-    return "[" + ", ".join(f"[{x:.10g}, {z:.10g}]" for x, z in points) + "]"
+    return "[" + ", ".join(f"[{x:.12g}, {z:.12g}]" for x, z in points.round(6) + 0.0) + "]"

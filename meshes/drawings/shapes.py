@@ -15,7 +15,11 @@ SAGITTA, SHARE_OF_HEIGHT = 0.01, 1.0 / 2000.0
 CURVES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE", "HELIX", "SOLID", "TRACE", "3DFACE"}
 FILLED = {"HATCH", "MPOLYGON"}
 WIDEST = 5e3  # m of a section of a slope
-METRE = 6  # of $INSUNITS
+# Length (m) of a unit by $INSUNITS; feet, inches, yards and miles of the US survey from 21.
+METRE, UNITS = 6, {
+    1: 0.0254, 2: 0.3048, 3: 1609.344, 4: 1e-3, 5: 0.01, 6: 1.0, 7: 1e3, 8: 2.54e-8, 9: 2.54e-5, 10: 0.9144, 13: 1e-6,
+    14: 0.1, 15: 10.0, 16: 100.0, 21: 1200 / 3937, 22: 100 / 3937, 23: 3600 / 3937, 24: 6336000 / 3937,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -48,11 +52,13 @@ class Shapes:
     Attributes
     ----------
     outlines, lines : closed and open shapes; lines of one layer that meet end to end are one
+    strata : layers that are strata whatever they are called, as this program wrote the drawing
     notices : what a person has to know, one sentence each: units, what was closed, what is not used
     """
 
     outlines: list[Shape] = field(default_factory=list)
     lines: list[Shape] = field(default_factory=list)
+    strata: frozenset[str] = frozenset()
     notices: list[str] = field(default_factory=list)
 
 
@@ -99,7 +105,10 @@ def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes
               for item in _joined([shape for shape in shapes if shape.layer == layer])]  # fmt: skip
     outlines: list[Shape] = []
     lines: list[Shape] = []
-    for shape in joined:
+    for shape in _without_holes(joined, notices):
+        if not shape.closed and np.ptp(shape.points[:, 0]) <= JOINED:
+            unused[f"upright {shape.kind} on layer {shape.layer}"] += 1
+            continue
         if not shape.closed and not _across(shape.points):
             gap = float(np.hypot(*(shape.points[0] - shape.points[-1])))
             notices.append(f'the {shape.kind} on layer "{shape.layer}", {shape.span}, is open: it is closed by a '
@@ -107,21 +116,16 @@ def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes
             shape = replace(shape, closed=True)
         (outlines if shape.closed else lines).append(shape)
     notices += [f"not used: {count} {what}" for what, count in sorted(unused.items())]
-    return Shapes(outlines, lines, notices)
+    return Shapes(outlines, lines, frozenset(names.values()), notices)
 
 
 def _unit(drawing: Any, notices: list[str]) -> float:
     """Length (m) of one unit of a drawing by its $INSUNITS, and a sentence where that is not metres."""
-    from ezdxf import units
-
     number = int(drawing.header.get("$INSUNITS", 0))
-    try:
-        size = float(units.conversion_factor(units.InsertUnits(number), units.InsertUnits(METRE)))
-    except (ValueError, TypeError, KeyError):
-        size = 0.0
-    if number == 0 or size <= 0.0:
+    if number not in UNITS:
         notices.append("the drawing does not say its unit ($INSUNITS): 1 unit is taken for 1 m; --unit says another")
         return 1.0
+    size = UNITS[number]
     if number != METRE:
         notices.append(f"1 unit of the drawing is {size:.6g} m, as its $INSUNITS = {number} says; --unit says another")
     return size
@@ -242,6 +246,32 @@ def _end_to_end(chain: np.ndarray, next_chain: np.ndarray) -> np.ndarray:
     ways = [(a, b) for a in (chain, chain[::-1]) for b in (next_chain, next_chain[::-1])]
     first, second = min(ways, key=lambda way: float(np.hypot(*(way[0][-1] - way[1][0]))))
     return np.vstack([first, second[1:]])
+
+
+def _without_holes(shapes: Sequence[Shape], notices: list[str]) -> list[Shape]:
+    """Shapes without the outlines of holes in hatches: what lies there is drawn by other shapes, or is the hatch's."""
+    filled = [shape for shape in shapes if shape.kind in FILLED]
+    holes = [
+        shape
+        for shape in filled
+        if any(other.layer == shape.layer and _lies_in(shape.points[0], other.points) for other in filled)
+    ]
+    notices += [
+        f'the {hole.kind} on layer "{hole.layer}" has a hole, {hole.span}: what no other outline takes there is '
+        f'"{hole.layer}"'
+        for hole in holes
+    ]
+    return [shape for shape in shapes if not any(shape is hole for hole in holes)]
+
+
+def _lies_in(point: np.ndarray, outline: np.ndarray) -> bool:
+    """Whether a point (2,) lies in an outline (n, 2) by the edges above it; no corner of an outline lies in itself."""
+    start, end = outline, np.roll(outline, -1, axis=0)
+    if np.any(np.all(np.abs(outline - point) <= JOINED, axis=1)):
+        return False
+    over = (start[:, 0] <= point[0]) != (end[:, 0] <= point[0])
+    (x, z), run = start[over].T, end[over] - start[over]
+    return bool(np.sum(z + run[:, 1] / run[:, 0] * (point[0] - x) > point[1]) % 2)
 
 
 def _across(points: np.ndarray) -> bool:

@@ -6,18 +6,27 @@ from collections.abc import Sequence
 import numpy as np
 
 from meshes.drawings.shapes import Shape
-from meshes.section.columns import JOINED
+from meshes.section.columns import JOINED, columns_of
 
 WATER = "WATER"
-OF_WATER = re.compile(r"(?<![a-z])(water|gwl|gwt|phreatic|grundwasser|nappe|水位|地下水)", re.IGNORECASE)
+OF_WATER = re.compile(
+    r"(?<![a-z])((ground[ _-]?)?water|gwl|gwt|(gw|wt|w\.t\.)(?![a-z])|phreatic|fr[eé][aá]ti[ck]o|pi[eé]zometri|"
+    r"grundwasser|wasserspiegel|nappe|falda)|水位|地下水",
+    re.IGNORECASE,
+)
+OF_POND = re.compile(
+    r"((free|open|surface|pond|river|lake|sea)[ _-]?)?(water|pond|river|lake|reservoir|wasser|水|池|川)"
+    r"([ _-]?(table|level|body|\d+))?",
+    re.IGNORECASE,
+)
 
 
 def water_table(lines: Sequence[Shape], left: float, right: float) -> tuple[np.ndarray | None, list[str]]:
-    """The longest line on a layer of water, from side to side, and a sentence for all else that is known of it.
+    """The longest line of water, from side to side, and a sentence for all else that is known of it.
 
     Parameters
     ----------
-    lines : open lines of the drawing; those on other layers are left alone
+    lines : those of water
     left, right : x (m) of the sides of the section
 
     Returns
@@ -25,7 +34,7 @@ def water_table(lines: Sequence[Shape], left: float, right: float) -> tuple[np.n
     points : ndarray (n, 2) of the table (m); None without one
     notices : what was changed, and what is not used
     """
-    candidates = sorted((line for line in lines if is_water(line)), key=lambda line: -float(np.ptp(line.points[:, 0])))
+    candidates = sorted(lines, key=lambda line: -float(np.ptp(line.points[:, 0])))
     notices = [
         f'not used: a {line.kind} on layer "{line.layer}", {line.span}, beside the longer water table; it may be '
         "after_drawdown in [water], or the piezometric_level of a stratum"
@@ -45,6 +54,17 @@ def water_table(lines: Sequence[Shape], left: float, right: float) -> tuple[np.n
         notices.append(f"the water table is drawn from x = {x[0]:.6g} to {x[-1]:.6g} m, and continues level to "
                     f"x = {' and '.join(short)}")  # fmt: skip
     return np.vstack([ends[:1], inside, ends[1:]]), notices
+
+
+def is_pond(outline: Shape) -> bool:
+    """Whether an outline is on a layer whose whole name is that of free water."""
+    return OF_POND.fullmatch(outline.layer.strip()) is not None
+
+
+def upper_edge(outline: Shape) -> Shape:
+    """What an outline has at its top, as a line."""
+    columns = columns_of([outline.layer], [outline.points])
+    return Shape(outline.layer, columns.points(columns.interfaces()[0]), False, outline.kind)
 
 
 def is_water(line: Shape) -> bool:

@@ -70,7 +70,7 @@ def stacked(columns: Sequence[Sequence[Piece]]) -> Stack:
             members[-1].append(stratum)
     numbers = {id(stratum): k for k, stratum in enumerate(strata)}
     before = [stratum.name for stratum in strata]
-    names = _numbered(before)
+    names = numbered_names(before)
     notices = []
     for name in dict.fromkeys(before):
         several = [f'"{new}"' for old, new in zip(before, names, strict=True) if old == name]
@@ -109,8 +109,8 @@ def _worth(piece: Piece, stratum: _Stratum, pieces: int) -> float:
     return MATCH + 0.9 * MATCH * max(0.0, overlap / whole if whole > 0.0 else 0.0) / pieces
 
 
-def _numbered(names: Sequence[str]) -> list[str]:
-    """Names with numbers from the top down where there are several of one."""
+def numbered_names(names: Sequence[str]) -> list[str]:
+    """Names with numbers, in their order, where there are several of one."""
     forms = ("{} {}", "{} ({})", "{} no. {}", "{} - {}")
     numbers = range(1, len(names) + 1)
     form = next(

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from meshes.borings.ags4_file import read_ags4
-from meshes.borings.blows import is_refusal, read_blows
+from meshes.borings.blows import is_refusal
 from meshes.borings.complaints import folded
 from meshes.borings.connect import connected
 from meshes.borings.csv_file import read_csv
@@ -57,50 +57,6 @@ def told(folder: Path, text: str | bytes, name: str) -> list[str]:
     with pytest.raises(InputError) as caught:
         (read_ags4 if name.endswith("ags") else read_csv)(written(folder, text, name))
     return list(caught.value.problems)
-
-
-@pytest.mark.parametrize(
-    ("count", "blows", "refused"),
-    [
-        (12, 12, False),
-        ("12", 12, False),
-        ("12 blows/ft", 12, False),
-        ("12/30cm", 12, False),
-        ("N=19 (3,4/4,5)", 19, False),
-        (">50", 50, True),
-        ("50+", 50, True),
-        ("50/75mm", 50, True),
-        ('50/3"', 50, True),
-        ("50 for 75 mm", 50, True),
-        ("R", 50, True),
-        ("N=50 (25 for 5mm/50 for 15mm)", 50, True),
-        ("25,50/75mm", 50, True),
-        ("100/150mm", 100, True),
-        ("30/250mm", 36, True),
-        ("30/150mm", 50, True),
-        ("25 for 0mm", 50, True),
-        ("50/0.2ft", 50, True),
-        ("WOH", 0, False),
-        ("1,2/3,4,5,6 N=18", 18, False),
-        ("(C) 34", 34, False),
-        ("12*", 12, False),
-        ('50-4"', 50, True),
-        ("Refus", 50, True),
-        ("12/30", 12, False),  # in cm, as in Japan: no refusal after 12 blows and 30 mm
-        ("50/10", 50, True),
-    ],
-)
-def test_refusals_count_as_the_least_that_n_can_be(count: str | float, blows: float, refused: bool) -> None:
-    """36 = 300/250 of 30 blows; a refusal with fewer than 50 blows counts at most as 50 (ASTM D1586)."""
-    found = read_blows(count)
-    assert (float(found), is_refusal(found)) == (pytest.approx(blows), refused)
-    assert read_blows(found.written) == found  # as it stands in a section
-
-
-@pytest.mark.parametrize("count", ["much", ">x", "-3", 501, True, None, "50/", "2,3,4", "12/25", "C", float("nan")])
-def test_what_is_no_count_is_told_with_what_was_expected(count: object) -> None:
-    with pytest.raises(ValueError, match=r'expected the blow count for 30 cm .* ">50", "50/75 mm" or "R"'):
-        read_blows(count)
 
 
 def test_every_heading_of_an_ags4_file_has_its_unit(tmp_path: Path) -> None:
@@ -238,6 +194,7 @@ def test_lines_of_a_boring_that_contradict_each_other(tmp_path: Path) -> None:
         ("cp1252", "d’eau argileux"),
         ("cp1252", "SÃO JOÃO areia"),
         ("utf-16-le", "砂質シルト"),
+        ("utf-16-be", "SABLE"),
     ],
 )
 def test_names_in_any_encoding(encoding: str, name: str, tmp_path: Path) -> None:
@@ -247,6 +204,11 @@ def test_names_in_any_encoding(encoding: str, name: str, tmp_path: Path) -> None
     assert any(f"read as {encoding}" in notice for notice in read.notices) == encoding.startswith("cp")
     table = f'boring,x,ground_level,top,bottom,layer\nA,0,5,0,2,"{name}"\n'
     assert read_csv(written(tmp_path, table.encode(encoding), "b.csv")).logs[0].layers[0].name == name
+
+
+def test_decimal_commas_between_commas_shift_no_cells(tmp_path: Path) -> None:
+    table = "boring,x,ground_level,top,bottom,layer\nA,0,5,0,2,5,Sand\n"
+    assert "line 2: has 7 cells where the heading has 6" in told(tmp_path, table, "b.csv")[0]
 
 
 def test_ags3_is_called_so(tmp_path: Path) -> None:
@@ -374,3 +336,16 @@ def test_the_energy_of_a_hammer_counts_where_it_was_measured() -> None:
     assert own == of_all
     assert own.normalised < find(BlowCount(5.0, 12.0, 90.0, 60.0, 5.0), shaking, TriggeringSettings()).normalised
     assert math.isfinite(own.factor)
+
+
+def test_rows_of_borings_that_loca_lacks_and_depths_that_no_boring_has(tmp_path: Path) -> None:
+    lines = "B1,0,4,FILL,1; B1,4,10,SAND,2; B2,0,7,SAND,2"
+    stranger = ags(LOCA, (*GEOL[:3], f"{lines}; B9,0,3,SAND,2"))
+    assert (
+        "group GEOL, borings B9: not used, as LOCA has none of them"
+        in read_ags4(written(tmp_path, stranger, "a.ags")).notices
+    )
+    upper = ags(LOCA, ("GEOL", GEOL[1], ",M,FT,,", "B1,0,13.1234,FILL,1; B1,4,32.8084,SAND,2; B2,0,22.9659,SAND,2"))
+    assert read_ags4(written(tmp_path, upper, "b.ags")).logs[0].layers[0].bottom == pytest.approx(4.0, abs=1e-4)
+    deep = ags(LOCA, (*GEOL[:3], "B1,0,4000,FILL,1; B2,0,7,SAND,2"))
+    assert "boring B1, depth of its end = 4000: 4000 m is beyond what there is" in told(tmp_path, deep, "c.ags")[0]

@@ -68,7 +68,14 @@ def test_lenses_in_lenses_and_two_on_one_layer(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("units", "unit", "metre"),
-    [(4, None, 1000.0), (2, None, 1 / 0.3048), (4, 1.0, 1.0), (0, None, 1.0), (0, 0.001, 1000.0)],
+    [
+        (4, None, 1000.0),
+        (2, None, 1 / 0.3048),
+        (21, None, 3937 / 1200),
+        (4, 1.0, 1.0),
+        (0, None, 1.0),
+        (0, 0.001, 1000.0),
+    ],
 )
 def test_the_unit_of_a_drawing(units: int, unit: float | None, metre: float, tmp_path: Path) -> None:
     def draw(space: Any) -> None:
@@ -249,3 +256,70 @@ def test_needed_points_keep_a_line_within_the_tolerance() -> None:
     assert keep.sum() < 12
     step = np.array([[0.0, 1.0], [1.0, 1.0], [1.0, 0.9], [2.0, 0.9]])
     assert needed(step, 1.0).all()
+
+
+def test_lines_with_a_closed_lens_are_strata_with_a_zone(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        for points in (SAND[:4], CLAY[:2], CLAY[2:]):
+            space.add_lwpolyline(points, dxfattribs={"layer": "0"})
+        space.add_line((0, 12), (0, -6), dxfattribs={"layer": "Side"})
+        space.add_lwpolyline([(30, -1), (50, 0), (70, -1), (50, -2)], close=True, dxfattribs={"layer": "Lens"})
+
+    read = read_dxf(drawn(tmp_path, draw), "made")
+    data = tomllib.loads(read.text)
+    assert [stratum["name"] for stratum in data["strata"]] == ["0 1", "0 2"]
+    assert data["zones"] == [{"name": "Lens", "points": [[30, -1], [50, 0], [70, -1], [50, -2]]}]
+    told = "\n".join(read.notices)
+    assert "lines of the drawing go on past its outlines, its zones" in told
+    assert 'layer "0" has several lines or outlines: they are "0 1" and "0 2"' in told
+    assert "not used: 1 upright LINE on layer Side" in told
+
+
+def test_an_outline_of_water_is_no_ground(tmp_path: Path) -> None:
+    pond = [(52, 7), (100, 7), (100, 4), (60, 4)]
+    made, told = section(drawn(tmp_path, lambda s: outlines(s, Pond=pond)))
+    assert areas(made) == {"Sand": pytest.approx(231.25), "Sand, below water": pytest.approx(368.75),
+                           "Clay": pytest.approx(800.0)}  # fmt: skip
+    assert np.allclose(made.water_points(), [[0, 7], [100, 7]])
+    assert 'the outline on layer "Pond", x = 52 to 100 m, is water: its upper edge is a water table' in told
+
+
+@pytest.mark.parametrize("name", ["GROUNDWATER", "Piezometric line", "W.T.", "Nivel freático", "水位線"])
+def test_what_water_is_called(name: str, tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        outlines(space)
+        space.add_line((0, 6), (100, 3), dxfattribs={"layer": name})
+
+    assert np.allclose(section(drawn(tmp_path, draw))[0].water_points(), [[0, 6], [100, 3]])
+
+
+def test_outlines_of_which_one_ends_a_little_short_of_a_side(tmp_path: Path) -> None:
+    """Else the ground would fall by 10 m in a slit of 2 cm."""
+    short = [(max(x, 0.02), z) for x, z in SAND]
+    made, told = section(drawn(tmp_path, lambda s: outlines(s, Sand=short)))
+    assert np.allclose(made.surface[0], [0.02, 12.0])
+    assert "outlines end at different x at one side, 0 and 0.02 m" in told
+
+
+def test_a_lens_in_the_hole_of_a_hatch(tmp_path: Path) -> None:
+    lens = [(30, -1), (50, 0), (70, -1), (50, -2)]
+
+    def draw(space: Any) -> None:
+        for layer, rings in {"Sand": [SAND], "Clay": [CLAY, lens], "Lens": [lens]}.items():
+            hatch = space.add_hatch(dxfattribs={"layer": layer})
+            for ring in rings:
+                hatch.paths.add_polyline_path(ring)
+
+    made, told = section(drawn(tmp_path, draw))
+    assert areas(made)["Lens"] == pytest.approx(40.0)
+    assert 'the HATCH on layer "Clay" has a hole' in told
+
+
+def test_outlines_that_are_doubted(tmp_path: Path) -> None:
+    frame = [(-20, -30), (130, -30), (130, 40), (-20, 40)]
+    assert (
+        '"Frame" lies round all others: if it is the frame'
+        in section(drawn(tmp_path, lambda s: outlines(s, Frame=frame)))[1]
+    )
+    bow = [(0, 12), (100, 2), (100, 12), (0, 2)]
+    assert 'the outline on layer "Sand" crosses itself' in section(drawn(tmp_path, lambda s: outlines(s, Sand=bow)))[1]

@@ -23,7 +23,7 @@ from meshes.section.section import Section
 
 SOIL = {"density": "18 kN/m^3", "youngs_modulus": "20 MPa", "poissons_ratio": 0.3, "cohesion": "10 kPa",
         "friction_angle": "30 deg"}  # fmt: skip
-UNITS = {1: 0.0254, 2: 0.3048, 4: 0.001, 5: 0.01, 6: 1.0}  # m, by $INSUNITS
+UNITS = {1: 0.0254, 2: 0.3048, 4: 0.001, 5: 0.01, 6: 1.0, 10: 0.9144, 14: 0.1, 21: 1200 / 3937}  # m, by $INSUNITS
 WAYS = ("closed", "bulged", "lines", "open", "unclosed", "space", "spline")
 WIDE = 60.0
 
