@@ -85,7 +85,7 @@ def _with_one_side(outlines: Sequence[np.ndarray]) -> tuple[list[np.ndarray], li
         if abs(sides[-1] - sign * outmost) > JOINED:
             notices.append(f"outlines end at different x at one side, {sign * outmost:.6g} and {sides[-1]:.6g} m: the "
                            "section ends with the narrower one")  # fmt: skip
-    clipped = [np.column_stack([points[:, 0].clip(*sides), points[:, 1]]) for points in outlines]
+    clipped = [np.column_stack([points[:, 0].clip(min=sides[0], max=sides[1]), points[:, 1]]) for points in outlines]
     return clipped, notices
 
 

@@ -193,6 +193,7 @@ STAGE = Stage(
         "fem.rigid_box",
         "bounds.max_cells",
         "bounds.gap",
+        "bounds.seconds",
     ),  # it has its own
     takes=lambda config: {"what liquefies": cases_as_data(config, LOST)},
     beside=("mesh",),
