@@ -15,7 +15,7 @@ from dem.model import DiscModel
 from dem.packing import ROW, Packing, lattice_box, random_packing, triangular_lattice
 from dem.settings import DemSettings
 from dem.springs import LayerSprings, from_strata, table2
-from dem.water import excess, still_water, swing
+from dem.water import added_mass, excess, still_water
 from meshes.errors import InputError
 from meshes.section.section import Section
 
@@ -73,10 +73,10 @@ class Ground:
         model = self.packing.discs(DiscMaterials(layers, law=settings.model, mean=settings.mean), gravity=gravity)
         if self.section is not None:
             places = self.to_section(model.x, model.z)
-            model.drift_x, model.drift_z = self._own(still_water(self.section, places, model))
-            shaken = swing(self.section, places, model)
+            model.pore_acceleration_x, model.pore_acceleration_z = self._own(still_water(self.section, places, model))
+            shaken = added_mass(self.section, places, model)
             if shaken is not None:
-                model.swing_x, model.swing_z = self._own(shaken)
+                model.added_mass_x, model.added_mass_z = self._own(shaken)
         return model
 
     def weaken(self, model: DiscModel) -> bool:
@@ -85,7 +85,8 @@ class Ground:
         if added is None:
             return False
         ax, az = self._own(added)
-        model.drift_x, model.drift_z = model.drift_x + ax, model.drift_z + az
+        model.pore_acceleration_x = model.pore_acceleration_x + ax
+        model.pore_acceleration_z = model.pore_acceleration_z + az
         return True
 
     def _own(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

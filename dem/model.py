@@ -11,7 +11,7 @@ import numpy as np
 from dem import checkpoint
 from dem.acceleration import Acceleration
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
-from dem.kernels.arguments import LEDGER
+from dem.kernels.arguments import ENERGY_COLUMNS
 from dem.kernels.contact import DEPTH, GAP, KN, KPN, KPS, KS, STOP
 from dem.kernels.layout import LANES
 from dem.kernels.neighbours import (
@@ -36,6 +36,11 @@ from dem.state import LINE_MEMORY, MEMORY, ROLLING_MEMORY, DiscState
 # what changes its sign when the two discs of a pair change places
 TURNED = ("force_x", "force_z", "rolled", "torque")
 WIDEST = 0.125  # of the skin: across no more do discs of cohesive soil attract each other
+# Arrays of a checkpoint that older versions called otherwise.
+RENAMED = {
+    "drift_x": "pore_acceleration_x", "drift_z": "pore_acceleration_z", "swing_x": "added_mass_x",
+    "swing_z": "added_mass_z",
+}  # fmt: skip
 SORT_EVERY = 16  # lists made between two sortings in space
 
 
@@ -101,11 +106,12 @@ class DiscModel(DiscState):
         }
         model = cls(
             x=x.copy(), z=z.copy(), **motion, radius=radii.copy(), mass=np.pi * radii**2 * density,
-            weight=effective / density, drift_x=np.zeros(n), drift_z=np.zeros(n), swing_x=np.zeros(n),
-            swing_z=np.zeros(n), inertia_ratio=np.where(materials.rotates(layer), 2.0, 0.0), layer=layer.copy(),
+            weight=effective / density, pore_acceleration_x=np.zeros(n), pore_acceleration_z=np.zeros(n),
+            added_mass_x=np.zeros(n), added_mass_z=np.zeros(n),
+            inertia_ratio=np.where(materials.rotates(layer), 2.0, 0.0), layer=layer.copy(),
             fixed=geometry.fixed.copy(), x_list=x.copy(), z_list=z.copy(), order=np.arange(n, dtype=np.int32),
             **contacts, lines=boundary.lines.copy(), line_strength=boundary.strengths,
-            energy_sums=np.zeros((n // LANES + 1, LEDGER)),
+            energy_sums=np.zeros((n // LANES + 1, ENERGY_COLUMNS)),
             springs=_table(materials.layers, mean, law, margin, boundary.strengths), mean=mean, law=law,
             period=boundary.period, gravity=(float(gravity[0]), float(gravity[1])),
             acceleration=acceleration or Acceleration(), skin=margin,
@@ -310,7 +316,7 @@ class DiscModel(DiscState):
         return element + pore, self.shear + self.pore_shear
 
     def _change_forces(self, before: tuple[np.ndarray, np.ndarray]) -> None:
-        """Lets the forces of the last step be those of the springs as they now are, for the means of the ledger."""
+        """Lets the forces of the last step be those of the springs as they are now; the energy balance needs means."""
         normal, tangential = (a - b for a, b in zip(self._spring_forces(), before, strict=True))
         nx, nz = self.branch() / self.distance()
         self.force_x += normal * nx + tangential * nz
@@ -334,6 +340,7 @@ class DiscModel(DiscState):
     def load(cls, path: Path | str) -> "DiscModel":
         """The model of a checkpoint. Raises OSError, KeyError or TypeError for a file that is none of this version."""
         arrays, plain = checkpoint.read(Path(path))
+        arrays = {RENAMED.get(name, name): values for name, values in arrays.items()}
         series = Acceleration(*(arrays.pop(f"acceleration_{name}") for name in ("times", "x", "z")))
         layers = [LayerSprings(**layer) for layer in plain.pop("layers")]
         for name in ("gravity", "period"):  # JSON knows no tuples

@@ -40,9 +40,9 @@ class DiscState:
         With the full density (kg/m).
     weight : (n,)
         Effective over full density.
-    drift_x, drift_z : (n,)
+    pore_acceleration_x, pore_acceleration_z : (n,)
         Acceleration by pore pressure, and by what presses on the ground (m/s2); it goes with the disc.
-    swing_x, swing_z : (n,)
+    added_mass_x, added_mass_z : (n,)
         Acceleration by what else shakes, surcharges and free water, over that of the frame across gravity.
     inertia_ratio : (n,)
         m r^2/I: 2 for a disc, 0 for one that cannot turn.
@@ -61,7 +61,7 @@ class DiscState:
     pore_length : (pairs,)
         Distance at which the pore spring was set (m), negative once cracked, 0 without one.
     force_x, force_z : (pairs,)
-        Force on pair_j in the last step (N), for the ledger.
+        Force on pair_j in the last step (N), for the energy balance.
     rolled, torque : (pairs,)
         Rolling moment over r_i r_j/(r_i + r_j) kept by the spring, and that of spring and dashpot in the last step (N);
         empty for the paper's discs.
@@ -117,10 +117,10 @@ class DiscState:
     radius: np.ndarray
     mass: np.ndarray
     weight: np.ndarray
-    drift_x: np.ndarray
-    drift_z: np.ndarray
-    swing_x: np.ndarray
-    swing_z: np.ndarray
+    pore_acceleration_x: np.ndarray
+    pore_acceleration_z: np.ndarray
+    added_mass_x: np.ndarray
+    added_mass_z: np.ndarray
     inertia_ratio: np.ndarray
     layer: np.ndarray
     fixed: np.ndarray
@@ -178,7 +178,8 @@ class DiscState:
     @property
     def pull(self) -> tuple[np.ndarray, np.ndarray]:
         """Acceleration of every disc by its weight and by water, along x and z (m/s2)."""
-        return self.weight * self.gravity[0] + self.drift_x, self.weight * self.gravity[1] + self.drift_z
+        x, z = self.gravity
+        return self.weight * x + self.pore_acceleration_x, self.weight * z + self.pore_acceleration_z
 
     @property
     def liquefied_forces(self) -> tuple[np.ndarray, np.ndarray]:

@@ -48,7 +48,7 @@ def excess(section: Section, places: Places, discs: DiscState) -> np.ndarray | N
     return _of_pores(section, places, discs, section.water_pressure.shaken, None)
 
 
-def swing(section: Section, places: Places, discs: DiscState) -> np.ndarray | None:
+def added_mass(section: Section, places: Places, discs: DiscState) -> np.ndarray | None:
     """Acceleration (n, 2) of discs by the inertia of surcharges and of free water, over that of the frame along x.
 
     None where there is nothing that shakes with the ground.

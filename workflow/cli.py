@@ -11,7 +11,6 @@ from meshes.errors import InputError
 from workflow import stages
 from workflow.exits import ended, ended_as_program
 from workflow.help_text import literal_help
-from workflow.making.command import section
 from workflow.migrate import migrate
 from workflow.options import (
     Columns,
@@ -28,14 +27,15 @@ from workflow.options import (
     Set,
     Size,
     Verbose,
+    Verbosity,
     Version,
 )
+from workflow.section_import.command import section
 from workflow.study.command import converge, study
 from workflow.verify.command import verify
 
 if TYPE_CHECKING:
-    from workflow.request import Request
-    from workflow.terminal import Voice
+    from workflow.invocation import Invocation
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -74,21 +74,23 @@ def init(
 def check(section: SectionFile, folder: Out = None, settings: Set = None, json: Json = False) -> None:
     """Validate a section and draw it; nothing else."""
     from workflow.figures.ground import draw_section
+    from workflow.invocation import Invocation
     from workflow.report.data import of_section
-    from workflow.request import Request
     from workflow.terminal import say, say_data, show_strata
 
-    request = Request.of(section, folder, {}, settings)
-    picture = request.store.folder / "figures" / "section.png"
+    invocation = Invocation.of(section, folder, {}, settings)
+    picture = invocation.store.folder / "figures" / "section.png"
     if not json:
-        show_strata(request.config.section)
-    with request.store.writing("figures/section.png") as path:
-        draw_section(request.config.section, path)
+        show_strata(invocation.config.section)
+    with invocation.store.writing("figures/section.png") as path:
+        draw_section(invocation.config.section, path)
     if json:
-        return say_data(of_section(request.config, picture))
-    for line in (*request.notices, *(f"Warning: {notice}." for notice in request.config.notices)):
+        return say_data(of_section(invocation.config, picture))
+    for line in (*invocation.notices, *(f"Warning: {notice}." for notice in invocation.config.notices)):
         say(line)
-    verdict = "is sound" if request.config.section.uplift is None else "can be computed, but its water lifts the ground"
+    verdict = (
+        "is sound" if invocation.config.section.uplift is None else "can be computed, but its water lifts the ground"
+    )
     return say(f"The section {verdict}. Picture: {picture}")
 
 
@@ -118,19 +120,19 @@ def run_all(
     json: Json = False,
 ) -> None:  # fmt: skip
     """The whole workflow: mesh, FEM, calibrated discs, slides, pictures and report."""
-    from workflow.request import Request
+    from workflow.invocation import Invocation
     from workflow.run.plan import Choice
-    from workflow.terminal import Voice, execute, show_plan, show_strata
+    from workflow.terminal import execute, show_plan, show_strata
 
     choice = Choice.of(stages.STAGES, start, only or (), force)
-    voice = Voice.of(quiet, verbose, json)
-    request = Request.of(section, folder, {}, settings)
-    warnings = _warn(voice, request, "run", choice.chosen)
+    verbosity = Verbosity.of(quiet, verbose, json)
+    invocation = Invocation.of(section, folder, {}, settings)
+    warnings = _warn(verbosity, invocation, "run", choice.chosen)
     if dry_run:
-        return show_plan(request.job(), choice, voice)
-    if voice.speaks:
-        show_strata(request.config.section)
-    return execute(request.job(), choice, voice, warnings)
+        return show_plan(invocation.job(), choice, verbosity)
+    if verbosity.in_sentences:
+        show_strata(invocation.config.section)
+    return execute(invocation.job(), choice, verbosity, warnings)
 
 
 @app.command()
@@ -149,15 +151,15 @@ def mesh(
     json: Json = False,
 ) -> None:
     """Mesh a section with quadrilaterals and draw both. What comes after it in the same folder takes the same mesh."""
-    from workflow.request import Request, mesh_options
-    from workflow.terminal import Voice, show_strata
+    from workflow.invocation import Invocation, mesh_options
+    from workflow.terminal import show_strata
 
-    voice = Voice.of(quiet, verbose, json)
+    verbosity = Verbosity.of(quiet, verbose, json)
     options = {"mesh": mesh_options(refine, size, free, columns, rows)}
-    request = Request.of(section, folder, options, settings, afresh=True)
-    if voice.speaks:
-        show_strata(request.config.section)
-    _up_to("mesh", request, force, voice)
+    invocation = Invocation.of(section, folder, options, settings, afresh=True)
+    if verbosity.in_sentences:
+        show_strata(invocation.config.section)
+    _up_to("mesh", invocation, force, verbosity)
 
 
 @app.command()
@@ -188,9 +190,9 @@ def fem(
     json: Json = False,
 ) -> None:
     """Find the critical seismic coefficient of a section, and where it fails. Runs under mpirun, too."""
-    from workflow.request import Request, mesh_options
+    from workflow.invocation import Invocation, mesh_options
     from workflow.run.ranks import Ranks
-    from workflow.terminal import Voice, err, out
+    from workflow.terminal import err, out
 
     options = {
         "kh": kh,
@@ -200,10 +202,10 @@ def fem(
         "vertical": vertical,
         "flow": "associated" if associated else None,
     }
-    request = Request.of(section, folder, {"mesh": mesh_options(refine, size, free), "fem": options}, settings)
+    invocation = Invocation.of(section, folder, {"mesh": mesh_options(refine, size, free), "fem": options}, settings)
     if safety_factor:
-        request = request.with_safety_factors()
-    beside = ("bounds",) if safety_factor and request.config.bounds.run is not False else ()
+        invocation = invocation.with_safety_factors()
+    beside = ("bounds",) if safety_factor and invocation.config.bounds.run is not False else ()
     if mesh_file is not None and not mesh_file.is_file():
         raise InputError(str(mesh_file), ["there is no such file"])
     ranks = Ranks()
@@ -211,10 +213,10 @@ def fem(
         from workflow.stages.fem import help_compute
 
         out.quiet = err.quiet = True
-        return help_compute(request.job(mesh_file=mesh_file, ranks=ranks), ranks)
+        return help_compute(invocation.job(mesh_file=mesh_file, ranks=ranks), ranks)
     with ranks.leading():
-        voice = Voice.of(quiet, verbose, json)
-        return _up_to("fem", request, force, voice, beside, mesh_file=mesh_file, ranks=ranks)
+        verbosity = Verbosity.of(quiet, verbose, json)
+        return _up_to("fem", invocation, force, verbosity, beside, mesh_file=mesh_file, ranks=ranks)
 
 
 @app.command()
@@ -262,11 +264,11 @@ def report(
 ) -> None:
     """Write summary and report of a run again, from what is there."""
     from workflow.run.plan import Choice
-    from workflow.terminal import Voice, execute, warn_of_old_words
+    from workflow.terminal import execute, warn_of_old_words
 
-    job, voice = stages.stored_job(folder), Voice.of(quiet, verbose, json)
-    warn_of_old_words(folder / "section.toml", voice)
-    execute(job, Choice.of(job.stages, only=["report"], force=True), voice, pdf=pdf)
+    job, verbosity = stages.stored_job(folder), Verbosity.of(quiet, verbose, json)
+    warn_of_old_words(folder / "section.toml", verbosity)
+    execute(job, Choice.of(job.stages, only=["report"], force=True), verbosity, pdf=pdf)
 
 
 @app.command()
@@ -308,12 +310,11 @@ def bounds(
     json: Json = False,
 ) -> None:
     """Strict lower and upper bound of the critical seismic coefficient, ψ = φ; they check the finite elements."""
-    from workflow.request import Request
-    from workflow.terminal import Voice
+    from workflow.invocation import Invocation
 
     options = {"run": True, "gap": gap, "davis": davis, "max_cells": max_cells, "safety_factor": safety_factor}
-    request = Request.of(section, folder, {"bounds": options, "fem": {"sides": sides}}, settings)
-    _up_to("bounds", request, force, Voice.of(quiet, verbose, json))
+    invocation = Invocation.of(section, folder, {"bounds": options, "fem": {"sides": sides}}, settings)
+    _up_to("bounds", invocation, force, Verbosity.of(quiet, verbose, json))
 
 
 def _of_stage(stage: str, words: str) -> None:
@@ -328,10 +329,9 @@ def _of_stage(stage: str, words: str) -> None:
         verbose: Verbose = False,
         json: Json = False,
     ) -> None:
-        from workflow.request import Request
-        from workflow.terminal import Voice
+        from workflow.invocation import Invocation
 
-        _up_to(stage, Request.of(section, folder, {}, settings), force, Voice.of(quiet, verbose, json))
+        _up_to(stage, Invocation.of(section, folder, {}, settings), force, Verbosity.of(quiet, verbose, json))
 
     app.command(stages.command_of(stage), help=words)(command)
 
@@ -356,14 +356,13 @@ def slide(
     json: Json = False,
 ) -> None:
     """How far the ground slides once layers have liquefied, by calibrated discs and by material points."""
-    from workflow.request import Request
-    from workflow.terminal import Voice
+    from workflow.invocation import Invocation
 
-    request, cases = Request.of(section, folder, {}, settings), tuple(case) if case else None
-    request.refuse_unknown(cases or ())
-    both = model is None and "mpm" in request.config.slide.methods and request.config.section.liquefies
+    invocation, cases = Invocation.of(section, folder, {}, settings), tuple(case) if case else None
+    invocation.refuse_unknown(cases or ())
+    both = model is None and "mpm" in invocation.config.slide.methods and invocation.config.section.liquefies
     stage, beside = "mpm" if model == "mpm" else "slide", ("mpm",) if both else ()
-    _up_to(stage, request, force, Voice.of(quiet, verbose, json), beside, cases=cases)
+    _up_to(stage, invocation, force, Verbosity.of(quiet, verbose, json), beside, cases=cases)
 
 
 for command in (section, migrate, study, converge, verify):
@@ -371,24 +370,24 @@ for command in (section, migrate, study, converge, verify):
 
 
 def _up_to(
-    stage: str, request: "Request", force: bool, voice: "Voice", beside: Sequence[str] = (), **more: Any
+    stage: str, invocation: "Invocation", force: bool, verbosity: "Verbosity", beside: Sequence[str] = (), **more: Any
 ) -> None:
     """Run a stage, others beside it, and before them what they need and is not there yet."""
     from workflow.run.plan import Choice
     from workflow.terminal import execute
 
-    job = request.job(**more)
+    job = invocation.job(**more)
     choice = Choice.up_to(job.stages, stage, force, beside)
-    execute(job, choice, voice, _warn(voice, request, stages.command_of(stage), choice.chosen))
+    execute(job, choice, verbosity, _warn(verbosity, invocation, stages.command_of(stage), choice.chosen))
 
 
-def _warn(voice: "Voice", request: "Request", command: str, chosen: Sequence[str]) -> list[str]:
+def _warn(verbosity: "Verbosity", invocation: "Invocation", command: str, chosen: Sequence[str]) -> list[str]:
     """Tell, and return, what of an earlier command still holds, and what of the command line is not read."""
     from workflow.terminal import warn
     from workflow.unread import in_words
 
     names = [entry.name or entry.callback.__name__ for entry in app.registered_commands if entry.callback]
-    return warn([*request.notices, *in_words(request.unread(chosen), command, names)], voice)
+    return warn([*invocation.notices, *in_words(invocation.unread(chosen), command, names)], verbosity)
 
 
 def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) -> None:

@@ -1,6 +1,6 @@
 """The options that commands have in common."""
 
-from enum import StrEnum
+from enum import Enum, StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -20,6 +20,22 @@ class SlideModel(StrEnum):
 
     discs = "discs"
     mpm = "mpm"
+
+
+class Verbosity(Enum):
+    """How much a command prints: faults alone, sentences, every step, or the answers as JSON."""
+
+    QUIET, NORMAL, VERBOSE, JSON = range(4)
+
+    @classmethod
+    def of(cls, quiet: bool, verbose: bool, json: bool) -> "Verbosity":
+        """The verbosity by options of the command line: --json before --quiet, --quiet before --verbose."""
+        return cls.JSON if json else cls.QUIET if quiet else cls.VERBOSE if verbose else cls.NORMAL
+
+    @property
+    def in_sentences(self) -> bool:
+        """Whether a command prints sentences."""
+        return self in (Verbosity.NORMAL, Verbosity.VERBOSE)
 
 
 Version = Annotated[

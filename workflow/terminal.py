@@ -4,7 +4,6 @@ import shlex
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +15,7 @@ from rich.table import Table
 from meshes.errors import InputError, NoAnswerError
 from meshes.executor import Processes
 from meshes.section.section import Section, read_toml
+from workflow.options import Verbosity
 from workflow.renamed import notices
 from workflow.report import data, tables
 from workflow.run.plan import Action, Choice, plan
@@ -31,38 +31,22 @@ out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
 
-class Voice(Enum):
-    """How a command tells: nothing but faults, in sentences, every step, or as data."""
-
-    QUIET, NORMAL, VERBOSE, JSON = range(4)
-
-    @classmethod
-    def of(cls, quiet: bool, verbose: bool, json: bool) -> "Voice":
-        """The one that was asked for; data before silence, silence before every step."""
-        return cls.JSON if json else cls.QUIET if quiet else cls.VERBOSE if verbose else cls.NORMAL
-
-    @property
-    def speaks(self) -> bool:
-        """Whether it tells in sentences."""
-        return self in (Voice.NORMAL, Voice.VERBOSE)
-
-
 def say(line: str) -> None:
     """A line as it stands, however long."""
     out.print(line, soft_wrap=True, markup=False)
 
 
-def warn(lines: Iterable[str], voice: Voice) -> list[str]:
+def warn(lines: Iterable[str], verbosity: Verbosity) -> list[str]:
     """Tell, and return, what has to be known of a command: beside its output where that holds no sentences."""
     messages = list(lines)
     for line in messages:
-        (out if voice.speaks else err).print(line, soft_wrap=True, markup=False)
+        (out if verbosity.in_sentences else err).print(line, soft_wrap=True, markup=False)
     return messages
 
 
-def warn_of_old_words(section: Path, voice: Voice) -> None:
+def warn_of_old_words(section: Path, verbosity: Verbosity) -> None:
     """Name the new word for every old one in the file of a section."""
-    warn(notices(read_toml(section)), voice)
+    warn(notices(read_toml(section)), verbosity)
 
 
 def say_data(what: Any) -> None:
@@ -99,10 +83,10 @@ def show_strata(section: Section) -> None:
             say(f"Warning: {notice}.")
 
 
-def show_plan(job: Job, choice: Choice, voice: Voice) -> None:
+def show_plan(job: Job, choice: Choice, verbosity: Verbosity) -> None:
     """What would be done about every stage, and why."""
     decisions = plan(job, Record(job.store), choice)
-    if voice == Voice.JSON:
+    if verbosity == Verbosity.JSON:
         return say_data(data.of_plan(decisions))
     rows = [
         (decision.stage.name, VERBS[decision.action], decision.why or "nothing has changed") for decision in decisions
@@ -117,15 +101,14 @@ def _show_shaking(job: Job) -> None:
         out.print(escape(f"Warning: {text}."))
 
 
-def execute(job: Job, choice: Choice, voice: Voice, warnings: Sequence[str] = (), pdf: bool = False) -> None:
+def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str] = (), pdf: bool = False) -> None:
     """Run the stages that have to, tell what they found, and print the report if asked; data holds the ``warnings``.
 
     Raises what `pipeline.execute` and `write_pdf` do.
     """
     from workflow.run import pipeline
-    from workflow.run.display import NORMAL, QUIET, VERBOSE, Display
+    from workflow.run.display import Display
 
-    verbosity = {Voice.NORMAL: NORMAL, Voice.VERBOSE: VERBOSE}.get(voice, QUIET)
     shown = [stage for stage in job.stages if stage.name in choice.chosen]
     what = "noshiro " + shlex.join(sys.argv[1:])
     try:
@@ -134,21 +117,21 @@ def execute(job: Job, choice: Choice, voice: Voice, warnings: Sequence[str] = ()
     except InputError as error:
         raise error.found_in(job.config.section.name, job.section_file) from None
     except NoAnswerError:
-        _tell(job, choice, voice, warnings, pdf)
+        _tell(job, choice, verbosity, warnings, pdf)
         raise
-    _tell(job, choice, voice, warnings, pdf)
+    _tell(job, choice, verbosity, warnings, pdf)
 
 
-def _tell(job: Job, choice: Choice, voice: Voice, warnings: Sequence[str], pdf: bool) -> None:
+def _tell(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str], pdf: bool) -> None:
     """What the stages found, in sentences or as data, and where it all is; on paper, too, if asked."""
     if pdf:
         from workflow.report.pdf import write_pdf
 
         write_pdf(job.store)
-    if voice == Voice.JSON:
+    if verbosity == Verbosity.JSON:
         say_data(data.of_stages(job, choice.chosen, warnings))
-    elif voice.speaks:
-        _tell_in_sentences(job, choice, voice == Voice.VERBOSE)
+    elif verbosity.in_sentences:
+        _tell_in_sentences(job, choice, verbosity == Verbosity.VERBOSE)
 
 
 def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
@@ -180,9 +163,9 @@ def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
 def redraw(job: Job, json: bool) -> None:
     """Draw all pictures of a folder again, and tell which could not be."""
     from workflow.run import pipeline
-    from workflow.run.display import NORMAL, QUIET, Display
+    from workflow.run.display import Display
 
-    with Display(out, err, job.stages, QUIET if json else NORMAL) as display:
+    with Display(out, err, job.stages, Verbosity.QUIET if json else Verbosity.NORMAL) as display:
         messages = pipeline.redraw_all(job, display)
     if json:
         pictures = [str(job.store.folder / name) for name in job.store.matching(["figures/*"])]

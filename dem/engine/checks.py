@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dem.engine.ledger import Ledger
+from dem.engine.energy_balance import EnergyBalance
 from dem.errors import EnergyBalanceError, EscapeError, NotFiniteError, OverlapError, SpeedError
 from dem.kernels.contact import ALLOWED
 from dem.kernels.motion import all_finite, first_behind
@@ -88,13 +88,13 @@ def check_escape(model: DiscModel, kept: str) -> None:
         )
 
 
-def check_balance(model: DiscModel, ledger: Ledger, tolerance: float, kept: str) -> None:
+def check_balance(model: DiscModel, energies: EnergyBalance, tolerance: float, kept: str) -> None:
     """Raises EnergyBalanceError if more than `tolerance` of the energy turned over is not accounted for."""
-    if not abs(ledger.gap) <= tolerance * ledger.turnover:
+    if not abs(energies.gap) <= tolerance * energies.turnover:
         speed = np.hypot(model.vx, model.vz) * np.sqrt(model.mass) * ~model.fixed
         disc = int(np.argmax(speed))
         raise EnergyBalanceError(
-            f"{ledger.gap:.4g} J/m of {ledger.turnover:.4g} turned over came from nowhere (allowed {tolerance:g}); "
+            f"{energies.gap:.4g} J/m of {energies.turnover:.4g} turned over came from nowhere (allowed {tolerance:g}); "
             f"most energy of motion has {_place(model, disc)}. Take a smaller step, or allow more "
             f"with `balance`. {kept}"
         )

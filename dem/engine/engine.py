@@ -1,4 +1,4 @@
-"""The engine: takes a DiscModel through time, makes neighbour lists when due, keeps the ledger, stops in words.
+"""The engine: takes a DiscModel through time, makes neighbour lists when due, keeps the energy balance, stops in words.
 
 Between two calls of `run` the model is the truth and may be changed in any way; the engine holds nothing but settings.
 """
@@ -14,15 +14,15 @@ import numpy as np
 from numba import config
 
 from dem.engine.checks import BALANCE, check_balance, check_escape, check_finite, check_overlap, check_speed
-from dem.engine.ledger import Ledger
+from dem.engine.energy_balance import EnergyBalance
 from dem.engine.memory import Room, keep_freed_arrays, large_zeros
 from dem.engine.packer import pack, unpack, unpack_motion
 from dem.engine.sharing import needs
 from dem.errors import DemError, StepTooLargeError
+from dem.kernels import energy
 from dem.kernels.arguments import Clock, Entries, Law, Loads, Springs, Team
 from dem.kernels.barrier import new_barrier
 from dem.kernels.contact import KPN
-from dem.kernels.energy import energies
 from dem.kernels.layout import Layout
 from dem.kernels.records import CONSTANT_RECORD
 from dem.kernels.scratch import new_scratch
@@ -101,7 +101,7 @@ class Engine:
         The time step (s); "auto" is `AUTO_SHARE` of the stable one as it is when a run begins.
     threads : int
         How many; the result does not depend on it.
-    ledger : bool
+    energies : bool
         Whether the energy balance is kept, and the run stopped when it does not close.
     balance : float
         Largest gap of the energy balance over the energy turned over; ten times that once ground has liquefied, whose
@@ -117,7 +117,7 @@ class Engine:
 
     dt: float | Literal["auto"] = "auto"
     threads: int = 1
-    ledger: bool = True
+    energies: bool = True
     balance: float = BALANCE
     pulls: bool = False
     crack_by: CrackBy = "contact"
@@ -152,8 +152,8 @@ class Engine:
                 f"{model.x[d]:.4g} m, z = {model.z[d]:.4g} m sets at t = {model.time:.6g} s. Take dt = 'auto' or less."
             )
 
-    def measure(self, model: DiscModel) -> Ledger:
-        """The ledger of a model as it stands."""
+    def measure(self, model: DiscModel) -> EnergyBalance:
+        """The energy balance of a model as it stands."""
         return self.measure_layout(model, pack(model))
 
     def run(
@@ -164,12 +164,12 @@ class Engine:
         steps: int | None = None,
         every: float | None = None,
         on_output: OnOutput | None = None,
-    ) -> Ledger | None:
+    ) -> EnergyBalance | None:
         """Takes the model `duration` seconds on (rounded to whole steps), or a number of steps, none among them.
 
         on_output is called with the model every `every` seconds and at the end; it may read and save it, not change it.
-        Returns the ledger at the end, None if none is kept. Raises DemError, with the model in the state in which the
-        error was found, and ValueError unless either a duration or a number of steps is given.
+        Returns the energy balance at the end, None if none is kept. Raises DemError, with the model in the state in
+        which the error was found, and ValueError unless either a duration or a number of steps is given.
         """
         model.refresh_list()
         dt = self.step_of(model)
@@ -182,14 +182,14 @@ class Engine:
         saves = max(1, round(min(self.checkpoint_every, 1e9 * dt) / dt)) if self.checkpoint else 0
         run = EngineRun(self, model, dt)
         try:
-            ledger = run.balance() if self.ledger and total == 0 else None
+            energies = run.balance() if self.energies and total == 0 else None
             end = model.steps + total
             begin = model.steps
             while model.steps < end:
                 stops = [end, begin + ((model.steps - begin) // between + 1) * between]
                 if saves:
                     stops.append(begin + ((model.steps - begin) // saves + 1) * saves)
-                ledger = run.advance(min(stops) - model.steps)
+                energies = run.advance(min(stops) - model.steps)
                 done = model.steps - begin
                 if saves and (done % saves == 0 or model.steps == end):
                     model.save(str(self.checkpoint))
@@ -197,14 +197,14 @@ class Engine:
                     on_output(model)
         finally:
             run.close()
-        return ledger
+        return energies
 
-    def measure_layout(self, model: DiscModel, layout: Layout) -> Ledger:
+    def measure_layout(self, model: DiscModel, layout: Layout) -> EnergyBalance:
         """Measure the energy balance of a model whose contacts are in a layout."""
         now = model.acceleration.at(model.time)
         loads = Loads(now.times, now.with_level(model.gravity))
-        measured = energies(layout, springs_of(model), self.law_of(model), loads, model.last_dt)
-        return Ledger.of(measured, model.energy_sums, model.energy_edited, model.turnover)
+        measured = energy.energies(layout, springs_of(model), self.law_of(model), loads, model.last_dt)
+        return EnergyBalance.of(measured, model.energy_sums, model.energy_edited, model.turnover)
 
     def law_of(self, model: DiscModel) -> Law:
         """The law by which this engine moves a model."""
@@ -270,26 +270,26 @@ class EngineRun:
 
     def begin_ledger(self) -> None:
         """Enters as edits what changes made since the last run have given the model or taken from it."""
-        if not self.engine.ledger:
+        if not self.engine.energies:
             self.model.energy_known = float("nan")
             return
         model = self.model
-        ledger = self.engine.measure_layout(model, self.pack())
+        energies = self.engine.measure_layout(model, self.pack())
         if np.isnan(model.energy_known):
-            model.energy_edited += ledger.gap
+            model.energy_edited += energies.gap
         else:
-            model.energy_edited += ledger.kinetic + ledger.stored + ledger.dissipated - model.energy_known
+            model.energy_edited += energies.kinetic + energies.stored + energies.dissipated - model.energy_known
 
-    def advance(self, steps: int) -> Ledger | None:
+    def advance(self, steps: int) -> EnergyBalance | None:
         """Takes that many steps, and updates the model."""
-        ledger = self.go(steps)
+        energies = self.go(steps)
         self.update()
         self.show()
-        if ledger is not None:
-            self.model.energy_known = ledger.kinetic + ledger.stored + ledger.dissipated
-        return ledger
+        if energies is not None:
+            self.model.energy_known = energies.kinetic + energies.stored + energies.dissipated
+        return energies
 
-    def go(self, steps: int) -> Ledger | None:
+    def go(self, steps: int) -> EnergyBalance | None:
         """Takes that many steps, in calls of the kernel short enough to be stopped; the layout stays."""
         model, engine = self.model, self.engine
         call = max(CALL_STEPS, int(CALL_WORK / len(model)))
@@ -305,9 +305,9 @@ class EngineRun:
                 check_overlap(model, engine.kept)
             if reason == MOVED:
                 self.list_anew()
-            elif engine.ledger and model.steps < end:
+            elif engine.energies and model.steps < end:
                 self.balance()
-        return self.balance() if engine.ledger else None
+        return self.balance() if engine.energies else None
 
     def list_anew(self) -> None:
         """Makes the neighbour list, and looks for the stable step while the layout is made."""
@@ -322,18 +322,18 @@ class EngineRun:
             self.stable = looking.result()
         self.engine._refuse(model, self.dt, self.stable)
 
-    def balance(self) -> Ledger:
-        """The ledger now. Raises EnergyBalanceError."""
+    def balance(self) -> EnergyBalance:
+        """The energy balance now. Raises EnergyBalanceError."""
         model, engine = self.model, self.engine
-        ledger = engine.measure_layout(model, self.pack())
-        model.turnover = ledger.turnover
+        energies = engine.measure_layout(model, self.pack())
+        model.turnover = energies.turnover
         try:
             looser = LOOSER if len(model.liquefied) else 1.0
-            check_balance(model, ledger, looser * engine.balance, engine.kept)
+            check_balance(model, energies, looser * engine.balance, engine.kept)
         except DemError:
             self.update()
             raise
-        return ledger
+        return energies
 
     def call_kernel(self, steps: int) -> int:
         """Up to `steps` steps in all threads; returns why it came back."""
@@ -350,7 +350,7 @@ class EngineRun:
         layout = self.pack()
         clock = Clock(steps, self.dt, model.last_dt, model.time, model.steps)
         loads = Loads(model.acceleration.times, model.acceleration.with_level(model.gravity))
-        entries = Entries(self.engine.ledger, model.energy_sums)
+        entries = Entries(self.engine.energies, model.energy_sums)
         return [
             (
                 Team(thread, threads, barrier, stops), clock, layout, self.springs, self.law, loads, entries,

@@ -7,7 +7,7 @@ import numpy as np
 from dem.engine.engine import CrackBy, law_of, springs_of
 from dem.engine.packer import pack, unpack
 from dem.engine.sharing import needs
-from dem.kernels.arguments import LEDGER, Clock, Entries, Loads, Team
+from dem.kernels.arguments import ENERGY_COLUMNS, Clock, Entries, Loads, Team
 from dem.kernels.barrier import new_barrier
 from dem.kernels.layout import LANES, LINK_FIELDS, ROLL_FIELDS, Layout, count_slots
 from dem.kernels.scratch import new_scratch
@@ -73,7 +73,7 @@ def keep_slip(model: DiscModel, *, crack_by: CrackBy = "contact") -> None:
 
 def _evaluated(model: DiscModel, pulls: bool, crack_by: CrackBy) -> Layout:
     layout = pack(model)
-    entries = Entries(False, np.zeros((len(layout.chunk_start) - 1, LEDGER)))
+    entries = Entries(False, np.zeros((len(layout.chunk_start) - 1, ENERGY_COLUMNS)))
     loads = Loads(model.acceleration.times, model.acceleration.with_level(model.gravity))
     take_steps(
         Team(0, 1, new_barrier(1), np.zeros((2, 1), np.int64)), Clock(0, 0.0, model.last_dt, model.time, model.steps),
@@ -94,6 +94,6 @@ def resultants(model: DiscModel, forces: ContactForces) -> tuple[np.ndarray, np.
     ax, az, level = model.acceleration.at(model.time).with_level(model.gravity)[:, 0]
     pull_x, pull_z = model.pull
     wet_x, wet_z = model.liquefied_forces
-    fx = wet_x + total(forces.fx, -forces.fx, forces.line_fx) + model.mass * (pull_x + model.swing_x * level + ax)
-    fz = wet_z + total(forces.fz, -forces.fz, forces.line_fz) + model.mass * (pull_z + model.swing_z * level + az)
+    fx = wet_x + total(forces.fx, -forces.fx, forces.line_fx) + model.mass * (pull_x + model.added_mass_x * level + ax)
+    fz = wet_z + total(forces.fz, -forces.fz, forces.line_fz) + model.mass * (pull_z + model.added_mass_z * level + az)
     return fx, fz, model.radius * total(forces.rim, forces.rim_i, forces.line_rim)

@@ -89,7 +89,7 @@ def pack(model: DiscModel, *, keep_pairs: bool = True, in_ranges: Ranges = seria
         line_id=model.line_id.astype(np.int64), line_kind=model.line_kind.astype(np.int64),
         line_radius=model.radius[model.line_disc],
         line_start=np.searchsorted(line_disc, np.arange(slices + 1) * LANES).astype(np.int64),
-        **_swings(model, slices), liquefied=_liquefied(model, number, slices),
+        **_added_mass(model, slices), liquefied=_liquefied(model, number, slices),
     )  # fmt: skip
 
 
@@ -121,16 +121,16 @@ def _far(lanes: np.ndarray) -> np.ndarray:
     return FAR * (1.0 + lanes)
 
 
-def _swings(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
+def _added_mass(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
     """Those fields of the layout that belong to discs which carry what shakes with the ground."""
     order = model.order
-    swinging = (model.swing_x != 0.0) | (model.swing_z != 0.0)
-    there = np.flatnonzero(swinging[order]) if swinging.any() else np.zeros(0, np.int64)
-    fields = (*model.pull, model.swing_x, model.swing_z)
+    carries = (model.added_mass_x != 0.0) | (model.added_mass_z != 0.0)
+    there = np.flatnonzero(carries[order]) if carries.any() else np.zeros(0, np.int64)
+    fields = (*model.pull, model.added_mass_x, model.added_mass_z)
     return {
-        "swing_disc": there,
-        "swing": np.column_stack([values[order[there]] for values in fields]),
-        "swing_start": np.searchsorted(there, np.arange(slices + 1) * LANES),
+        "added_mass_disc": there,
+        "added_mass": np.column_stack([values[order[there]] for values in fields]),
+        "added_mass_start": np.searchsorted(there, np.arange(slices + 1) * LANES),
     }
 
 

@@ -13,14 +13,14 @@ from dem.model import DiscModel
 class Pulses:
     """A model on its way: inside the block its motion is up to date, its contacts only after `whole`.
 
-    No energies are booked. The step is a share of the stable one as it was when the list of neighbours was made.
+    No energies are summed. The step is a share of the stable one as it was when the list of neighbours was made.
     """
 
     def __init__(self, model: DiscModel, share: float, threads: int = 1) -> None:
         model.refresh_list()
         self.model, self.share = model, share
         stable = largest_step(model)
-        self.run = EngineRun(Engine(ledger=False, threads=threads), model, share * stable.seconds)
+        self.run = EngineRun(Engine(energies=False, threads=threads), model, share * stable.seconds)
         self.run.stable = stable
 
     def __enter__(self) -> "Pulses":

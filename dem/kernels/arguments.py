@@ -6,11 +6,11 @@ import numpy as np
 
 from dem.kernels.period import Period
 
-# Columns of the ledger kept per slice: work of weight, of external acceleration and of moving boundaries; energy
+# Columns of the energy balance, kept per slice: work of weight, external acceleration and moving boundaries; energy
 # dissipated by dashpots, by sliding, by cracks, by rolling; in liquefied ground by the slip of bonds, and by viscosity;
 # work of pore water that stands in for ground which has not liquefied. All in J per metre out of plane.
 WORK_WEIGHT, WORK_EXTERNAL, WORK_BOUNDARY, DASHPOT, SLIDING, CRACKS, ROLLING, BONDS, VISCOSITY, STAND_IN = range(10)
-LEDGER = 10
+ENERGY_COLUMNS = 10
 
 
 class Springs(NamedTuple):
@@ -133,13 +133,13 @@ class Team(NamedTuple):
 
 
 class Entries(NamedTuple):
-    """The entries of the ledger.
+    """The entries of the energy balance.
 
     Attributes
     ----------
     kept : bool
         Whether work and losses are summed at all.
-    sums : (slices, LEDGER)
+    sums : (slices, ENERGY_COLUMNS)
         Work and losses of each slice's discs (J per metre).
     """
 
@@ -157,7 +157,7 @@ class Step(NamedTuple):
     ax, az, level : float
         External acceleration at the beginning of the step: along x, along z, across gravity (m/s2).
     mean_x, mean_z, mean_level : float
-        Its mean over the step (m/s2), for the ledger.
+        Its mean over the step (m/s2), for the energy balance.
     reach : float
         Square of the way (m2) after which a disc wants a new neighbour list.
     """

@@ -22,28 +22,28 @@ from dem.kernels.layout import (
     TORQUE,
     Layout,
 )
-from dem.kernels.losses import BOOKS
+from dem.kernels.losses import ANY_ORDER
 from dem.kernels.prefetch import wide_vectors
 from dem.kernels.scratch import BLOCK, constant, load_partners
 
 
-@inner(forceinline=True, fastmath=BOOKS)
+@inner(forceinline=True, fastmath=ANY_ORDER)
 def add(total: float, value: float) -> float:
-    """A sum whose order the compiler may choose; for the ledger, never for the motion."""
+    """A sum whose order the compiler may choose; for the energy balance, never for the motion."""
     return total + value
 
 
 @inner(forceinline=True)
 def contact(
     d: int, q: int, w: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, soil: bool,
-    pores: bool, booked: bool,
+    pores: bool, with_losses: bool,
 ) -> tuple[bool, float, float, float, float]:  # fmt: skip
     """The contact in lane q: writes forces and memory.
 
     Returns whether it is too deep, and twice what dashpots, sliding, cracks and rolling took since the last step (J).
     """
     links = state.links
-    m, now = between_discs(d, q, w, state, scratch, slip_time, law, soil, pores, booked)
+    m, now = between_discs(d, q, w, state, scratch, slip_time, law, soil, pores, with_losses)
     deep = now.over > scratch[constant(ALLOWED) + q] * links[d + RADII + q]
     if pores:
         cracked = now.length != links[d + LENGTH + q]
@@ -75,7 +75,7 @@ def face_partners(chunk: int, state: State, scratch: np.ndarray, law: Law, soil:
 @inner(forceinline=True)
 def all_lanes(
     chunk: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, soil: bool, pores: bool,
-    booked: bool,
+    with_losses: bool,
 ) -> tuple[bool, float, float, float, float]:  # fmt: skip
     """The contacts of one chunk, and the sums of what they took."""
     wide_vectors()
@@ -85,10 +85,10 @@ def all_lanes(
     face_partners(chunk, state, scratch, law, soil)
     for lane in range(LANES):
         deep, damped, slid, cracked, rolled = contact(
-            d, np.uint64(lane), w, state, scratch, slip_time, law, soil, pores, booked
+            d, np.uint64(lane), w, state, scratch, slip_time, law, soil, pores, with_losses
         )
         too_deep |= deep
-        if booked:
+        if with_losses:
             damping = add(damping, damped)
             sliding = add(sliding, slid)
             cracks = add(cracks, cracked)

@@ -8,6 +8,7 @@ did since the last step, without anything being changed.
 import numpy as np
 from numba import njit
 
+from dem.kernels.added_mass import pull_added_mass
 from dem.kernels.arguments import Law, Loads, Springs, State
 from dem.kernels.chunks import add, face_partners
 from dem.kernels.inner import inner
@@ -32,7 +33,6 @@ from dem.kernels.liquefied_pairs import liquefied_energy
 from dem.kernels.losses import along
 from dem.kernels.prefetch import wide_vectors
 from dem.kernels.scratch import OWN, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_own, new_scratch
-from dem.kernels.swing import swing_slice
 
 # Entries of what `energies` returns (J per metre out of plane); LATE ones came about since the last step.
 TRANSLATION, ROTATION, ELEMENTS, PORES, ROLLING_SPRINGS, BONDS = range(6)
@@ -142,7 +142,7 @@ def kinetic(
     wide_vectors()
     discs = layout.discs
     ax, az = loads.acceleration[0, 0], loads.acceleration[1, 0]
-    swing_slice(p, layout, loads.acceleration[2, 0])
+    pull_added_mass(p, layout, loads.acceleration[2, 0])
     load_own(p, layout.shared, scratch)
     b, i = np.uint64(p) * DISC, np.uint64(p) * ROW
     translation, rotation, boundary = 0.0, 0.0, 0.0

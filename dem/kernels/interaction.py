@@ -98,7 +98,7 @@ class Motion(NamedTuple):
     vn, vt : float
         Speeds of separation and of slip at the end of the step (m/s).
     slip, stretch : float
-        Slip and separation since the last step (m); separation is for the ledger alone.
+        Slip and separation since the last step (m); separation is for the energy balance alone.
     """
 
     distance: float
@@ -208,12 +208,12 @@ def between_discs(
     law: Law,
     soil: bool,
     pores: bool,
-    booked: bool,
+    with_losses: bool,
 ) -> tuple[Motion, Contact]:
     """The contact in lane q of the chunk at d (rolling memory at w); changes nothing.
 
-    soil, pores, booked: whether the law of soil discs holds, there are pore springs, and losses are wanted; written out
-    where this is called, so that the compiler can leave out what is not.
+    soil, pores, with_losses: whether the law of soil discs holds, there are pore springs, and losses are wanted.
+    Callers write them out, so that the compiler leaves out what is not wanted.
     """
     links = state.links
     radii = links[d + RADII + q]
@@ -262,7 +262,7 @@ def between_discs(
         rolled_off = both(damping_loss(roll, torque - rolled, whole - before), sliding_loss(before, tried, rolled, fks))
 
     damped, slid, cracked = 0.0, 0.0, 0.0
-    if booked:
+    if with_losses:
         # dashpots in the last step: all the force there was, less that of springs
         springs_then = spring_before(over, m.stretch, kn, gap)
         if soil:

@@ -24,7 +24,7 @@ from dem.kernels.records import EIGHT, SHARED
 X, Z, VX, VZ, VR, VXS, VZS, VRS = (np.uint64(k * LANES) for k in range(SHARED))
 
 # The other fields of a disc, as offsets from the base of its slice. PULL is the acceleration by weight and water, and
-# by what else shakes with the ground; MASS, for the ledger, is none where a disc is fixed.
+# by what else shakes with the ground; MASS, for the energy balance, is none where a disc is fixed.
 DISC_FIELDS = 8
 INVMASS, RIM, PULL_X, PULL_Z, X0, Z0, ROLL, MASS = (np.uint64(k * LANES) for k in range(DISC_FIELDS))
 DISC = np.uint64(DISC_FIELDS * LANES)
@@ -77,11 +77,11 @@ class Layout(NamedTuple):
         The disc's radius (m).
     line_start : (slices + 1,)
         First contact with a line of each slice.
-    swing_disc : (discs that carry what shakes,)
+    added_mass_disc : (discs that carry what shakes,)
         Their numbers in spatial order.
-    swing : (discs that carry what shakes, 4)
+    added_mass : (discs that carry what shakes, 4)
         Their PULL_X and PULL_Z without it, and what it adds over the acceleration of the frame across gravity.
-    swing_start : (slices + 1,)
+    added_mass_start : (slices + 1,)
         First of them in each slice.
     liquefied : Liquefied
         Liquefied discs and their pairs.
@@ -105,9 +105,9 @@ class Layout(NamedTuple):
     line_kind: np.ndarray
     line_radius: np.ndarray
     line_start: np.ndarray
-    swing_disc: np.ndarray
-    swing: np.ndarray
-    swing_start: np.ndarray
+    added_mass_disc: np.ndarray
+    added_mass: np.ndarray
+    added_mass_start: np.ndarray
     liquefied: Liquefied
 
 

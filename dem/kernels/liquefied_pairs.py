@@ -17,7 +17,7 @@ A disc that has not liquefied, or is fixed, takes the place of the other half: b
 disc, twice. All is looked at every few steps, where discs will be in the middle of these, and held meanwhile. Sums over
 the pairs of a disc are taken in the order of its partners, so that they do not depend on the number of threads.
 
-Work is booked from look to look: that of the forces held, but for half of the last step, which has those of the new
+Work is added up from look to look: that of the forces held, but for half of the last step, which has those of the new
 look at its end (velocity Verlet).
 """
 
@@ -154,7 +154,7 @@ def water_energy(share: float, area: float, pressure: float, stiffness: float, d
 
 
 @inner(nogil=True, _nrt=False)
-def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, ahead: float, booked: bool) -> None:
+def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, ahead: float, with_losses: bool) -> None:
     """How the discs of a block lie to each other, in `ahead` seconds, and move; shared: records of all discs."""
     discs, w = wet.discs, wet.working
     at = np.uint64(block) * WORKED
@@ -171,14 +171,14 @@ def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, ahead: float, b
         w[q + OZ] = discs[j, AT_Z] - discs[i, AT_Z]
         area_i, area_j = discs[i, AREA], discs[j, AREA]
         w[q + AREA_1], w[q + AREA_2] = area_i, area_j
-        if booked:
+        if with_losses:
             # of a disc that has not liquefied the push is nothing
             alone = (discs[i, SHARE] > 0.0) != (discs[j, SHARE] > 0.0)
             w[q + EDGE] = area_i * area_j * (discs[i, PUSH] + discs[j, PUSH]) if alone else 0.0
 
 
 @inner(nogil=True, _nrt=False)
-def look_at_pairs(block: int, wet: Liquefied, period: Period, booked: bool) -> float:
+def look_at_pairs(block: int, wet: Liquefied, period: Period, with_losses: bool) -> float:
     """Densities, levers and speeds of a block, once `fetch_motion` has been there.
 
     Returns the work (J) of the half that stands in for discs which have not liquefied, since the last look.
@@ -199,7 +199,7 @@ def look_at_pairs(block: int, wet: Liquefied, period: Period, booked: bool) -> f
         inside = apart if apart < reach else reach
         width, slope = density_kernel(inside, reach)
         area_i, area_j, edge = w[q + AREA_1], w[q + AREA_2], w[q + EDGE]
-        if booked:
+        if with_losses:
             was = before if before < reach else reach
             push = -edge * density_kernel(was, reach)[1]
             way = ((dx - ox) * ox + (dz - oz) * oz) / (before + LESS * reach)
@@ -216,7 +216,7 @@ def look_at_pairs(block: int, wet: Liquefied, period: Period, booked: bool) -> f
 
 
 @inner(nogil=True, _nrt=False)
-def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahead: float, booked: bool) -> float:
+def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahead: float, with_losses: bool) -> float:
     """Density, pressure and share of strength of some discs near; what viscosity took since the last look (J)."""
     discs, w, reach = wet.discs, wet.working, wet.reach
     self_kernel = 7.0 / (math.pi * reach * reach)
@@ -239,7 +239,7 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahea
         whole = still + share * discs[i, VISCOSITY] * rate
         whole = whole if whole > 0.0 else 0.0
         drag = (whole - still) / (density * density)
-        if booked:
+        if with_losses:
             held = discs[i, DRAG] + 0.5 / wet.every * (drag - discs[i, DRAG])
             lost += area * held * (density - discs[i, NOW])
         discs[i, NOW] = density
@@ -273,7 +273,7 @@ def fetch_strength(block: int, wet: Liquefied) -> None:
 
 @inner(nogil=True, _nrt=False)
 def press_pairs(
-    block: int, wet: Liquefied, damping_time: float, kept: float, booked: bool
+    block: int, wet: Liquefied, damping_time: float, kept: float, with_losses: bool
 ) -> tuple[float, float, float]:
     """Forces and memory of a block, once `fetch_strength` has been there.
 
@@ -306,7 +306,7 @@ def press_pairs(
         left = here * fresh * math.exp(-past * room / (SOON * inside))
         gain = more / (1.0 + FIRST * left)  # the limit falls, and what is mobilised of it grows
         here_along, here_across = mobilised(here * gain * new_along, here * gain * new_across)
-        if booked:
+        if with_losses:
             dashed = memory[r + DASH_ALONG] * stretch + memory[r + DASH_ACROSS] * slip
             damped = both(damped, (1.0 - part) * dashed)
             work = both(work, (factor - 1.0) * 0.5 * part * push * stretch)
@@ -333,7 +333,7 @@ def press_pairs(
         memory[r + ALONG], memory[r + ACROSS] = here_along, here_across
         memory[r + LATE_ALONG], memory[r + LATE_ACROSS] = here * late_along, here * late_across
         memory[r + DASH_ALONG], memory[r + DASH_ACROSS] = dash_along, dash_across
-        if booked:
+        if with_losses:
             damped = both(damped, part * (dash_along * stretch + dash_across * slip))
         nx, nz, normal = w[q + NX], w[q + NZ], push - pull
         fx, fz = normal * nx + drag * nz, normal * nz - drag * nx

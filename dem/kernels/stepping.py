@@ -14,6 +14,7 @@ that thread has been through the last of them: all threads meet only once a step
 import numpy as np
 from numba import njit
 
+from dem.kernels.added_mass import added_momentum, pull_added_mass
 from dem.kernels.arguments import (
     CRACKS,
     DASHPOT,
@@ -67,7 +68,6 @@ from dem.kernels.losses import along
 from dem.kernels.prefetch import LINE, fetch, wide_vectors
 from dem.kernels.records import EIGHT, add_gathered, spread
 from dem.kernels.scratch import OWN, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_constants, load_own
-from dem.kernels.swing import momentum_of_swings, swing_slice
 
 # Why a run of the kernel came to its end.
 DONE, MOVED, OVERLAP = 0, 1, 2
@@ -110,11 +110,11 @@ def sum_forces(p: int, layout: Layout, scratch: np.ndarray) -> None:
 
 @inner(nogil=True, _nrt=False, forceinline=True)
 def move_lanes(
-    p: int, discs: np.ndarray, shared: np.ndarray, scratch: np.ndarray, step: Step, booked: bool
+    p: int, discs: np.ndarray, shared: np.ndarray, scratch: np.ndarray, step: Step, with_losses: bool
 ) -> tuple[bool, float, float, float]:
     """One step of the 64 discs of slice p.
 
-    Returns whether one has left the reach of the neighbour list and, where `booked`, the work of weight, external
+    Returns whether one has left the reach of the neighbour list and, where `with_losses`, the work of weight, external
     acceleration and moving boundaries on them (J).
     """
     wide_vectors()
@@ -147,7 +147,7 @@ def move_lanes(
         dx = x - discs[b + X0 + q]
         dz = z - discs[b + Z0 + q]
         moved |= not (dx * dx + dz * dz <= step.reach)
-        if booked:
+        if with_losses:
             mass = discs[b + MASS + q]
             by_weight = add(by_weight, along(mass * pull_x, mass * pull_z, vx, vz))
             by_external = add(by_external, along(mass * step.mean_x, mass * step.mean_z, vx, vz))
@@ -233,15 +233,15 @@ def move_slice(p: int, layout: Layout, scratch: np.ndarray, step: Step, entries:
     sum_forces(p, layout, scratch)
     if len(layout.liquefied.near) > 0:
         add_pressed(p, layout, scratch)
-    swing_slice(p, layout, step.level)
+    pull_added_mass(p, layout, step.level)
     if p != at_hand:
         load_own(p, layout.shared, scratch)
     if not entries.kept:
         return move(p, layout.discs, layout.shared, scratch, step)
     moved, by_weight, by_external, by_boundary = move_with_work(p, layout.discs, layout.shared, scratch, step)
-    swings = momentum_of_swings(p, layout) * step.dt
-    entries.sums[p, WORK_WEIGHT] += by_weight - swings * step.level
-    entries.sums[p, WORK_EXTERNAL] += by_external + swings * step.mean_level
+    added = added_momentum(p, layout) * step.dt
+    entries.sums[p, WORK_WEIGHT] += by_weight - added * step.level
+    entries.sums[p, WORK_EXTERNAL] += by_external + added * step.mean_level
     entries.sums[p, WORK_BOUNDARY] += by_boundary
     return moved
 

@@ -180,7 +180,7 @@ class Press:
 
     def __init__(self, patch: Patch) -> None:
         self.patch = patch
-        engine = Engine(dt=STEP * largest_step(patch.model).seconds, threads=patch.threads, ledger=False)
+        engine = Engine(dt=STEP * largest_step(patch.model).seconds, threads=patch.threads, energies=False)
         self.run = EngineRun(engine, patch.model, engine.step_of(patch.model))
 
     def __enter__(self) -> "Press":

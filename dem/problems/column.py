@@ -105,7 +105,7 @@ class SoilColumn:
         """Lets the column settle under its weight, the gate shut. Raises DemError."""
         free = ~self.model.fixed
         for _ in range(round(SECONDS)):
-            Engine(dt=0.5 * largest_step(self.model).seconds, ledger=False).run(self.model, self.unit)
+            Engine(dt=0.5 * largest_step(self.model).seconds, energies=False).run(self.model, self.unit)
             if 0.5 * np.mean((self.model.vx**2 + self.model.vz**2)[free]) < AT_REST * G * self.height:
                 return
 

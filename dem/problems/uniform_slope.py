@@ -100,7 +100,7 @@ class UniformSlope:
         self._on(RESTS)
 
     def _on(self, seconds: float) -> None:
-        Engine(dt=0.5 * largest_step(self.model).seconds, ledger=False).run(self.model, seconds)
+        Engine(dt=0.5 * largest_step(self.model).seconds, energies=False).run(self.model, seconds)
 
     def above(self, layer: int) -> np.ndarray:
         """Mask of the discs of the layers above this one."""

@@ -20,7 +20,7 @@ from dem.model import DiscModel
 from dem.settings import DemSettings
 from dem.springs import LayerSprings
 
-STEP = 0.6  # of the stable one: what is looked for is rest, and energy is not booked on the way to it
+STEP = 0.6  # of the stable one: what is looked for is rest, and no energies are summed on the way to it
 SETTLED = 1e-4  # unbalanced force ratio under weight
 RISE = 0.05  # Kh that is raised in one period of the ground
 LOOK = 0.25  # of a period between two looks
@@ -257,7 +257,7 @@ def moving_energy(model: DiscModel) -> float:
 
 
 def step_on(model: DiscModel, seconds: float, threads: int = 1) -> None:
-    """Takes discs on without booking energies, at the longest step that is safely stable now, or all at once."""
+    """Takes discs on without summing energies, at the longest step that is safely stable now, or all at once."""
     with Pulses(model, STEP, threads) as pulses:
         pulses.on(seconds)
 

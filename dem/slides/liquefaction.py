@@ -202,14 +202,14 @@ class Slider:
         model, ground = self.model, self.ground
         slide, settlement = self.surface.movement(model, ground)
         smooth = self.surface.smoothed(slide)
-        ledger = Engine().measure(model)
+        energies = Engine().measure(model)
         speed = self.surface.smoothed(np.hypot(model.vx, model.vz)[self.surface.discs])
         by_third = {f"slide_{k}_m": v for k, v in self.surface.by_thirds(slide).items()}
         by_third |= {f"settlement_{k}_m": v for k, v in self.surface.by_thirds(settlement).items()}
         row = Row(
             time_s=model.time - self.start.time, **by_third, slide_max_m=float(smooth.max()),
-            kinetic_J=ledger.kinetic, stored_J=ledger.stored, dissipated_J=ledger.dissipated,
-            work_J=ledger.weight + ledger.external + ledger.boundary, shaking_J=ledger.external,
+            kinetic_J=energies.kinetic, stored_J=energies.stored, dissipated_J=energies.dissipated,
+            work_J=energies.weight + energies.external + energies.boundary, shaking_J=energies.external,
             cracked=cracked_count(model),
             crack_opening_m=crack_opening(model, ground, self.surface), surface_speed_m_s=float(speed.max()),
         )  # fmt: skip

@@ -104,7 +104,7 @@ def _advance(model: DiscModel, seconds: float, share: float, threads: int) -> No
     """So many seconds on, with shorter steps where a contact stiffens on the way."""
     end = model.time + seconds
     for _ in range(10):
-        engine = Engine(dt=share * largest_step(model).seconds, ledger=False, threads=threads)
+        engine = Engine(dt=share * largest_step(model).seconds, energies=False, threads=threads)
         try:
             engine.run(model, end - model.time)
             return

@@ -128,7 +128,7 @@ class AdaptiveSearch:
             begun.result()  # what keeps that from an answer is told first
             raise
         down = begun.result()
-        if up.result.kc < down.result.kc and not up.leaves_through_sides:
+        if up.result.kc < down.result.kc and not up.at_sides:
             return replace(up, other=down)
         return replace(down, other=up)
 

@@ -109,9 +109,9 @@ class AdaptiveResult(Generic[F]):
         return last.value - left_of_error(before, last.cells, last.value)
 
     @property
-    def leaves_through_sides(self) -> bool:
-        """Whether the mechanism reaches a side."""
-        return self.result.mechanism is not None and bool(touched_sides(self.mesh, self.result.mechanism))
+    def at_sides(self) -> tuple[str, ...]:
+        """The sides of the section, "left" and "right", that the mechanism reaches."""
+        return () if self.result.mechanism is None else touched_sides(self.mesh, self.result.mechanism)
 
 
 def left_of_error(before: MeshRound, cells: int, value: float) -> float:

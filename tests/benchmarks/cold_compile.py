@@ -3,8 +3,8 @@
 python -m tests.benchmarks.cold_compile [--json FILE]
 
 A process of its own, with an empty folder for what it compiles, takes a few steps of the paper's discs and of soil
-discs, with the ledger and a new list of neighbours: CPU and clock, then both again from what is kept. Imports are not
-counted. Then, with another empty folder, the clock of what a run waits for: two processes that compile ahead.
+discs, with the energy balance and a new list of neighbours: CPU and clock, then both again from what is kept. Imports
+are not counted. Then, with another empty folder, the clock of what a run waits for: two processes that compile ahead.
 """
 
 import argparse

@@ -110,19 +110,19 @@ def measure(elements: int, threads: list[int], repeats: int) -> list[Row]:
     held = 0.0
     variants: tuple[tuple[str, bool, bool, Law], ...] = (
         ("bonded", True, False, "paper"),
-        ("bonded, ledger", True, True, "paper"),
+        ("bonded, energies", True, True, "paper"),
         ("frictional", False, False, "paper"),
         ("bonded soil discs", True, False, "soil"),
         ("soil discs", False, False, "soil"),
-        ("soil discs, ledger", False, True, "soil"),
+        ("soil discs, energies", False, True, "soil"),
     )
-    for variant, bonded, ledger, law in variants:
+    for variant, bonded, energies, law in variants:
         for count in threads:
             # the same for every row: as discs sink, new lists get more frequent
             model = model_of(elements, bonded, law)
             free = int((~model.fixed).sum())
             steps = max(20, int(4e7 / free))
-            run = EngineRun(Engine(dt=DT, ledger=ledger, threads=count, balance=math.inf), model, DT)
+            run = EngineRun(Engine(dt=DT, energies=energies, threads=count, balance=math.inf), model, DT)
             run.advance(5)
             clock = time.process_time if count == 1 else time.perf_counter
             seconds = best(lambda run=run, steps=steps: run.advance(steps), clock, repeats) / steps
@@ -133,14 +133,14 @@ def measure(elements: int, threads: list[int], repeats: int) -> list[Row]:
         if variant == "bonded":
             rebuild = best(lambda model=model: new_list(model), time.process_time, 3)
             rows[0]["steps_per_new_list"] = rebuild / (free / rows[0]["million_element_steps_per_s"] / 1e6)
-        if ledger:
+        if energies:
             rows[-1]["ledger_cost"] = ledger_cost(model)
         del model
     return rows
 
 
 def ledger_cost(model: DiscModel, seconds: float = 6.0) -> tuple[float, float]:
-    """What the ledger costs, as a share: of a step, and of a call of the kernel with the balance at its end.
+    """What the energy balance costs, as a share: of a step, and of a call of the kernel with the balance at its end.
 
     Short calls of the kernel on one thread and one layout, with and without it in turn, so that what else the machine
     does meets both alike; medians of their CPU time.
@@ -153,7 +153,7 @@ def ledger_cost(model: DiscModel, seconds: float = 6.0) -> tuple[float, float]:
     end = time.process_time() + seconds
     while time.process_time() < end:
         for kept in (False, True):
-            run.engine = replace(with_ledger, ledger=kept)
+            run.engine = replace(with_ledger, energies=kept)
             begin, before = time.process_time(), model.steps
             reason = run.call_kernel(steps)
             times[kept].append((time.process_time() - begin) / (model.steps - before))

@@ -63,7 +63,7 @@ def main() -> None:
     for elements in asked.elements:
         models = [model_of(elements, share) for share in (0.0, *asked.share)]
         dt = 0.6 * min(largest_step(model).seconds for model in models)
-        runs = [EngineRun(Engine(dt=dt, ledger=False), model, dt) for model in models]
+        runs = [EngineRun(Engine(dt=dt, energies=False), model, dt) for model in models]
         steps = max(40, int(WORK / len(models[0]))) // 4 * 4
         for run in runs:
             run.call_kernel(8)

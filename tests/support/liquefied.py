@@ -122,11 +122,11 @@ class LayeredSlope:
             DiscBoundary(period=(packing.length, 0.0)),
             gravity=(0.0, -GRAVITY),
         )
-        self.on(6.0, ledger=False)
+        self.on(6.0, energies=False)
         for tilt in np.linspace(0.0, self.ANGLE, 6)[1:]:
             model.gravity = tilted_gravity(tilt, GRAVITY)
-            self.on(1.0, ledger=False)
-        self.on(2.0, ledger=False)
+            self.on(1.0, energies=False)
+        self.on(2.0, energies=False)
         n, overburden, wet = len(model), effective_overburden(model), model.layer == 0
         liquefy(model, Onset(wet, with_voids(model), overburden, ratio * overburden, np.full(n, LEAST_STRAIN)))
         for share in np.arange(1, 21) / 20:

@@ -105,7 +105,7 @@ class _Box:
             for values in (getattr(self.model, name), getattr(self.model, name + "_half")):
                 values += share * change
         self.speed = speed
-        Engine(dt=STEP * largest_step(self.model).seconds, ledger=False).run(self.model, self.interval)
+        Engine(dt=STEP * largest_step(self.model).seconds, energies=False).run(self.model, self.interval)
 
     def confine(self) -> None:
         """Presses the discs together. Raises ConfinementError if they do not come to rest."""

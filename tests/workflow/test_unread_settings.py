@@ -8,7 +8,7 @@ import pytest
 from tests.support.command_line import run
 from tests.support.sections import written
 from tests.support.settings_reads import KEYS
-from workflow.request import Request
+from workflow.invocation import Invocation
 from workflow.stages import STAGES, command_of
 from workflow.study.command import _unread
 from workflow.unread import in_words
@@ -72,9 +72,9 @@ def test_every_setting_is_read_by_some_command(key: str) -> None:
 
 def test_what_follows_from_other_settings_counts_as_read(tmp_path: Path) -> None:
     """dem.workers is how many processes any command may take."""
-    request = Request.of(written(tmp_path), tmp_path / "out", {}, ["dem.workers=1", "slide.kh=0.05"])
-    assert request.unread(("mesh",)) == ["slide.kh"]
-    assert request.unread(tuple(NAMES)) == []
+    invocation = Invocation.of(written(tmp_path), tmp_path / "out", {}, ["dem.workers=1", "slide.kh=0.05"])
+    assert invocation.unread(("mesh",)) == ["slide.kh"]
+    assert invocation.unread(tuple(NAMES)) == []
 
 
 def test_bounds_that_are_not_wanted_are_not_made_beside_a_factor_of_safety(
@@ -82,7 +82,7 @@ def test_bounds_that_are_not_wanted_are_not_made_beside_a_factor_of_safety(
 ) -> None:
     """They took 87 of 180 s."""
     chosen = []
-    monkeypatch.setattr("workflow.terminal.execute", lambda job, choice, voice, warnings: chosen.append(choice.chosen))
+    monkeypatch.setattr("workflow.terminal.execute", lambda _, choice, *__: chosen.append(choice.chosen))
     path = written(tmp_path)
     run("fem", path, "--out", tmp_path / "out", "--safety-factor")
     run("fem", path, "--out", tmp_path / "out", "--safety-factor", "--set", "bounds.run=false")

@@ -12,14 +12,15 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
+from workflow.options import Verbosity
 from workflow.run.plan import Decision
 from workflow.run.progress import Progress, TimeLeft, duration
 from workflow.run.record import Entry, Outcome
 from workflow.run.spelling import legible
 from workflow.run.stage import Stage
 
-QUIET, NORMAL, VERBOSE = 0, 1, 2
 BAR = 14
+EVERY = 10.0  # s between two lines of progress without a terminal
 State = Outcome | Literal["wait", "run", "off"]  # of a stage on the screen
 MARKS: Mapping[State, str] = {
     "wait": " ", "begun": "▸", "run": "▸", "done": "✓", "part": "✓", "no answer": "✗", "off": "-",
@@ -65,16 +66,14 @@ class Display:
     """Listens to a run; to be used as a context.
 
     On a terminal all stages stand below each other and change in place, on ``err``. Elsewhere lines go to ``out``: one
-    when a stage ends, before that one every ``every`` seconds, and when verbose all of them and one when it begins.
+    when a stage ends, before that one every `EVERY` seconds, and when verbose all of them and one when it begins.
     """
 
-    def __init__(
-        self, out: Console, err: Console, stages: Sequence[Stage], verbosity: int = NORMAL, every: float = 10.0
-    ) -> None:
-        self.out, self.verbosity, self.every = out, verbosity, every
+    def __init__(self, out: Console, err: Console, stages: Sequence[Stage], verbosity: Verbosity) -> None:
+        self.out, self.verbosity = out, verbosity
         self.lines = {stage.name: StageLine(stage) for stage in stages}
         self.live: Live | None = None
-        if err.is_terminal and verbosity == NORMAL:
+        if err.is_terminal and verbosity == Verbosity.NORMAL:
             self.live = Live(console=err, get_renderable=self._table, refresh_per_second=4)
 
     def __enter__(self) -> "Display":
@@ -90,7 +89,7 @@ class Display:
         shown = self.lines[decision.stage.name]
         shown.state, shown.start = "run", time.monotonic()
         shown.left = TimeLeft(shown.start)
-        if self.verbosity == VERBOSE:
+        if self.verbosity == Verbosity.VERBOSE:
             self._say(f"{decision.stage.name}: {decision.stage.what} ({decision.why})")
         last = shown.start
 
@@ -98,7 +97,7 @@ class Display:
             nonlocal last
             shown.text, shown.share = line, share
             now = time.monotonic()
-            if self.verbosity == VERBOSE or now - last > self.every:
+            if self.verbosity == Verbosity.VERBOSE or now - last > EVERY:
                 last = now
                 left = shown.left.words(now, share)
                 self._say(f"{decision.stage.name}: {line}" + (f", {left}" if left else ""))
@@ -131,11 +130,11 @@ class Display:
         if shown is None:
             return
         shown.state, shown.text = "off", f"not run: {why}"
-        if self.verbosity == VERBOSE or "no answer" in why:
+        if self.verbosity == Verbosity.VERBOSE or "no answer" in why:
             self._say(f"{decision.stage.name}: {shown.text}")
 
     def _say(self, text: str) -> None:
-        if self.live is None and self.verbosity >= NORMAL:
+        if self.live is None and self.verbosity.in_sentences:
             self.out.print(escape(text), soft_wrap=True)
 
     def _table(self) -> Table:

@@ -29,7 +29,6 @@ from workflow.run.store import Store
 
 if TYPE_CHECKING:
     from fem.continuum.fields import State
-    from fem.limit_load.limit_load import LimitLoadResult
     from fem.path.equilibrium_path import EquilibriumPath
     from fem.search.assessment import Assessment
     from fem.search.critical import CriticalResult
@@ -105,6 +104,8 @@ def _slip_line(mesh: "QuadMesh", state: "State") -> Line:
 
 def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
     """The critical Kh with what it is compared with, the path to it, the states kept, and the factors of safety."""
+    from fem.search.mesh_sequence import AdaptiveResult
+
     result, mesh, adapted = assessment.critical, assessment.mesh, assessment.adapted
     rounds = adapted.rounds if adapted and len(adapted.rounds) > 1 else []
     surface = _slip_line(mesh, result.mechanism)
@@ -121,7 +122,7 @@ def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
         warnings=tuple(assessment.warnings),
         direction=result.direction,
         towards="right" if result.sign > 0 else "left",
-        at_sides=_at_sides(mesh, result),
+        at_sides=_at_sides(AdaptiveResult(result, mesh)),
         opposite=_other_way(assessment.opposite),
         associated=_other_way(assessment.associated),
         davis=_other_way(assessment.davis),
@@ -162,17 +163,13 @@ def _other_way(adapted: "AdaptiveResult[Any] | None") -> OtherWay | None:
         verdict=result.verdict,
         reason=result.reason,
         direction=result.direction,
-        at_sides=_at_sides(adapted.mesh, result),
+        at_sides=_at_sides(adapted),
     )
 
 
-def _at_sides(mesh: "QuadMesh", result: "CriticalResult | LimitLoadResult") -> tuple[str, ...]:
-    """The sides that the ground that fails reaches."""
-    from fem.continuum.fields import touched_sides
-
-    if result.mechanism is None or result.verdict not in ("plateau", "peak"):
-        return ()
-    return touched_sides(mesh, result.mechanism)
+def _at_sides(adapted: "AdaptiveResult[Any]") -> tuple[str, ...]:
+    """The sides that the ground reaches, if it fails."""
+    return adapted.at_sides if adapted.result.verdict in ("plateau", "peak") else ()
 
 
 def _fails(state: "State", result: "CriticalResult") -> bool:

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from workflow.options import Json, Quiet, Scheduler, SectionFile, Set, Workers
+from workflow.options import Json, Quiet, Scheduler, SectionFile, Set, Verbosity, Workers
 
 
 def study(
@@ -35,15 +35,15 @@ def study(
     from meshes.section.section import read_toml
     from workflow.after_triggering import load_config
     from workflow.config import merged
+    from workflow.invocation import dotted
     from workflow.renamed import notices
     from workflow.report.study import sentences, write_page
-    from workflow.request import dotted
     from workflow.run.store import Store
     from workflow.study.ensemble import Ensemble
     from workflow.study.pictures import draw_all
     from workflow.study.study import run
     from workflow.study.watch import Counted
-    from workflow.terminal import Voice, say, say_data, warn
+    from workflow.terminal import say, say_data, warn
 
     options = {"samples": samples, "method": method, "seed": seed}
     asked = {"study": {key: value for key, value in options.items() if value is not None}}
@@ -52,7 +52,7 @@ def study(
     store = Store(folder or Path("runs") / f"{config.section.name}_study")
     parts = only or ["fem", "block"]
     old_words = notices(merged(read_toml(section), changed))
-    warnings = warn([*old_words, *_unread(changed, "study", parts)], Voice.of(quiet, False, json))
+    warnings = warn([*old_words, *_unread(changed, "study", parts)], Verbosity.of(quiet, False, json))
     with Counted(silent=quiet or json) as counted:
         result = run(config, store, parts, Ensemble(store.folder, workers or config.dem.workers, scheduler), counted)
     draw_all(config.section, result.table, result.answer, store)
@@ -88,19 +88,19 @@ def converge(
     from workflow.after_triggering import load_config
     from workflow.config import merged
     from workflow.figures.convergence import draw
+    from workflow.invocation import dotted
     from workflow.renamed import notices
-    from workflow.request import dotted
     from workflow.run.store import Store
     from workflow.study.converge import run
     from workflow.study.ensemble import Ensemble
     from workflow.study.watch import Counted
-    from workflow.terminal import Voice, say, say_data, warn
+    from workflow.terminal import say, say_data, warn
 
     changed = dotted(settings or [])
     config = load_config(section, changed)
     store = Store(folder or Path("runs") / f"{config.section.name}_converge")
     old_words = notices(merged(read_toml(section), changed))
-    warnings = warn([*old_words, *_unread(changed, "converge", ["slide"])], Voice.of(quiet, False, json))
+    warnings = warn([*old_words, *_unread(changed, "converge", ["slide"])], Verbosity.of(quiet, False, json))
     ensemble = Ensemble(store.folder, workers or config.dem.workers, scheduler)
     with Counted(silent=quiet or json) as counted:
         answer = run(config, store, within / 100.0, ensemble, counted)

@@ -54,12 +54,12 @@ def lists(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> No
 
 @pytest.mark.usefixtures("lists")
 @pytest.mark.parametrize("law", ["paper", "soil"])
-@pytest.mark.parametrize("ledger", [True, False])
-def test_number_of_threads_changes_no_bit(ledger: bool, law: Law) -> None:
+@pytest.mark.parametrize("energies", [True, False])
+def test_number_of_threads_changes_no_bit(energies: bool, law: Law) -> None:
     runs = []
     for threads in (1, 2, 3, 5):
         model = shaken(law)
-        Engine(threads=threads, ledger=ledger, balance=1.0).run(model, 1.0)
+        Engine(threads=threads, energies=energies, balance=1.0).run(model, 1.0)
         runs.append(model)
     assert runs[0].lists_made > 4
     assert np.any(runs[0].pore_length < 0.0)
@@ -76,7 +76,7 @@ def test_pulses_change_no_bit(law: Law) -> None:
     dt = 0.3 * largest_step(runs).seconds
     with Pulses(pulsed, 0.3) as pulses:
         for turn in range(10):
-            Engine(dt=dt, ledger=False).run(runs, steps=7)
+            Engine(dt=dt, energies=False).run(runs, steps=7)
             pulses.on(7.0 * dt)
             for name in ("x", "z", "vx", "vz", "vr", "roll", "time", "steps"):
                 assert np.array_equal(getattr(pulsed, name), getattr(runs, name))
@@ -209,10 +209,10 @@ def test_no_steps_leave_the_model_as_it_is() -> None:
     model = shaken()
     Engine(balance=1.0).run(model, steps=5)
     before = model.copy()
-    ledger = Engine(balance=1.0).run(model, steps=0)
+    energies = Engine(balance=1.0).run(model, steps=0)
     assert same(before, model)
-    assert ledger == Engine().measure(model)
-    assert Engine(ledger=False).run(model, steps=0) is None
+    assert energies == Engine().measure(model)
+    assert Engine(energies=False).run(model, steps=0) is None
     with pytest.raises(ValueError, match="negative"):
         Engine().run(model, steps=-1)
 
@@ -288,10 +288,10 @@ def test_shrunk_discs_keep_mass_and_spin_and_their_overlaps_change() -> None:
     assert model.spin == pytest.approx(spin, rel=1e-12)
     over = model.radius[model.pair_i] + model.radius[model.pair_j] - model.distance()
     assert over.max() < 0.8 * deepest
-    ledger = engine.run(model, 1.0)
-    assert ledger is not None
-    assert ledger.edits < edits
-    assert abs(ledger.gap) < 1e-3 * ledger.turnover
+    energies = engine.run(model, 1.0)
+    assert energies is not None
+    assert energies.edits < edits
+    assert abs(energies.gap) < 1e-3 * energies.turnover
     with pytest.raises(ValueError, match="positive radii"):
         model.set_radius(-model.radius)
 
@@ -347,8 +347,8 @@ model.lines = np.array([[0.0, -1.5, 0.0, 1.0, -1e3, 1e3], [0.0, 1.0, 1.0, 0.0, -
 model.make_list()
 model.set_pore_springs()
 model.set_velocity(np.sin(np.arange(len(model))) * ~model.fixed, 0.0)
-ledger = Engine(dt=3e-4, threads=2, balance=1.0).run(model, steps=60)
-booked = [ledger.gap, ledger.dashpots, ledger.cracks]
+energies = Engine(dt=3e-4, threads=2, balance=1.0).run(model, steps=60)
+booked = [energies.gap, energies.dashpots, energies.cracks]
 values = [model.x, model.z, model.vx, model.vr, np.sort(model.pore_length), booked]
 print(" ".join(float(v).hex() for v in np.concatenate(values)))
 """
@@ -382,4 +382,4 @@ def test_same_numbers_with_the_jit_switched_off(law: Law) -> None:
         outputs.append(np.array([float.fromhex(v) for v in result.stdout.split()]))
     with_jit, without = outputs
     assert np.array_equal(with_jit[:-3], without[:-3])  # the motion, to the last bit
-    assert with_jit[-3:] == pytest.approx(without[-3:], rel=1e-9, abs=1e-6)  # sums of the ledger
+    assert with_jit[-3:] == pytest.approx(without[-3:], rel=1e-9, abs=1e-6)  # sums of the energy balance

@@ -99,7 +99,7 @@ def test_energy_from_nowhere_stops_the_run(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_undamped_heap_that_gains_energy_is_caught() -> None:
-    """A spring whose stiffness is changed under the engine's feet: the ledger sees it."""
+    """A spring whose stiffness is changed under the engine's feet: the energy balance sees it."""
     model = box(8, 6, replace(SOIL, cn=0.0, ct=0.0, friction=0.0, kpn=0.0, kps=0.0))
     engine = Engine(dt=2e-5)
     engine.run(model, 0.05)

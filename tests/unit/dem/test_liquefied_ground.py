@@ -94,11 +94,11 @@ def test_energy_balances_better_with_smaller_steps() -> None:
     gaps = []
     for dt in (8e-4, 2e-4):
         model = heap()
-        ledger = Engine(dt=dt, balance=1e-2).run(model, 0.4)
-        assert ledger is not None
-        gaps.append(abs(ledger.gap) / ledger.turnover)
-        assert ledger.liquefied_slip > 0.0
-        assert ledger.viscosity > 0.0
+        energies = Engine(dt=dt, balance=1e-2).run(model, 0.4)
+        assert energies is not None
+        gaps.append(abs(energies.gap) / energies.turnover)
+        assert energies.liquefied_slip > 0.0
+        assert energies.viscosity > 0.0
     assert gaps[0] < 0.01
     assert gaps[1] < 0.5 * gaps[0]
 

@@ -25,7 +25,7 @@ event.register("numba:compile", Heard())
 from dem.engine.engine import Engine
 from tests.benchmarks.dem_throughput import model_of
 for law in ("paper", "soil"):
-    engine = Engine(dt=5e-4, ledger=law == "paper", balance=float("inf"))
+    engine = Engine(dt=5e-4, energies=law == "paper", balance=float("inf"))
     engine.run(model_of(200, law == "paper", law), steps=2)
 assert told and not {"take_steps", "energies", "find_pairs", "stable_step"} & set(names), names
 """

@@ -11,8 +11,8 @@ from tests.support import SECTIONS
 from tests.support.command_line import run
 from workflow import renamed
 from workflow.config import Config
+from workflow.invocation import Invocation
 from workflow.renamed import Renamed, current, current_answer, notices, rewritten
-from workflow.request import Request
 
 OLD = """# sides = "roller" is an old word
 name = "roller"
@@ -88,14 +88,14 @@ def test_old_words_in_file_and_on_the_command_line_are_read_with_a_notice(tmp_pa
     text = (SECTIONS / "slope_2to1.toml").read_text(encoding="utf-8") + '\n[fem]\nsides = "roller"\n'
     path = tmp_path / "slope.toml"
     path.write_text(text, encoding="utf-8")
-    request = Request.of(path, tmp_path, {}, None)
-    assert request.config.fem.sides == "free-field"
-    assert len(request.notices) == 1
-    assert '"free-field"' in request.config.to_toml()
-    asked = Request.of(SECTIONS / "slope_2to1.toml", tmp_path, {"fem": {"sides": "roller"}}, None)
+    invocation = Invocation.of(path, tmp_path, {}, None)
+    assert invocation.config.fem.sides == "free-field"
+    assert len(invocation.notices) == 1
+    assert '"free-field"' in invocation.config.to_toml()
+    asked = Invocation.of(SECTIONS / "slope_2to1.toml", tmp_path, {"fem": {"sides": "roller"}}, None)
     assert asked.config.fem.sides == "free-field"
     assert len(asked.notices) == 1
-    assert Request.of(SECTIONS / "slope_2to1.toml", tmp_path, {}, ["fem.sides=smooth"]).notices == []
+    assert Invocation.of(SECTIONS / "slope_2to1.toml", tmp_path, {}, ["fem.sides=smooth"]).notices == []
     assert Config.load(path).fem.sides == "free-field"
 
 

@@ -14,7 +14,7 @@ from tests.support import SECTIONS
 from tests.support.sections import slope
 from workflow.config import Config, merged
 from workflow.example import example
-from workflow.request import Request, dotted
+from workflow.invocation import Invocation, dotted
 
 
 @pytest.mark.parametrize(
@@ -161,10 +161,10 @@ def test_every_kh_that_is_kept_has_a_name_of_its_own() -> None:
 
 
 def test_a_case_that_there_is_not_is_refused_before_anything_is_computed(tmp_path: Path) -> None:
-    request = Request.of(SECTIONS / "s13.toml", tmp_path / "run", {}, None)
-    request.refuse_unknown((1, 3))
+    invocation = Invocation.of(SECTIONS / "s13.toml", tmp_path / "run", {}, None)
+    invocation.refuse_unknown((1, 3))
     with pytest.raises(InputError, match="9: expected cases in which a stratum liquefies, of 1, 2, 3"):
-        request.refuse_unknown((2, 9))
+        invocation.refuse_unknown((2, 9))
 
 
 def test_cases_are_called_by_number_and_name() -> None:
@@ -177,12 +177,12 @@ def test_tied_sides_that_differ_are_told_before_anything_runs(tmp_path: Path) ->
     path = tmp_path / "slope.toml"
     path.write_text(tomli_w.dumps(slope()))
     with pytest.raises(InputError, match='sides = "periodic": the left and right sides differ'):
-        Request.of(path, tmp_path, {}, ["fem.sides=periodic"])
+        Invocation.of(path, tmp_path, {}, ["fem.sides=periodic"])
 
 
 def test_factors_of_safety_read_whether_bounds_are_wanted(tmp_path: Path) -> None:
     path = tmp_path / "slope.toml"
     path.write_text(tomli_w.dumps(slope()))
-    request = Request.of(path, tmp_path, {}, ["bounds.run=false", "bounds.gap=0.1"])
-    assert request.unread(["mesh", "fem"]) == ["bounds.run", "bounds.gap"]
-    assert request.with_safety_factors().unread(["mesh", "fem"]) == ["bounds.gap"]
+    invocation = Invocation.of(path, tmp_path, {}, ["bounds.run=false", "bounds.gap=0.1"])
+    assert invocation.unread(["mesh", "fem"]) == ["bounds.run", "bounds.gap"]
+    assert invocation.with_safety_factors().unread(["mesh", "fem"]) == ["bounds.gap"]

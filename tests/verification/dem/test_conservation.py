@@ -1,4 +1,4 @@
-"""Momentum, angular momentum and energy: what closed systems keep, and what the ledger says of open ones."""
+"""Momentum, angular momentum and energy: what closed systems keep, and what the energy balance says of open ones."""
 
 from dataclasses import replace
 
@@ -44,9 +44,9 @@ def test_energy_of_a_closed_undamped_system_does_not_drift(seed: int, count: int
     engine = Engine(dt=0.05 * largest_step(model).seconds, balance=np.inf)
     gaps = []
     for _ in range(10):
-        ledger = engine.run(model, steps=500)
-        assert ledger is not None
-        gaps.append(ledger.gap / ledger.turnover)
+        energies = engine.run(model, steps=500)
+        assert energies is not None
+        gaps.append(energies.gap / energies.turnover)
     # contacts that open and close within a step leave the first of it
     assert np.max(np.abs(gaps)) < 5e-3
     assert abs(np.mean(gaps[5:]) - np.mean(gaps[:5])) < 2e-4
@@ -59,9 +59,9 @@ def test_energy_error_is_of_second_order() -> None:
         model.set_pore_springs()
         model.set_velocity(1e-3 * np.sin(model.x) * ~model.fixed, 0.0)
         dt = share * largest_step(model).seconds
-        ledger = Engine(dt=dt, balance=np.inf).run(model, steps=round(40.0 / share))
-        assert ledger is not None
-        errors.append(ledger.gap / ledger.turnover)
+        energies = Engine(dt=dt, balance=np.inf).run(model, steps=round(40.0 / share))
+        assert energies is not None
+        errors.append(energies.gap / energies.turnover)
     assert abs(errors[-1]) < 1e-5
     assert order(np.array(errors)) > 1.7
 
@@ -76,11 +76,11 @@ def test_ledger_balances_with_every_part_of_the_law(seed: int) -> None:
     model.set_velocity(*(0.3 * rng.standard_normal((2, len(model))) * free), 0.0)
     times = np.linspace(0.0, 1.0, 21)
     model.acceleration = Acceleration(times, 4.0 * np.sin(9.0 * times), 2.0 * np.cos(7.0 * times))
-    ledger = Engine(dt="auto", balance=np.inf).run(model, 1.2)
-    assert ledger is not None
-    for part in (ledger.dashpots, ledger.sliding, ledger.cracks, abs(ledger.weight), abs(ledger.external)):
-        assert part > 1e-4 * ledger.turnover
-    assert abs(ledger.gap) < 5e-4 * ledger.turnover
+    energies = Engine(dt="auto", balance=np.inf).run(model, 1.2)
+    assert energies is not None
+    for part in (energies.dashpots, energies.sliding, energies.cracks, abs(energies.weight), abs(energies.external)):
+        assert part > 1e-4 * energies.turnover
+    assert abs(energies.gap) < 5e-4 * energies.turnover
     assert np.any(model.pore_length < 0.0)
     assert np.any(model.pore_length > 0.0)
 
@@ -88,21 +88,21 @@ def test_ledger_balances_with_every_part_of_the_law(seed: int) -> None:
 def test_work_of_weight_is_force_times_way() -> None:
     model = box(10, 6, tilt=0.1)
     x, z = model.x.copy(), model.z.copy()
-    ledger = Engine().run(model, 0.5)
-    assert ledger is not None
+    energies = Engine().run(model, 0.5)
+    assert energies is not None
     free = ~model.fixed
     way = model.gravity[0] * (model.x - x) + model.gravity[1] * (model.z - z)
-    assert ledger.weight == pytest.approx(np.sum((model.mass * model.weight * way)[free]), rel=1e-9)
+    assert energies.weight == pytest.approx(np.sum((model.mass * model.weight * way)[free]), rel=1e-9)
 
 
 def test_work_of_a_moving_boundary_is_booked() -> None:
     model = box(8, 5)
     left = model.fixed & (model.x < 0.1)
     model.set_velocity(0.05, 0.0, where=left)
-    ledger = Engine(balance=np.inf).run(model, 0.4)
-    assert ledger is not None
-    assert ledger.boundary > 1e-3 * ledger.turnover
-    assert abs(ledger.gap) < 1e-3 * ledger.turnover
+    energies = Engine(balance=np.inf).run(model, 0.4)
+    assert energies is not None
+    assert energies.boundary > 1e-3 * energies.turnover
+    assert abs(energies.gap) < 1e-3 * energies.turnover
 
 
 def test_edits_between_runs_are_booked_as_such() -> None:
@@ -114,8 +114,8 @@ def test_edits_between_runs_are_booked_as_such() -> None:
     assert stored > 0.0
     before = engine.measure(model).edits
     model.cut_pore_springs()
-    ledger = engine.run(model, 0.3)
-    assert ledger is not None
+    energies = engine.run(model, 0.3)
+    assert energies is not None
     # the forces of the instant change too, and the kinetic energy of the scheme with them
-    assert ledger.edits - before == pytest.approx(-stored, rel=2e-2)
-    assert ledger.pores == 0.0
+    assert energies.edits - before == pytest.approx(-stored, rel=2e-2)
+    assert energies.pores == 0.0

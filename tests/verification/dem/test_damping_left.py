@@ -21,7 +21,7 @@ def rebound(layer: LayerSprings) -> float:
         DiscGeometry([0.0, 1.001], [0.0, 0.0], 0.5), DiscMaterials([layer], law="soil", turns=False)
     )
     model.set_velocity(np.array([1.0, -1.0]), 0.0)
-    Engine(dt=0.002 * largest_step(model).seconds, ledger=False, pulls=True).run(model, 0.5)
+    Engine(dt=0.002 * largest_step(model).seconds, energies=False, pulls=True).run(model, 0.5)
     return float(-model.vx[0])
 
 

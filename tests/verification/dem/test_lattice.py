@@ -30,7 +30,7 @@ def displace(model: DiscModel, ux: np.ndarray, uz: np.ndarray, turn: np.ndarray 
     dt = 1e-7
     model.set_velocity(ux / dt, uz / dt, turn / dt)
     model.fixed[:] = True
-    Engine(dt=dt, ledger=False).run(model, steps=1)
+    Engine(dt=dt, energies=False).run(model, steps=1)
     model.fixed[:] = False
 
 
@@ -109,7 +109,7 @@ def test_stable_step(ks: float, damping: float, monkeypatch: pytest.MonkeyPatch)
     assert bustle(model) < 30.0 * before
     model = held(ks * KN, cn)
     monkeypatch.setattr(Engine, "_refuse", lambda *_: None)
-    Engine(dt=1.03 * closed_form, ledger=False).run(model, steps=1500)
+    Engine(dt=1.03 * closed_form, energies=False).run(model, steps=1500)
     assert not bustle(model) < 1e3 * before
 
 

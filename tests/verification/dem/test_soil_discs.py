@@ -143,11 +143,11 @@ def test_cohesive_discs_bear_a_pull_and_attract_again() -> None:
     for apart, force in due:
         step = apart - (float(model.distance()[0]) - 2.0 * RADIUS)
         model.set_velocity(np.array([0.0, step / 0.1]), 0.0)
-        ledger = Engine(dt=1e-4, balance=np.inf).run(model, 0.1)
+        energies = Engine(dt=1e-4, balance=np.inf).run(model, 0.1)
         assert contact_forces(model).normal[0] == pytest.approx(force, rel=1e-3)
-        assert ledger is not None
+        assert energies is not None
         stored = 0.5 * KN * (apart**2 - gap**2) if apart < gap else 0.0
-        assert ledger.elements + ledger.bonds == pytest.approx(stored, rel=1e-3, abs=1e-4)
+        assert energies.elements + energies.bonds == pytest.approx(stored, rel=1e-3, abs=1e-4)
 
 
 def test_of_two_materials_the_one_that_attracts_less_counts() -> None:
@@ -187,15 +187,15 @@ def test_softened_discs_do_not_fall_through_each_other() -> None:
         DiscMaterials([soft], law="soil"),
         gravity=(0.0, -GRAVITY),
     )
-    ledger = Engine().run(model, 3.0)
+    energies = Engine().run(model, 3.0)
     depth = STOP_DEPTH * RADIUS
     over = 2.0 * RADIUS - (model.z[1] - model.z[0])
     assert over == pytest.approx((WEIGHT + (KN - soft.kn) * depth) / KN, rel=1e-6)
     assert over < 0.5 * RADIUS
-    assert ledger is not None
+    assert energies is not None
     stored = 0.5 * soft.kn * over**2 + 0.5 * (KN - soft.kn) * (over - depth) ** 2
-    assert ledger.elements == pytest.approx(stored, rel=1e-6)
-    assert abs(ledger.gap) < 1e-3 * ledger.turnover
+    assert energies.elements == pytest.approx(stored, rel=1e-6)
+    assert abs(energies.gap) < 1e-3 * energies.turnover
 
 
 SOIL_DISCS = replace(
@@ -232,14 +232,14 @@ def heap(seed: int, attraction: float = 0.0) -> DiscModel:
 @pytest.mark.parametrize(("seed", "attraction"), [(1, 0.0), (2, 0.0), (1, 1.0), (2, 2.0)])
 def test_ledger_closes_with_every_part_of_the_law(seed: int, attraction: float) -> None:
     model = heap(seed, attraction)
-    ledger = Engine(dt=0.05 * largest_step(model).seconds, balance=np.inf).run(model, 1.5)
-    assert ledger is not None
-    for part in (ledger.dashpots, ledger.sliding, ledger.rolling):
-        assert part > 1e-3 * ledger.turnover
-    assert abs(ledger.gap) < 5e-4 * ledger.turnover
+    energies = Engine(dt=0.05 * largest_step(model).seconds, balance=np.inf).run(model, 1.5)
+    assert energies is not None
+    for part in (energies.dashpots, energies.sliding, energies.rolling):
+        assert part > 1e-3 * energies.turnover
+    assert abs(energies.gap) < 5e-4 * energies.turnover
     # where nothing rolls over its limit, what rolling stores comes back
-    assert ledger.rolling_springs > 0.0
-    assert ledger.rolling_springs == pytest.approx(_rolling_energy(model), rel=2e-2)
+    assert energies.rolling_springs > 0.0
+    assert energies.rolling_springs == pytest.approx(_rolling_energy(model), rel=2e-2)
 
 
 def _rolling_energy(model: DiscModel) -> float:

@@ -49,13 +49,13 @@ def test_discs_under_still_water_feel_what_discs_of_buoyant_weight_feel():
 def test_a_surcharge_and_a_jump_of_pore_pressure_reach_the_discs_whole():
     loaded = section(surcharges=[{"from": 4, "to": 14, "pressure": ["10 kPa", "30 kPa"]}])
     model = discs(loaded)
-    np.testing.assert_allclose(np.sum(model.mass * model.drift_z), -200e3, rtol=1e-9)
+    np.testing.assert_allclose(np.sum(model.mass * model.pore_acceleration_z), -200e3, rtol=1e-9)
     clay = soil("Clay", bottom={"elevation": 1.0}, pore_pressure_ratio=0.0, density_saturated=None)
     artesian = section(clay, soil("Sand", piezometric_level=8.0))
     model = discs(artesian)
     below = model.layer == 1
-    lifted = np.sum((model.mass * model.drift_z)[~below & ~model.fixed])
-    pushed = np.sum((model.mass * model.drift_z)[below])
+    lifted = np.sum((model.mass * model.pore_acceleration_z)[~below & ~model.fixed])
+    pushed = np.sum((model.mass * model.pore_acceleration_z)[below])
     # the jump of 7 m of head between clay and sand, and 60 m wide, less what Archimedes gives the sand below
     assert lifted + pushed == pytest.approx(60.0 * (7.0 + 6.0) * WATER, rel=0.05)
 
@@ -99,7 +99,7 @@ def test_a_row_that_repeats_slides_down_with_seepage_at_its_closed_form(head, ex
     for share in (0.99, 1.01):
         model = smooth_row(slope, acceleration=Acceleration.seismic(share * kc, tilt=slope, ramp=(0.0, 2.0)))
         ax, az = -np.array(rise) / density
-        model.drift_x[:], model.drift_z[:] = cosine * ax - sine * az, sine * ax + cosine * az
+        model.pore_acceleration_x[:], model.pore_acceleration_z[:] = cosine * ax - sine * az, sine * ax + cosine * az
         begin = model.x.copy()
         Engine(dt=1e-4, balance=np.inf).run(model, 6.0)
         moved.append(float(np.mean(model.x - begin)))
@@ -115,8 +115,8 @@ def test_a_loaded_row_slides_at_its_closed_form(tilt, share):
     moved = []
     for part in (0.99, 1.01):
         model = smooth_row(tilt, acceleration=Acceleration.seismic(part * kc, tilt=tilt, ramp=(0.0, 2.0)))
-        model.drift_x[:], model.drift_z[:] = load * np.array(model.gravity)[:, None]
-        model.swing_x[:], model.swing_z[:] = share * load * np.cos(tilt), share * load * np.sin(tilt)
+        model.pore_acceleration_x[:], model.pore_acceleration_z[:] = load * np.array(model.gravity)[:, None]
+        model.added_mass_x[:], model.added_mass_z[:] = share * load * np.cos(tilt), share * load * np.sin(tilt)
         begin = model.x.copy()
         Engine(dt=1e-4, balance=np.inf).run(model, 6.0)
         moved.append(float(np.mean(model.x - begin)))
@@ -128,13 +128,13 @@ def test_what_shakes_does_its_work_and_comes_to_the_same_with_any_number_of_thre
     ends = []
     for threads in (1, 2):
         model = smooth_row(0.1, acceleration=Acceleration.seismic(1.2, tilt=0.1, ramp=(0.0, 1.0)))
-        model.swing_x[::2], model.swing_z[::2] = 0.5, -0.1
+        model.added_mass_x[::2], model.added_mass_z[::2] = 0.5, -0.1
         begin = np.array([model.x, model.z])
-        ledger = Engine(dt=1e-4, threads=threads).run(model, 3.0)  # its energies balance, or it raises
-        ends.append((model.x, model.z, ledger.external, ledger.weight))
+        energies = Engine(dt=1e-4, threads=threads).run(model, 3.0)  # its energies balance, or it raises
+        ends.append((model.x, model.z, energies.external, energies.weight))
     by_weight = float(np.sum(model.mass * (np.array(model.gravity) @ (np.array([model.x, model.z]) - begin))))
-    assert ledger.weight == pytest.approx(by_weight, rel=1e-6)
-    assert ledger.external > ledger.weight
+    assert energies.weight == pytest.approx(by_weight, rel=1e-6)
+    assert energies.external > energies.weight
     for one, other in zip(*ends, strict=True):
         assert np.array_equal(one, other)
 
@@ -144,11 +144,11 @@ def test_surcharges_and_free_water_push_with_their_inertia():
     the depth of the water, 5 m here. Of a surcharge of 200 kN/m half shakes."""
     load = {"from": 4, "to": 14, "pressure": ["10 kPa", "30 kPa"], "seismic_share": 0.5}
     model = discs(section(surcharges=[load]))
-    np.testing.assert_allclose(GRAVITY * np.sum(model.mass * model.swing_x), 100e3, rtol=1e-9)
-    assert not model.swing_z.any()
+    np.testing.assert_allclose(GRAVITY * np.sum(model.mass * model.added_mass_x), 100e3, rtol=1e-9)
+    assert not model.added_mass_z.any()
     model = discs(section(water={"table": 7.0, "westergaard": True}))
     whole, face = 7.0 / 12.0 * WATER * 5.0**2, np.arctan(0.4)
-    along, up = (GRAVITY * np.sum(model.mass * values) for values in (model.swing_x, model.swing_z))
+    along, up = (GRAVITY * np.sum(model.mass * values) for values in (model.added_mass_x, model.added_mass_z))
     np.testing.assert_allclose([along, up], [whole * np.sin(face), whole * np.cos(face)], rtol=0.01)
 
 

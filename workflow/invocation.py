@@ -1,4 +1,4 @@
-"""What a command asks for: a section with settings and options of the command line over it, its folder, its job."""
+"""The call of a command: section file, settings and options of the command line, and the folder for the results."""
 
 import json
 import tomllib
@@ -23,8 +23,8 @@ Tables = Mapping[str, Mapping[str, Any]]
 
 
 @dataclass(frozen=True)
-class Request:
-    """An input and the folder for its results.
+class Invocation:
+    """The config of a command, and the folder for its results.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Request:
     @classmethod
     def of(
         cls, section: Path, folder: Path | None, options: Tables, settings: list[str] | None, afresh: bool = False
-    ) -> "Request":
+    ) -> "Invocation":
         """The file, over it the settings of the command line, over those its options.
 
         Where a command says nothing of the mesh, it continues with what the folder was meshed with, unless it begins
@@ -83,8 +83,8 @@ class Request:
         own: dict[str, Any] = {"mesh_options": self.mesh_options, "section_file": self.section}
         return Job(self.config, self.store, stages.STAGES, **own, **more)
 
-    def with_safety_factors(self) -> "Request":
-        """The request with factors of safety and their bounds, at Kh = 0 and at every Kh whose fields are kept."""
+    def with_safety_factors(self) -> "Invocation":
+        """The invocation with factors of safety and their bounds, at Kh = 0 and at every Kh whose fields are kept."""
         asked = tuple(sorted({0.0, *self.config.fem.kh, *self.config.fem.safety_factor_at}))
         others = {key: value for key, value in self.tables.get("bounds", {}).items() if key != "run"}  # this reads it
         config = self.config.with_settings("fem", safety_factor_at=asked).with_settings("bounds", safety_factor=True)

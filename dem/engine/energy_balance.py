@@ -1,40 +1,14 @@
-"""The ledger: where the energy of the discs is, where it came from and where it went (J per metre out of plane)."""
+"""The energy balance of the discs: energy, work and losses (J per metre out of plane)."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from dem.kernels.arguments import BONDS as LIQUEFIED_SLIP
-from dem.kernels.arguments import (
-    CRACKS,
-    DASHPOT,
-    ROLLING,
-    SLIDING,
-    STAND_IN,
-    VISCOSITY,
-    WORK_BOUNDARY,
-    WORK_EXTERNAL,
-    WORK_WEIGHT,
-)
-from dem.kernels.energy import (
-    BONDS,
-    ELEMENTS,
-    LATE_BOUNDARY,
-    LATE_CRACKS,
-    LATE_DASHPOT,
-    LATE_ROLLING,
-    LATE_SLIDING,
-    LIQUEFIED_BONDS,
-    PORE_WATER,
-    PORES,
-    ROLLING_SPRINGS,
-    ROTATION,
-    TRANSLATION,
-)
+from dem.kernels import arguments, energy
 
 
 @dataclass(frozen=True)
-class Ledger:
+class EnergyBalance:
     """Energies at one instant, and work and losses since the model was made, all in J per metre.
 
     Attributes
@@ -83,35 +57,35 @@ class Ledger:
     stand_in: float = 0.0
 
     @classmethod
-    def of(cls, energies: np.ndarray, sums: np.ndarray, edits: float, turnover: float) -> "Ledger":
+    def of(cls, measured: np.ndarray, sums: np.ndarray, edits: float, turnover: float) -> "EnergyBalance":
         """From what the kernels return: `energy.energies` and the sums of all slices."""
         total = sums.sum(axis=0)
-        ledger = cls(
-            translation=float(energies[TRANSLATION]),
-            rotation=float(energies[ROTATION]),
-            elements=float(energies[ELEMENTS]),
-            pores=float(energies[PORES]),
-            rolling_springs=float(energies[ROLLING_SPRINGS]),
-            bonds=float(energies[BONDS]),
-            dashpots=float(total[DASHPOT] + energies[LATE_DASHPOT]),
-            sliding=float(total[SLIDING] + energies[LATE_SLIDING]),
-            cracks=float(total[CRACKS] + energies[LATE_CRACKS]),
-            rolling=float(total[ROLLING] + energies[LATE_ROLLING]),
-            weight=float(total[WORK_WEIGHT]),
-            external=float(total[WORK_EXTERNAL]),
-            boundary=float(total[WORK_BOUNDARY] + energies[LATE_BOUNDARY]),
+        balance = cls(
+            translation=float(measured[energy.TRANSLATION]),
+            rotation=float(measured[energy.ROTATION]),
+            elements=float(measured[energy.ELEMENTS]),
+            pores=float(measured[energy.PORES]),
+            rolling_springs=float(measured[energy.ROLLING_SPRINGS]),
+            bonds=float(measured[energy.BONDS]),
+            dashpots=float(total[arguments.DASHPOT] + measured[energy.LATE_DASHPOT]),
+            sliding=float(total[arguments.SLIDING] + measured[energy.LATE_SLIDING]),
+            cracks=float(total[arguments.CRACKS] + measured[energy.LATE_CRACKS]),
+            rolling=float(total[arguments.ROLLING] + measured[energy.LATE_ROLLING]),
+            weight=float(total[arguments.WORK_WEIGHT]),
+            external=float(total[arguments.WORK_EXTERNAL]),
+            boundary=float(total[arguments.WORK_BOUNDARY] + measured[energy.LATE_BOUNDARY]),
             edits=edits,
             turnover=turnover,
-            pore_water=float(energies[PORE_WATER]),
-            liquefied_bonds=float(energies[LIQUEFIED_BONDS]),
-            liquefied_slip=float(total[LIQUEFIED_SLIP]),
-            viscosity=float(total[VISCOSITY]),
-            stand_in=float(total[STAND_IN]),
+            pore_water=float(measured[energy.PORE_WATER]),
+            liquefied_bonds=float(measured[energy.LIQUEFIED_BONDS]),
+            liquefied_slip=float(total[arguments.BONDS]),
+            viscosity=float(total[arguments.VISCOSITY]),
+            stand_in=float(total[arguments.STAND_IN]),
         )
-        in_play = ledger.kinetic + ledger.in_springs + ledger.dissipated
-        in_play += abs(ledger.weight) + abs(ledger.external) + abs(ledger.boundary)
-        object.__setattr__(ledger, "turnover", max(turnover, in_play))
-        return ledger
+        in_play = balance.kinetic + balance.in_springs + balance.dissipated
+        in_play += abs(balance.weight) + abs(balance.external) + abs(balance.boundary)
+        object.__setattr__(balance, "turnover", max(turnover, in_play))
+        return balance
 
     @property
     def kinetic(self) -> float:

@@ -27,6 +27,6 @@ def section(
     ] = None,
 ) -> None:
     """Make a section from borings or from a drawing, or draw a section as DXF."""
-    from workflow.making.section_from_files import Reading, make_section
+    from workflow.section_import.section_from_files import Reading, make_section
 
     make_section(files, to, Reading.of(off, layers, columns or (), unit))

@@ -1,0 +1,25 @@
+"""Kernel: added mass of surcharges and free water on discs (`Layout.added_mass`), which shakes with the ground."""
+
+from dem.kernels.inner import inner
+from dem.kernels.layout import INVMASS, PULL_X, PULL_Z, VX, VZ, Layout, entry, place
+
+
+@inner(nogil=True)
+def pull_added_mass(p: int, layout: Layout, level: float) -> None:
+    """Lets such discs of slice p feel it, at this acceleration of the frame across gravity (m/s2)."""
+    for k in range(layout.added_mass_start[p], layout.added_mass_start[p + 1]):
+        disc = layout.added_mass_disc[k]
+        layout.discs[place(disc, PULL_X)] = layout.added_mass[k, 0] + layout.added_mass[k, 2] * level
+        layout.discs[place(disc, PULL_Z)] = layout.added_mass[k, 1] + layout.added_mass[k, 3] * level
+
+
+@inner(nogil=True)
+def added_momentum(p: int, layout: Layout) -> float:
+    """Momentum (kg/s) of the added mass in slice p: its power over the acceleration of the frame across gravity."""
+    momentum = 0.0
+    for k in range(layout.added_mass_start[p], layout.added_mass_start[p + 1]):
+        disc = layout.added_mass_disc[k]
+        vx, vz = layout.shared[entry(disc, VX)], layout.shared[entry(disc, VZ)]
+        speed = layout.added_mass[k, 2] * vx + layout.added_mass[k, 3] * vz
+        momentum += speed / layout.discs[place(disc, INVMASS)]
+    return momentum
