@@ -1,6 +1,5 @@
-"""The discs: the same question, then the slide.
-
-What a script needs stands here, and is imported when it is asked for, and not before: kernels take a while.
+"""Discs (DEM): their critical seismic coefficient, and slides after liquefaction. The names that a script needs, each
+imported when it is used, since kernels take a while to load.
 """
 
 from typing import TYPE_CHECKING

@@ -50,13 +50,13 @@ class Acceleration:
         return cls(ramp[0] + s * (ramp[1] - ramp[0]), ax * share, az * share)
 
     def with_level(self, gravity: tuple[float, float]) -> np.ndarray:
-        """Its components along x, along z, and across gravity, to the right: (3, times) in m/s2."""
+        """Components along x, along z, and perpendicular to gravity, positive to the right: (3, times) in m/s2."""
         size = float(np.hypot(*gravity))
         right = (-gravity[1] / size, gravity[0] / size) if size > 0.0 else (1.0, 0.0)
         return np.array([self.x, self.z, right[0] * self.x + right[1] * self.z])
 
     def at(self, time: float) -> "Acceleration":
-        """A constant acceleration, with the value of one instant (s)."""
+        """The acceleration at one time (s), as a constant one."""
         x, z = (np.interp(time, self.times, values) for values in (self.x, self.z))
         return Acceleration(np.array([time]), np.array([x]), np.array([z]))
 

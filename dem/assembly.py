@@ -1,4 +1,4 @@
-"""What an assembly of discs is made of: where the discs lie, what they consist of, and what bounds them."""
+"""Geometry, materials and boundary of an assembly of discs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -54,7 +54,7 @@ class DiscGeometry:
 
 @dataclass(frozen=True)
 class DiscMaterials:
-    """What the discs consist of.
+    """Materials of the discs.
 
     Attributes
     ----------

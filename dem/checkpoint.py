@@ -13,7 +13,7 @@ PLAIN = "plain"  # attribute that holds all values that are no arrays, as JSON
 
 
 def write(path: Path, arrays: dict[str, np.ndarray], plain: dict[str, Any]) -> None:
-    """Writes the file as a whole. plain: what JSON can hold, infinite numbers included."""
+    """Writes the file, whole or not at all. plain: values that JSON can hold, and infinite numbers."""
     with whole(path) as beside, h5py.File(beside, "w") as file:
         for name, values in arrays.items():
             file.create_dataset(name, data=values)
@@ -21,7 +21,7 @@ def write(path: Path, arrays: dict[str, np.ndarray], plain: dict[str, Any]) -> N
 
 
 def read(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """What was written. Raises OSError or KeyError for a file that is no such checkpoint."""
+    """Reads arrays and plain values back. Raises OSError or KeyError for a file that is no such checkpoint."""
     with h5py.File(path, "r") as file:
         plain = json.loads(file.attrs[PLAIN])
         return {name: data[()] for name, data in file.items()}, plain

@@ -4,7 +4,7 @@ from meshes.errors import NoAnswerError
 
 
 class DemError(NoAnswerError):
-    """A run of the discs that cannot be trusted from here on.
+    """A run of the discs that had to stop.
 
     Attributes
     ----------
@@ -18,7 +18,7 @@ class StepTooLargeError(DemError, ValueError):
 
 
 class EnergyBalanceError(DemError):
-    """Energy came from nowhere or went nowhere."""
+    """The energy balance does not close."""
 
 
 class OverlapError(DemError):
@@ -30,7 +30,7 @@ class NotFiniteError(DemError):
 
 
 class EscapeError(DemError):
-    """A disc is behind a rigid line or outside of all that is bounded."""
+    """A disc is behind a rigid line or outside the box."""
 
 
 class SpeedError(DemError):

@@ -1,4 +1,4 @@
-"""From a Section to discs: which packing, in which frame, in which layer.
+"""Discs of a section: packing, frame of reference and layers.
 
 Two frames. The section's: x to the right, z up. The discs' own: rows lie along u; a box has its u axis along the mean
 ground surface and feels gravity tilted; lattice and random packings lie in the section's frame as they are.
@@ -95,9 +95,8 @@ class Ground:
         return c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]
 
     def held(self, kh: float, start: float, rise: float, seconds: float | None) -> Acceleration:
-        """Kh that comes on in `rise` seconds from `start` (s), is held, and goes again in a second; + is downhill.
-
-        seconds: from `start` until it begins to go; None if it never does.
+        """Kh that rises in `rise` seconds from `start` (s), is held, and falls to zero within a second; + is downhill.
+        seconds: from `start` until it begins to fall; None if it is held for ever.
         """
         on = self.shaking(0.0, kh, start, start + rise)
         if seconds is None:
@@ -106,17 +105,17 @@ class Ground:
         return Acceleration(np.append(on.times, off.times), np.append(on.x, off.x), np.append(on.z, off.z))
 
     def shaken(self, times: np.ndarray, push: np.ndarray) -> Acceleration:
-        """A push (m/s2) along the horizontal at some times (s), + is downhill; none before, and none after."""
+        """A horizontal acceleration (m/s2) given at some times (s), + is downhill; zero before and after."""
         before, after = times[:1] - SOON, times[-1:] + SOON
         felt = self.downhill * np.concatenate([[0.0], push, [0.0]])
         return Acceleration(np.concatenate([before, times, after]), felt * np.cos(self.tilt), felt * np.sin(self.tilt))
 
     def steady(self, kh: float) -> Acceleration:
-        """Kh that neither comes nor goes; + is downhill."""
+        """A constant Kh; + is downhill."""
         return Acceleration.seismic(self.downhill * kh, tilt=self.tilt)
 
     def shaking(self, before: float, after: float, start: float, end: float) -> Acceleration:
-        """Kh that goes from one value to another between two times (s), as smoothly as a half cosine; + is downhill."""
+        """Kh that changes from one value to another between two times (s), along a half cosine; + is downhill."""
         change = Acceleration.seismic(self.downhill * (after - before), tilt=self.tilt, ramp=(start, end))
         held = self.steady(before)
         return Acceleration(change.times, change.x + held.x[0], change.z + held.z[0])
@@ -260,7 +259,7 @@ def _cut(section: Section, settings: DemSettings, kind: str, radius: float) -> G
 
 
 def _densest_that_fits(section: Section, settings: DemSettings, radius: float) -> Packing:
-    """A random packing of the porosity asked for, or of as little more as makes the discs fit: walls want some room."""
+    """A random packing of the porosity asked for, or the next larger one at which the discs fit between the walls."""
     for more in np.arange(0.0, LOOSER, 0.01):
         try:
             return random_packing(

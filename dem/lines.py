@@ -1,4 +1,4 @@
-"""What contacts with rigid lines hold where that is not what the discs' own layers hold: smooth gates, rough floors."""
+"""Strength of contacts with rigid lines, where it differs from that of the discs: smooth gates, rough floors."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,7 +13,7 @@ LineStrengths = Strength | Sequence[Strength | None] | None
 
 
 def strength_of_each(strengths: LineStrengths, count: int) -> tuple[Strength | None, ...]:
-    """One strength for each of so many lines, None for what the disc's layer holds; empty where it is that for all.
+    """One strength for each line, None for the strength of the disc's layer; empty where that holds for all lines.
 
     Raises ValueError for another number of strengths.
     """
@@ -24,7 +24,7 @@ def strength_of_each(strengths: LineStrengths, count: int) -> tuple[Strength | N
 
 
 def with_line_strengths(table: PairTable, strengths: Sequence[Strength | None], law: Law) -> PairTable:
-    """The table with a block of columns for every strength that lines have of their own.
+    """The table with a block of columns for every strength given to lines.
 
     Stiffness and dashpots of a line are those of its partner in any case. Raises ValueError for a friction or cohesion
     below zero, and for cohesion of the paper's discs, whose contacts know none.

@@ -1,7 +1,5 @@
-"""Liquefied ground of soil discs: what its discs carry, and the list of their pairs.
-
-The laws themselves are in `kernels.liquefied_pairs`. Here the ground is given to them: which discs have liquefied, how
-far, with what pressure, and with what residual strength.
+"""State of liquefied soil discs, and the list of their pairs. The laws are in `kernels.liquefied_pairs`; their input is
+prepared here: which discs have liquefied, to which degree, with which pressure and residual strength.
 """
 
 from typing import NamedTuple
@@ -44,7 +42,7 @@ NEEDED = 3  # columns of cells in a period
 
 
 class Onset(NamedTuple):
-    """What ground has when it begins to liquefy; arrays of all discs.
+    """State of the ground at the onset of liquefaction; arrays of all discs.
 
     Attributes
     ----------
@@ -103,10 +101,9 @@ def _in_pairs(state: DiscState) -> np.ndarray:
 
 
 def liquefy(model: DiscState, onset: Onset) -> None:
-    """Lets discs begin to liquefy, with a share of nothing until `set_share`; they keep what they had if they had.
-
-    The overburden and the density of this moment are those that pore water remembers. Raises ValueError for discs of
-    the paper, and for a period that is too short.
+    """Starts the liquefaction of discs, at degree 0 until `set_share`; discs that began before are unchanged.
+    Overburden and density of this moment are the reference of the pore pressure. Raises ValueError for discs of the
+    paper, and for a period that is too short.
     """
     if model.law != "soil":
         raise ValueError("discs: only those of law='soil' liquefy; the paper's take the factors of their case")
@@ -143,8 +140,8 @@ def liquefy(model: DiscState, onset: Onset) -> None:
 def longest_look(model: DiscState) -> tuple[float, int]:
     """Longest time (s) for which forces of liquefied ground may be held, and the disc that sets it; (inf, -1) without.
 
-    Of the highest frequency that bonds and pore water can give a disc: twice the sum of their stiffness over its mass,
-    as for contacts, sums over pairs as integrals over an even density.
+    It follows from the highest frequency of a disc by bonds and pore water: twice the sum of their stiffness over its
+    mass, as for contacts, with sums over pairs as integrals over an even density.
     """
     which = np.flatnonzero(has_begun(model))
     if not len(which):
@@ -162,14 +159,14 @@ def steps_held(model: DiscState, dt: float) -> int:
 
 
 def _densities(model: DiscState) -> np.ndarray:
-    """How densely areas lie (n,) at the places at which pairs were last looked at; those of liquefied discs count."""
+    """Density of the discs' areas (n,) when the pairs were last evaluated; of use for liquefied discs alone."""
     wet = model.liquefied
     x, z, area = (np.ascontiguousarray(wet[:, field]) for field in (AT_X, AT_Z, AREA))
     return densities(x, z, area, model.liquefied_i, model.liquefied_j, model.reach, model.repeats)
 
 
 def change_areas(model: DiscState, factor: np.ndarray) -> None:
-    """Lets areas with voids grow or shrink by a factor (n,), such as where ground drains; pore water feels it."""
+    """Scales the areas with voids by a factor (n,), such as where ground drains; pore pressure changes, too."""
     if not len(model.liquefied):
         return
     model.liquefied[:, AREA] *= factor

@@ -47,7 +47,7 @@ SORT_EVERY = 16  # lists made between two sortings in space
 class DiscModel(DiscState):
     """The discs and what can be done to them between runs. Make one with `DiscModel.create`.
 
-    Whoever changes lines or skin by hand calls `make_list` then; positions are looked at when a run begins.
+    Call `make_list` after changing lines or skin by hand; changed positions are noticed when a run begins.
     """
 
     @classmethod
@@ -192,7 +192,7 @@ class DiscModel(DiscState):
         return np.asarray((self.springs.pairs[KN] == 0.0) & (self.springs.pairs[KPN] == 0.0))
 
     def _carry(self, old: np.ndarray, sign: np.ndarray, in_ranges: Ranges) -> None:
-        """What pairs of a new list remember, see `carry_over`."""
+        """Memory of the contacts of a new list, see `carry_over`."""
         before = tuple(getattr(self, name) for name in self.memory)
         after = tuple(np.empty(len(old)) for _ in before)
         turns = np.array([name in TURNED for name in self.memory])

@@ -1,4 +1,4 @@
-"""Discs to begin with: triangular lattices and random packings inside any polygon, and the boundary round them.
+"""Initial packings: triangular lattices and random packings inside any polygon, with their boundary.
 
 A polygon is given by its corners (n, 2) in m, counter-clockwise, as `Section.outline` gives it; edges that run from
 right to left are the free surface, all others are walls. Boundary discs stand outside the walls and touch them;
@@ -89,7 +89,7 @@ def lattice_box(columns: int, rows: int, radius: float) -> Packing:
 
 
 def triangular_lattice(outline: np.ndarray, stratum_at: StratumAt, radius: float, *, angle: float = 0.0) -> Packing:
-    """Equal discs on a triangular lattice whose rows rise by `angle` (rad), those that lie inside as a whole.
+    """Equal discs on a triangular lattice whose rows rise by `angle` (rad); all discs that lie entirely inside.
 
     Raises ValueError if none does.
     """

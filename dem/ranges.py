@@ -1,6 +1,5 @@
-"""Who goes through the discs in ranges of their numbers: this thread all at once, or several threads side by side.
-
-What is found does not depend on it: ranges are put one behind the other.
+"""Work on the discs in ranges of their numbers, by this thread or several. The result is the same: ranges are joined in
+their order.
 """
 
 from collections.abc import Callable
@@ -12,19 +11,19 @@ FEW = 20_000  # of fewer discs one thread has found the neighbours before anothe
 
 
 class Ranges(Protocol):
-    """Calls work with the begin and end of ranges that cover all numbers below n, and returns what it makes of each."""
+    """Calls `work` with the begin and end of ranges that cover all numbers below n; returns its results in order."""
 
     def __call__(self, work: Callable[[int, int], Any], n: int) -> list[Any]:
-        """What the work makes of every range, in their order."""
+        """Results of all ranges, in their order."""
 
 
 def serial(work: Callable[[int, int], Any], n: int) -> list[Any]:
-    """One range of all."""
+    """All numbers in one range."""
     return [work(0, n)]
 
 
 def threaded(pool: ThreadPoolExecutor | None, threads: int) -> Ranges:
-    """As many ranges as there are threads, where that is worth their while."""
+    """As many ranges as threads, where there are enough discs to gain by it."""
 
     def shared(work: Callable[[int, int], Any], n: int) -> list[Any]:
         if pool is None or threads == 1 or n < FEW:

@@ -123,7 +123,7 @@ class DemSettings(Model):
         return self.model_copy(update={"model": "paper", "paper": False, "parameter": "none"})
 
     def problems(self, section: Section) -> list[str]:
-        """What does not fit the section, one sentence each."""
+        """Settings that do not fit the section, one sentence each."""
         problems = []
         if self.model == "soil" and self.parameter not in ("auto", "strength", "none"):
             problems.append(
@@ -166,7 +166,9 @@ AVERAGE = "average"  # in place of a file: the response of the layers to a recor
 
 
 def _of_liquefied_soil(strength: Quantity) -> Quantity:
-    """A residual strength (Pa) that is none, or one that there is; raises ValueError with what was meant."""
+    """Check a residual strength (Pa); raises ValueError for one that soil does not have, naming what may have been
+    meant.
+    """
     least, most = LIQUEFIED
     if strength == 0.0 or least <= strength <= most:
         return strength
@@ -316,7 +318,7 @@ class SlideSettings(Model):
     )
 
     def problems(self, strata: Sequence[str]) -> list[str]:
-        """What does not fit strata of these names, or each other, one sentence each."""
+        """Settings that do not fit the strata, or each other, one sentence each."""
         problems = []
         if (self.kh_cycles is None) != (self.kh_period is None):
             problems.append("slide, kh_cycles and kh_period: expected both, or neither")

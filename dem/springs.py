@@ -123,7 +123,7 @@ class LayerSprings:
 
 @dataclass(frozen=True)
 class Strength:
-    """What contacts of soil discs hold.
+    """Strength of the contacts of soil discs.
 
     Attributes
     ----------

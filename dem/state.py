@@ -172,7 +172,7 @@ class DiscState:
 
     @property
     def memory(self) -> tuple[str, ...]:
-        """Names of what a pair remembers."""
+        """Names of the variables that a pair keeps from step to step."""
         return MEMORY + (ROLLING_MEMORY if self.law == "soil" else ())
 
     @property
@@ -183,7 +183,7 @@ class DiscState:
 
     @property
     def liquefied_forces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Force of liquefied ground on every disc, along x and z (N), as it was last looked at."""
+        """Force of liquefied ground on every disc, along x and z (N), when it was last evaluated."""
         if not len(self.liquefied):
             return np.zeros(len(self)), np.zeros(len(self))
         return self.liquefied[:, FORCE_X], self.liquefied[:, FORCE_Z]
@@ -218,11 +218,11 @@ class DiscState:
 
     @property
     def repeats(self) -> Period:
-        """After how much the ground repeats itself."""
+        """The period of ground with periodic sides."""
         return ENDLESS if self.period is None else Period(*self.period)
 
     def branch(self) -> np.ndarray:
-        """Way from pair_i to the nearest image of pair_j, of all listed pairs (2, pairs) (m)."""
+        """Vector from pair_i to the nearest image of pair_j, of all listed pairs (2, pairs) (m)."""
         i, j = self.pair_i, self.pair_j
         dx, dz = self.x[j] - self.x[i], self.z[j] - self.z[i]
         length, rise = self.repeats

@@ -1,7 +1,6 @@
-"""What water and loads on the ground do to discs, by the same fields that finite elements and bounds take.
-
-The force of a disc is that of its share of the soil, where it lies when it is asked; forces at the ground, and between
-strata with different pore pressures, go to the nearest discs. All of them go with the disc from then on.
+"""Forces of water and surcharges on discs, by the same fields as in finite elements and bounds. The force on a disc is
+that of its share of the soil at its initial place; forces on the ground surface, and between strata with different pore
+pressures, act on the nearest discs. Each disc keeps its force as it moves.
 """
 
 from collections.abc import Callable
@@ -64,7 +63,7 @@ def added_mass(section: Section, places: Places, discs: DiscState) -> np.ndarray
 def _of_pores(
     section: Section, places: Places, discs: DiscState, pressure: Pressure, outside: Outside | None
 ) -> np.ndarray:
-    """Acceleration (n, 2) by one pore pressure: its slope, its jumps, and what of it no water on the ground holds."""
+    """Acceleration (n, 2) by one pore pressure: its gradient, its jumps, and its excess over free water."""
     free = np.flatnonzero(~discs.fixed)
     at, layer = np.column_stack(places)[free], discs.layer[free].astype(int)
     step = STEP * float(discs.radius.mean())

@@ -1,6 +1,6 @@
 """The continuum: at which seismic coefficient the section fails, and where.
 
-What a script needs stands here; dolfinx is imported when the finite elements are asked for, and not before.
+The names that a script needs; dolfinx is imported only when the finite elements are used.
 """
 
 from typing import TYPE_CHECKING

@@ -9,12 +9,11 @@ class UnstableError(NoAnswerError):
     Attributes
     ----------
     reason : str
-        Up to which share of its weight it is in equilibrium.
+        Why it fails, such as the share of its weight that it carries.
     remedy : str
         What to try.
     """
 
 
 class NoEquilibriumError(NoAnswerError):
-    """No state on a path of equilibria balances on the yield surface, so that the path has no answer to give: neither
-    that the ground stands, nor that it fails under its own weight."""
+    """No state on the path is in equilibrium on the yield surface: whether the ground stands or fails is unknown."""

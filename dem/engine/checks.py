@@ -1,4 +1,4 @@
-"""What is looked at while a run continues; each check says in words where it failed."""
+"""Checks of a run; each says in words where it failed."""
 
 import numpy as np
 

@@ -94,7 +94,7 @@ class EnergyBalance:
 
     @property
     def in_springs(self) -> float:
-        """What springs carry."""
+        """Energy stored in springs."""
         return self.elements + self.pores + self.rolling_springs
 
     @property
@@ -109,6 +109,6 @@ class EnergyBalance:
 
     @property
     def gap(self) -> float:
-        """What is there and what is gone, less all work done: zero for a step that is infinitely small."""
+        """Energy present and dissipated less all work done: zero in the limit of small steps."""
         work = self.weight + self.external + self.boundary + self.stand_in + self.edits
         return self.kinetic + self.stored + self.dissipated - work

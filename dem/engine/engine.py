@@ -1,6 +1,6 @@
 """The engine: takes a DiscModel through time, makes neighbour lists when due, keeps the energy balance, stops in words.
 
-Between two calls of `run` the model is the truth and may be changed in any way; the engine holds nothing but settings.
+Between two calls of `run` the model may be changed in any way; the engine itself has settings alone.
 """
 
 from collections.abc import Callable
@@ -55,7 +55,7 @@ def largest_step(model: DiscModel) -> StableStep:
 
 
 def step_finder(model: DiscModel) -> Callable[[], StableStep]:
-    """Finds the largest stable step of a model as it stands now, while its contacts go into a layout perhaps."""
+    """A function that finds the largest stable step of a model in its present state, also while its layout is made."""
     invmass = np.where(model.fixed, 0.0, 1.0 / model.mass)
     bodies = Bodies(model.x, model.z, model.radius, invmass, invmass * model.inertia_ratio)
     i, j, length = model.pair_i, model.pair_j, model.pore_length
@@ -212,14 +212,14 @@ class Engine:
 
     @property
     def kept(self) -> str:
-        """Where to go on from, for error messages."""
+        """The checkpoint to continue from, for error messages."""
         if self.checkpoint and Path(self.checkpoint).exists():
             return f"The last checkpoint is {self.checkpoint}."
         return "No checkpoint was kept."
 
 
 class EngineRun:
-    """One run: the layout while it lasts, its threads, and the way from call to call of the kernel."""
+    """One run: its layout and threads, and the calls of the kernel."""
 
     def __init__(self, engine: Engine, model: DiscModel, dt: float) -> None:
         self.engine, self.model, self.dt = engine, model, dt
@@ -256,7 +256,7 @@ class EngineRun:
         return self.layout
 
     def update(self) -> None:
-        """Makes the model whole again; the layout goes."""
+        """Writes the layout back into the model, and drops it."""
         if self.layout is not None:
             unpack(self.layout, self.model, self.in_ranges)
             self.layout = None
@@ -269,7 +269,7 @@ class EngineRun:
         check_escape(self.model, self.engine.kept)
 
     def begin_ledger(self) -> None:
-        """Enters as edits what changes made since the last run have given the model or taken from it."""
+        """Enters the energy that changes since the last run added or removed, as edits."""
         if not self.engine.energies:
             self.model.energy_known = float("nan")
             return

@@ -1,4 +1,4 @@
-"""Large arrays: in large pages where the system has them, kept by the process or given back as they are freed."""
+"""Memory of large arrays: large pages where the system has them, and what happens to freed pages."""
 
 import ctypes
 import math

@@ -38,10 +38,10 @@ _LINE_ROLLING = {1: "line_rolled", 2: "line_torque"}
 
 
 def pack(model: DiscModel, *, keep_pairs: bool = True, in_ranges: Ranges = serial, room: Room | None = None) -> Layout:
-    """The model as the stepping kernel wants it; the same model always gives the same layout.
+    """The layout of a model for the stepping kernel; the same model always gives the same layout.
 
     keep_pairs: False takes the pairs out of the model, until `unpack` brings them back: there is no need to hold them
-    twice. room: what the largest arrays lie in; a layout made in it before is gone then.
+    twice. room: reusable memory for the largest arrays; an earlier layout in it becomes invalid.
     """
     room = Room() if room is None else room
     n = len(model)
@@ -156,7 +156,7 @@ def _liquefied(model: DiscModel, number: np.ndarray, slices: int) -> Liquefied:
 
 
 def _bonds(layout: Layout, model: DiscModel) -> np.ndarray:
-    """What bonds remember (pairs, MEMORY), back from their lanes."""
+    """Memory of the bonds (pairs, MEMORY), read back from their lanes."""
     number = np.empty(len(model), np.int32)
     number[model.order] = np.arange(len(model), dtype=np.int32)
     lane, start = place_pairs(number[model.liquefied_i], len(layout.chunk_start) - 1)

@@ -1,7 +1,6 @@
-"""Discs taken on in short pulses, between which no more is looked at than where they are and how they move.
-
-To make the layout of a kernel from a model and the model from the layout takes as long as some forty steps of it. What
-is driven by what it does, such as ground on the spring of a machine, is looked at more often.
+"""Runs in short pulses, between which positions and velocities alone are read. Making a layout from a model and the
+model from the layout takes as long as some forty steps; ground whose load depends on its motion, as on the spring of a
+pushover, is read more often than that.
 """
 
 from types import TracebackType
@@ -11,7 +10,7 @@ from dem.model import DiscModel
 
 
 class Pulses:
-    """A model on its way: inside the block its motion is up to date, its contacts only after `whole`.
+    """A run in pulses: inside the block the model's motion is up to date, its contacts only after `whole`.
 
     No energies are summed. The step is a share of the stable one as it was when the list of neighbours was made.
     """
@@ -30,7 +29,7 @@ class Pulses:
         self.run.close()
 
     def on(self, seconds: float) -> None:
-        """Takes the model on, by whole steps. Raises DemError."""
+        """Runs the model for some seconds, by whole steps. Raises DemError."""
         run = self.run
         assert run.stable is not None
         run.dt = min(self.share * run.stable.seconds, seconds)
@@ -38,5 +37,5 @@ class Pulses:
         run.show()
 
     def whole(self) -> None:
-        """Gives the model its contacts back; it may be changed then, but for its places."""
+        """Writes the contacts back into the model, which may be changed then, but for positions."""
         self.run.update()

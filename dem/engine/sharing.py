@@ -1,4 +1,4 @@
-"""How the slices of a layout are shared out to threads, and who has to wait for whom."""
+"""Slices that threads share, and which thread waits for which."""
 
 import numpy as np
 

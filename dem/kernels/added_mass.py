@@ -6,7 +6,7 @@ from dem.kernels.layout import INVMASS, PULL_X, PULL_Z, VX, VZ, Layout, entry, p
 
 @inner(nogil=True)
 def pull_added_mass(p: int, layout: Layout, level: float) -> None:
-    """Lets such discs of slice p feel it, at this acceleration of the frame across gravity (m/s2)."""
+    """Adds its force to the discs of slice p, at an acceleration of the frame perpendicular to gravity (m/s2)."""
     for k in range(layout.added_mass_start[p], layout.added_mass_start[p + 1]):
         disc = layout.added_mass_disc[k]
         layout.discs[place(disc, PULL_X)] = layout.added_mass[k, 0] + layout.added_mass[k, 2] * level

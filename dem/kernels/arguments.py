@@ -1,4 +1,4 @@
-"""What kernels are handed, in groups: constants, law, loads, the run's clock, its threads, and one step."""
+"""Arguments of kernels, in groups: constants, law, loads, the run's clock, its threads, and one step."""
 
 from typing import NamedTuple
 
@@ -35,7 +35,7 @@ class Springs(NamedTuple):
 
 
 class State(NamedTuple):
-    """What the law of a contact reads and writes, of `Layout`: all of that would be much to hand from call to call.
+    """The arrays of `Layout` that the contact law reads and writes.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Law(NamedTuple):
 
 
 class Loads(NamedTuple):
-    """What accelerates all discs alike, beside their weight.
+    """The acceleration of all discs beside their weight.
 
     Attributes
     ----------

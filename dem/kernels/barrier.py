@@ -1,4 +1,4 @@
-"""A meeting point for threads inside kernels: nobody passes before all have come.
+"""A barrier for threads inside kernels: none passes before all have reached it.
 
 Written with LLVM's atomic instructions, as Numba offers none for the CPU. Threads spin, and give the processor
 away now and then, so that a crowded machine only gets slower. With the JIT switched off there is one thread and no

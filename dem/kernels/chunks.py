@@ -1,4 +1,4 @@
-"""Kernel: forces and memory of contacts, 64 lanes at a time, and what they cost since the last step."""
+"""Kernel: forces and memory of contacts, 64 lanes at a time, and their energy losses since the last step."""
 
 import numpy as np
 
@@ -64,7 +64,7 @@ def contact(
 
 @inner(forceinline=True)
 def face_partners(chunk: int, state: State, scratch: np.ndarray, law: Law, soil: bool) -> None:
-    """Fetches the partners of one chunk into the scratch rows, and turns to them."""
+    """Fetches the partners of one chunk into the scratch rows, with directions and distances."""
     wide_vectors()
     for begin in range(0, LANES, BLOCK):
         load_partners(chunk, begin, state, scratch, soil)
@@ -77,7 +77,7 @@ def all_lanes(
     chunk: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, soil: bool, pores: bool,
     with_losses: bool,
 ) -> tuple[bool, float, float, float, float]:  # fmt: skip
-    """The contacts of one chunk, and the sums of what they took."""
+    """The contacts of one chunk, and the sums of their losses."""
     wide_vectors()
     too_deep = False
     damping, sliding, cracks, rolling = 0.0, 0.0, 0.0, 0.0

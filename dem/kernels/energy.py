@@ -46,7 +46,7 @@ PARTNER_X, PARTNER_Z, PARTNER_R = VX, VZ, VR
 
 @inner(nogil=True, forceinline=True)
 def book(now: Contact, out: np.ndarray) -> None:
-    """Adds what a contact stores, and lost since the last step."""
+    """Adds the energy stored in a contact, and its losses since the last step."""
     out[ELEMENTS] += now.elements
     out[BONDS] += now.bonds
     out[PORES] += now.pores
@@ -61,7 +61,7 @@ def book(now: Contact, out: np.ndarray) -> None:
 def lanes_energy(
     chunk: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, soil: bool, out: np.ndarray
 ) -> None:
-    """Books the contacts of one chunk: their forces go to the owners' sums, and into the partners' rows."""
+    """Adds the energies of one chunk of contacts; their forces go to the owners' sums, and into the partners' rows."""
     wide_vectors()
     d, w = np.uint64(chunk) * LINK, np.uint64(chunk) * ROLL_LINK
     elements, bonds, pores, rolling = 0.0, 0.0, 0.0, 0.0
@@ -100,7 +100,7 @@ def slice_energy(
     p: int, layout: Layout, springs: Springs, scratch: np.ndarray, slip_time: float, law: Law, force: np.ndarray,
     out: np.ndarray,
 ) -> None:  # fmt: skip
-    """Books all contacts that slice p owns, and adds their forces and rim forces to those on the discs."""
+    """Adds the energies of all contacts that slice p owns, and their forces and rim forces to those on the discs."""
     state = State(layout.discs, layout.links, layout.rolling, layout.shared, layout.partner)
     load_own(p, layout.shared, scratch)
     for row in range(3):

@@ -1,4 +1,4 @@
-"""How a function is compiled that other kernels call and nobody else.
+"""Compilation of functions that other kernels alone call.
 
 Numba wraps what it compiles twice, for Python and for C, and compiles the body of a function that is inlined once more
 with each of the wrappers. Functions without them take two thirds of the time.

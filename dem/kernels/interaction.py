@@ -83,7 +83,7 @@ LINE_X, LINE_Z, LINE_NX, LINE_NZ, LINE_FROM, LINE_TO = range(6)
 
 
 class Motion(NamedTuple):
-    """How the two sides of a contact lie and move.
+    """Geometry and relative motion of the two sides of a contact.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ class Motion(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """What the law makes of a contact.
+    """Forces, memory and losses of a contact by its law.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""How discs and contacts lie in memory while the kernels step, and the way there and back.
+"""Layout of discs and contacts in memory for the kernels, and the conversion to and from lists.
 
 Discs are sorted in space and cut into slices of 64 lanes. A slice owns some of the contacts of its discs, kept in
 chunks of 64 lanes too: lane l of a chunk is a contact owned by lane l of the slice. Each field of a slice or chunk
@@ -43,7 +43,7 @@ ROLL_LINK = np.uint64(ROLL_FIELDS * LANES)
 
 
 class Layout(NamedTuple):
-    """Everything the stepping kernel reads and writes; see `pack`.
+    """All arrays that the stepping kernel reads and writes; see `pack`.
 
     Attributes
     ----------

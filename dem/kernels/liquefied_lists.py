@@ -1,4 +1,4 @@
-"""Kernel: pairs of liquefied ground in their lanes, which of them every disc has, and how densely areas lie."""
+"""Kernel: pairs of liquefied ground in lanes, the pairs of every disc, and the density of areas."""
 
 import math
 
@@ -52,7 +52,7 @@ def members_of(first: np.ndarray, second: np.ndarray, lane: np.ndarray, slots: i
 def densities(
     x: np.ndarray, z: np.ndarray, area: np.ndarray, first: np.ndarray, second: np.ndarray, reach: float, period: Period
 ) -> np.ndarray:
-    """How densely areas (m2) lie at all discs (n,), of the pairs that are listed."""
+    """Density of areas (m2) at all discs (n,), by the listed pairs."""
     out = area * (7.0 / (math.pi * reach * reach))
     for c in range(len(first)):
         i, j = first[c], second[c]

@@ -1,4 +1,4 @@
-"""Kernel: liquefied ground, borne by the pressure of its pore water and held together by its residual strength.
+"""Kernel: liquefied ground, carried by its pore pressure and held together by its residual strength.
 
 Two laws of pairs, for every pair with a liquefied disc that is nearer than the reach H; contacts have no part in it.
 
@@ -155,7 +155,7 @@ def water_energy(share: float, area: float, pressure: float, stiffness: float, d
 
 @inner(nogil=True, _nrt=False)
 def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, ahead: float, with_losses: bool) -> None:
-    """How the discs of a block lie to each other, in `ahead` seconds, and move; shared: records of all discs."""
+    """Relative positions, in `ahead` seconds, and velocities of the discs of a block; shared: records of all discs."""
     discs, w = wet.discs, wet.working
     at = np.uint64(block) * WORKED
     for lane in range(LANES):
@@ -251,7 +251,7 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahea
 
 @inner(forceinline=True)
 def mobilised(along: float, across: float) -> tuple[float, float]:
-    """Both parts of what a bond holds, over its limit, brought back to the limit."""
+    """Both parts of a bond's force over its limit, scaled back to the limit."""
     square = along * along + across * across
     scale = 1.0 / math.sqrt(square if square > 1.0 else 1.0)
     return along * scale, across * scale
@@ -259,7 +259,7 @@ def mobilised(along: float, across: float) -> tuple[float, float]:
 
 @inner(nogil=True, _nrt=False)
 def fetch_strength(block: int, wet: Liquefied) -> None:
-    """What the discs of a block push and hold, together: of one that has not liquefied both are nothing."""
+    """Pressure and strength of the pairs of a block, as sums of both discs; only liquefied discs add to them."""
     discs, w = wet.discs, wet.working
     for lane in range(LANES):
         q = np.uint64(block) * WORKED + np.uint64(lane)

@@ -1,4 +1,4 @@
-"""Kernel: what a contact has lost since the last step, for the energy balance; nothing of the motion comes from here.
+"""Kernel: energy losses of a contact since the last step, for the energy balance; they do not affect the motion.
 
 So the compiler may take its sums and products in any order, and join them. Losses are given twice, and halved once they
 are summed.
@@ -64,7 +64,7 @@ def crack_loss(kpn: float, length: float, distance: float, stretch: float) -> fl
 
 @inner(forceinline=True, fastmath=ANY_ORDER)
 def both(first: float, second: float) -> float:
-    """A sum of the energy balance's."""
+    """The sum of two losses."""
     return first + second
 
 

@@ -1,4 +1,4 @@
-"""Kernel: who can touch whom. A cell grid finds the pairs closer than the sum of their radii and a skin.
+"""Kernel: the neighbour list. A cell grid finds the pairs closer than the sum of their radii and a skin.
 
 The list holds until some disc has moved half the skin. It also holds every pair with a pore spring, whole or
 cracked, at whatever distance: a cracked spring resists again when the discs come back to its length, so forgetting it
@@ -24,7 +24,7 @@ def spatial_order(x: np.ndarray, z: np.ndarray, spacing: float) -> np.ndarray:
 
 
 class Near(NamedTuple):
-    """Discs in spatial order, and what counts as near: less than factor (r_i + r_j) + skin apart, not both fixed.
+    """Discs in spatial order, and the distance of neighbours: less than factor (r_i + r_j) + skin, not both fixed.
 
     Attributes
     ----------
@@ -294,8 +294,8 @@ def carry_over(
     turns: np.ndarray,
     after: tuple[np.ndarray, ...],
 ) -> None:
-    """What pairs begin to end of a new list remember: each array of the old list's memory, times a sign if it turns
-    with the pair; nothing if new.
+    """Memory of the pairs begin to end of a new list: that of the old list, with its sign changed where the pair is
+    turned; zero for new pairs.
     """
     for k in range(len(before)):
         memory, values, turning = before[k], after[k], turns[k]

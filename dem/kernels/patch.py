@@ -1,6 +1,6 @@
 """Kernel: a patch of discs in a frame, read and driven where the stepping kernel keeps it.
 
-What a test looks at between two short runs would take longer to be brought back into the model than to be looked at.
+Bringing a patch back into the model between two short runs would take longer than reading it.
 """
 
 import numpy as np
@@ -47,7 +47,7 @@ def share_inside(x: float, z: float, along_x: float, along_z: float, region: np.
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def pair_forces(layout: Layout, discs: int, back: np.ndarray, region: np.ndarray) -> tuple[np.ndarray, float, int]:
-    """What the contacts of a patch carry, by the forces of the last step, dashpots included.
+    """Mean stress in a patch by the contact forces of the last step, dashpots included.
 
     discs: how many there are; back: (2, 2), the inverse of the deformation, so that `region` is that before any.
     Returns (sum of pair force times that part of the branch which lies in the region (N m, 2 x 2: tension positive),

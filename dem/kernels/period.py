@@ -1,6 +1,6 @@
-"""Kernel: ground that repeats itself, of which one period is looked at: its sides are tied to each other.
+"""Kernel: periodic sides, of ground of which one period is computed.
 
-Places are stored as they come, never brought back into the period: distances alone are those of the nearest image.
+Positions are never mapped back into the period; distances are those of the nearest image.
 """
 
 import math

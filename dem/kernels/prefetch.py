@@ -1,4 +1,4 @@
-"""Asks the memory for what will be needed next; does nothing to any value, and nothing at all without the JIT."""
+"""Prefetching of memory; it changes no value, and does nothing without the JIT."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Records of a few doubles to rows of 64 and back, eight at a time, turned over in registers.
+"""Transposition of records of a few doubles to rows of 64 and back, eight at a time, in registers.
 
 What a contact reads of its partner lies at eight places which nothing orders: a compiler that cannot prove where an
 index points copies it double by double. One record for each disc, and one for each kind of pair, are read two doubles

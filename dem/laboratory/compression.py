@@ -1,4 +1,4 @@
-"""A patch of soil discs compressed beyond its peak: stiffness, peak, and what is left."""
+"""A patch of soil discs compressed beyond its peak: stiffness, peak and residual strength."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ INERTIAL = 6e-3  # inertial number at most; half of both changes the strength by
 
 @dataclass(frozen=True)
 class PatchStrength:
-    """What one patch did at one pressure.
+    """Result of one patch at one pressure.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Element tests of a layer's discs: what soil do they stand for?
+"""Element tests of a layer's discs: stiffness and strength of the soil that they represent.
 
 A patch of one layer, without gravity, is confined at several pressures, then its pore springs are set, as in the slope
 after settling. From there small probes give its stiffness, a biaxial test (plane strain) and a simple-shear test its
@@ -24,7 +24,7 @@ INERTIAL = 3e-3  # number at most: what is weakly confined is tested more slowly
 
 @dataclass(frozen=True)
 class PressureTest:
-    """All that was done at one pressure.
+    """The tests at one pressure.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class PressureTest:
 
 @dataclass(frozen=True)
 class ElementTest:
-    """What the discs of a layer stand for as soil.
+    """The soil that the discs of a layer represent.
 
     Attributes
     ----------
@@ -143,7 +143,7 @@ class ElementTest:
         }
 
     def as_json(self, stratum: Stratum) -> dict[str, Any]:
-        """The discs beside the soil they were made from, as JSON can hold it; what could not be had is None."""
+        """The discs compared with their soil, as JSON can hold it; None for missing numbers."""
         return {
             "stratum": stratum.name,
             "packing": self.sample.packing,

@@ -1,4 +1,4 @@
-"""A layer of soil beside its discs, as it is found and stored."""
+"""Comparison of a layer of soil with its discs, as it is stored."""
 
 # ruff: noqa: N815 (units are written as they are)
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class LayerCheck:
-    """A stratum beside its discs, each tested at three confining pressures; means over the seeds, None for
-    what could not be had.
+    """A stratum compared with its discs, tested at three confining pressures; means over the seeds, None for missing
+    numbers.
 
     Attributes
     ----------

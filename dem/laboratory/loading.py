@@ -1,4 +1,4 @@
-"""What is done to a patch: confined, probed, compressed, sheared, slowly enough for inertia to have no part in it.
+"""Loading of a patch: confined, probed, compressed or sheared, quasi-statically.
 
 Stress-controlled directions are servo-controlled: a rate in proportion to the error and its integral. Pressures are
 positive (Pa); strains are those of the frame.
@@ -83,7 +83,7 @@ class Curve:
 
     @property
     def resistance(self) -> np.ndarray:
-        """What is to reach a peak: the deviator, or the shear stress (Pa)."""
+        """The resistance whose peak is the strength: the deviator, or the shear stress (Pa)."""
         return self.deviator if self.kind == "biaxial" else self.shear
 
 

@@ -34,7 +34,7 @@ def stiffness_of(cohesion_number: float) -> float:
 
 
 def places() -> list[tuple[bool, float, float, int]]:
-    """What is looked at: whether discs turn, friction, cohesion number, seeds."""
+    """Points of the map: whether discs turn, friction, cohesion number, seeds."""
     turning = [(True, mu, c, SEEDS if c > 0.0 else SAND_SEEDS) for mu in FRICTION for c in COHESION]
     clay = [(False, mu, c, CLAY_SEEDS) for mu in FRICTION if mu <= CLAY for c in COHESION if c > 0.0]
     return turning + clay

@@ -39,7 +39,7 @@ SKIN = 0.2  # radii; pairs in a wider margin would only shorten the step
 
 @dataclass(frozen=True)
 class Sample:
-    """What is put into the frame.
+    """The discs to be put into the frame.
 
     Attributes
     ----------
@@ -133,7 +133,7 @@ class Patch:
         return pack(self.model) if self.run is None else self.run.pack()
 
     def stress_state(self) -> "StressState":
-        """What its contacts carry, by the forces of the last step, dashpots included."""
+        """Stress by the contact forces of the last step, dashpots included."""
         back = np.linalg.inv(self.deformation)
         sums, unbalanced, cracked = pair_forces(self.layout, len(self.model), back, self.region)
         area = float(np.prod(self.region[1] - self.region[0]) * np.linalg.det(self.deformation))
@@ -154,7 +154,7 @@ class Patch:
 
 @dataclass(frozen=True)
 class StressState:
-    """What the contacts of a patch carry.
+    """Stress and equilibrium of a patch.
 
     Attributes
     ----------
@@ -207,7 +207,7 @@ class Press:
         return float(stable_step_of_layout(layout, len(model), model.skin, self.run.springs, model.repeats))
 
     def strain(self, rates: np.ndarray, duration: float) -> None:
-        """Takes the patch `duration` (s) on at this velocity gradient (1/s).
+        """Strains the patch for `duration` (s) at a velocity gradient (1/s).
 
         Raises DemError.
         """

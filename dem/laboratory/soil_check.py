@@ -55,7 +55,7 @@ class ElementTestProgramme:
 
     @property
     def patches(self) -> list[tuple[Sample, float]]:
-        """What is to be ``compressed``, each with its confining pressure (Pa)."""
+        """The patches to compress, each with its confining pressure (Pa)."""
         return [
             (Sample(spring, "random", self.radius, seed, law="soil"), p)
             for spring, p in self.first.values()
@@ -78,7 +78,7 @@ class ElementTestProgramme:
 
 
 def _alike(spring: LayerSprings, pressure: float) -> Likeness:
-    """What a patch of one radius is told by but for its scale: mu, ks/kn, C/p, and kappa by its nearest step."""
+    """Key of patches that differ by scale alone: mu, ks/kn, C/p, and kappa by its nearest step."""
     kappa = round(KAPPAS_PER_DOUBLING * float(np.log2(spring.kn / pressure)))
     return spring.friction, round(spring.ks / spring.kn, 6), round(spring.contact_cohesion / pressure, 6), kappa
 
@@ -86,7 +86,7 @@ def _alike(spring: LayerSprings, pressure: float) -> Likeness:
 def _scaled(
     patch: PatchStrength | str, tested: tuple[LayerSprings, float], wanted: tuple[LayerSprings, float]
 ) -> PatchStrength | str:
-    """What a patch of other springs at another pressure shows: stresses go with the pressure, E with kn."""
+    """The result of a patch scaled to other springs and another pressure: stresses go with the pressure, E with kn."""
     if isinstance(patch, str):
         return patch
     (spring, pressure), (new_spring, new_pressure) = tested, wanted

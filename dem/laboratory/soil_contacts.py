@@ -57,7 +57,7 @@ class SoilContacts:
     notes: tuple[str, ...]
 
     def strength(self, radius: float) -> Strength:
-        """What contacts of discs of this mean radius (m) hold."""
+        """Strength of the contacts of discs of this mean radius (m)."""
         return Strength(self.friction, self.cohesion * 2.0 * radius, ROLLING if self.turns else np.inf)
 
     def discs(

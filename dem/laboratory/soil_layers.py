@@ -1,6 +1,5 @@
-"""Which contacts make discs the soil of each stratum: stiffness, friction and cohesion from the map of strengths.
-
-A stratum is looked at as a sample from its middle; see `soil_contacts`.
+"""Contacts whose discs have the stiffness and strength of each stratum, from the map of strengths. A stratum is
+represented by a sample from its middle; see `soil_contacts`.
 """
 
 from dataclasses import dataclass, replace
@@ -14,7 +13,7 @@ from meshes.section.section import Section, Stratum
 
 @dataclass(frozen=True)
 class SoilLayer(SoilContacts):
-    """What a stratum asks for, and the contacts with which random discs come closest to it.
+    """Required strength of a stratum, and the contacts with which random discs come closest to it.
 
     Attributes
     ----------

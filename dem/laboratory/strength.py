@@ -1,4 +1,4 @@
-"""What curves say about strength: peak, verdict, dilation, and Mohr-Coulomb's line through several of them."""
+"""Strength from test curves: peak, verdict, dilation, and the Mohr-Coulomb line through several of them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

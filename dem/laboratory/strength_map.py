@@ -66,7 +66,7 @@ class ContactStrength:
 
 @dataclass(frozen=True)
 class StrengthMap:
-    """What patches can do.
+    """Strength and stiffness of patches over friction and cohesion number.
 
     Attributes
     ----------
@@ -103,7 +103,8 @@ class StrengthMap:
 
     def gained_by_softness(self, stiffness: float, pressure: np.ndarray, cohesion: float) -> np.ndarray:
         """Strength of discs of this kn (N/m) at these pressures (Pa) over that of the map; cohesion: C over the
-        diameter (Pa). What holds for no cohesion goes over into what holds for much of it."""
+        diameter (Pa). It is interpolated between that without cohesion and that with much.
+        """
         kappa = stiffness / (pressure + ATTRACTION * cohesion)
         dry = EARLY / (EARLY + cohesion / pressure)
         dilating = (np.minimum(kappa, DENSEST) / KAPPA) ** DILATES

@@ -107,7 +107,7 @@ class UniformSlope:
         return np.asarray(~self.model.fixed & (self.model.layer > layer))
 
     def liquefy(self, layers: Sequence[int], case: Case, settings: SlideSettings | None = None) -> Slider:
-        """Lets layers liquefy as a case says, without Kh, and follows the slope until it rests or its time is over.
+        """Liquefies layers as a case says, without Kh, and follows the slope until it rests or its time is over.
 
         Parameters
         ----------

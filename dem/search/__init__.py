@@ -1,1 +1,1 @@
-"""At which Kh discs fail, and which of their constants make them fail at a Kh that is given."""
+"""Critical Kh of discs, and calibration of their constants to a given critical Kh."""

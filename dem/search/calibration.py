@@ -1,9 +1,8 @@
-"""Calibration: which factor on the springs moves the critical Kh of the discs, and which value meets the FEM's.
+"""Calibration of discs: the factor on their constants with which their critical Kh is that of the FEM.
 
-A factor multiplies the constants of every layer alike, so that what tells the layers apart stays:
-stiffness: all springs, dashpots by its square root (the damping ratio stays); friction: of elements and pore springs;
-pore_strength: cohesion and stretch at which pore springs break, cohesion of soil discs; strength: friction and
-pore_strength together; all: stiffness and strength together.
+A factor multiplies the constants of all layers alike: stiffness: all springs, dashpots by its square root (the damping
+ratio stays); friction: of elements and pore springs; pore_strength: cohesion and stretch at which pore springs break,
+cohesion of soil discs; strength: friction and pore_strength together; all: stiffness and strength together.
 
 Soil discs take one factor on their strength, as the continuum's strength is reduced for a factor of safety: friction
 and cohesion alike, rolling and stiffness as they are. Their uncalibrated critical Kh is a prediction.
@@ -101,12 +100,12 @@ def changed(layers: Sequence[LayerSprings], parameter: str, factor: float) -> li
 
 
 def key_of(parameter: str, factor: float) -> Key:
-    """By what a search is known: a factor of 1 is that of no parameter."""
+    """Key of a search: a factor of 1 belongs to no parameter."""
     return (parameter, factor) if factor != 1.0 else ("", 1.0)
 
 
 class Calibrator:
-    """Searches for the critical Kh at any factor, each at most once, some at a time.
+    """Searches for the critical Kh at given factors, each once, several at a time.
 
     Parameters
     ----------
@@ -152,7 +151,7 @@ class Calibrator:
         self.on_trial, self.on_search, self.executor = on_trial, on_search, executor
 
     def __getstate__(self) -> dict[str, Any]:
-        """What goes to another process: all but who listens here, and what is known already."""
+        """State for another process: all but the listener and the known searches."""
         return {
             **self.__dict__,
             "searches": {},
@@ -212,7 +211,7 @@ class Calibrator:
         )  # fmt: skip
 
     def search_all(self, wanted: Sequence[Key], *, fine: bool = True) -> list[Search]:
-        """Several searches, by the executor. What is known is not searched for again."""
+        """Several searches, by the executor; known ones are not repeated."""
         new = [key for key in wanted if key not in self.searches]
         if self.executor.count < 2 or len(new) < 2:
             return [self.search(*key, fine=fine) for key in wanted]
@@ -285,7 +284,7 @@ def calibrated(
 
 
 def middle(search: Search) -> float:
-    """What a search comes to as a number: the middle of its bracket, or the end it ran into."""
+    """The result of a search as a number: the middle of its bracket, or the end of its range."""
     if search.upper is None:
         return search.lower
     return 0.5 * (search.lower + search.upper)

@@ -132,5 +132,5 @@ def critical_kh(
 
 
 def _after(kh: float, step: float) -> float:
-    """The next Kh: a step further, or the step itself where the probe is all that stood."""
+    """The next Kh: a step further, or the step itself where only the first probe stood."""
     return kh + step if step <= kh else step

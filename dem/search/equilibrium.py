@@ -1,7 +1,7 @@
 """Settling, and whether discs stand or fail under a seismic coefficient that is raised smoothly and then held.
 
-How far from rest they are is said by two numbers without units. Unbalanced force ratio: mean resultant on the discs
-that can move over mean contact force. Kinetic ratio: kinetic energy, the most since the last look, over stored energy.
+Two dimensionless numbers measure how far they are from rest. Unbalanced force ratio: mean resultant on the discs that
+can move over mean contact force. Kinetic ratio: kinetic energy, the most since the last look, over stored energy.
 Displacement is the mean over all discs that can move, weighted with their mass, in the direction of the push (m): what
 the seismic force works on.
 """
@@ -56,7 +56,7 @@ class Rest:
 
 
 class Rise(NamedTuple):
-    """What a trial is to do.
+    """Start and end of a trial.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Rise(NamedTuple):
 
 @dataclass(frozen=True)
 class Trial:
-    """A verdict on one seismic coefficient, and what it rests on.
+    """A verdict on one seismic coefficient, with the numbers that it follows from.
 
     Attributes
     ----------
@@ -270,7 +270,7 @@ def try_kh(
     rise: Rise,
     threads: int = 1,
 ) -> Trial:
-    """Takes discs that stand at one Kh to another, and says whether they stand there; `model` is taken along.
+    """Raises Kh for discs that stand at a smaller one, and says whether they still stand; `model` is changed.
 
     Kh rises by `RISE` in a period of the ground, and is held with kinetic damping, as in `settle`: dashpots of contacts
     hardly damp the swing of the whole ground, and whether it swings back is not what is asked. Stands: both ratios are

@@ -1,4 +1,4 @@
-"""The surface of soil discs, levelled to that of the section: what stands out of it goes, and hollows are filled.
+"""Levelling of the surface of soil discs to that of the section: discs above it are removed, hollows are filled.
 
 Where a disc that stood too high has gone, a hollow of its size is left, and what lies beside it slides in. So new discs
 are laid in wherever there is room for one that rests on two others, with whichever radius of the packing's spread

@@ -1,4 +1,5 @@
-"""The critical Kh of soil discs from one push: their displacement is prescribed, and the Kh that it takes is measured.
+"""The critical Kh of soil discs by displacement control: their displacement is prescribed, and the Kh that it takes is
+measured.
 
 So the curve continues where a prescribed Kh would make the discs run away, as the equilibrium path of the FEM model
 does. Both curves are Kh over the mass-weighted mean displacement in the direction of the seismic force (m). They are
@@ -193,7 +194,7 @@ def _points(
 
 
 def _failed(model: DiscModel, before: DiscModel, ground: Ground, machine: DisplacementControl, moved: float) -> str:
-    """Why the push ends once the ground has moved so far on the mean (m), in words; empty while it continues."""
+    """Why the test ends at this mean displacement (m), in words; empty while it continues."""
     way = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
     most = np.percentile(way, GROUND)
     if most >= FORMED * ground.radius:
@@ -204,7 +205,7 @@ def _failed(model: DiscModel, before: DiscModel, ground: Ground, machine: Displa
 
 
 def _point(model: DiscModel, moved: float, kh: float, most: float, seconds: float) -> Trial:
-    """A point of the curve, beside the most that the discs have borne so far."""
+    """A point of the curve, with the largest Kh so far."""
     more = kh > most
     reason = "more than they have borne so far" if more else "they have borne more on the way"
     ratios = unbalanced_ratio(model), kinetic_ratio(model)

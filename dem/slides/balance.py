@@ -1,4 +1,4 @@
-"""What a slide may not do unnoticed: lose ground, pass through the box, or come near its sides.
+"""Checks of a slide: lost ground, discs that pass through the box, and discs near its sides.
 
 Areas stand for volumes per metre (m2).
 """
@@ -42,7 +42,7 @@ def disc_area(model: DiscModel, strata: Sequence[int] | None = None) -> float:
 def asked_for(
     start: DiscModel, model: DiscModel, strata: Sequence[int], area: float, drained: Mapping[int, float]
 ) -> float:
-    """By how much the ground's area (m2) shall shrink: what drains, and what the softer springs of strata give way.
+    """Expected decrease of the ground's area (m2), by drainage and by softer springs of strata.
 
     drained: by stratum, the share of its volume. Springs that shorten by a share of the distance of two discs take
     twice that share of the area of their stratum.
@@ -72,7 +72,7 @@ def deepest_overlap(model: DiscModel) -> float:
 
 
 class AtSide(NamedTuple):
-    """What a slide has to do with a side of the box.
+    """What happens at a side of the box in a slide.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ class AtSide(NamedTuple):
 
 
 def both_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[AtSide]:
-    """What a slide from `start` to `model` has to do with each side of the box."""
+    """What happens at each side of the box in a slide from `start` to `model`."""
     before, after = (Surface.of(m, ground).points(m, ground) for m in (start, model))
     surface = Surface.of(start, ground)
     slide = np.abs(surface.movement(model, ground)[0])
@@ -121,7 +121,7 @@ def stopped_by(sides: Sequence[AtSide]) -> str | None:
 
 
 def at_the_sides(sides: Sequence[AtSide]) -> list[str]:
-    """Which sides have something to do with the slide: discs of the surface come near, or ground piles up at them."""
+    """The sides that affect the slide: discs of the surface come near them, or ground piles up there."""
     notes = []
     for side in sides:
         if side.piled:

@@ -42,7 +42,7 @@ class Shaking:
 
 @dataclass(frozen=True, eq=False)
 class Drive:
-    """All that happens to the discs by itself, in s since the slide began.
+    """Loading of a slide: base motion and onset of liquefaction, in s since the slide began.
 
     Attributes
     ----------
@@ -68,14 +68,14 @@ class Drive:
     end: float
 
     def share(self, stratum: int, since: float) -> float:
-        """How far a stratum has liquefied, 0 to 1, in steps."""
+        """Degree of liquefaction of a stratum, 0 to 1, in steps."""
         since -= self.starts[stratum]
         if since < -SAME:
             return 0.0
         return 1.0 if self.onset == 0.0 else min(1.0, (np.floor(FADE * since / self.onset + SAME) + 1.0) / FADE)
 
     def wait(self, since: float, longest: float) -> float:
-        """Seconds to the next change of springs, at most so many."""
+        """Seconds to the next change of springs, up to a largest number."""
         starts = {self.first, *self.starts.values()}
         ahead = [start - since for start in starts if start - since > SAME]
         going = self.onset > 0.0 and any(-SAME <= since - start < self.onset for start in starts)
@@ -83,7 +83,7 @@ class Drive:
 
 
 def held(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings) -> Drive:
-    """Kh that comes on and is held; all strata liquefy at once, soil discs when it is there in full."""
+    """A constant Kh; all strata liquefy together, those of soil discs once Kh has its full value."""
     lead, onset = LEAD[start.law], settings.onset_of(start.law)
     begin = lead + onset
     return Drive(
@@ -99,7 +99,7 @@ def held(start: DiscModel, ground: Ground, strata: Sequence[int], settings: Slid
 
 
 def shaken(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings, shaking: Shaking) -> Drive:
-    """A record of the base, and calm after it; each stratum liquefies at its own time."""
+    """A record of the base; each stratum liquefies at its own time."""
     over, onset = float(shaking.time[-1] - shaking.time[0]), settings.onset_of(start.law)
     starts = {k: shaking.onsets[k] for k in strata}
     first = min(starts.values(), default=0.0)

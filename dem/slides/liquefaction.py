@@ -1,10 +1,9 @@
-"""Slides: layers liquefy under a seismic coefficient that is held, and the ground goes where it goes (Sec. 4(3)).
-
-What happens at the onset to the paper's discs: pore springs of the liquefied layers are cut; their element springs,
-dashpots and strength take the factors of the case, in steps if it takes time. Contacts of soil discs fade out instead,
-while pore water takes over their overburden and bonds their residual strength (`dem.liquefied_ground`). Discs of both
-shrink by the volume that drains away. Kh comes on as well, in the paper at once; soil discs stand under it before
-anything liquefies, since shaking is what liquefies.
+"""Slides of ground whose layers liquefy under a seismic coefficient or a record (Sec. 4(3)). In the paper's discs, pore
+springs of the liquefied layers are cut at the onset; their element springs, dashpots and strength take the factors of
+the case, in steps if it takes time. Contacts of soil discs fade out instead, while pore water takes over their
+overburden and bonds their residual strength (`dem.liquefied_ground`). Discs of both shrink by the volume that drains
+away. Kh comes on as well, in the paper at once; soil discs stand under it before anything liquefies, since shaking is
+what liquefies.
 """
 
 import json
@@ -151,7 +150,7 @@ class Slider:
         self.model = self._begun()
 
     def _liquefy(self) -> None:
-        """Springs as the time since the beginning asks for."""
+        """Set the springs of the current time."""
         since = self.model.time - self.start.time
         if since < self.drive.first - SAME:
             return
@@ -172,7 +171,7 @@ class Slider:
             set_share(model, np.array([shares.get(k, 0.0) for k in range(len(wanted))] + [0.0])[model.layer])
 
     def _drained(self) -> dict[int, float]:
-        """Share of their volume that strata have lost by now, as the case asks for it."""
+        """Share of their volume that strata have lost by drainage so far."""
         since = self.model.time - self.start.time
         if self.case is None or since < self.drive.first - SAME:
             return {}
@@ -248,7 +247,7 @@ class Slider:
         return slide
 
     def _notes(self) -> list[str]:
-        """What is to be told of this slide; its loss of area, and which side stopped it, are worked out here."""
+        """Notes on this slide; its loss of area, and the side that stopped it, are computed here."""
         slide, model, start = self.slide, self.model, self.start
         height = float(np.ptp(start.z[~start.fixed]))
         far = max((row.slide_max_m for row in slide.rows), default=0.0)
@@ -311,7 +310,7 @@ class Slider:
     def _keep(self) -> None:
         """Leave a checkpoint, unless the last one is young and the slide continues.
 
-        Rows first: those that are later than the checkpoint are forgotten when it is read.
+        The rows are written first: rows later than the checkpoint are dropped when it is read.
         """
         young = time.monotonic() - self.kept < KEEP and not self.slide.reason
         if self.folder is None or young:

@@ -1,4 +1,4 @@
-"""What liquefaction takes from layers, and what strength it leaves soil discs."""
+"""Constants of liquefied layers, and the residual strength of soil discs."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -39,7 +39,7 @@ def liquefied(
 
 
 def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> Onset:
-    """What soil discs of some strata have as they begin to liquefy: overburden, and residual strength of the case.
+    """State of soil discs at the onset of liquefaction: overburden, and residual strength of the case.
 
     The strength asked for, as a ratio of the vertical effective stress there and then or as such; or, where more, the
     shares of friction and cohesion that the case leaves the soil. It is reached at the shear strain that belongs to the

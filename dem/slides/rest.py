@@ -1,4 +1,4 @@
-"""When a slide is over: the surface no longer moves. And where the energy comes from that keeps it going if it is not.
+"""End of a slide: the surface no longer moves; and the source of the energy of one that continues.
 
 Single discs that rattle in loosened ground keep some kinetic energy for ever, so energy says little about rest. What a
 person looks at is the ground: every third of the surface, and its largest slide.

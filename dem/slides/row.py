@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Row:
-    """What one look at a slide found, a line of history.csv.
+    """State of a slide at one time, a line of history.csv.
 
     Attributes
     ----------

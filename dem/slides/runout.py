@@ -1,7 +1,7 @@
 """How far discs ran: profile of the deposit, quantiles of the mass, and what has left the connected ground.
 
-All distances are in the frame of the discs, lengths in m. The deposit that counts is the one that hangs together: discs
-that touch, or nearly, and not what flew or rolled away from it.
+All distances are in the frame of the discs, in m. The deposit is the connected ground: discs that touch, or nearly,
+without those that flew or rolled away.
 """
 
 from dataclasses import dataclass

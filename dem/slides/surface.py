@@ -1,4 +1,4 @@
-"""The ground surface as the discs show it: who is on top, how far they settle and slide, and which cracks open."""
+"""The ground surface of discs: the topmost discs, how far they settle and slide, and how wide cracks open."""
 
 from dataclasses import dataclass
 

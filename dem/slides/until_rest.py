@@ -1,4 +1,4 @@
-"""Takes discs on until they lie still."""
+"""Runs discs until they are at rest."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ MOST = 0.98  # of the mass has to lie still: single discs that roll on are not w
 
 @dataclass(frozen=True)
 class UntilRest:
-    """How it went.
+    """How a run until rest ended.
 
     Attributes
     ----------

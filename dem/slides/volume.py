@@ -1,4 +1,4 @@
-"""Ground that cannot drain keeps its volume: its discs swell as they come to lie closer, as pore water holds grains.
+"""Undrained ground keeps its volume: its discs swell as their packing gets denser.
 
 An earthquake is over before water has left clay. Random discs are looser than such soil and get denser as they shear;
 what their ground loses so is given back, stratum by stratum, as pore pressure does.
@@ -81,8 +81,8 @@ def swollen(
 ) -> list[float]:
     """How large in area the discs of some strata are to be, over what they were at the start, and are by now: `sizes`.
 
-    before: `area_per_disc` at the start; drained: by stratum, the share of its volume that was asked to go. What softer
-    springs give way is not given back.
+    before: `area_per_disc` at the start; drained: by stratum, the share of its volume that was asked to go. The
+    shortening of softer springs is not compensated.
     """
     now = area_per_disc(model, start)
     out = []

@@ -37,7 +37,7 @@ class Discretisation:
     shapes : ndarray (nq, nodes)
         Shape functions at the quadrature points (-).
     corner_shapes : ndarray (nq, 4)
-        Those of the corners alone, bilinear (-).
+        Bilinear shape functions of the corners (-).
     dofs : ndarray (nc, nd)
         Numbers of a cell's displacement components among those this rank works with.
     global_dofs : ndarray (needed,)
@@ -76,7 +76,7 @@ class Discretisation:
 
     @property
     def inside(self) -> int:
-        """How many of a cell's displacement components, the last ones, no other cell shares."""
+        """Number of displacement components inside a cell, shared with no other cell; they are the last ones."""
         return 2 if DEGREES[self.element] == 2 else 0
 
     @property
@@ -164,7 +164,7 @@ def _strain_matrix(
 
 
 def _modes(element: Element, gauss: np.ndarray, points: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """What the volumetric strain is made of in a cell, at its points (nc, nq, k): 1, and x and y if quadratic."""
+    """Polynomials that the volumetric strain is fitted with, at the points (nc, nq, k): 1, and x and y if quadratic."""
     modes = [np.ones_like(weights)]
     if element == "quadratic":
         place = np.einsum("qa,cai->cqi", api.tabulate(1, gauss)[0], points)

@@ -1,9 +1,9 @@
-"""Nodal forces of what a section carries beside the weight of its soil: water in its pores and on it, surcharges.
+"""Nodal forces of pore water, free water and surcharges.
 
 The pore pressure u is taken at the quadrature points, where it does work on the volumetric strain, so that the skeleton
 gets the forces of σ' = σ + u (tension positive) whether u jumps from stratum to stratum or not; on the ground still
-water presses with its own pressure. Where that is u, the two leave what Archimedes says. (Were u bilinear between the
-corners of cells that the water table crosses, it would reach above the table, and wash out sand without cohesion.)
+water presses with its own pressure. Where this pressure equals u, both together give buoyancy. (Were u bilinear between
+the corners of cells that the water table crosses, it would reach above the table, and wash out sand without cohesion.)
 """
 
 from collections.abc import Callable
@@ -45,7 +45,7 @@ def excess_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.nd
 
 
 def shaken_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray | float:
-    """Nodal forces (dofs,) in N/m of Kh = 1 on what is not soil; 0.0 where there is nothing that shakes."""
+    """Nodal forces (dofs,) in N/m of Kh = 1 on surcharges and free water; 0.0 without any."""
     surface = section.surface_loads
     if not surface.present:
         return 0.0

@@ -44,7 +44,7 @@ class Part:
     table : ndarray
         The soils, see ``mohr_coulomb.table``.
     least : ndarray (points, 4, 4)
-        What is added to a tangent so that it is regular (Pa).
+        Least stiffness, added to the tangent so that it is regular (Pa).
     """
 
     components: np.ndarray
@@ -169,7 +169,7 @@ class PlaneStrain:
         self._held_owned = self.exchange.first + np.flatnonzero(~self.free)
 
     def tie(self, first: str, second: str, section: Section) -> None:
-        """Let the nodes of boundary ``second`` move like those of ``first``, with the base held.
+        """Tie the nodes of boundary ``second`` to those of ``first``, with the base held.
 
         Raises InputError unless the two have the same layers at the same heights, up to a shift.
         """
@@ -186,7 +186,7 @@ class PlaneStrain:
         self.hold({"base": "xy"})
 
     def tie_nodes(self, masters: np.ndarray, slaves: np.ndarray) -> None:
-        """Let nodes (global numbers) move like others; ``hold`` has to be called anew."""
+        """Tie nodes (global numbers) to others; call ``hold`` again afterwards."""
         self._take(tied(self.grid, masters, slaves))
         self._passive = np.concatenate([self._passive, slaves])
 
@@ -235,7 +235,7 @@ class PlaneStrain:
         self._solver.factorise(self._tangent, self._hourglass, self._free_local, self._held_owned)
 
     def solve(self, force: np.ndarray) -> np.ndarray:
-        """Displacement under nodal forces by the last factorised stiffness; nothing moves where it is held."""
+        """Displacement under nodal forces by the last factorised stiffness, zero where it is held."""
         return self._solver.solve(np.where(self.free, force, 0.0))
 
     def part(self, cells: np.ndarray) -> Part:
@@ -266,7 +266,7 @@ class PlaneStrain:
         return laws
 
     def accept(self, increment: np.ndarray) -> None:
-        """Make the state of the last ``internal_force`` the one to step from."""
+        """Accept the state of the last ``internal_force``: the next increment starts from it."""
         self.displacement = self.displacement + increment
         self.stress[:] = self._trial
         self.strain += self._strain

@@ -29,7 +29,7 @@ def refuse_other_water(section: Section) -> None:
     """Raise InputError unless the water repeats: from one side to the other, all pressures in the ground and on it
     change by the same, and those that shaking adds not at all.
 
-    Layers that differ are not looked at: those have no sides to tie.
+    Sections whose layers differ at the two sides are left to ``refuse_other_sides``.
     """
     water, layers = section.water_pressure, section.layering
     ends = layers.left[0], layers.right[-1]

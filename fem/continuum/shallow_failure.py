@@ -1,9 +1,9 @@
 """Shallow failure of a cohesionless face: the Kh at which it fails, and the search for deeper failures.
 
 Sand without cohesion fails first at its inclined surface, in a layer of no thickness along the face. No mesh resolves
-that, and no practitioner means it: wanted is the slope as a whole. So the Kh of the shallow failure is found in closed
-form, and where it governs, the ground down to ``least_depth`` below such a face is given an apparent cohesion with
-which it does not fail by itself; then any failure is one of the ground below, or cuts through it.
+this failure, and practitioners ask for the slope as a whole. So the Kh of the shallow failure is found in closed form,
+and where it governs, the ground down to ``least_depth`` below such a face is given an apparent cohesion with which it
+does not fail by itself; then any failure is one of the ground below, or cuts through it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -104,8 +104,8 @@ def shallow_failures(
     of Skempton & DeLory 1957 with a horizontal acceleration). The slope of the pore pressure just below the face is
     taken off γ, and its part in the direction of the push off Kh γs; where water begins less than the least depth below
     the face, the layer down to that counts, too, if it slides first. A face ends where its slope, its stratum or its
-    water change. Faces under a surcharge, or below water that is not theirs, are held by it, and are none. The pore
-    pressure that shaking adds is there if the ground is ``shaken``.
+    water change. A surcharge, or free water, holds the face below it: such faces are left out. The pore pressure that
+    shaking adds is there if the ground is ``shaken``.
     """
     layers, sign = section.layering, push(section, settings)
     level = ROUNDING * float(layers.x[-1] - layers.x[0])
@@ -136,7 +136,7 @@ def shallow_failures(
 
 
 def faces_at(section: Section, settings: FemSettings, kh: float) -> list[ShallowFailure]:
-    """The cohesionless faces that fall in a direction of the push that is asked for; without shaking, in any."""
+    """The cohesionless faces that fall in the direction of the seismic force, or in any direction where Kh is 0."""
     directions = ("downhill", "uphill") if kh == 0.0 or settings.direction == "both" else (settings.direction,)
     wishes = [settings.model_copy(update={"direction": direction}) for direction in directions]
     return [face for wish in wishes for face in shallow_failures(section, wish, shaken=kh != 0.0)]
@@ -148,8 +148,8 @@ def least_rolling_factor(
     """The smallest factor of safety of the shallow failures of ``faces`` whose strata have ``friction`` (rad), None
     without any.
 
-    It is tan φ / tan(β + atan k) with k = Kh γs / (γ - Kv γs). Water that seeps out adds to k what it takes off the
-    face's Kh.
+    It is tan φ / tan(β + atan k) with k = Kh γs / (γ - Kv γs). Seepage out of the face adds to k by as much as it
+    reduces the Kh of the face.
     """
     factors = []
     for face in faces:
@@ -180,7 +180,7 @@ def _pieces(section: Section, depth: float) -> Iterator[_Piece]:
 
 
 def _is_held(section: Section, piece: _Piece, shaken: bool) -> bool:
-    """Whether what presses on a piece from outside holds it: a load, or more water than there is in it."""
+    """Whether a surcharge, or free water above the water table in the ground, holds a piece of the surface."""
     water, at = section.water_pressure, np.array([piece.middle])
     ground = np.column_stack([at, section.layering.interfaces(at)[:, 0]])
     if section.surface_loads.dead(ground, ground, np.array([[0.0, 1.0]])).any():
@@ -213,9 +213,8 @@ def _forces(section: Section, piece: _Piece, settings: FemSettings, shaken: bool
 def _sheets(
     section: Section, piece: _Piece, bounds: np.ndarray, least_depth: float
 ) -> Iterator[tuple[int, float, float]]:
-    """Stratum, top (m) and thickness (m) of what lies one below the other under a piece, down to the least depth.
-
-    Too thin a film of water does not cut its stratum; its ground is parted at the water table here.
+    """Stratum, top (m) and thickness (m) of the layers below a piece, down to the least depth. Where a film of water is
+    too thin to cut its stratum, the layer is divided at the water table here.
     """
     for k in range(piece.number, piece.number + piece.strata):
         top, lowest = float(bounds[k]), float(max(bounds[k + 1], bounds[0] - least_depth))

@@ -76,7 +76,7 @@ def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndar
 def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.ndarray:
     """Vertical effective stress (strata, 2) in Pa at top and bottom of every stratum on a side, pressure positive.
 
-    ``elevation`` (interfaces,) is that of the layers there. What presses on the ground counts as if it went on level.
+    ``elevation`` (interfaces,) is that of the layers there. Loads on the ground count as if the ground continued level.
     """
     water, layers = section.water_pressure, section.layering
     strata = len(section.strata)

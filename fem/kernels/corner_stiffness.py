@@ -1,9 +1,9 @@
 """Kernels: elimination of all that an interior-point method has at one corner of a cell.
 
-At a corner the strain rate, q = [volume, difference, shear], and the multiplier m that stands against it, minus the
-stress, are bound by q + C m = g with a compliance C of three rows. With friction it is U⁻¹ W² U⁻¹, U = diag(1, sin φ,
-sin φ), W² that of ``corner_cones.py``; where φ = 0 the volume stays, but for a small compliance δ that refinement takes
-out of the answer, and the dissipation t is eliminated. A tension cut-off adds its own compliance, as springs in series.
+At a corner the strain rate, q = [volume, difference, shear], and its conjugate multiplier m, minus the stress, obey q +
+C m = g with a compliance C of three rows. With friction it is U⁻¹ W² U⁻¹, U = diag(1, sin φ, sin φ), W² that of
+``corner_cones.py``; where φ = 0 the volume stays, but for a small compliance δ that refinement takes out of the answer,
+and the dissipation t is eliminated. A tension cut-off adds its own compliance, as springs in series.
 
 Rows and columns of the equations are in this order: [load, volume of clay, cones of corners, cones of cut-offs, single
 openings] and [velocities, t of clay, single openings, openings]. ``clay``, ``single`` and ``triple`` (k,) number the

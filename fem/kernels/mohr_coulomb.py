@@ -174,7 +174,7 @@ def update(
 
 
 def _in_chunks(work: Callable[[int, int], None], n: int, threads: int) -> None:
-    """Do the work for n points, divided among threads; each is told its first point and the one after its last."""
+    """Do the work for n points in ranges, one for each thread; a range is given by its first point and its end."""
     chunks = max(1, min(threads, n // SMALLEST_CHUNK))
     first, *others = itertools.pairwise(n * k // chunks for k in range(chunks + 1))
     futures = [_pool(len(others)).submit(work, *bounds) for bounds in others]

@@ -53,7 +53,7 @@ class BoundSearch:
 
     @property
     def work(self) -> float:
-        """What it took so far, in seconds of the reference machine."""
+        """Work so far, in seconds of the reference machine."""
         return sum(mesh.work for mesh in self.found.meshes)
 
     def advance(self, others: float = 0.0) -> None:
@@ -102,7 +102,7 @@ class BoundSearch:
 
 
 def share_of_lower_bound(low: LowerBound, high: UpperBound) -> float:
-    """The share of the work of the next mesh that its lower bound may take: by what these two took."""
+    """The share of the next mesh's work that its lower bound may take, as on the last mesh."""
     return float(np.clip(low.solution.work / max(low.solution.work + high.solution.work, 1e-300), *SHARES))
 
 
@@ -134,8 +134,8 @@ def proven_upper_bound(
 
     After ``most_work`` (s of the reference machine) the solver ends with what it has; ``start`` is where it begins.
 
-    Ground of φ > 45° cannot strain where it lies in a corner of held sides, far into the section the more the steeper φ
-    is, and may leave the solver nothing to find. Such ground is held then.
+    Ground of φ > 45° in a corner between held sides cannot strain, and the solver may find no mechanism there: such
+    ground is held.
     """
 
     place = start
@@ -173,8 +173,8 @@ def _first_that_holds(
 
     The solver meets equations and margins nearly, and what corrects the equations may lead beyond the yield surface or
     against the flow rule. The next attempt keeps away from these, corner by corner, by some times what the last one
-    fell short of its margin. There is none after a solver that ended early: what it left falls short by what it left
-    undone, and with so much margin there would be no stress at all.
+    fell short of its margin. There is no next attempt after a solver that ended early: its shortfall comes from
+    unfinished iterations, and a margin as large would leave no stress.
     """
     notes: list[str] = []
     bound, check = attempt(0.0, most_work)

@@ -228,7 +228,7 @@ def _with_cut_off(
 
 
 def work(problem: LimitProblem, velocity: np.ndarray) -> tuple[float, float]:
-    """Work rates of the dead and of the live load on velocities (m, 6 nodes, 2)."""
+    """Power of the dead and of the live load on velocities (m, 6 nodes, 2)."""
     mesh, outline = problem.mesh, problem.outline
     mean = velocity[:, 3:].mean(axis=1)
     points = mesh.points

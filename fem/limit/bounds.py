@@ -39,7 +39,7 @@ COARSE_CELLS = 8000
 
 @dataclass(frozen=True, eq=False)
 class KhBounds(SmallerKhBounds):
-    """Bounds of the critical Kh with ψ = φ, and what else was found on the way.
+    """Bounds of the critical Kh with ψ = φ, and the bounds of both directions.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class KhBounds(SmallerKhBounds):
 
 @dataclass(frozen=True)
 class DirectionGround:
-    """What is analysed in one direction of the seismic force.
+    """The ground to be analysed for one direction of the seismic force.
 
     ``shallow_failures`` are the faces that may fail at a smaller Kh than the slope as a whole, ``as_given`` an upper
     bound of the section as it is given on coarse triangles (inf without such faces), ``section`` the ground with its
@@ -84,8 +84,8 @@ class DirectionGround:
         """The ground for the direction of the settings.
 
         Faces are compared with an upper bound on one coarse mesh of the section with all its faces strengthened, so
-        that they may be a few too many, and none is missing. A mechanism of the section as it is given tells nothing
-        here: where faces of unlike water meet, it may be a shallow one, too. Raises what ``first_mesh`` raises.
+        that they may be a few too many, and none is missing. A mechanism of the section as it is given is no
+        comparison: where faces of unlike water meet, it may be shallow, too. Raises what ``first_mesh`` raises.
         """
         faces = shallow_failures(section, fem)
         whole = strengthened(section, faces, fem)
@@ -181,7 +181,7 @@ def directions_of(fem: FemSettings) -> tuple[Direction, ...]:
 
 
 def _unstable(section: Section, upper: float) -> UnstableError:
-    """What is said of ground whose Kh is below zero; below -1 the number means nothing."""
+    """The error for ground whose Kh is below zero; a number below -1 has no meaning and is not named."""
     if section.uplift is not None:
         return lifted(section.uplift, "the section fails under its own weight")
     most = f"its Kh is at most {upper:.3g}" if upper > -1.0 else "no horizontal force could hold it"
@@ -264,7 +264,7 @@ def _pore_pressure(water: WaterPressure, shaken: bool) -> Pressure:
 
 
 def _ground(section: Section, sign: int) -> Side:
-    """The ground with what stands on it."""
+    """The section as a rigid-plastic body: soils, pore pressures and loads."""
     water, loads = section.water_pressure, section.surface_loads
     if not (water.present or loads.present):
         return Side()

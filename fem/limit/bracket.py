@@ -164,12 +164,12 @@ class Limits:
     max_cells : int
         Triangles of the last mesh, at most.
     seconds : float
-        Work for all meshes, in seconds of the reference machine. Another one is begun if it is likely to end by then.
-        The clock is not asked: the same input takes the same meshes, however loaded the machine is.
+        Work for all meshes, in seconds of the reference machine. A further mesh is begun if it is likely to end by
+        then. Work is counted, not measured: the same input takes the same meshes on a loaded machine.
     enough : float
         An upper bound below this one is as good as any.
     least : float
-        The multiplier below which the gap is no share of a smaller one; for Kh ``LEAST_KH``.
+        The gap is a share of the multiplier, or of this number where the multiplier is smaller; for Kh ``LEAST_KH``.
     """
 
     gap: float
@@ -179,7 +179,7 @@ class Limits:
     least: float = 0.0
 
     def open(self, lower: float, upper: float) -> float:
-        """How many times as far as is small enough two bounds are apart; inf where one is missing."""
+        """The gap of two bounds over the gap asked for; inf where one is missing."""
         if not (np.isfinite(lower) and np.isfinite(upper)):
             return np.inf
         return (upper - lower) / max(self.gap * max(0.5 * (abs(upper) + abs(lower)), self.least), 1e-12)
@@ -193,7 +193,7 @@ class Limits:
         return min(max(needed, LEAST_GROWTH) if needed <= MOST_GROWTH else GROWTH, self.max_cells / cells)
 
     def reached(self, bracket: Bracket, cells: int, others: float = 0.0) -> EndReason | None:
-        """Which of them ends the search; ``others`` is the work of other searches under the same limits."""
+        """The limit that ends the search, in words; ``others`` is the work of other searches under the same limits."""
         if self.open(bracket.lower, bracket.upper) <= 1.0:
             return "gap"
         if bracket.upper < self.enough:

@@ -1,8 +1,8 @@
 """Bounds of Kh with the seismic force to either side: the smaller Kh counts, and both are kept.
 
 The two directions share the work that is allowed: the next mesh is always made for the direction whose lower bound is
-the smaller one, until the bounds of the smaller Kh are as close as was asked. Of the other direction no more is found
-than that it bears more.
+the smaller one, until the bounds of the smaller Kh are as close as was asked. For the other direction it is shown only
+that it bears more.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -32,7 +32,7 @@ class DirectionBounds(Bracket):
     direction : Direction
         Where the seismic force acts, "downhill" or "uphill" by the ends of the surface.
     towards : SectionSide
-        The side of the section that is.
+        The same direction as a side of the section.
     leaves : tuple of SectionSide
         Sides at which the mechanism leaves the section, where that was cut off.
     """

@@ -58,9 +58,8 @@ TRIALS_OF_A_MESH = 4
 class Trial:
     """Bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None where nothing was.
 
-    They are of Kh, or of the share of all loads that is borne, inf where friction alone bears any; ``unborne`` says
-    that no Kh was found with which a stress would balance the weight. ``work`` is counted, in seconds of the reference
-    machine.
+    They are of Kh, or of the share of all loads that is borne, inf where friction alone bears any; ``unborne``: no
+    stress balances the weight at any Kh. ``work`` is counted, in seconds of the reference machine.
     """
 
     factor: float
@@ -84,7 +83,7 @@ class Start:
 
 @dataclass
 class FactorWork:
-    """Work that is allowed and was spent, in seconds of the reference machine, and whether it kept from going on."""
+    """Work allowed and spent (s of the reference machine), and whether the search ended for want of it."""
 
     allowed: float
     spent: float = 0.0
@@ -95,14 +94,14 @@ class FactorWork:
         return max(self.allowed - self.spent, 0.0)
 
     def allows(self, more: float) -> bool:
-        """Whether there is so much left, and some."""
+        """Whether at least so much work is left."""
         enough = 0.0 < self.left >= more
         self.ran_out = self.ran_out or not enough
         return enough
 
 
 class FactorSearch:
-    """The factor at which a push to one side (``sign`` 1: that of ``fem``) bears just ``sign`` x ``kh``."""
+    """The factor of safety under a seismic force to one side (``sign`` 1: the side of ``fem``) of ``sign`` x ``kh``."""
 
     def __init__(
         self,
@@ -141,7 +140,7 @@ class FactorSearch:
     def confirms(self, other: "FactorSearch") -> bool:
         """Whether the lower bound of the other direction is proven for this one, too, on triangles as fine as allowed.
 
-        Where it is not, its own factor is looked for: the triangles of the other are fine where that one fails.
+        Where it is not, the factor of this direction is searched for, on triangles refined for its own mechanism.
         """
         if other.both_ways:
             self.lower = other.lower
@@ -169,7 +168,7 @@ class FactorSearch:
 
     @property
     def solver_fails(self) -> bool:
-        """Whether the solver ended early at the same bound in trials one after the other: others go no better."""
+        """Whether the solver ended early at the same bound in several trials in a row: further trials would, too."""
         return max(self.failures.values()) >= FAILED_MESHES
 
     @property
@@ -188,13 +187,13 @@ class FactorSearch:
         return problem if self.gauge == "kh" else with_all_loads_live(problem, self.target)
 
     def over(self, bound: float) -> float:
-        """By how much a bound of Kh, or the logarithm of one of the share of loads, exceeds what is to be borne."""
+        """By how much a bound of Kh, or the logarithm of a bound of the share of loads, exceeds the required one."""
         if self.gauge == "kh":
             return bound - self.target
         return math.log(bound) if bound > 0.0 else -math.inf
 
     def measure(self, factor: float, lower: bool = True, upper: bool = True) -> Trial:
-        """Bounds for ground weakened by a factor; what they prove is kept."""
+        """Find bounds for ground weakened by a factor, and narrow the bracket by what they prove."""
         lower = lower and factor < self.unborne_from
         before = self.work.spent
         problem = self.problem(factor)
@@ -230,15 +229,16 @@ class FactorSearch:
         return trial
 
     def count(self, side: BoundSide, factor: float, solution: Solution, unproven: bool) -> None:
-        """Keep the work of a trial, where the next one may begin, and how many in a row the solver left without a
-        bound, and without a proof that there is none."""
+        """Add up the work of a trial, keep its solution for the next one to start from, and count trials in a row in
+        which the solver found neither a bound nor a proof that there is none.
+        """
         self.work.spent += solution.work
         self.work.ran_out = self.work.ran_out or solution.out_of_work
         self.places[side] = factor, solution.warm
         self.failures[side] = self.failures[side] + 1 if unproven and not (solution.none or solution.out_of_work) else 0
 
     def place(self, side: BoundSide, factor: float) -> Warm | None:
-        """Where a bound of ground weakened by a factor may begin: where that of about the same factor was."""
+        """A solution to start from: that of the trial with about the same factor."""
         last, place = self.places.get(side, (factor, None))
         return place if abs(math.log(factor / last)) < NEAR else None
 
@@ -279,7 +279,7 @@ class FactorSearch:
         return loaded
 
     def middle(self, trial: Trial) -> float:
-        """The middle of what the bounds exceed, or the one there is; -inf without any."""
+        """The mean of the excesses of both bounds, or the only one; -inf without any."""
         values = [self.over(bound) for bound in (trial.lower, trial.upper) if bound is not None]
         return sum(values) / len(values) if values else -math.inf
 
@@ -290,7 +290,7 @@ class FactorSearch:
         return (self.over(trial.lower) - self.over(trial.upper)) / self.slope
 
     def learn(self, before: Trial, now: Trial) -> None:
-        """How much what is exceeded falls where the logarithm of the factor rises."""
+        """Update the slope of the excess over the logarithm of the factor."""
         if before.cells != now.cells or before.factor == now.factor or before.gauge != now.gauge:
             return
         for side in ("upper", "lower"):
@@ -312,9 +312,8 @@ class FactorSearch:
         return math.exp(float(np.clip(ahead, -math.log(STEP), math.log(STEP))))
 
     def prove(self, side: BoundSide, sense: float) -> None:
-        """Trials a little to the safe side of where a bound comes to what is to be borne, until they prove no more.
-
-        Where a secant leads behind what is proven, and no two bounds of these triangles tell better, half-way to that.
+        """Prove the bounds by trials a little to the safe side of the estimated factor, until they prove no more. Where
+        the secant leads outside the proven bracket, bisect.
         """
         last = self.trials[-1].factor
         for times in range(1, PROOFS + 1):
@@ -330,7 +329,7 @@ class FactorSearch:
             self.measure(at, side == "lower", side == "upper")
 
     def points(self, side: BoundSide) -> list[tuple[float, float]]:
-        """Logarithm of the factor, and what a bound exceeds what is to be borne by, of trials on these triangles."""
+        """Pairs of the logarithm of the factor and the excess of a bound, of the trials on these triangles."""
         last = self.trials[-1]
         here = [trial for trial in self.trials if (trial.cells, trial.gauge) == (last.cells, last.gauge)]
         bounds = [(trial.factor, getattr(trial, side)) for trial in here]

@@ -279,7 +279,7 @@ def with_all_loads_live(problem: LimitProblem, multiplier: float) -> LimitProble
     """The problem whose multiplier acts on all loads, those of ``multiplier`` of the given one: above 1 it bears them.
 
     What pore pressures press where they jump is among them: without any load there is a stress, so that by convexity
-    all shares up to the largest one are borne. (What a pressure lifts, more weight would hold down.)
+    all shares up to the largest one are borne.
     """
     outline, jumps = problem.outline, problem.jumps
     return replace(

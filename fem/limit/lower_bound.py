@@ -64,7 +64,7 @@ def lower_bound(
 ) -> LowerBound:
     """The stress field with the largest load multiplier, its equations met to rounding after the solver.
 
-    ``more_margin`` (m, 3), as ``LowerBound.shortfall``, is kept from the yield surface beside what is kept anyhow.
+    ``more_margin`` (m, 3), as ``LowerBound.shortfall``, is a distance to the yield surface beyond the usual margin.
     After ``most_work`` (s of the reference machine) the solver ends with what it has; ``start`` is where it begins.
 
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
@@ -118,7 +118,7 @@ def equations(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.
 def independent_equations(
     matrix: sparse.csr_matrix, dead: np.ndarray, live: np.ndarray, points: np.ndarray
 ) -> tuple[sparse.csr_matrix, np.ndarray, np.ndarray]:
-    """A, b0, b1 of equations that say the same and are linearly independent, judged point by point.
+    """A, b0, b1 of linearly independent equations with the same solutions, found point by point.
 
     Tractions at a point depend on each other where edges go on straight through it, and at corners without stress. The
     dual velocities of dependent equations are not unique and could grow without end, and with them the solver's
@@ -153,7 +153,7 @@ def independent_equations(
 
 
 def _orthonormal(equations: sparse.csr_matrix) -> np.ndarray:
-    """Combinations (r, k) of k equations that are orthonormal and say the same, r their rank."""
+    """Orthonormal combinations (r, k) of k equations with the same solutions, r their rank."""
     used = np.unique(equations.indices)
     left, values, _ = np.linalg.svd(equations[:, used].toarray(), full_matrices=False)
     rank = np.count_nonzero(values > DEPENDENT * values.max(initial=0.0))

@@ -1,9 +1,9 @@
-"""What the conditions at one point leave free: where no stress can be, and where nothing can strain.
+"""Points whose conditions force zero stress, or zero strain rate.
 
 Several cells meet at a point, each with a stress and a strain rate of its own there, and the conditions that tie them
-to each other and to the boundary concern that point alone. Some leave only zero. Rounding would make the zero a small
-number beyond the yield surface or against the flow rule, and a solver that needs an interior would not converge: such
-points are found beforehand, and zero is put there.
+to each other and to the boundary concern that point alone. Some leave only zero. Rounding would turn the zero into a
+small violation of the yield surface or the flow rule, and an interior-point solver would find no interior: such points
+are found beforehand, and zero is prescribed there.
 """
 
 from collections.abc import Iterator

@@ -6,8 +6,8 @@ Kh given, and another one more than that Kh the other way, the two carry every K
 convex: F is a lower bound. Where a mechanism fails at less than the Kh given, either way, F is an upper bound. The
 bounds of Kh fall as F rises, smoothly, so that F is found by a few secants on coarse triangles, then on finer ones.
 
-Where it is the weight or a surcharge that fails, as below a footing, no Kh makes up for what is too much: there the
-share of all loads that the ground carries is bounded in place of Kh, and F is a lower bound where that is at least 1.
+Where the weight or a surcharge causes failure, as below a footing, no Kh balances it: there the share of all loads that
+the ground carries is bounded in place of Kh, and F is a lower bound where that share is at least 1.
 """
 
 import math
@@ -155,5 +155,5 @@ def _nothing_found(settings: BoundsSettings, work: FactorWork) -> NoAnswerError:
 
 
 def _direction(fem: FemSettings, turned: bool) -> Direction:
-    """The direction of a seismic force that is that of the settings, downhill if both, or ``turned`` round."""
+    """The direction of the settings, downhill if both are asked for, or the opposite one (``turned``)."""
     return "uphill" if (fem.direction == "uphill") != turned else "downhill"

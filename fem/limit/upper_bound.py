@@ -64,9 +64,9 @@ def upper_bound(
 ) -> UpperBound:
     """The mechanism with the smallest load multiplier, its equations met to rounding after the solver.
 
-    ``more_margin`` (m, 3), as ``UpperBound.shortfall``, is kept from breaking the flow rule beside what is kept anyhow.
-    Cells of ``rigid`` (m,), a mask, are held: the bound stays one, if a larger one. After ``most_work`` (s of the
-    reference machine) the solver ends with what it has; ``start`` is where it begins.
+    ``more_margin`` (m, 3), as ``UpperBound.shortfall``, is a distance to the limit of the flow rule beyond the usual
+    margin. Cells of ``rigid`` (m,), a mask, are held: the bound stays one, if a larger one. After ``most_work`` (s of
+    the reference machine) the solver ends with what it has; ``start`` is where it begins.
 
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
     """
@@ -144,8 +144,8 @@ def free_velocities(problem: LimitProblem, moves: np.ndarray) -> sparse.csr_matr
 def _corrected(program: cone_program.ConeProgram, rates: np.ndarray, dilates: np.ndarray) -> np.ndarray:
     """Velocities whose volume stays where φ = 0 and no cut-off lets it open, and whose live load does work of 1.
 
-    What moves them there may lead against the flow rule at corners (k,) that are to ``dilates``: these are led back
-    beyond half their margin, the rule taken as linear, and so on with all that were ever beyond it.
+    The correction may violate the flow rule at the corners (k,) of ``dilates``: these are corrected in turn by half
+    their margin, with the rule linearised, until none violates it.
     """
     clay = np.flatnonzero(~dilates)
     volume = program.strain[3 * clay] + program.strain[3 * clay + 1]

@@ -120,9 +120,10 @@ class Discretised:
         program: "Callable[[Discretised], cone_program.ConeProgram]",
         start: cone_program.Warm | None = None,
     ) -> "tuple[Discretised, cone_program.Solution]":
-        """The solution of a program made of this, and what it was made of: the same, in a larger unit of stress where
-        the solver is not sure in this one, or sure that there is no stress, which rounding of the forces alone can make
-        it; the first time from ``start``."""
+        """Solve the program, and return the solution with the problem in the unit of stress that was used. Where the
+        solver is unsure, or finds no stress, which rounding of the forces can cause, it tries again in a larger unit of
+        stress; the first time from ``start``.
+        """
         found = []
         for ground, place in ((self, start), (replace(self, unit=LARGER * self.unit), None)):
             solution = cone_program.solve_for_elements(program(ground), place)
@@ -231,7 +232,9 @@ class _Fields:
 
 
 def _state(mesh: QuadMesh, cells: _Cells, kh: float, fields: _Fields) -> State:
-    """The mechanism as fields of the mesh; the stress out of plane, which a limit load leaves open, is the mean one."""
+    """The mechanism as fields of the mesh; the limit load leaves the stress out of plane open: the mean stress is
+    taken.
+    """
     share = cells.weights / cells.weights.sum(axis=1, keepdims=True)
     shear = np.hypot(fields.rates[..., 0] - fields.rates[..., 1], fields.rates[..., 2])
     by_cell = [np.einsum("cq,cq...->c...", share, values) for values in (fields.stress, shear, fields.mobilised)]

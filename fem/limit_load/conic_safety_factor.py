@@ -50,9 +50,9 @@ def conic_safety_factor(
 ) -> tuple[float, State]:
     """The divisor of c and tan φ at which nodal forces (dofs,) in N/m are just borne, and the mechanism.
 
-    The search begins at ``guess``; ``kh`` is what to call the mechanism by. The flow is associated, the element
-    "reduced". The strength of the ``problem`` is divided by the factor afterwards. Raises UnstableError if it is below
-    1/20, NoAnswerError if it is above 20 or the solver leaves no answer.
+    The search begins at ``guess``; ``kh`` labels the mechanism. The flow is associated, the element "reduced". The
+    strength of the ``problem`` is divided by the factor afterwards. Raises UnstableError if it is below 1/20,
+    NoAnswerError if it is above 20 or the solver leaves no answer.
     """
     grid = problem.grid
     mean = _elastic_mean(problem, forces)
@@ -68,7 +68,7 @@ def conic_safety_factor(
 
 
 def too_weak(kh: float) -> UnstableError:
-    """What is said where a factor would be below the smallest one that is looked for."""
+    """The error for a factor of safety below the smallest one that is searched for."""
     under = "its own weight" + (f" and Kh = {kh:g}" if kh else "")
     return UnstableError(f"the section fails under {under} even at {LARGEST_FACTOR:g} times its strength")
 

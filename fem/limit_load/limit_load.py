@@ -1,8 +1,8 @@
 """Ground under its weight, and the critical Kh of its mesh by finite element limit analysis.
 
-It can be asked more than once: with another flow rule, or between other sides. As loads and the stress on the
-sides are then the same, answers differ by what was asked and by nothing else: on one mesh Davis's estimate, which is
-the weaker ground, never bears more than ψ = φ.
+It can be asked more than once: with another flow rule, or between other sides. Loads and side stresses stay the same,
+so that answers differ by the flow rule or the sides alone: on one mesh the limit load by Davis's estimate, with less
+strength, is never above that with ψ = φ.
 """
 
 from copy import copy
@@ -29,7 +29,7 @@ from meshes.section.section import Section
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """The section before a push to one side, and what is known of the push.
+    """The section at rest, and the limit load of the seismic force to one side.
 
     Attributes
     ----------
@@ -40,13 +40,13 @@ class Ground:
     constant : ndarray (dofs,)
         Nodal forces that stay (N/m).
     gravity : EquilibriumPath or None
-        How the weight was brought on.
+        The path under gravity.
     faces : list of ShallowFailure
         Cohesionless faces that were strengthened, since they fail first.
     load : ndarray (dofs,)
         Nodal forces of Kh = 1 (N/m).
     limit : ConicLimitLoad or None
-        The limit load of the push where it is unique and the element is one for it.
+        The limit load of the seismic force, where it is unique and the element suits limit analysis.
     settings : FemSettings
         Flow rule, sides and direction.
     """
@@ -63,7 +63,7 @@ class Ground:
 
 @dataclass(frozen=True, eq=False)
 class LimitLoadResult:
-    """The critical Kh of a mesh found at once (``conic_limit_load.py``).
+    """The critical Kh of a mesh by finite element limit analysis (``conic_limit_load.py``).
 
     Attributes
     ----------
@@ -76,13 +76,13 @@ class LimitLoadResult:
     direction : Direction
         Where the ground is pushed.
     reason : str
-        What the verdict means.
+        The verdict in words.
     mechanism : State or None
         The mechanism; None without a limit load.
     shallow_failures : list of ShallowFailure
         Cohesionless faces that fail before.
     ground : Ground
-        What was pushed.
+        The ground, with the loads.
     """
 
     kc: float
@@ -134,7 +134,7 @@ def asked_again(result: LimitLoadResult, section: Section, mesh: QuadMesh, setti
 
 
 def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Ground) -> LimitLoadResult:
-    """The answer that a limit load is."""
+    """A limit load as a result."""
     assert ground.limit is not None
     kc, cells = min(ground.limit.multiplier, settings.kh_limit), len(mesh.cells)
     verdict: PathVerdict = "plateau" if kc == ground.limit.multiplier else "no failure"
@@ -148,11 +148,10 @@ def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Groun
 def pushed(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[ShallowFailure] | None = None
 ) -> Ground:
-    """The ground with ``faces`` strengthened, and the limit load of a push if it is unique; at rest if it is not.
-
-    Where faces are not given, all cohesionless ones are strengthened if any fails before the ground below
-    fails, as in the bounds: where a layer thins out its neighbour may come to the face in the mesh. Where no limit load
-    tells, they are if they do not even stand by their own weight. Raises InputError, UnstableError.
+    """The ground with ``faces`` strengthened, and the limit load of the seismic force if it is unique; at rest if it is
+    not. Where faces are not given, all cohesionless faces are strengthened if any of them fails before the ground below
+    does, as in the bounds: where a layer thins out, its neighbour may reach the face in the mesh. Without a limit load
+    they are strengthened if they fail under their own weight. Raises InputError, UnstableError.
     """
     if faces is not None:
         return _pushed(section, mesh, settings, comm, faces)
@@ -175,7 +174,7 @@ def at_rest(ground: Ground) -> Ground:
 
 
 def is_unique(section: Section, settings: FemSettings) -> bool:
-    """Whether the limit load is unique, and the element one to find it with at once; no step changes it."""
+    """Whether the limit load is unique and the element suits limit analysis; no step size matters then."""
     return is_associated(section.strata, settings.flow) and element_for(section, settings) == "reduced"
 
 

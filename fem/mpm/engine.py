@@ -34,9 +34,9 @@ class MaterialPointEnergy:
     kinetic_gained : float
         What forces gave to the nodes as kinetic energy.
     kinetic, elastic : float
-        What the points have now.
+        Energies of the points now.
     kinetic_began, elastic_began : float
-        What they had at the beginning.
+        Energies of the points at the beginning.
     """
 
     external: float = 0.0
@@ -49,7 +49,7 @@ class MaterialPointEnergy:
 
     @property
     def turned_over(self) -> float:
-        """What shares are of (J/m): the work done on the ground or what it dissipated, whichever is larger."""
+        """Energy that shares refer to (J/m): the larger one of work done on the ground and energy dissipated."""
         return max(abs(self.external), self.dissipated, 1e-300)
 
     @property
@@ -113,7 +113,7 @@ class MaterialPointEngine:
         return MaterialPointEnergy(float(external + buoyed), float(dissipated), float(gained), *now, *self._began)
 
     def run(self, seconds: float, push: Push | None = None, damping: float = 0.0) -> None:
-        """Go on for some seconds; ``push`` gives the acceleration by shaking (m/s²) at times (s).
+        """Continue for some seconds; ``push`` gives the acceleration by shaking (m/s²) at times (s).
 
         ``damping`` is that of Cundall (1987), 0 to 1, to bring the ground to rest. Raises FloatingPointError where the
         motion is no longer finite.
@@ -148,13 +148,13 @@ class MaterialPointEngine:
         self._began = self.points.kinetic(self.grid.cell), self.points.elastic()
 
     def as_it_is(self) -> dict[str, np.ndarray]:
-        """All that `go_on_from` needs, by name."""
+        """The state of the engine as arrays by name, for `go_on_from`."""
         state = {name: getattr(self.points, name) for name in ARRAYS}
         state |= {"order": self.order, "gained": self._gained, "sums": self._sums, "offsets": self._offsets}
         return state | {"sorted_at": self._sorted_at, "clock": np.array([self.time, self.steps, *self._began])}
 
     def go_on_from(self, state: Mapping[str, np.ndarray]) -> None:
-        """Be as another engine of the same ground was (`as_it_is`)."""
+        """Take over the state of another engine of the same ground (`as_it_is`)."""
         for name in ARRAYS:
             getattr(self.points, name)[:] = state[name]
         self.order, self._offsets, self._sorted_at = state["order"], state["offsets"], state["sorted_at"]
@@ -210,7 +210,7 @@ class MaterialPointEngine:
         self._share()
 
     def _share(self) -> None:
-        """Give the stripes to the threads."""
+        """Assign the stripes to threads."""
         counts = np.diff(self._offsets)
         every = self._stripes
         self._even, self._odd, self._all = (
@@ -219,7 +219,7 @@ class MaterialPointEngine:
 
 
 def _shared(stripes: np.ndarray, counts: np.ndarray, threads: int) -> list[np.ndarray]:
-    """The stripes in runs of about as many points for each thread."""
+    """Consecutive stripes for each thread, with about equal numbers of points."""
     done = np.cumsum(counts[stripes])
     total = done[-1] if len(done) else 0
     return [stripes[(done > total * k / threads) & (done <= total * (k + 1) / threads)] for k in range(threads)]

@@ -136,7 +136,7 @@ def _effective(section: Section, places: np.ndarray, owners: np.ndarray) -> np.n
 
 
 def _load(section: Section, points: MaterialPoints, places: np.ndarray, surface: np.ndarray, spacing: float) -> None:
-    """Let the points of the surface carry the surcharges above them as weight, and the mass of it that shakes."""
+    """Add surcharges to the points of the surface: their weight, and the mass that shakes."""
     x, mass = places[surface, 0], points.state[surface, kernel.MASS]
     weighs = points.properties[surface, kernel.HEAVY] * mass
     for load in section.surcharges:

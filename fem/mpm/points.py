@@ -30,7 +30,7 @@ class PointSoil:
     weight_ratio : float or ndarray
         Density that gravity acts on over ``density`` (-); below 1 where buoyancy is in the density.
     keep : float or ndarray
-        Share of its own velocity that a point keeps in a second, as κ (1/s) of α = 1 - κ dt; inf for APIC (α = 0).
+        Decay rate κ (1/s) of velocities that the grid cannot resolve, α = 1 - κ dt; inf for APIC (α = 0).
     """
 
     density: float | np.ndarray

@@ -42,13 +42,13 @@ class SlideProgramme:
     remains : dict of int to Remains
         What each of them keeps.
     onset : float
-        How long that takes (s).
+        Duration of the liquefaction of a stratum (s).
     calm : float
         From when on the ground may come to rest.
     duration : float
-        When it is no longer followed.
+        Time at which the computation ends.
     still : float
-        Movement (m) of the surface from one 5 s to the next below which, twice in a row, it is at rest.
+        The surface is at rest if its mean place moves by less (m) from one window of 5 s to the next, twice in a row.
     drained : float
         Volume that drains away over the onset (-).
     """
@@ -151,7 +151,7 @@ class PointSlider:
         return slide
 
     def _remember(self, programme: SlideProgramme) -> None:
-        """Strength before anything liquefies, and what it becomes, point by point."""
+        """Keep the strength of every point before and after liquefaction."""
         points, original = self.ground.points, self.engine.original
         before = original(points.properties[:, [kernel.STRENGTH, kernel.SIN_PHI, kernel.LIMIT]])
         after, stratum = before.copy(), original(points.stratum)
@@ -171,7 +171,7 @@ class PointSlider:
         return any(-1e-9 <= time - start < programme.onset for start in programme.starts.values())
 
     def _liquefy(self, programme: SlideProgramme, shares: dict[int, float]) -> None:
-        """Strength as the time since the beginning asks for it, and volume that drains meanwhile."""
+        """Set the strength, and the drained volume, of the current time."""
         points, order = self.ground.points, self.engine.order
         columns = [kernel.STRENGTH, kernel.SIN_PHI, kernel.LIMIT]
         for k, start in programme.starts.items():
@@ -229,7 +229,7 @@ class PointSlider:
 
 
 def _share(since: float, onset: float) -> float:
-    """How far ground has liquefied (0 to 1), some seconds ``since`` it began, in steps."""
+    """The degree of liquefaction (0 to 1) at a time ``since`` its onset (s), in steps."""
     if since < -1e-9:
         return 0.0
     return 1.0 if onset == 0.0 else min(1.0, (since + onset / ONSET_STEPS) / onset)

@@ -113,7 +113,7 @@ class EquilibriumPath:
         self._elastic: tuple[np.ndarray, float] | None = None
 
     def advance(self) -> bool:
-        """One step along the path, halved as often as it takes; False (with ``reason``) if there is none."""
+        """Take one step along the path, halved until it converges; False (with ``reason``) if none does."""
         cutbacks = 0
         while True:
             if self._step < self.settings.smallest:
@@ -145,10 +145,9 @@ class EquilibriumPath:
         return self._relax(Constraint(self.control / self.reference, 0.0, 0.0))
 
     def reach(self, factor: float) -> bool:
-        """Go to a given multiplier and relax there; False, and nothing accepted, if no equilibrium is found.
-
-        Begins with the increment before, lengthened as the multiplier is: a quarter of the iterations less than from
-        nothing. What a relaxation has moved says nothing on the next one.
+        """Go to a given multiplier and relax there; False, and nothing accepted, if no equilibrium is found. The first
+        guess is the last increment scaled with the multiplier, which saves a quarter of the iterations; after a
+        relaxation there is none.
         """
         increment = np.zeros_like(self.control)
         if self._last is not None and self._last[2] > 0.0:
@@ -167,7 +166,7 @@ class EquilibriumPath:
         return False
 
     def _relax(self, constraint: Constraint | None) -> bool:
-        """Relax until the forces balance without overstress; False if that does not come about.
+        """Relax until the forces balance without overstress; False if they do not.
 
         The multiplier stays unless a ``constraint`` keeps the displacement instead.
         """

@@ -94,7 +94,8 @@ def at_the_sides(
     faces: Sequence[ShallowFailure] = (),
     shaken: bool = True,
 ) -> tuple[PlaneStrain, np.ndarray, np.ndarray]:
-    """The section without stress, held as in the search for Kh; nodal forces (N/m) of its weight, and all that stay.
+    """The section without stress, with the sides of the search for Kh; nodal forces (N/m) of its weight, and all
+    constant forces.
 
     On free-field sides the K0 stress is that of ``side_stress.py``, as in the bounds. The pore pressure that shaking
     adds is there if the ground is ``shaken``. Raises InputError.
@@ -114,7 +115,8 @@ def at_the_sides(
 def bring_to_rest(
     problem: PlaneStrain, weight: np.ndarray, constant: np.ndarray, settings: FemSettings
 ) -> EquilibriumPath:
-    """Load ground without stress by its weight, sides held, then by what else stays; the path of the first.
+    """Load the unstressed ground by its weight with held sides, then by the other constant forces; returns the path of
+    the former.
 
     Displacement and strain are counted from there. Raises UnstableError.
     """
@@ -179,9 +181,8 @@ def lift_of(problem: PlaneStrain, settings: FemSettings) -> np.ndarray:
 
 
 def _lay(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> None:
-    """Give the quadrature points in the ``strips``, some strata of a strengthened section, the soil of these.
-
-    With all strata: in a free mesh, the tips of layers that no cell follows.
+    """Assign the soils of ``strips``, strata of a strengthened section, to the quadrature points inside them. With all
+    strata: to the tips of layers in a free mesh, which no cell follows.
     """
     inside = strong.stratum_at(*problem.points().T)
     names, stratum_names = ([stratum.name for stratum in strata] for strata in (strong.strata, problem.strata))
@@ -201,7 +202,9 @@ def levels(stratum: Stratum, mesh: QuadMesh) -> list[Stratum]:
 
 
 def _lay_levels(first: int, mesh: QuadMesh, problem: PlaneStrain) -> None:
-    """Give the quadrature points of strata whose cohesion grows the soil of their level, of which the ``first`` is."""
+    """Assign the soil of its elevation to every quadrature point of strata whose cohesion grows with depth; ``first``
+    numbers the soils.
+    """
     low, high = mesh.points[:, 1].min(), mesh.points[:, 1].max()
     at = np.clip((problem.points()[:, 1] - low) / (high - low) * LEVELS, 0, LEVELS - 1).astype(np.int64)
     for k in [k for k, soil in enumerate(problem.strata) if soil.cohesion_increase]:

@@ -1,4 +1,4 @@
-"""How far a correction of Newton's method goes down a convex potential."""
+"""Line search: the length of a Newton correction that reduces a convex potential."""
 
 import numpy as np
 

@@ -68,8 +68,8 @@ class LimitLoad:
     held : float
         Largest load multiplier found in equilibrium (-).
     upper : float
-        The limit load, if it is known; else what the path rose to, or would with its last growth if the displacement
-        doubled once more (-).
+        The limit load, if it is known; else the largest multiplier of the path, or its extrapolation to twice the
+        displacement (-).
     verdict : PathVerdict
         "plateau", "peak" (it fell afterwards), "no failure" (up to the limit) or "undecided".
     reason, remedy : str
@@ -126,9 +126,8 @@ def find_limit_load(
 
 
 def _held_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) -> float:
-    """The multiplier that is held without overstress at the summit of a path or a little below; the path stays.
-
-    Relaxation comes too seldom to find it on the way, and past a peak it finds less.
+    """The multiplier in equilibrium without overstress at the peak of a path or a little below; the path is not
+    changed. Relaxations along the path are too far apart to find it, and beyond a peak they find less.
     """
     end, steps, held = path.mark(), list(path.steps), -np.inf
     for less in path.settings.reductions:

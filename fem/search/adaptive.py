@@ -1,7 +1,7 @@
 """The critical seismic coefficient, and factors of safety, on meshes made anew for the mechanism.
 
-On each mesh of the sequence (``mesh_sequence.py``) the limit load is found at once (``conic_limit_load.py``), which
-takes a tenth of the time of a path.
+On each mesh of the sequence (``mesh_sequence.py``) the limit load follows from limit analysis
+(``conic_limit_load.py``), in a tenth of the time of a path.
 """
 
 import math
@@ -83,12 +83,12 @@ def strong_below(section: Section, faces: Sequence[ShallowFailure], settings: Fe
 
 
 def _nobody(_: str) -> None:
-    """Hears nothing."""
+    """Ignore messages."""
 
 
 @dataclass(frozen=True)
 class AdaptiveSearch:
-    """What the answers for a section on meshes made for them have in common.
+    """Search for critical Kh and factors of safety of a section, on meshes adapted to the mechanism.
 
     Attributes
     ----------
@@ -97,11 +97,11 @@ class AdaptiveSearch:
     meshing : MeshSettings
         How it is meshed.
     first : QuadMesh
-        The mesh to begin with, which is the only one where none are made.
+        The initial mesh; the only one where meshes are not adapted.
     comm : communicator
         Of the ranks.
     tell : callable
-        Is told what is being done.
+        Called with a message before each step.
     executor : Executor
         Looks for both directions side by side.
     """
@@ -116,7 +116,7 @@ class AdaptiveSearch:
     def critical(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult]:
         """The critical Kh, in the direction in which it is smaller.
 
-        A push uphill whose mechanism leaves through a side counts only if there is nothing else, as in
+        A seismic force upslope whose mechanism leaves through a side counts only if it is the only one, as in
         ``critical_coefficient``. Raises what ``critical_limit_load`` does on the first mesh.
         """
         if settings.direction != "both":
@@ -164,11 +164,9 @@ class AdaptiveSearch:
         return settings.max_cells if is_adapted(self.section, self.meshing, self.first, settings) else 0
 
     def beside(self, base: AdaptiveResult[LimitLoadResult], other: FemSettings) -> AdaptiveResult[LimitLoadResult]:
-        """What ``other`` settings, with ψ = φ, find on the mesh of ``base`` under the same forces, and on one with as
-        many cells that is made for the mechanism of that.
-
-        Both are in the sequence, the smaller one is the result. Raises NoAnswerError if the solver leaves none on the
-        mesh of ``base``.
+        """The limit load with ``other`` settings under the same forces: on the mesh of ``base``, and on a mesh with as
+        many cells adapted to its mechanism. Both are in the sequence, the smaller one is the result. Raises
+        NoAnswerError if the solver leaves none on the mesh of ``base``.
         """
         self.tell(f"limit load of {len(base.mesh.cells)} cells")
         return self._or_on_its_own(base, asked_again(base.result, self.section, base.mesh, other), other)
@@ -176,7 +174,9 @@ class AdaptiveSearch:
     def between_sides(
         self, base: AdaptiveResult[LimitLoadResult], fixed: FemSettings
     ) -> AdaptiveResult[LimitLoadResult]:
-        """The same between ``fixed`` sides, on which no force acts: it leaves alone what ``base`` was found with."""
+        """The limit load between ``fixed`` sides, which carry no prescribed force; the ground of ``base`` is not
+        changed.
+        """
         mesh = base.mesh
         self.tell(f"limit load of {len(mesh.cells)} cells")
         faces = self._rough_faces(mesh, fixed) if len(base.rounds) < 2 else base.result.ground.faces
@@ -185,8 +185,7 @@ class AdaptiveSearch:
     def _or_on_its_own(
         self, base: AdaptiveResult[LimitLoadResult], same: LimitLoadResult, other: FemSettings
     ) -> AdaptiveResult[LimitLoadResult]:
-        """The ``same`` ground by ``other`` settings, or what they find on a mesh that is made for its mechanism, if
-        that is less."""
+        """The limit load ``same``, or that on a mesh adapted to its mechanism with ``other`` settings, if less."""
         first = AdaptiveResult(same, base.mesh, [MeshRound(len(base.mesh.cells), same.kc, math.inf, math.inf)])
         if same.mechanism is None or len(base.rounds) < 2:  # there is one mesh for all
             return first
@@ -207,9 +206,9 @@ class AdaptiveSearch:
     ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult]]:
         """``base``, and the answer with ψ = φ beside it.
 
-        On one mesh Davis's estimate, the weaker ground, bears no more. So where the mesh made for ψ = φ shows less
-        than that of ``base``, this one was the poorer, and the answer is found anew on the other; what contradicts the
-        order afterwards is no matter of meshes. Raises what `beside` does.
+        On one mesh the limit load by Davis's estimate is not above that with ψ = φ. Where the mesh for ψ = φ gives less
+        than that of ``base``, the mesh of ``base`` was the poorer one, and its limit load is found again on the other
+        mesh. Raises what `beside` does.
         """
         full = settings.model_copy(update={"flow": "associated"})
         beside = self.beside(base, full)
@@ -229,7 +228,7 @@ class AdaptiveSearch:
         """Davis's estimate of the critical Kh beside ``base``, which is with ψ = φ; 0 where the ground fails without
         any.
 
-        On the mesh of ``base`` it is no more than that. Raises what `beside` does but for UnstableError.
+        On the mesh of ``base`` it is not above ``base``. Raises what `beside` does but for UnstableError.
         """
         try:
             beside = self.beside(base, settings.model_copy(update={"flow": "davis"}))
@@ -275,8 +274,9 @@ class AdaptiveSearch:
         return max(factor, base.result.factor) if other.flow == "associated" else factor
 
     def _rough_faces(self, first: QuadMesh, settings: FemSettings) -> list[ShallowFailure] | None:
-        """The cohesionless faces to strengthen where a ``first`` mesh has many cells, as found on one of few; None
-        where it has to tell itself, in one more limit load."""
+        """The cohesionless faces to strengthen on a ``first`` mesh of many cells, as found on a coarse mesh; None where
+        the first mesh itself has to show them, by one more limit load.
+        """
         rough = self._rough_mesh(first)
         try:
             return critical_limit_load(self.section, rough, settings, self.comm).ground.faces if rough else None
@@ -284,8 +284,7 @@ class AdaptiveSearch:
             return None
 
     def _rough_safety(self, settings: FemSettings, kh: float) -> float:
-        """Where to begin to look for the factor of safety on the first mesh: 1, or where that has many cells the factor
-        on one of few."""
+        """Initial guess of the factor of safety: 1, or the factor on a coarse mesh if the first one is fine."""
         rough = self._rough_mesh(self.first)
         try:
             return limit_load_safety_factor(self.section, rough, settings, kh, self.comm).factor if rough else 1.0

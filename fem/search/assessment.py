@@ -1,4 +1,6 @@
-"""All that is said of a section: critical Kh to both sides, ψ = φ and Davis's estimate, factors of safety, warnings."""
+"""Assessment of a section: critical Kh in both directions, with ψ = φ and by Davis's estimate, factors of safety,
+warnings.
+"""
 
 from collections.abc import Callable
 from concurrent.futures import Future
@@ -98,8 +100,8 @@ def box_below_faces(
     comm: Any,
     listener: AssessmentListener,
 ) -> AdaptiveResult[CriticalResult]:
-    """The critical Kh between fixed sides, in one direction, without failures of cohesionless faces that are less deep
-    than ``settings.least_depth``: below them it is another ground, with meshes of its own.
+    """The critical Kh between fixed sides, in one direction, for failures deeper than ``settings.least_depth`` below
+    cohesionless faces, on meshes of its own.
 
     Raises InputError, NoEquilibriumError, UnstableError.
     """
@@ -118,7 +120,7 @@ def _together(
     box: "Future[AdaptiveResult[CriticalResult]] | None",
     safety: list[Safety],
 ) -> Assessment:
-    """All answers, once those that were begun are there; ``beside`` is that by the other flow rule."""
+    """Collect all results, waiting for those still computed; ``beside`` is the critical Kh by the other flow rule."""
     outcomes = [each.result() for each in safety]
     factors = [each for each in outcomes if not isinstance(each, ResultWarning)]
     associated, davis = (None, beside) if critical.flow == "associated" else (beside, None)
@@ -138,7 +140,7 @@ def _fails(factor: float | None) -> bool:
 
 @dataclass(frozen=True)
 class _Search:
-    """What all the answers for a section have in common, and how each of them is looked for."""
+    """The searches of an assessment, with the section, mesh and settings that they share."""
 
     section: Section
     meshing: MeshSettings
@@ -171,8 +173,8 @@ class _Search:
     ) -> Assessment:
         """The answers that limit loads are compared with, factors of ``safety`` begun or not; raises UnstableError.
 
-        Where Davis's estimate is the flow the path is followed, and fixed sides are looked at, before it is known
-        whether ψ = φ shows a better mesh: it hardly ever does.
+        With Davis's estimate, the path and the search with fixed sides start before it is known whether the mesh for ψ
+        = φ is better, which it hardly ever is.
         """
         one_way = settings.model_copy(update={"direction": adapted.result.direction})
         box = self.begin_box(one_way, adapted, adapted.mesh)
@@ -191,7 +193,7 @@ class _Search:
         return critical_coefficient(self.section, limit.mesh, settings, self.comm, self.told("Kh"), start)
 
     def by_path(self, settings: FemSettings, safety: list[Safety] | None) -> Assessment:
-        """The answers where paths have to do alone; raises UnstableError."""
+        """The results by equilibrium paths alone; raises UnstableError."""
         mesh, beside = self.first, None
         critical = critical_coefficient(self.section, mesh, settings, self.comm, self.told("Kh"))
         one_way = settings.model_copy(update={"direction": critical.direction})
@@ -205,24 +207,24 @@ class _Search:
         return _together(critical, mesh, None, opposite, beside, box, safety)
 
     def begin_safety(self, settings: FemSettings) -> list[Safety]:
-        """Begin with the factors of safety that are asked for."""
+        """Start the searches for the factors of safety that are asked for."""
         return [self.executor.submit(partial(self.or_warning, settings, kh)) for kh in settings.safety_factor_at]
 
     def begin_box(
         self, settings: FemSettings, adapted: AdaptiveResult[LimitLoadResult] | None, mesh: QuadMesh
     ) -> "Future[AdaptiveResult[CriticalResult]] | None":
-        """Begin with the answer between fixed sides, if it is asked for and another one."""
+        """Start the search with fixed sides, if it is asked for and differs from the main one."""
         same = settings.sides == "fixed" and not self.dilates_more(settings)
         if not settings.rigid_box or same:
             return None
         return self.executor.submit(partial(self.rigid_box, settings, adapted, mesh))
 
     def told(self, what: str) -> Callable[[EquilibriumPath], None]:
-        """Tells how far a path is."""
+        """A listener to the progress of a path."""
         return lambda path: self.tell(what, path)
 
     def is_substituted(self, settings: FemSettings) -> bool:
-        """Whether the flow rule makes another ground of the section than ψ = φ does."""
+        """Whether flow rule and strength differ from those of ψ = φ."""
         return settings.flow != "associated" and not is_dilating_fully(self.section.strata)
 
     def dilates_more(self, settings: FemSettings) -> bool:
@@ -230,8 +232,9 @@ class _Search:
         return settings.flow == "associated" and not is_dilating_fully(self.section.strata)
 
     def limit_loads(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult] | None:
-        """The limit loads of meshes made for the mechanism; None where there are none, so that a path has to do
-        alone. Raises UnstableError."""
+        """The limit loads on meshes adapted to the mechanism; None without any, where an equilibrium path is followed
+        alone. Raises UnstableError.
+        """
         if not is_associated(self.section.strata, settings.flow):
             return None
         try:
@@ -244,8 +247,9 @@ class _Search:
     def beside_limit_loads(
         self, adapted: AdaptiveResult[LimitLoadResult], settings: FemSettings
     ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult] | None]:
-        """Those, and beside them those by the other flow rule: ψ = φ, or Davis's estimate where ψ = φ is the flow; None
-        where there are none, or where ψ = φ is given."""
+        """The limit loads ``adapted``, and those by the other flow rule: ψ = φ, or Davis's estimate where ψ = φ is the
+        flow; None without any, or where ψ = φ in all strata.
+        """
         try:
             if self.dilates_more(settings):
                 return adapted, self.on_meshes("Kh by Davis's estimate").davis_beside(adapted, settings)
@@ -258,8 +262,9 @@ class _Search:
             return adapted, None
 
     def by_other_flow(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult] | None:
-        """The limit load by the other flow rule, where a path has to do by its own; None where Davis's estimate has
-        no answer."""
+        """The limit load by the other flow rule, where the flow rule itself has an equilibrium path only; None where
+        Davis's estimate has no answer.
+        """
         if not self.dilates_more(settings):
             return self.on_meshes("Kh with ψ = φ").critical(settings.model_copy(update={"flow": "associated"}))
         try:
@@ -268,7 +273,7 @@ class _Search:
             return None
 
     def on_meshes(self, what: str = "") -> AdaptiveSearch:
-        """What finds answers on meshes made for them, and tells of it by ``what`` is looked for."""
+        """A search on adapted meshes whose messages begin with ``what`` is searched for."""
 
         def told(words: str) -> None:
             self.tell(f"{what}: {words}" if what else words, None)
@@ -282,8 +287,9 @@ class _Search:
         mesh: QuadMesh,
         below_faces: bool = False,
     ) -> AdaptiveResult[CriticalResult]:
-        """The answer between fixed sides, with a push where the ground fails, as discs are pushed. By Davis's estimate
-        in place of ψ = φ, where such ground stands. ``below_faces``: as in `box_below_faces`."""
+        """The critical Kh between fixed sides in the direction in which the ground fails, as for the discs. By Davis's
+        estimate in place of ψ = φ, where such ground stands. ``below_faces``: as in `box_below_faces`.
+        """
         if self.dilates_more(settings):
             try:
                 low = settings.model_copy(update={"flow": "davis"})
@@ -310,7 +316,7 @@ class _Search:
         return AdaptiveResult(result, mesh)
 
     def safety(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor]:
-        """The factor of safety on meshes made for it; on the first one where the flow is not associated."""
+        """The factor of safety on adapted meshes; on the first mesh where the flow is not associated."""
         if is_associated(self.section.strata, settings.flow):
             try:
                 return self.with_factor_beside(self.on_meshes().safety(settings, kh), settings, kh)
@@ -363,10 +369,10 @@ class _Search:
             return ResultWarning(why, "look at a smaller Kh", False)
 
     def by(self, flow: FlowSetting) -> str:
-        """A flow rule as a message tells of it."""
+        """A flow rule in words."""
         return f"by {davis_words(s.dilation for s in self.section.strata)}" if flow == "davis" else "with ψ = φ"
 
     def tell(self, what: str, path: EquilibriumPath | None) -> None:
-        """Tells the listener, unless nobody waits for this any more."""
+        """Report progress to the listener; raises if the task was cancelled."""
         check_cancelled()
         self.listener(what, path)

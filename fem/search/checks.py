@@ -31,7 +31,7 @@ AT_BASE = 0.1
 def warnings_of(
     result: "CriticalResult", mesh: QuadMesh, associated: "LimitLoadResult | CriticalResult | None" = None
 ) -> list[ResultWarning]:
-    """What an answer shows by itself and beside that with ψ = φ."""
+    """Warnings of a result by itself, and compared with the result for ψ = φ."""
     return [
         *of_verdict(result.verdict, result.reason, result.remedy),
         *of_dilation(result, associated),

@@ -43,13 +43,13 @@ class CriticalResult:
     Attributes
     ----------
     kc : float
-        Largest Kh at which an equilibrium was found (-): where the flow is associated that of ``conic_limit_load.py``,
-        to which the path comes near.
+        Largest Kh at which an equilibrium was found (-); for associated flow the limit load of the mesh
+        (``conic_limit_load.py``).
     lower : float
         Largest Kh of a state of equilibrium on the path (-).
     upper : float
-        Kh that the path rose to, or would with its last growth if the displacement doubled once more (-): the limit
-        load of this mesh, and no bound of the section.
+        Largest Kh of the path, or its extrapolation to twice the displacement (-): the limit load of this mesh, no
+        bound of the section.
     verdict : PathVerdict
         "plateau", "peak", "no failure" or "undecided".
     element : Element
@@ -75,7 +75,7 @@ class CriticalResult:
     shallow_failures : list of ShallowFailure
         Cohesionless faces that fail before; the ground below was searched for deeper failures.
     limit_mechanism : State or None
-        The mechanism of the limit load that was found at once.
+        The mechanism by finite element limit analysis.
     other : CriticalResult or None
         The answer for the opposite direction, where both were asked for.
     """
@@ -191,7 +191,7 @@ def _towards(
 def _followed(
     ground: Ground, mesh: QuadMesh, sign: int, settings: FemSettings, listener: PathListener | None
 ) -> CriticalResult:
-    """The path from ``ground``, and what it has shown."""
+    """Follow the path from ``ground``; returns its result."""
     problem, known, gravity = ground.problem, ground.limit, ground.gravity
     assert gravity is not None
     start = problem.state()

@@ -28,7 +28,7 @@ class RigidBoxPath:
     Attributes
     ----------
     kc, upper : float
-        Largest Kh at which an equilibrium was found, and what it may be at most (-).
+        Largest Kh at which an equilibrium was found, and its upper limit on this mesh (-).
     verdict : PathVerdict
         As that of a path.
     reason : str

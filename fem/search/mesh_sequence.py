@@ -1,8 +1,8 @@
 """A sequence of meshes made anew for a mechanism, until hardly anything of the error of its answer is left.
 
-Plastic shear goes through a band as narrow as the cells allow, and the answer is too large in proportion to the
-width of that band, which halves when twice the cells are spent along it: error ~ 1 / cells. From two meshes follows
-what the last one still has (Richardson 1911).
+Plastic shear goes through a band as narrow as the cells allow, and the answer is too large in proportion to the width
+of that band, which halves when twice the cells are spent along it: error ~ 1 / cells. Two meshes give the error that is
+left on the last one (Richardson 1911).
 """
 
 import math
@@ -47,8 +47,7 @@ class MeshRound:
     change : float
         Difference from the mesh before as a share of ``value``; infinite for the first.
     rest : float
-        What is left of the error, as a share of ``value``, as far as this and the mesh before can tell; infinite for
-        the first.
+        Estimated error that is left, as a share of ``value``, by this mesh and the one before; infinite for the first.
     """
 
     cells: int
@@ -58,7 +57,7 @@ class MeshRound:
 
 
 class MeshResult(Protocol):
-    """What is found on a mesh: a number, its mechanism, and what there is to say of it."""
+    """Result on a mesh: a number, its mechanism, and why there is no better one."""
 
     @property
     def value(self) -> float: ...
@@ -135,9 +134,9 @@ class Wish:
     max_cells : int
         Cells of the finest mesh.
     other : callable
-        Tells the Kh (-) of the other direction: it does not matter by how much this one is larger.
+        Returns the Kh (-) of the other direction: meshes end where this direction is sure to bear more.
     least : float
-        The answer below which the accuracy is no share of a smaller one (-).
+        The accuracy is a share of the answer, or of this number where the answer is smaller (-).
     """
 
     accuracy: float

@@ -1,7 +1,7 @@
-"""How good a given line is as a slip surface: what the ground bears if it may fail no deeper than it.
+"""Quality of a given line as slip surface: the critical Kh if the ground can fail no deeper than the line.
 
-Two mechanisms that need almost the same Kh may lie far apart. So two answers are compared by this number rather than by
-the distance of their slip surfaces alone.
+Two mechanisms that need almost the same Kh may lie far apart. Two results are therefore compared by this Kh, too, and
+not by the distance of their slip surfaces alone.
 """
 
 from dataclasses import dataclass
@@ -23,9 +23,9 @@ class GivenSurface:
     Attributes
     ----------
     kc : float
-        Wherever the ground fails (-).
+        Without restriction (-).
     kc_above : float
-        Where nothing below the line moves (-); infinite if then nothing can.
+        With the ground below the line held (-); infinite where no mechanism is left.
     """
 
     kc: float

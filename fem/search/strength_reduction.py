@@ -1,7 +1,7 @@
 """The factor of safety at a given seismic coefficient by strength reduction: the divisor of cohesion and tan φ at which
 the ground fails (Zienkiewicz, Humpheson & Lewis 1975).
 
-Where the flow is associated it is found at once (``conic_safety_factor.py``); elsewhere it is an unknown along a path
+For associated flow it follows from limit analysis (``conic_safety_factor.py``); otherwise it is an unknown along a path
 of equilibria.
 """
 
@@ -56,7 +56,7 @@ class SafetyFactor:
     factor : float
         Largest divisor of c and tan φ at which an equilibrium was found (-).
     upper : float
-        What the path rose to, or would with its last growth if the displacement doubled once more (-).
+        Largest divisor of the path, or its extrapolation to twice the displacement (-).
     verdict : PathVerdict
         "plateau", "peak", "no failure" or "undecided".
     reason, remedy : str
@@ -66,10 +66,10 @@ class SafetyFactor:
     shallow_failure : float or None
         The factor at which a cohesionless face fails, if there is one (-).
     mechanism : State or None
-        The mechanism, where the factor was found at once.
+        The mechanism, where limit analysis found the factor.
     beside : float or None
         The factor by the other flow rule (-): Davis's estimate where ψ = φ is the flow, that of ψ = φ where Davis's
-        estimate is; None where they are the same ground, or where it was not looked for.
+        estimate is; None where both are the same, or where it was not computed.
     """
 
     kh: float

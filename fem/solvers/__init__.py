@@ -1,1 +1,1 @@
-"""What solves: linear and conic solvers, the two interfaces of dolfinx, threads, and work side by side."""
+"""Solvers of linear systems and cone programs, the interface to dolfinx, and threads of BLAS."""

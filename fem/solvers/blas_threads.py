@@ -20,5 +20,5 @@ def bears_threads() -> bool:
 
 
 def one_more_thread(wanted: bool = True) -> Executor:
-    """An executor with one thread beside this one, where it is wanted and BLAS bears it."""
+    """An executor with one more thread, where it is wanted and BLAS is thread-safe."""
     return OneThread() if wanted and bears_threads() else SERIAL

@@ -2,8 +2,8 @@
 
 The library is called through ctypes, so that neither MPI nor a compiler is needed, and Python's lock is free while it
 factorises. Its table of settings has another layout in every version: the entries that are changed are found by the
-defaults around them. Where the library is missing, is of an unknown version or fails its first equations,
-``available`` says so, and who would use it has to do without.
+defaults around them. ``available`` is false where the library is missing, is of an unknown version or fails its first
+equations.
 """
 
 import ctypes

@@ -212,7 +212,7 @@ def standard(program: ConeProgram, data: Assembled, magnified: float) -> tuple[S
 
 
 def _numbers(corners: int, those: np.ndarray) -> np.ndarray:
-    """The place of every corner (k,) among ``those``, -1 for others."""
+    """The index of every corner (k,) within ``those``, -1 for others."""
     numbers = np.full(corners, -1)
     numbers[those] = np.arange(len(those))
     return numbers

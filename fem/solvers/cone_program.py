@@ -106,7 +106,7 @@ class Solution:
     fallback : bool
         Whether Clarabel found it, since the interior-point method of our own broke down or there is no solution.
     warm : Warm or None
-        Where a program of the same mesh with another strength may begin.
+        A starting point for programs of the same mesh with another strength.
     """
 
     multiplier: float
@@ -131,7 +131,7 @@ NEAR = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Warm:
-    """A place to begin with, and the stiffness matrix with its order of elimination, for programs of ``rates``."""
+    """A starting point, and the stiffness matrix with its order of elimination, for programs of ``rates``."""
 
     place: interior_point.Place
     matrix: CornerMatrix
@@ -172,7 +172,9 @@ def solve(
 
 
 def solve_for_elements(program: ConeProgram, start: Warm | None = None) -> Solution:
-    """The same of a program of elements, less exactly; the multiplier is the middle of the solver's own bracket."""
+    """Solve the program of a finite element limit analysis, less exactly than one of bounds; the multiplier is the
+    middle of the solver's own bracket.
+    """
     ask = partial(_by_clarabel, REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS)
     return _solve(program, INTERIOR_GAP_OF_ELEMENTS, ask, in_the_middle=True, start=start)
 

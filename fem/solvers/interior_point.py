@@ -46,9 +46,10 @@ STEP, LEAST_CENTRING = 0.99, 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Corners:
-    """What stands at the corners of a program: numbers (k,) of those of φ = 0 (``clay``), of those that open in one way
+    """Kinds of the corners of a program: numbers (k,) of those of φ = 0 (``clay``), of those that open in one way
     (``single``) or three (``triple``), -1 elsewhere; ``sine`` (k,) is sin φ and 1 for clay, ``torn_sine`` that of an
-    opening."""
+    opening.
+    """
 
     sine: np.ndarray
     clay: np.ndarray
@@ -93,7 +94,7 @@ class Iterate:
 
     @property
     def rank(self) -> tuple[bool, float]:
-        """What is smaller for a better place: gaps count where the equations are met, or nearly."""
+        """Rank of an iterate, smaller for a better one: by its gap where the equations are nearly met."""
         met = self.residual <= NEARLY
         return (not met, self.gap if met else self.residual)
 
@@ -109,9 +110,9 @@ def interior_solution(
 ) -> Iterate:
     """The solution to a relative ``gap``, of a program whose costs are ``unit`` times as large as the multiplier.
 
-    ``heed`` is called before each of ``most_iterations``, at most. Where it breaks down it is the best place that meets
-    the equations, if there is one. A ``start`` is a place that the same mesh with another strength went through: from
-    well inside the cones half of the iterations do, from near the solution it often breaks down.
+    ``heed`` is called before each of at most ``most_iterations`` iterations. After a breakdown the best iterate that
+    meets the equations is returned, if there is one. ``start`` is an iterate of the same mesh with another strength:
+    one well inside the cones saves half of the iterations, one near the solution often breaks down.
     """
     return _Method(standard, unit, gap, matrix).run(heed, start, most_iterations)
 
@@ -121,7 +122,7 @@ class _BreakdownError(ArithmeticError):
 
 
 class _Method:
-    """One program, the place it is at, and the factors there."""
+    """One program, its iterate, and the factors of its stiffness matrix."""
 
     def __init__(self, standard: Standard, unit: float, gap: float, matrix: CornerMatrix) -> None:
         self.given, self.unit, self.gap, self.stiffness_matrix = standard, unit, gap, matrix
@@ -242,7 +243,7 @@ class _Method:
         return bool(beyond <= POOR)
 
     def centring(self, s: np.ndarray, z: np.ndarray, trial: "_Trial", aim: float) -> np.ndarray:
-        """What leads products back that a longer step would have far off the mean."""
+        """The corrector of Gondzio: it centres the products that a longer step would move far from the mean."""
         s_next = s + min(1.0, trial.primal + LONGER) * trial.ds
         z_next = z + min(1.0, trial.dual + LONGER) * trial.dz
         residual = np.zeros(len(s))
