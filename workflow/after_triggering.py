@@ -1,4 +1,4 @@
-"""What a config leaves to analyses: which strata liquefy, what is left of them, and the Kh that drives their slides."""
+"""Settings that follow from analyses: strata that liquefy, their residual strength, and the Kh of slides."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,7 +19,7 @@ from workflow.triggering.settings import TriggeringSettings
 
 
 def config_after_triggering(config: Config, source: str = "section") -> Config:
-    """The config with all that it leaves to triggering, site response and earthquake.
+    """Complete a config by triggering analysis, site response and earthquake.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def config_after_triggering(config: Config, source: str = "section") -> Config:
 
 
 def load_config(path: Path, overrides: Mapping[str, Mapping[str, Any]] | None = None) -> Config:
-    """Read a section file and find what it leaves to triggering, site response and earthquake.
+    """Read a section file, and complete it by triggering analysis, site response and earthquake.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def _analysed(config: Config) -> Config:
 def ground_after_triggering(
     section: Section, assessment: Assessment, settings: TriggeringSettings, cases: int
 ) -> Section:
-    """The section whose triggered strata liquefy in all of so many ``cases``, or in none, and with pore pressures.
+    """The section in which each triggered stratum liquefies in all ``cases`` or in none, with excess pore pressures.
 
     Raises InputError for triggered strata below water in which no boring has a blow count.
     """
@@ -133,7 +133,7 @@ def cases_after_triggering(section: Section, assessment: Assessment, settings: T
 
 
 def average_kh(section: Section, response: SiteResponseSettings) -> float:
-    """k_max of all above the slip surface (Makdisi & Seed 1978); raises InputError without a record or a depth."""
+    """k_max of the soil above the slip surface (Makdisi & Seed 1978); raises InputError without a record or a depth."""
     if not response.record or response.slip_depth is None:
         message = f'slide, kh = "{K_MAX}": expected record and slip_depth in [site_response], or a number'
         raise InputError(section.name, [message])
@@ -141,7 +141,7 @@ def average_kh(section: Section, response: SiteResponseSettings) -> float:
 
 
 def _driven(config: Config) -> tuple[SlideSettings, list[str]]:
-    """The settings of the slides with a Kh in numbers, and those of its keys that are of the earthquake."""
+    """The settings of the slides with a numerical Kh, and the keys that follow from the earthquake."""
     written = {key: getattr(config.slide, key) for key in config.slide.model_fields_set} | config.left_open
     if written.get("kh") == K_MAX:
         written["kh"] = average_kh(config.section, config.site_response)

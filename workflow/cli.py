@@ -1,4 +1,4 @@
-"""The command `noshiro`. What a command needs is imported when it is called: so `noshiro --help` answers at once."""
+"""The command `noshiro`. Modules are imported when a command is called, so that `noshiro --help` is quick."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -48,7 +48,7 @@ STAGES = ", ".join(stages.NAMES)
 
 @app.callback()
 def root(version: Version = False) -> None:
-    """What holds for all commands."""
+    """Options of all commands."""
 
 
 @app.command()
@@ -372,7 +372,7 @@ for command in (section, migrate, study, converge, verify):
 def _up_to(
     stage: str, invocation: "Invocation", force: bool, verbosity: "Verbosity", beside: Sequence[str] = (), **more: Any
 ) -> None:
-    """Run a stage, others beside it, and before them what they need and is not there yet."""
+    """Run a stage and others ``beside`` it, after the stages that they need and that have not run yet."""
     from workflow.run.plan import Choice
     from workflow.terminal import execute
 
@@ -382,7 +382,7 @@ def _up_to(
 
 
 def _warn(verbosity: "Verbosity", invocation: "Invocation", command: str, chosen: Sequence[str]) -> list[str]:
-    """Tell, and return, what of an earlier command still holds, and what of the command line is not read."""
+    """Print, and return, warnings: options of an earlier command that still hold, and settings that are not read."""
     from workflow.terminal import warn
     from workflow.unread import in_words
 

@@ -37,7 +37,7 @@ FILES = (
 
 
 class Config(Tables):
-    """All that the file of a run says: a section, and the settings of the stages."""
+    """Content of the file of a run: a section, and the settings of the stages."""
 
     section: Section
 
@@ -76,7 +76,7 @@ class Config(Tables):
     def with_drawn(self, drawn: Mapping[str, Any], judged: bool = False) -> "Config":
         """The config with values in the place of uncertain numbers, by their paths; itself it has no [uncertain].
 
-        What is drawn may be beyond what soils usually have, unless it is ``judged`` as what a person wrote. Raises
+        Drawn values may be unusual for soils, unless they are ``judged`` as values that a person wrote. Raises
         ValueError for a path that leads nowhere, InputError for values that do not fit.
         """
         data = changed(self._before_the_cut(), drawn, self.uncertain.numbers)
@@ -114,22 +114,21 @@ class Config(Tables):
 
     @property
     def notices(self) -> list[str]:
-        """What a person has to know of the section, of its mesh and of its records, one sentence each."""
+        """Notices on the section, its mesh and its records, one sentence each."""
         cut_off = [line for reach in self.reach.values() for line in reach.notice.splitlines()]
         return [*self.section.notices, *self.mesh.notices(self.section), *cut_off, *self.notices_of_shaking]
 
     @property
     def notices_of_shaking(self) -> list[str]:
-        """What a person has to know of the earthquake and its records, and of what it does to the slides."""
+        """Notices on the earthquake and its records, and on their effect on the slides."""
         slides = self.section.liquefies
         return [*remarks(self), *self.earthquake.notices(self.slide if slides else None)]
 
     @classmethod
     def parse(cls, data: Mapping[str, Any], source: str = "section") -> Self:
-        """The config from what a TOML file holds; raises InputError with every problem found.
-
-        What it leaves to analyses is found by `after_triggering`. Cases that follow from blow counts take the place of
-        the default ones.
+        """Make the config from the content of a TOML file; raises InputError with every problem found.
+        `after_triggering` completes it by analyses. Cases that follow from blow counts take the place of the default
+        ones.
         """
         data = current(data)
         slide = data.get("slide", {})
@@ -159,11 +158,11 @@ class Config(Tables):
 
     @property
     def left_open(self) -> dict[str, str]:
-        """The keys of [slide] that other tables decide, each with the word that says which."""
+        """The keys of [slide] that other tables determine, each with the word that names the table."""
         return self._left_open
 
     def analysed(self, section: Section, slide: SlideSettings, cases: Sequence[Case], keys: Sequence[str]) -> Self:
-        """The config with what analyses found: ground, slides, cases of blow counts; ``keys`` are of the earthquake."""
+        """The config completed by analyses: ground, slides, cases of blow counts; ``keys`` are of the earthquake."""
         tables = {name: getattr(self, name) for name in self.tables()}
         config = type(self).model_construct(section=section, **{**tables, "slide": slide})
         config._written, config._derived_cases = self._written, tuple(cases)
@@ -199,7 +198,7 @@ class Config(Tables):
         return (*self.slide.cases, *self._derived_cases)
 
     def called(self, case: int) -> str:
-        """What a case is called in pictures: its number, and its name if it has one."""
+        """Name of a case in pictures: its number, and its name if it has one."""
         name = self.cases[case - 1].name if 0 < case <= len(self.cases) else ""
         return f"case {case}, {name}" if name else f"case {case}"
 
@@ -264,7 +263,7 @@ def _find_beside(data: Mapping[str, Any], folder: Path) -> None:
 
 
 def merged(lower: Mapping[str, Any], upper: Mapping[str, Any]) -> dict[str, Any]:
-    """Two nested tables as one; where both say something the upper one counts."""
+    """Merge two nested tables; the upper one counts where both have a key."""
     both = {**lower, **upper}
     for key in lower.keys() & upper.keys():
         if isinstance(lower[key], Mapping) and isinstance(upper[key], Mapping):

@@ -30,7 +30,7 @@ def write_example(path: Path, name: str | None = None) -> None:
 
 
 def said_of(path: Path, as_json: bool) -> str:
-    """What is said once an example is written: what to do with it, or its place as JSON."""
+    """The message after an example is written: how to use it, or its path as JSON."""
     if as_json:
         return json.dumps({"section": str(path)})
     return f"{path} is a section that runs as it is. Change it to yours, then: noshiro run {path}"

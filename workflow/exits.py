@@ -1,4 +1,4 @@
-"""How a command ends: what is told where it fails, and its exit code."""
+"""End of a command: its error message and exit code."""
 
 import os
 import sys
@@ -13,7 +13,7 @@ DONE, FAULT, BAD_INPUT, NO_ANSWER, STOPPED = 0, 1, 2, 3, 130
 
 
 def ended(call: Callable[[], object]) -> None:
-    """Call what may fail; leave the program with an exit code where it does."""
+    """Call a function, and leave the program with an exit code if it fails."""
     spell_out()
     try:
         call()
@@ -41,8 +41,9 @@ def ended(call: Callable[[], object]) -> None:
 
 
 def ended_as_program(call: Callable[[], object]) -> None:
-    """The same of a process that has nothing else to do: where threads still work on what was left, it ends at once;
-    Python would abort in them."""
+    """Call a function as `ended` does, and end the process at once if threads of cancelled tasks still run, in which
+    Python would abort.
+    """
     try:
         ended(call)
     except SystemExit as stop:

@@ -47,10 +47,9 @@ class Invocation:
     def of(
         cls, section: Path, folder: Path | None, options: Tables, settings: list[str] | None, afresh: bool = False
     ) -> "Invocation":
-        """The file, over it the settings of the command line, over those its options.
-
-        Where a command says nothing of the mesh, it continues with what the folder was meshed with, unless it begins
-        ``afresh``. Raises InputError with every problem found.
+        """Read the section file, with settings and then options of the command line put over it. A command without
+        options of the mesh takes those of the folder, unless it begins ``afresh``. Raises InputError with every problem
+        found.
         """
         asked = {
             table: {key: value for key, value in its.items() if value is not None} for table, its in options.items()
@@ -104,7 +103,7 @@ class Invocation:
 
     @property
     def notices(self) -> list[str]:
-        """Old words of file and command line with the new ones, and options of an earlier command that still hold."""
+        """Notices: old names of settings with the new ones, and options of an earlier command that still hold."""
         old_words = renamed.notices(merged(read_toml(self.section), self.tables))
         if not self.carried:
             return old_words
@@ -113,7 +112,7 @@ class Invocation:
 
 
 def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> Config:
-    """The input with the mesh of the folder; raises InputError that says where that comes from."""
+    """The config with the mesh options of the folder; an InputError names the folder."""
     try:
         return load_config(section, merged(tables, {"mesh": mesh}))
     except InputError as error:

@@ -16,7 +16,7 @@ def _version(wanted: bool) -> None:
 
 
 class SlideModel(StrEnum):
-    """By which method a slide is computed."""
+    """Method of a slide."""
 
     discs = "discs"
     mpm = "mpm"

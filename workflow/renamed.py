@@ -14,7 +14,7 @@ from meshes.errors import InputError
 
 @dataclass(frozen=True)
 class Renamed:
-    """A setting that has a new name, or values that have.
+    """A setting that was renamed, or whose values were renamed.
 
     Attributes
     ----------
@@ -126,8 +126,8 @@ def _notice(one: Renamed, word: str) -> str:
 def rewritten(text: str, source: str) -> tuple[str, list[str]]:
     """Rewrite the text of a section file with the new words; all else, comments too, stays as it is.
 
-    A word is replaced where the file then says the same as ``current`` makes of it, so that a stratum may well have the
-    name of an old word.
+    A word is replaced only where the file then reads as ``current`` returns it, so that a stratum may have an old word
+    as its name.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def rewritten(text: str, source: str) -> tuple[str, list[str]]:
 
 
 def _places(text: str) -> Iterator[tuple[int, int, str]]:
-    """Where an old key or an old value may stand in a text: start, end, and what takes its place."""
+    """Places in a text where an old key or value may stand: start, end, and its replacement."""
     for one in RENAMED:
         for old, new in one.values.items():
             for found in re.finditer(f"([\"']){re.escape(old)}\\1", text):

@@ -43,7 +43,7 @@ class Observed(Model):
 
 
 class ReportSettings(Model):
-    """What stands at the head of the report, a table [report]; what is empty is left out."""
+    """Title block of the report, a table [report]; empty entries are left out."""
 
     project: str = Field(default="", description="the name of the project")
     client: str = Field(default="", description="for whom the report is")
@@ -64,7 +64,7 @@ Variant = Literal["mesh", "element", "step", "dilation", "sides"]
 
 
 class VariantSettings(Model):
-    """On what the critical Kh hangs, a table [variants]."""
+    """Variants of the critical Kh, one assumption changed at a time, a table [variants]."""
 
     which: tuple[Variant, ...] = Field(
         default=("element", "step", "dilation", "sides"),
@@ -74,7 +74,7 @@ class VariantSettings(Model):
 
 
 class SlidingBlockSettings(Model):
-    """What the slide of the discs is compared with, a table [sliding_block]."""
+    """The sliding block that slides are compared with, a table [sliding_block]."""
 
     accelerogram: str = Field(
         default="", description="a file with a record of the ground: PEER, K-NET, COSMOS, CSMIP, ESM or .csv"

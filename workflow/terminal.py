@@ -1,4 +1,4 @@
-"""What a command shows on the terminal: the section, the plan, how the stages go, and what they found."""
+"""Output of commands on the terminal: the section, the plan, the progress of stages, and their results."""
 
 import shlex
 import sys
@@ -32,12 +32,12 @@ err = Console(stderr=True, highlight=False)
 
 
 def say(line: str) -> None:
-    """A line as it stands, however long."""
+    """Print a line unchanged, without wrapping."""
     out.print(line, soft_wrap=True, markup=False)
 
 
 def warn(lines: Iterable[str], verbosity: Verbosity) -> list[str]:
-    """Tell, and return, what has to be known of a command: beside its output where that holds no sentences."""
+    """Print, and return, warnings; on standard error where the output holds no sentences."""
     messages = list(lines)
     for line in messages:
         (out if verbosity.in_sentences else err).print(line, soft_wrap=True, markup=False)
@@ -50,7 +50,7 @@ def warn_of_old_words(section: Path, verbosity: Verbosity) -> None:
 
 
 def say_data(what: Any) -> None:
-    """Data as JSON, and nothing else."""
+    """Print data as JSON, and nothing else."""
     text = data.told(what)
     out.print(text if is_legible(text) else data.told(what, only_ascii=True), soft_wrap=True, markup=False)
 
@@ -84,7 +84,7 @@ def show_strata(section: Section) -> None:
 
 
 def show_plan(job: Job, choice: Choice, verbosity: Verbosity) -> None:
-    """What would be done about every stage, and why."""
+    """Print which stages would run, and why."""
     decisions = plan(job, Record(job.store), choice)
     if verbosity == Verbosity.JSON:
         return say_data(data.of_plan(decisions))
@@ -96,13 +96,14 @@ def show_plan(job: Job, choice: Choice, verbosity: Verbosity) -> None:
 
 
 def _show_shaking(job: Job) -> None:
-    """What was done to records, warnings about them and the earthquake, and which Kh follows from it."""
+    """Print corrections of records, warnings about them and the earthquake, and the Kh that follows."""
     for text in job.config.notices_of_shaking:
         out.print(escape(f"Warning: {text}."))
 
 
 def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str] = (), pdf: bool = False) -> None:
-    """Run the stages that have to, tell what they found, and print the report if asked; data holds the ``warnings``.
+    """Run the stages of a choice, print their results, and the report as PDF if asked; JSON output holds the
+    ``warnings``.
 
     Raises what `pipeline.execute` and `write_pdf` do.
     """
@@ -123,7 +124,7 @@ def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[s
 
 
 def _tell(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str], pdf: bool) -> None:
-    """What the stages found, in sentences or as data, and where it all is; on paper, too, if asked."""
+    """Print the results of the stages, in sentences or as JSON, and where the files are; write the PDF if asked."""
     if pdf:
         from workflow.report.pdf import write_pdf
 
@@ -135,7 +136,9 @@ def _tell(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str
 
 
 def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
-    """What a whole run found, in at most twelve lines; what single stages found, or ``every`` stage, in sentences."""
+    """Print the results of a whole run in at most twelve lines; those of single stages, or of ``every`` stage, in
+    sentences.
+    """
     from workflow.report.console import run_lines, sentences
     from workflow.results.results import Results
     from workflow.results.summary import Summary

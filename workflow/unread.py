@@ -27,8 +27,7 @@ def is_read(key: str, reads: Iterable[str]) -> bool:
 
 
 def reads_of(stages: Sequence[Stage]) -> list[str]:
-    """The settings that stages read, and the engine that runs them; of one that tells of all only what is not for
-    studies."""
+    """The settings that stages, and the engine that runs them, read; without those of studies for the report."""
     names = [name for stage in stages for name in stage.reads if not (stage.of_all and name in OF_STUDIES)]
     return [*names, *OF_EVERY_RUN]
 
@@ -36,8 +35,7 @@ def reads_of(stages: Sequence[Stage]) -> list[str]:
 def unread(settings: Sequence[str], job: Job, chosen: Sequence[str], without: Callable[[str], Job]) -> list[str]:
     """Those of the ``settings`` that none of the ``chosen`` stages reads; ``without`` is the job without one of them.
 
-    What a stage takes from settings that it does not read itself, such as strengths that follow from blow counts, shows
-    in its inputs.
+    A setting that acts through others, such as a blow count that determines strengths, shows in the inputs of a stage.
     """
     stages = [stage for stage in job.stages if stage.name in chosen]
     reads = reads_of(stages)

@@ -1,1 +1,1 @@
-"""What an answer is compared with: structures that matter, limits with their sources, and the verdict."""
+"""Criteria: limits with their sources, and verdicts on them."""

@@ -6,7 +6,7 @@ Verdict = Literal["satisfied", "not satisfied", "not decided"]
 
 
 def judge(low: float | None, high: float | None, limit: float, at_least: bool) -> Verdict:
-    """Hold the interval of a quantity against its limit.
+    """Compare the interval of a quantity with its limit.
 
     Parameters
     ----------

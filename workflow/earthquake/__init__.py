@@ -1,1 +1,1 @@
-"""What an earthquake does at the site: its magnitude and distance, and the acceleration that these let expect."""
+"""The earthquake at the site: magnitude, distance, peak acceleration, records and site response."""

@@ -21,7 +21,7 @@ MAKDISI = "F. I. Makdisi, H. B. Seed, J. Geotech. Eng. Div. 104 (1978) 849-867"
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """What was computed: where, with which record and step of time (s), the strata of the layers, and the response."""
+    """Result of a site response: place, record and time step (s), strata of the layers, and the response."""
 
     x: float
     record: str
@@ -31,7 +31,7 @@ class Column:
     response: Response
 
     def average_above(self, depth: float) -> np.ndarray:
-        """Acceleration (m/s²) in time of all that lies above a depth (m): of the nearest bottom of a layer."""
+        """Average acceleration (m/s²) in time of the soil above a depth (m), at the nearest bottom of a layer."""
         return np.asarray(self.response.average[int(np.argmin(np.abs(self.response.depth[1:] - depth)))])
 
     def k_max(self, depth: float) -> float:

@@ -1,7 +1,7 @@
 """The reversing seismic coefficient that stands for an earthquake where no record shakes the ground.
 
-Uniform cycles of 0.65 of the peak do to the ground what the irregular ones do (Seed & Idriss 1971). Their number is the
-one behind the magnitude scaling factor of the triggering relations; their period is the mean period of the motion.
+Uniform cycles of 0.65 of the peak have the effect of the irregular ones (Seed & Idriss 1971). Their number is the one
+behind the magnitude scaling factor of the triggering relations; their period is the mean period of the motion.
 """
 
 import math

@@ -83,9 +83,8 @@ class EarthquakeSettings(Model):
             raise InputError("earthquake", [f"record = {self.record}: {text}" for text in error.problems]) from None
 
     def contradiction(self) -> str:
-        """That the peak is not what magnitude and distance let expect, to one standard deviation; empty where it is.
-
-        The peak counts then, and the distance does not.
+        """A sentence where the peak differs from that by magnitude and distance by more than one standard deviation;
+        else empty. The peak counts then, and the distance does not.
         """
         has_peak = self.peak_acceleration is not None or bool(self.record)
         if not has_peak or self.magnitude is None or self.distance is None:
@@ -104,7 +103,7 @@ class EarthquakeSettings(Model):
         )
 
     def notices(self, slide: SlideSettings | None) -> list[str]:
-        """Warnings, contradictions, and where the Kh of the slides comes from, if it is of here."""
+        """Warnings, contradictions, and the source of the Kh of the slides, if it follows from this table."""
         notices = [self._unlikely_peak(), self.contradiction()]
         if slide is not None and (cycles := self.driving(slide)) is not None:
             notices.append(f"slide, kh = {cycles.kh:g} of [earthquake]: {cycles.words}")
@@ -122,12 +121,12 @@ class EarthquakeSettings(Model):
         return ""
 
     def driving(self, slide: SlideSettings) -> EquivalentKh | None:
-        """The cycles of Kh that stand for it, where slides are driven by these; None where by anything else."""
+        """The equivalent cycles of Kh, where these drive the slides; else None."""
         found = None if slide.accelerogram else self.equivalent()
         return found if found is not None and (slide.kh, slide.kh_cycles) == (found.kh, found.cycles) else None
 
     def equivalent(self) -> EquivalentKh | None:
-        """The cycles of Kh that stand for it; None where nothing says its peak."""
+        """The equivalent cycles of Kh; None where the peak is not known."""
         try:
             motion = self.motion()
             record = self._recorded() if self.record and self.peak_acceleration is None else None
@@ -138,7 +137,7 @@ class EarthquakeSettings(Model):
         return equivalent_kh(motion, self.magnitude, self.distance, self.site, record)
 
     def problems(self) -> list[str]:
-        """What the relation misses, or cannot be used for; a record is looked at when it is read."""
+        """Missing input of the attenuation relation, and values outside its range; records are checked when read."""
         if self.record and self.peak_acceleration is None:
             return []
         try:
@@ -204,7 +203,7 @@ def push_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], sou
 
 
 def expected(settings: EarthquakeSettings, magnitude: float, distance: float) -> Motion:
-    """What the relation that is asked for expects of a magnitude at a distance (m)."""
+    """The peak acceleration by the chosen attenuation relation, of a magnitude at a distance (m)."""
     if settings.relation == "boore":
         problems = []
         if settings.vs30 is None:

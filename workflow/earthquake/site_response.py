@@ -38,7 +38,7 @@ class Layer:
 
 @dataclass(frozen=True)
 class HalfSpace:
-    """What lies below the layers: density (kg/m³), V_s (m/s), damping."""
+    """Half-space below the layers: density (kg/m³), V_s (m/s), damping."""
 
     density: float
     velocity: float
@@ -47,7 +47,7 @@ class HalfSpace:
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """What the layers do.
+    """Response of the layers.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class Response:
 
     @property
     def warning(self) -> str:
-        """What is to be doubted of the answer, a sentence without its full stop; empty where nothing is."""
+        """Warning about the validity of the response, a sentence without its full stop; empty without any."""
         return warning(float(self.strain.max()))
 
     @property
@@ -124,9 +124,9 @@ def waves(layers: Sequence[Layer], base: HalfSpace, omega: np.ndarray) -> tuple[
 def response(layers: Sequence[Layer], base: HalfSpace, step: float, outcrop: np.ndarray) -> Response:
     """The layers under a motion of the half-space where it crops out.
 
-    Stiffness and damping are those at 0.65 of the largest strain of each layer, found by going round as in SHAKE, until
-    they come to rest to 0.2 %. Under strong motions rounds come closer ever more slowly; up to a few per cent, which
-    SHAKE takes as enough (5 to 10 %: Schnabel, Lysmer & Seed 1972), what they have come to is the answer.
+    Stiffness and damping are those at 0.65 of the largest strain of each layer, found by iteration as in SHAKE, until
+    they change by less than 0.2 %. Under strong motions the iteration converges slowly; its last values are taken where
+    they change by a few per cent, which SHAKE takes as enough (5 to 10 %: Schnabel, Lysmer & Seed 1972).
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def response(layers: Sequence[Layer], base: HalfSpace, step: float, outcrop: np.
 
 
 def warning(strain: float) -> str:
-    """What is to be doubted of equivalent linear layers by their largest shear strain; empty where nothing is."""
+    """Warning about equivalent linear layers of large shear strain; empty without any."""
     if strain <= LARGE:
         return ""
     message = f"the largest shear strain is {100.0 * strain:.3g} %"
@@ -209,7 +209,7 @@ class _Motion:
         return cls(omega, np.fft.rfft(outcrop, count), count, len(outcrop))
 
     def in_time(self, transfer: np.ndarray) -> np.ndarray:
-        """What a transfer function makes of it (rows, t)."""
+        """The motion in time (rows, t) after a transfer function."""
         return np.asarray(np.fft.irfft(transfer * self.spectrum, self.count)[:, : self.length])
 
 
@@ -226,7 +226,7 @@ def _strain(layers: Sequence[Layer], base: HalfSpace, motion: _Motion) -> np.nda
 
 
 def _response(layers: Sequence[Layer], base: HalfSpace, motion: _Motion, rounds: int, change: float) -> Response:
-    """All that is told of the layers; the shear stress at a depth is what moves the mass above it."""
+    """The response of the layers; the shear stress at a depth is the inertia of the mass above it."""
     omega = motion.omega
     up, down, number = waves(layers, base, omega)
     per = 1.0 / (2.0 * up[-1])

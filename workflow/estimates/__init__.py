@@ -1,1 +1,1 @@
-"""What a practitioner would compare a slide with: sliding blocks under a record, regressions over observed cases."""
+"""Estimates to compare slides with: sliding blocks, regressions over observed cases, limit equilibrium of slices."""

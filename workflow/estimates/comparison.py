@@ -1,4 +1,4 @@
-"""What a practitioner would compare the slide of the discs with: blocks, and a regression over observed cases."""
+"""Estimates of displacement to compare slides with: sliding blocks, and regressions over observed cases."""
 
 import math
 from collections.abc import Iterator
@@ -41,8 +41,9 @@ def constant_kh(settings: Tables) -> float:
 
 @dataclass(frozen=True)
 class BlockDrive:
-    """What drives the block where no record does: Kh that is held for ``seconds``, or reverses in ``cycles`` of a
-    ``period`` (s)."""
+    """Loading of the block without a record: Kh that is held for ``seconds``, or reverses in ``cycles`` of a ``period``
+    (s).
+    """
 
     seconds: float
     cycles: float | None = None

@@ -1,4 +1,4 @@
-"""Relations that take an earthquake, blow counts or the layer above: each with its range, and silent outside of it."""
+"""Empirical relations for displacement by earthquake, blow counts or the layer above, each within its range."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -50,9 +50,8 @@ ZHANG_RANGE = "gently sloping ground of 0.2-3.5 %, or L/H = 4-40 from a free fac
 
 
 def empirical(section: Section, settings: Tables, kc: float | None, slip_surface: np.ndarray) -> Iterator[Estimate]:
-    """All of these relations that the input has something for; None for a displacement that lies outside a range.
-
-    ``slip_surface`` (n, 2) in m is that of the finite elements, for what the input does not say; it may be empty.
+    """The estimates of all relations that the input has data for; the displacement is None outside the range of a
+    relation. ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty.
     """
     try:
         motion = settings.earthquake.motion()
@@ -83,7 +82,7 @@ def empirical(section: Section, settings: Tables, kc: float | None, slip_surface
 
 
 def _blocks(kc: float, resisting: str, motion: Motion, magnitude: float) -> Iterator[Estimate]:
-    """Bray & Travasarou (2007) and Bray & Macedo (2019), for a mass without a period of its own.
+    """Bray & Travasarou (2007) and Bray & Macedo (2019), for a rigid mass (fundamental period 0).
 
     ``resisting`` says of which flow rule ``kc`` is.
     """
@@ -105,7 +104,7 @@ def _blocks(kc: float, resisting: str, motion: Motion, magnitude: float) -> Iter
 
 
 def _block_under_average(section: Section, settings: Tables, kc: float, slip_surface: np.ndarray) -> Iterator[Estimate]:
-    """The block under the average acceleration of what lies above the slip surface (Makdisi & Seed 1978)."""
+    """The block under the average acceleration of the mass above the slip surface (Makdisi & Seed 1978)."""
     try:
         column = column_of(section, settings.site_response)
     except InputError:
@@ -214,7 +213,7 @@ def _zhang(section: Section, settings: Tables, tests: Sequence[Judged]) -> Estim
 
 
 def _mean_of_borings(tests: Sequence[Judged], of_one: Callable[[Sequence[Judged]], float]) -> float:
-    """What each boring gives, weighted by how much of the section is nearest to it."""
+    """Mean over the borings, weighted by the length of the section that is nearest to each."""
     borings: dict[str, list[Judged]] = {}
     for test in tests:
         borings.setdefault(test.boring, []).append(test)

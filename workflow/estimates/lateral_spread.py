@@ -21,7 +21,7 @@ CURVES = (
 
 @dataclass(frozen=True)
 class Spreading:
-    """What Youd et al. ask for.
+    """Input of the relation of Youd et al.
 
     Attributes
     ----------

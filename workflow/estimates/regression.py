@@ -25,7 +25,7 @@ def hamada_as_printed(thickness: float, gradient: float) -> float:
 
 @dataclass(frozen=True)
 class Liquefied:
-    """What the regression is fed with.
+    """Input of the regression.
 
     Attributes
     ----------

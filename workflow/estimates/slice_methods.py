@@ -188,7 +188,7 @@ def _residuals(slices: Slices, factor: np.ndarray, kh: float, theta: float) -> t
 def _moment_balance(
     force_balance: Callable[[float], float], moment: Callable[[float, float], float]
 ) -> tuple[float, float] | None:
-    """What balances the forces at the inclination θ at which the moments balance, too, and that θ."""
+    """The factor of safety, and the inclination θ of the side forces, at which forces and moments balance."""
     angles = np.linspace(-STEEPEST_SIDE, STEEPEST_SIDE, 25)
     values = np.array([force_balance(theta) for theta in angles])
     turning = np.array([moment(value, theta) for value, theta in zip(values, angles, strict=True)])

@@ -110,7 +110,7 @@ def divide(
 
 
 def _ground_forces(section: Section, x: np.ndarray, towards: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What presses on the ground above slices with corners at ``x``, by horizontal area, and at which elevation (m).
+    """Loads on the ground above slices with corners at ``x``, per horizontal area, and their elevation (m).
 
     That is still water with surcharges, and what Kh = 1 adds to them, both (surfaces, slices, 2) in Pa.
 

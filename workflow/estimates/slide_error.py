@@ -1,4 +1,4 @@
-"""How far the discs' slides were off on slides that are known: the error of the model, for the report of a slide.
+"""Error of predicted slides on known slides, for the report.
 
 The table beside this file is written by `noshiro verify --slides --page` from the answers of the collection.
 """
@@ -44,7 +44,7 @@ class SlideError:
     method: SlideMethod = "discs"
 
     def sentence(self) -> str:
-        """What a reader has to know of a slide."""
+        """The sentence on the error of a slide."""
         named = f"{self.kind[0].upper()}{self.kind[1:]} of the collection"
         return (
             f"{named} were predicted{BY[self.method]} within a factor of {self.factor:g} in {self.held} of "
@@ -52,7 +52,7 @@ class SlideError:
         )
 
     def interval(self, low: float, high: float) -> tuple[float, float]:
-        """Slides (m) that these predictions stand for, with that error."""
+        """Interval of slides (m) by predictions and their error."""
         return low / self.factor, high * self.factor
 
 

@@ -25,7 +25,7 @@ LEAST_DEPTH = 0.02  # of the height of the section: shallower circles are the in
 
 @dataclass(frozen=True, eq=False)
 class SlipCircle:
-    """A slip circle and what slices say of it.
+    """A slip circle with its factors of safety or critical Kh.
 
     Attributes
     ----------

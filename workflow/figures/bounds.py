@@ -40,7 +40,7 @@ def draw_all(config: Config, bounds: KhBounds, store: Store) -> None:
 
 
 def conditions(config: Config, bounds: KhBounds, bound: Mechanism | StressField) -> str:
-    """What a bound depends on and must be said beside it."""
+    """Conditions of a bound, for the foot of its picture."""
     kv = f", Kv = {config.fem.vertical:g}" if config.fem.vertical else ""
     direction = next(side.direction for side in bounds.directions if bound in (side.mechanism, side.stress))
     return f"sides {config.fem.sides}, ψ = φ, seismic force {direction}{kv}"

@@ -1,4 +1,4 @@
-"""The look that all pictures share: the ground rendered by pyvista, its frame in metres drawn round it.
+"""Common parts of pictures: the ground rendered by pyvista, axes in metres, legends and notes.
 
 A picture shows true proportions, and a flat section once more with its heights exaggerated. pyvista renders without
 a screen; matplotlib sets the axes, legend and notes.
@@ -106,7 +106,7 @@ def render(
     width: int = round((RIGHT - LEFT) * WIDTH),
     exaggeration: int = 1,
 ) -> np.ndarray:
-    """What ``draw`` puts into a plotter, seen straight on, as an image (height, width, 3) of exactly the window.
+    """Render what ``draw`` adds to a plotter as an image (height, width, 3) of exactly the window.
 
     Heights are multiplied by ``exaggeration``; a tall window gets a narrower image.
     """

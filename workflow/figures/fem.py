@@ -76,7 +76,7 @@ def picture_of(state: State) -> str:
 
 
 def conditions(config: Config, element: str) -> str:
-    """What a critical Kh depends on and must be said beside it."""
+    """Conditions of a critical Kh, for the foot of its picture."""
     flow = _flow_in_words(config)
     kv = f", Kv = {config.fem.vertical:g}" if config.fem.vertical else ""
     force = {"both": "down- and upslope, of which the smaller Kh counts", "downhill": "downslope", "uphill": "upslope"}
@@ -172,7 +172,7 @@ def nice_number(value: float) -> float:
 
 
 def _most(answer: FemAnswer) -> str:
-    """What the critical Kh may be at most, where that is more than its digits."""
+    """The upper limit of the critical Kh, where it differs in the digits shown."""
     most = f"{answer.kc_upper:.3f}"
     return f", at most {most}" if most != f"{answer.kc:.3f}" else ""
 

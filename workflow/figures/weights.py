@@ -1,4 +1,4 @@
-"""A picture of what the ground weighs and of the pressure of the water in it, as every analysis takes them."""
+"""Picture of unit weights and pore pressures, as all analyses take them."""
 
 import textwrap
 from pathlib import Path
@@ -101,7 +101,7 @@ def _draw_loads(axes: "object", section: Section, window: Window) -> None:
 
 
 def _said(section: Section) -> str:
-    """What the picture does not show by its colours."""
+    """The note below the picture."""
     phrases = []
     for load in section.surcharges:
         first, last = (f"{end / 1e3:g}" for end in load.pressure)

@@ -42,7 +42,7 @@ class Accuracy:
 
     @property
     def method(self) -> str:
-        """What the interval follows from, in few words."""
+        """The method of the interval, in few words."""
         return self.by.partition(",")[0]
 
     def error(self, kc: float) -> float:
@@ -70,8 +70,8 @@ def proven_by(strengthened: bool) -> str:
 def of_meshes(fem: FemAnswer, halved: float | None = None) -> Accuracy | None:
     """The interval that the sequence of meshes leaves, wider where it has not converged; None for one mesh.
 
-    ``halved`` is the critical Kh on cells of half the size, where that was looked at after a single mesh: what a mesh
-    leaves open goes with one over its number of cells, so that a third of the difference is left (Richardson 1911).
+    ``halved`` is the critical Kh on cells of half the size, where that was looked at after a single mesh: the error
+    goes with one over the number of cells, so that a third of the difference is left (Richardson 1911).
     """
     values = [mesh.kc for mesh in fem.meshes]
     if len(values) >= 2 and fem.kc_limit is not None:

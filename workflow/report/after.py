@@ -14,8 +14,9 @@ FLOWS = 0.1  # of the height of the ground, below which a displacement was no fl
 
 
 def in_short(results: Results) -> Iterator[str]:
-    """One sentence for each strength that is left, the strength that would do, and what the field says to it; nothing
-    where this was not asked."""
+    """One sentence for each residual strength, one on the strength for a factor of safety of 1, and one on measured
+    displacements; none without this analysis.
+    """
     answer = results.liquefied
     if answer is None:
         return
@@ -92,11 +93,11 @@ class Enough:
 def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
     """The residual strength with which the ground just stands without shaking; None without a factor of safety.
 
-    Between two cases of which one flows it is found from their factors F, straight between them. All strengths over F
-    are those with which it just stands, so that the residual ones alone have to be more than that where it flows
-    (F below 1), and may be less where it stands: a bound on one side where all cases lie on one side. F is concave in
-    the strength, being the least of what mechanisms ask for, each linear in it: a line through two cases that flow
-    says more, and still too little.
+    Between two cases of which one flows it is found from their factors F, straight between them. If all strengths are
+    divided by F the ground just stands. The residual strength alone therefore has to be larger than that where the
+    ground flows (F below 1), and may be smaller where it stands: a bound on one side where all cases lie on one side. F
+    is concave in the strength, as the minimum over mechanisms of linear functions: a line through two cases that flow
+    gives a better lower bound.
     """
     known = [(0.5 * (case.factor_lower + case.factor_upper), case) for case in cases
              if case.factor_lower is not None and case.factor_upper is not None

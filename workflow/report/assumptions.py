@@ -97,7 +97,7 @@ def _water(section: Section) -> str:
 
 
 def _driven(config: Config) -> str:
-    """What drives the slides, and how that differs from an earthquake."""
+    """The loading of slides, and how it differs from an earthquake."""
     words = config.slide.shaking
     if config.slide.accelerogram:
         return f"{words}, which moves the base and all that is fixed to it as one; then it is calm"

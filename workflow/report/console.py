@@ -177,7 +177,7 @@ def _asked(answer: CalibrationAnswer, target: float) -> str:
 
 
 def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
-    """What the cases are, and how far each of them slides, from dem/cases.json."""
+    """The cases, and how far each of them slides, from dem/cases.json."""
     heads = [name for name, _ in case_heads(config)]
     phrases = []
     for number, layers, *factors in case_rows(config):
@@ -269,7 +269,7 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
 
 
 def _slides(config: Config, store: Store) -> Iterator[str]:
-    """How far discs slide, and beside it what material points made of the same section."""
+    """How far discs slide, compared with material points of the same section."""
     answer, label = CasesAnswer.read(store), SectionLabel.of(config.section)
     yield from slide_sentences(config, answer)
     if "mpm" in config.slide.methods and (store.folder / PointSlidesAnswer.FILE).is_file():

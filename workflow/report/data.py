@@ -35,7 +35,7 @@ def of_section(config: Config, picture: Path) -> dict[str, Any]:
 
 
 def _parameters(stratum: Stratum) -> dict[str, Any]:
-    """All that is given of a stratum but where it lies; quantities as plain SI numbers."""
+    """Parameters of a stratum without its position; quantities as plain SI numbers."""
     values = {key: value for key, value in stratum if key not in ("name", "bottom")}
     return {key: float(value) if isinstance(value, float) else value for key, value in values.items()}
 

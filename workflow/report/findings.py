@@ -30,7 +30,7 @@ STAYS = 0.1  # m: a slide of less is told as none
 
 
 def springs_of(results: Results) -> dict[str, str]:
-    """What every set of slides was computed with, by its name."""
+    """Springs of every set of slides in words, by its name."""
     calibration = results.calibration
     if calibration is not None and calibration.verdict == "out of reach":
         words = "whose calibration failed, as near to the critical Kh of the finite elements as possible"
@@ -45,7 +45,7 @@ def springs_of(results: Results) -> dict[str, str]:
 
 
 def fail_alike(results: Results) -> str:
-    """What calibrated packings have in common, in words."""
+    """The common critical Kh of calibrated packings, in words."""
     calibration = results.calibration
     if calibration is not None and calibration.verdict == "not asked for":
         return "with the strength of their element tests, not calibrated to the finite elements"
@@ -83,7 +83,7 @@ def _failure(results: Results) -> Iterator[str]:
 
 
 def _assumed(results: Results, fem: FemAnswer, error: Accuracy | None) -> Iterator[str]:
-    """What the critical Kh would be with other assumptions, and whether they matter more than the computation."""
+    """The critical Kh with other assumptions, and whether they matter more than the numerical error."""
     most, variants = _most(results, fem), results.variants.variants if results.variants is not None else ()
     others = {variant: kc for variant in variants if variant.name in ASSUMED and (kc := variant.of(fem.kc)) is not None}
     if not others:
@@ -111,7 +111,7 @@ def _most(results: Results, fem: FemAnswer) -> float:
 
 
 def _too_much(name: str, kc: float, most: float) -> str:
-    """What is to be made of another flow rule with which the elements bear more than ψ = φ allows any."""
+    """A remark where the elements bear more with another flow rule than ψ = φ allows."""
     if name != "dilation" or kc <= most:
         return ""
     return " (above the limit for ψ = φ: the mesh is too coarse for it)"
@@ -222,7 +222,7 @@ APART = {
 
 
 def _cases_are(config: Config) -> Iterator[str]:
-    """What is left of the layers that liquefy in each case, where cases are spoken of for the first time."""
+    """Strength and stiffness left to the layers that liquefy in each case, for the first sentence on cases."""
     numbers = sorted({number for stratum in config.section.strata for number in stratum.liquefies_in})
     cases = [{**dict(assumed := config.cases[number - 1]), "damping": assumed.damping_left} for number in numbers]
     layers = [spoken(stratum.name, quoted=False) for stratum in config.section.strata if stratum.liquefies_in]
@@ -245,7 +245,7 @@ def _cases_are(config: Config) -> Iterator[str]:
 
 
 def _shown(name: str, values: Sequence[Any]) -> str:
-    """What cases leave of one thing, one after the other; stratum by stratum where these differ."""
+    """The share of one property that each case leaves; stratum by stratum where these differ."""
     strata = list(dict.fromkeys(stratum for value in values if isinstance(value, dict) for stratum in value))
     each = []
     for stratum in strata or [""]:
@@ -284,7 +284,7 @@ def _spread(mean: float, values: Sequence[float], interval: Sequence[float]) -> 
 
 
 def _disagreement(results: Results) -> Iterator[str]:
-    """That methods disagree by more than a factor of three, and what to make of it."""
+    """A sentence where methods disagree by more than a factor of three."""
     _, cases = results.case_set()
     discs = [max(case.slide_max_m, 0.0) for case in cases.values()]
     observed, blocks = _displacements(results, "regression"), _displacements(results, "block")
@@ -312,7 +312,9 @@ def _disagreement(results: Results) -> Iterator[str]:
 
 
 def _measured(results: Results) -> Iterator[str]:
-    """What was measured, beside the discs: at the same place where that is given, else with their largest slide."""
+    """Measured displacements compared with the discs: at the same place where it is given, else with their largest
+    slide.
+    """
     _, cases = results.case_set()
     for observation in results.config.report.observed if cases else ():
         phrase = f"The measured displacement is {observation.displacement:.3g} m ({observation.name})"

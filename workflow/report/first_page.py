@@ -78,7 +78,7 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
 
 
 def _way(results: Results, fem: FemAnswer, _: Texts) -> str:
-    """Where to the section fails: downslope or upslope, but for ground that falls to both sides."""
+    """The direction of failure: downslope or upslope, or the side for ground that falls to both sides."""
     if structures_of(results.config.section):
         return _("to the {side}", side=_(fem.towards))
     return _("{direction}, to the {side},", direction=_(DIRECTION[fem.direction]), side=_(fem.towards))
@@ -119,7 +119,7 @@ def _interval(error: Accuracy | None, _: Texts) -> str:
 
 
 def _from_to(low: str, high: str, method: str, _: Texts) -> str:
-    """An interval and what it follows from; one number where both ends come to the same."""
+    """An interval and its method; one number where both ends are the same."""
     both = _("{low} to {high}", low=low, high=high) if low != high else low
     return _("{interval} {method}", interval=both, method=_(method))
 
@@ -266,7 +266,7 @@ def _without_shaking(results: Results, _: Texts) -> Iterator[str]:
 
 
 def _why_kh(results: Results, _: Texts) -> Iterator[str]:
-    """What the constant Kh of the slides is beside the limit load after liquefaction."""
+    """The constant Kh of the slides compared with the limit load after liquefaction."""
     slide = results.config.slide
     if results.liquefied is None or not results.case_set()[1] or slide.accelerogram or slide.kh_cycles or not slide.kh:
         return

@@ -54,12 +54,12 @@ class Labels:
         return name in self.known
 
     def see(self, name: str) -> str:
-        """The number of what has this name, wherever it stands."""
+        """The number of the item of this name, wherever it stands."""
         return self.known.get(name, "")
 
 
 class Notes:
-    """What stands below a table once, though many of its rows refer to it by a letter."""
+    """Notes below a table, each once, to which rows refer by a letter."""
 
     def __init__(self) -> None:
         self.letters: dict[str, str] = {}

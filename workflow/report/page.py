@@ -73,7 +73,7 @@ def page(results: Results, summary: Summary) -> str:
 
 
 def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]:
-    """All that the template shows."""
+    """Content of the template."""
     config, uncertainty_rows = results.config, list(sources_of_uncertainty(results))
     return {
         "config": config,

@@ -1,4 +1,4 @@
-"""What the paper says of section S-13, against what was computed here, and why they differ where they do."""
+"""Comparison of computed results with the paper on section S-13, with reasons for differences."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping

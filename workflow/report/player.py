@@ -1,4 +1,4 @@
-"""What the report plays: every slide as its discs in time, and the path of Kh with the fields that were kept on it.
+"""Animations of the report: every slide as its discs in time, and the path of Kh with the stored fields.
 
 A film is a small table and an array of whole numbers: places are counted in ``quantum`` metres, and what changes from
 one picture to the next is all that is kept. `player.js` draws it; where no script runs, the still pictures serve.

@@ -45,7 +45,7 @@ class SecondOpinion:
     resting: tuple[bool, bool]
 
     def told(self) -> str:
-        """The two, and what to make of them."""
+        """A sentence that compares both slides."""
         both = f"discs slide {metres(self.discs)} and material points {metres(self.points)}"
         if self.agreed:
             return f"{both}, and they agree" + ("" if any(self.resting) else " that it does not come to rest")

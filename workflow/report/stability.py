@@ -1,4 +1,4 @@
-"""All that says at which Kh the section fails, and its factor of safety: one row each, with what it is of."""
+"""Critical Kh and factors of safety by all methods: one row each, with its conditions."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

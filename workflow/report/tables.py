@@ -98,7 +98,7 @@ OPTIONAL = ("name", "residual", "residual_strength", "volumetric_strain")
 
 
 def case_heads(config: Config) -> list[tuple[str, str]]:
-    """What the cases of liquefaction change: the name of each factor, and what it is a factor on."""
+    """Heads of the table of cases: the name of each factor, and the property that it multiplies."""
     return [(name.replace("_", " "), str(Case.model_fields[name].description)) for name in _changed(config)]
 
 

@@ -1,4 +1,4 @@
-"""What the results depend on, and by how much: mesh, step, dilation, sides, bounds, packing."""
+"""Sensitivity of the results to mesh, step, dilation, sides, bounds and packing."""
 
 from collections.abc import Iterator, Mapping
 
@@ -67,7 +67,7 @@ def _meshes(fem: FemAnswer) -> Iterator[str]:
 
 
 def _seen(variant: Variant, kc: float | None) -> str:
-    """What a variant came to, in words."""
+    """The result of a variant, in words."""
     if variant.kc is None or kc is None:
         return f"Here, {variant.change}: {variant.verdict}, {variant.reason}."
     without = variant.kc_without or kc
@@ -107,7 +107,7 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
 
 
 def _dilation(fem: FemAnswer) -> str:
-    """What was assumed of the flow rule, and the critical Kh by the other one."""
+    """The assumed flow rule, and the critical Kh by the other one."""
     how = FLOWS[fem.flow]
     if fem.associated is None and fem.davis is None:
         return how

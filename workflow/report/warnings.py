@@ -162,9 +162,8 @@ def _fails_when_held(results: Results) -> Iterator[str]:
 
 
 def joined(notes: Mapping[int, Sequence[str]]) -> Iterator[str]:
-    """What the notes of cases say, each once, with its cases; numbers that differ become a range.
-
-    Every case has its notes in the order of their weight, and so have all of them.
+    """Merge the notes of cases, each once with its cases; numbers that differ become a range. The order by weight is
+    kept.
     """
     groups: dict[str, dict[int, list[str]]] = {}
     places: dict[str, int] = {}

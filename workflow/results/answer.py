@@ -1,4 +1,4 @@
-"""What the answers of all stages have in common: they are read and written here, and nowhere else.
+"""Base classes of the answers of all stages, with their reading and writing.
 
 An answer is a pydantic model whose fields are the keys of its JSON file, so that mypy, the tests and a reader all know
 them. Units stand in the names (``settlement_uphill_m``, ``E_Pa``) or in a field's description; what has neither is a
@@ -53,7 +53,7 @@ class Part(BaseModel):
 
 
 class Answer(Part):
-    """What a stage leaves in its JSON file.
+    """The content of the JSON file of a stage.
 
     ``FILE`` is the name of the file within the folder of a run. ``VERSION`` counts the meanings that the keys have had:
     raise it when one changes its meaning while its name stays. A new key without a default needs no new version, since

@@ -12,7 +12,7 @@ Verdict = Literal["bracketed", "wide", "no bracket", "unstable"]
 
 
 class StressResiduals(Part):
-    """What the check of the lower bound found: how far the stress is from equilibrium and from the yield surface."""
+    """Residuals of the lower bound: imbalance of the stress, and its distance to the yield surface."""
 
     imbalance: float = Field(description="largest body force left over in a cell times its size, over the stress")
     traction_jump: float = Field(description="largest difference of traction across an edge, over the stress")
@@ -20,7 +20,7 @@ class StressResiduals(Part):
 
 
 class VelocityResiduals(Part):
-    """What the check of the upper bound found: how far the velocities are from what the flow rule and the sides ask."""
+    """Residuals of the upper bound: how far the velocities violate flow rule and boundary conditions."""
 
     multiplier: float = Field(description="the bound, computed from the velocities alone")
     flow_slack: float = Field(description="smallest volume rate beyond what the flow rule asks for, where φ > 0")
@@ -30,7 +30,7 @@ class VelocityResiduals(Part):
 
 
 class Residuals(Part):
-    """What the checks of both bounds left over; None where there is no such bound."""
+    """Residuals of both bounds; None for a missing bound."""
 
     lower: StressResiduals | None
     upper: VelocityResiduals | None
@@ -134,7 +134,7 @@ class SafetyPart(Part):
 
 
 class BoundsAnswer(BracketPart, Answer):
-    """The bounds with ψ = φ, of which the upper one holds for every smaller ψ, too, and what was found beside them."""
+    """The bounds with ψ = φ, of which the upper one holds for every smaller ψ, too, and the factors of safety."""
 
     FILE: ClassVar[str] = "fem/bounds.json"
 

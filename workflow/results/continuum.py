@@ -30,7 +30,7 @@ class MeshCount(Part):
 
 
 class Gravity(Part):
-    """How the weight was brought on, before Kh."""
+    """The path under gravity, before Kh."""
 
     iterations: int = Field(description="Newton iterations")
     plastic_share: float = Field(description="share of the points that yield under the weight alone, 0 to 1")
@@ -118,9 +118,9 @@ class MeshStep(Part):
 def displacement_at(path: Sequence[PathStep], kc: float, share: float) -> float:
     """The displacement (m) at which a path of rising Kh comes to a share of the critical one, ``kc``.
 
-    A path may end before, where the critical Kh was found without it. What is left to it is then taken to go on
-    shrinking as it last did, by the same share in every metre: the path of S-13 in a rigid box, cut off at 0.8 and 0.95
-    of kc, so comes to 0.99 of it 7 % before and 7 % after where it does.
+    A path may end before, where limit analysis gave the critical Kh. It is then extrapolated: the difference to kc
+    decays exponentially with displacement, as over the last step. For S-13 in a rigid box, paths cut off at 0.8 and
+    0.95 of kc give the displacement at 0.99 of kc within 7 %.
     """
     near = [step.displacement for step in path if step.factor >= share * kc]
     if near or len(path) < 2:
@@ -180,14 +180,13 @@ class FemAnswer(Answer):
 
     @property
     def estimate(self) -> str:
-        """What Davis's estimate is called."""
+        """Name of Davis's estimate for these dilation angles."""
         return davis_words(self.dilation_deg.values())
 
     @property
     def ended(self) -> str:
-        """The verdict in words: a plateau only where the path itself came to one.
-
-        The limit load of the elements is found without it, and a path that was not followed so far may still rise.
+        """The verdict in words: a plateau only where the path itself reached one. Limit analysis gives the limit load
+        without the path, which may still rise where it ends.
         """
         known_before = self.verdict == "plateau" and self.kc_lower < YIELDED * self.kc
         return "limit load" if known_before else self.verdict
@@ -222,7 +221,9 @@ class Variant(Part):
     )
 
     def of(self, kc: float) -> float | None:
-        """What the change makes of the critical Kh ``kc`` of the answer: on another mesh, by the same ratio."""
+        """The critical Kh with the change, for the answer ``kc``; where both were found on another mesh, by their
+        ratio.
+        """
         if self.kc is None or self.kc_without is None:
             return self.kc
         return kc * self.kc / self.kc_without

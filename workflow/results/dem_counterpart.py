@@ -35,7 +35,7 @@ class DemCounterpart(Answer):
 
     @classmethod
     def of(cls, fem: FemAnswer, instead: str = "") -> Self:
-        """What the stage `fem` found between the sides of the discs' box, else with its own sides."""
+        """The result of the stage `fem` with the sides of the DEM box, or else with its own sides."""
         box = fem.rigid_box if fem.rigid_box is not None and fem.rigid_box.has_kc else None
         source: RigidBox | FemAnswer = box or fem
         end = fem.last_in_equilibrium()
@@ -56,6 +56,6 @@ class DemCounterpart(Answer):
 
     @property
     def terms(self) -> str:
-        """In words, what this critical Kh is for: sides, flow, and how deep failures are."""
+        """Conditions of this critical Kh in words: sides, flow rule, and depth of failures."""
         deep = f", failures deeper than {self.deeper_than_m:.2g} m" if self.deeper_than_m else ""
         return f"{self.sides} sides, {FLOWS[self.flow]}{deep}"

@@ -52,7 +52,7 @@ def write_collection(store: Store, name: str, folder: str = "dem") -> None:
 
 
 def case_name(springs: str, number: int) -> str:
-    """What the files of a case are called: those of calibrated discs have the plain names."""
+    """Name of the files of a case: without a suffix for calibrated discs."""
     return f"case{number}" if springs == "calibrated" else f"case{number}_{springs}"
 
 

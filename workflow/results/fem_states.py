@@ -1,4 +1,4 @@
-"""What the stage `fem` left, read back for pictures and report: nothing is computed again."""
+"""Results of the stage `fem`, read back for pictures and report."""
 
 from dataclasses import dataclass, replace
 

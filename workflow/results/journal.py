@@ -14,7 +14,7 @@ from workflow.run.store import Store
 
 
 class Entry(Part):
-    """One search: which factor was on which parameter, and what it came to."""
+    """One search: factor, parameter and result."""
 
     parameter: str
     factor: float
@@ -22,7 +22,7 @@ class Entry(Part):
 
     @property
     def found(self) -> Search:
-        """The search again, to go on from."""
+        """The search, to continue from."""
         kept = self.search
         return Search(
             lower=kept.kc_lower,
@@ -61,7 +61,7 @@ class Journal:
         return searches
 
     def add(self, parameter: str, factor: float, search: Search) -> None:
-        """One more."""
+        """Add a search."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
         line = Entry(parameter=parameter, factor=factor, search=DiscSearch.of(search)).model_dump_json()
         with self.path.open("a", encoding="utf-8") as file:

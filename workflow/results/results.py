@@ -1,4 +1,4 @@
-"""All that a folder holds for one input: what the stages found, and how each of them ended."""
+"""Results of a folder for one input: the answers of the stages, and how each of them ended."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -32,8 +32,8 @@ Judged = tuple[str, float, float | None, float | None, bool]
 
 @dataclass(frozen=True)
 class Results:
-    """What belongs to the input: ``ends`` how stages ended, ``missing`` why others have nothing to show; ``older`` are
-    those that another version of the program computed, ``stages`` those that the report tells of.
+    """Results of an input: ``ends`` how stages ended, ``missing`` why others have no result; ``older`` stages were
+    computed by another version of the program, ``stages`` are those of the report.
 
     The answers are those of the files, None where a stage has left none: ``bounds`` has always both bounds.
     """
@@ -120,7 +120,7 @@ class Results:
 
     @property
     def warnings(self) -> list[ResultWarning]:
-        """What contradicts the critical Kh of the FEM, or is to be known beside it."""
+        """Warnings on the critical Kh of the FEM: contradictions, and notes."""
         phrase = list(self.fem.warnings) if self.fem is not None else []
         others = [
             Computed(variant.change, variant.kc, decisive=variant.name == "mesh", without=variant.kc_without)
@@ -131,8 +131,9 @@ class Results:
         return [*phrase, *contradictions, *self.warnings_by_bounds()]
 
     def warnings_by_bounds(self) -> list[ResultWarning]:
-        """Where strict bounds contradict the FEM. Those of ψ = φ judge every smaller ψ, too, and upper ones between
-        fixed sides those between sides that yield: what holds still at the sides takes no work from them."""
+        """Where strict bounds contradict the FEM. Upper bounds with ψ = φ hold for every smaller ψ, and those with
+        fixed sides for sides that yield: a mechanism at rest at the sides does no work there.
+        """
         fem, bounds = self.fem, self.bounds
         if fem is None or bounds is None or self.kc is None:
             return []

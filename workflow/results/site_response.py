@@ -1,4 +1,4 @@
-"""site_response.json: what the layers under a point do while the rock below them shakes."""
+"""site_response.json: response of the layers at a point to a record of the rock below."""
 
 from typing import ClassVar
 
@@ -8,7 +8,7 @@ from workflow.results.answer import Answer, Part, SectionLabel
 
 
 class ResponseLayer(Part):
-    """A layer, and the largest of everything in it."""
+    """A layer, and the peak values in it."""
 
     stratum: str
     top_m: float

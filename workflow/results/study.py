@@ -1,4 +1,4 @@
-"""study.json: what the samples of a study say together."""
+"""study.json: statistics of the samples of a study."""
 
 import math
 import re
@@ -21,7 +21,7 @@ Z95 = 1.959963984540054  # of the standard normal distribution: 95 % lie within
 
 
 class Effect(Part):
-    """What one uncertain number does to a result."""
+    """Effect of one uncertain number on a result."""
 
     path: str
     correlation: float | None = Field(
@@ -80,9 +80,9 @@ class Result(Part):
 
     @property
     def by_chance(self) -> float:
-        """What the largest of its rank correlations stays below in 95 of 100 studies of so many samples if nothing
-        depends on anything; each alone by the normal distribution with the variance 1 / (n - 1), together by
-        Bonferroni's inequality."""
+        """The 95 % limit of its largest rank correlation if nothing depends on anything, for so many samples; each
+        alone by the normal distribution with the variance 1 / (n - 1), together by Bonferroni's inequality.
+        """
         if self.samples < 2:
             return 1.0
         quantile = NormalDist().inv_cdf(1.0 - 0.025 / max(1, len(self.effects)))

@@ -29,7 +29,7 @@ class SafetySummary(Part):
 
     @classmethod
     def of(cls, factor: FactorOfSafety) -> Self:
-        """What is kept of a factor of safety."""
+        """The summary of a factor of safety."""
         return cls(kh=factor.kh, factor=factor.factor, davis=factor.davis, associated=factor.associated)
 
 
@@ -79,7 +79,7 @@ class CircleSummary(Part):
 
     @classmethod
     def of(cls, answer: SlicesAnswer) -> tuple[Self, ...]:
-        """What is kept of all circles."""
+        """The summary of all circles."""
         groups = [(group.kh, group.circles) for group in answer.factors] + [(None, answer.critical)]
         return tuple(
             cls(kh=kh, towards=circle.towards, bishop=circle.bishop, spencer=circle.spencer)
@@ -100,7 +100,7 @@ class FaceSummary(Part):
 
 
 class Factor(Part):
-    """What the calibration multiplied, and by how much."""
+    """The parameter of the calibration, and its factor."""
 
     parameter: str
     value: float
@@ -129,7 +129,7 @@ class DemSummary(Part):
 
 
 class EstimateSummary(Part):
-    """What a practitioner would compare the slides with."""
+    """An estimate that slides are compared with."""
 
     method: str
     displacement_m: float | None

@@ -132,7 +132,7 @@ class BoringPart(Part):
 
 
 class LeftPart(Part):
-    """What is left of a stratum where its blow counts have F_L below 1."""
+    """Residual strength of a stratum where its blow counts have F_L below 1."""
 
     stratum: str
     residual: dict[str, float] = Field(description="residual strength over the vertical effective stress, by relation")
@@ -149,7 +149,7 @@ class RelationPart(Part):
 
 
 class TriggeringAnswer(Answer):
-    """What the borings say of an earthquake."""
+    """Liquefaction triggering at the borings."""
 
     FILE: ClassVar[str] = "triggering.json"
 

@@ -85,7 +85,7 @@ class Display:
         self.context.__exit__(None, None, None)
 
     def begin(self, decision: Decision) -> Progress:
-        """A stage begins; returns what shows how far it is."""
+        """A stage begins; returns the callback for its progress."""
         shown = self.lines[decision.stage.name]
         shown.state, shown.start = "run", time.monotonic()
         shown.left = TimeLeft(shown.start)

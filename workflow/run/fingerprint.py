@@ -1,4 +1,4 @@
-"""What a stage is made from, as fingerprints: when none of them has changed, neither has its result."""
+"""Fingerprints of the inputs of a stage: its result is valid while none of them changes."""
 
 import hashlib
 import json
@@ -19,7 +19,7 @@ SOURCES = (".py", ".csv", ".jinja", ".js")  # the files that results are made by
 
 
 def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dict[str, str]:
-    """A fingerprint for all that a stage's results are made from, by names that people know.
+    """Fingerprints of all inputs of a stage, by names that people know.
 
     ``ignored`` are settings that change nothing in the results of the stage that needs it.
     """
@@ -40,7 +40,7 @@ def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dic
 
 
 def title(section: Section) -> str:
-    """A fingerprint of what the section is called."""
+    """A fingerprint of the names in the section."""
     return fingerprint_of(section.model_dump(mode="json", include=TITLE))
 
 

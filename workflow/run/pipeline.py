@@ -38,7 +38,8 @@ class Listener(Protocol):
 
 
 def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
-    """Do what has to be done, with the folder locked; ``what`` is the command, for the log. The executor ends with it.
+    """Run the stages of a choice, with the folder locked; ``what`` is the command, for the log. The executor is closed
+    at the end.
 
     Raises InputError if something cannot be used or written. A stage without an answer keeps those from running that
     need it; all others run, and then its error is raised.
@@ -89,7 +90,7 @@ class Run:
         self.one_at_a_time = RLock()  # who writes the record, the log and the input: stages beside others do so, too
 
     def do_all(self, decisions: Sequence[Decision]) -> None:
-        """Do what was decided, stage by stage, and those stages beside others that can be."""
+        """Run the stages in order, and concurrently where they do not depend on each other."""
         waiting = list(decisions)
         while waiting:
             for decision in [candidate for candidate in waiting if self._can_go_beside(candidate, waiting)]:
@@ -154,7 +155,7 @@ class Run:
             self._draw(stage, stage.draw, begun)
 
     def _draw(self, stage: Stage, draw: Callable[[Job], None], begun: "Begun") -> None:
-        """Draw what a stage has left, in another process where there is one."""
+        """Draw the pictures of a stage, in another process where there is one."""
 
         def keep(drawn: "Future[None]") -> None:
             drawn.result()
@@ -189,7 +190,7 @@ class Run:
         self.beside.append(then(self.executor.begin(work, lambda progress: begun.progress(*progress)), end))
 
     def _begin(self, decision: Decision) -> "Begun":
-        """Clear up before a stage, and remember that it has begun."""
+        """Remove leftovers of other inputs, and record that a stage has begun."""
         stage, store, left = decision.stage, self.job.store, self.record[decision.stage.name]
         inputs = made_from(stage, self.job, self.record)  # those of a report depend on how the others have ended
         with self.one_at_a_time:
@@ -202,7 +203,7 @@ class Run:
         return Begun(inputs, progress, store.marks((*stage.results, *stage.pictures)), time.perf_counter())
 
     def _end(self, decision: Decision, begun: "Begun", failure: NoAnswerError | None) -> None:
-        """Keep how a stage has ended, and what it left."""
+        """Record how a stage has ended, and its files."""
         stage, store = decision.stage, self.job.store
         seconds = time.perf_counter() - begun.start
         # What it did not write may be of other inputs, but for a stage that goes on and has cleaned up before.
@@ -268,7 +269,7 @@ def _worked(work: Callable[[Job], None], job: Job, tell: Tell) -> None:
 
 @dataclass(frozen=True)
 class Begun:
-    """A stage that has begun: what it is made from, who hears of it, what was there before, and when that was (s)."""
+    """A stage that has begun: fingerprints of its inputs, progress callback, files before it, and start time (s)."""
 
     inputs: dict[str, str]
     progress: Progress

@@ -1,4 +1,4 @@
-"""Which stages run, and why: a stage runs when something that it is made from has changed."""
+"""Which stages run, and why: a stage runs when one of its inputs has changed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ class Choice:
     def of(
         cls, stages: Sequence[Stage], start: str | None = None, only: Sequence[str] = (), force: bool = False
     ) -> Self:
-        """All stages, or ``only`` some; from ``start`` on they run anyhow, with ``force`` all that may run.
+        """All stages, or ``only`` some; from ``start`` on they run even if unchanged, with ``force`` all of them.
 
         Raises InputError if there is no such stage.
         """
@@ -51,7 +51,7 @@ class Choice:
 
     @classmethod
     def up_to(cls, stages: Sequence[Stage], name: str, force: bool = False, beside: Sequence[str] = ()) -> Self:
-        """A stage, forced if so wished, others ``beside`` it, and before them those that they cannot do without."""
+        """A stage (run again with ``force``), others ``beside`` it, and the stages that they need."""
         needed = {name, *beside}
         for stage in reversed(stages):
             needed |= set(stage.needs) if stage.name in needed else set()
@@ -61,7 +61,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Decision:
-    """What is to be done about a stage.
+    """The decision about a stage.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class Decision:
 
 
 def plan(job: Job, record: Record, choice: Choice) -> list[Decision]:
-    """What is to be done about every stage. Raises InputError if the choice leaves out what one needs."""
+    """Decide which stages run. Raises InputError if the choice leaves out what one needs."""
     decisions: list[Decision] = []
     for stage in job.stages:
         news = any(decision.action in ("run", "redraw") for decision in decisions)
@@ -93,7 +93,7 @@ def plan(job: Job, record: Record, choice: Choice) -> list[Decision]:
 
 
 def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
-    """The fingerprints of all that matters to a stage; one that tells of all depends on how the others ended, too."""
+    """The fingerprints of all inputs of a stage; the report depends on how the others ended, too."""
     prints = inputs(stage, job)
     if stage.of_all:
         ends = {name: [entry.outcome, entry.ended] for name, entry in record.entries.items() if name != stage.name}
@@ -141,7 +141,7 @@ def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool
 
 
 def changes(stage: Stage, prints: dict[str, str], record: Record) -> str:
-    """Why what a stage left cannot be used again, in words; empty if it can."""
+    """Why the results of a stage cannot be used again, in words; empty if they can."""
     entry = record[stage.name]
     if entry is None:
         return OTHER_VERSION if stage.name in record.outdated else "not run"

@@ -1,4 +1,4 @@
-"""What a stage tells while it computes, and how long it still needs."""
+"""Progress of a stage, and the time left."""
 
 import math
 from collections.abc import Callable
@@ -8,15 +8,14 @@ Progress = Callable[[str, float | None], None]
 
 
 def silent(_line: str, _share: float | None) -> None:
-    """Nobody listens."""
+    """Ignore progress."""
 
 
 class TimeLeft:
-    """How long a stage still needs, as it is told while the stage continues: it never rises.
-
-    The share that is done says how long the rest takes, if it continues as before. Work is told in pieces: while
-    a piece lasts, its share stands still, and the time left counts down. Where a piece takes longer than was thought,
-    the time left stays where it is, as a lower bound, until the work has caught up.
+    """The time left of a stage, which never rises. The share that is done gives the time for the rest, at the same
+    speed. Work is told in pieces: while a piece lasts, its share stands still, and the time left counts down. Where a
+    piece takes longer than was thought, the time left stays where it is, as a lower bound, until the work has caught
+    up.
     """
 
     PATIENCE = 0.5  # of what the elapsed time alone says: less is never told

@@ -1,4 +1,4 @@
-"""What is known of the stages of a run: what each was made from, how it ended, and what it left."""
+"""Record of the stages of a run: inputs, outcome and files of each."""
 
 import json
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""What a stage is, and the job that it is given: the engine of a run knows stages by no more than this."""
+"""Stages and jobs, as the engine of a run knows them."""
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Job:
-    """All that a stage may need.
+    """Input of a stage.
 
     Attributes
     ----------

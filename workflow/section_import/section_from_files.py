@@ -103,7 +103,7 @@ def draw_borings(found: Connected, out: Path) -> Path:
 
 
 def to_be_given(path: Path) -> list[str]:
-    """What a person has to give before the section is sound."""
+    """Missing input of the new section, one sentence each."""
     try:
         load_config(path)
     except InputError as error:

@@ -37,7 +37,7 @@ def __getattr__(name: str) -> Any:
 
 
 def stored_job(folder: Path) -> "Job":
-    """What a folder's results were made from; raises InputError if it holds no run."""
+    """The job of the run in a folder; raises InputError if it holds no run."""
     from workflow.after_triggering import load_config
     from workflow.run.record import Record
     from workflow.run.stage import Job

@@ -166,7 +166,7 @@ def _verdict(bracket: "Bracket", asked: BoundsSettings) -> tuple[Verdict, str]:
 
 
 def _gap(bracket: "Bracket") -> str:
-    """How far the bounds are apart, as a share of their mean; in Kh where that is small or zero is between them."""
+    """The gap of the bounds as a share of their mean; in Kh where that is small or zero is between them."""
     difference = f"{bracket.upper - bracket.lower:.4f} in Kh"
     if bracket.lower * bracket.upper <= 0.0:
         return difference

@@ -1,4 +1,4 @@
-"""The stage `calibrate`: discs of the section, brought to fail at the Kh of a continuum that is like them."""
+"""The stage `calibrate`: discs of the section, calibrated to the critical Kh of their FEM counterpart."""
 
 from fem.settings import WITHOUT_EFFECT
 from meshes.errors import NoAnswerError

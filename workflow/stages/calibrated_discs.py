@@ -1,4 +1,4 @@
-"""The work of the stage `calibrate`: discs of the section, brought to fail at the Kh that the finite elements found.
+"""The work of the stage `calibrate`: discs of the section, calibrated to the critical Kh of the finite elements.
 
 It leaves dem/settled.h5 and calibrated.h5 (discs at rest before and after), trials.jsonl (a line for every search for
 a critical Kh, from which a stopped run continues), critical.json, calibration.json and the states that are drawn.
@@ -76,7 +76,7 @@ FIRST = 0.5  # of the time, what comes before these searches and tests
 
 
 def calibrate_stage(config: Config, store: Store, progress: Progress, executor: Executor) -> None:
-    """Discs that fail where the finite elements do. Raises InputError, NoAnswerError, DemError."""
+    """Calibrate discs to the critical Kh of the finite elements. Raises InputError, NoAnswerError, DemError."""
     fem = FemAnswer.read(store)
     precompile(executor, lambda what: progress(what, None))
     searched, paper, layers = _searched(config, store, progress, executor)
@@ -118,7 +118,7 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
 
 @dataclass(frozen=True)
 class Searched:
-    """What one set of discs came to: without a factor, and once calibrated, None where that was not asked for."""
+    """Searches of one set of discs: uncalibrated, and calibrated (None where not asked for)."""
 
     base: Search
     calibration: Calibration | None = None
@@ -137,9 +137,9 @@ class Searched:
 def _searched(
     config: Config, store: Store, progress: Progress, executor: Executor
 ) -> tuple[Searched, Search | None, tuple[LayerCheck, ...]]:
-    """The searches of the discs, and concurrently what does not depend on these: that of the paper's own
-    discs where they were asked for, and tests of the soil discs of every layer. The FEM counterpart comes first, while
-    the discs come to rest."""
+    """The searches of the discs, and concurrently that of the paper's own discs where they were asked for, and tests of
+    the soil discs of every layer. The FEM counterpart comes first, while the discs come to rest.
+    """
     if config.dem.model != "soil":
         return _calibrated(config, store, lambda message: progress(*message), executor), None, ()
     searched, ended = 0.0, 0
@@ -178,7 +178,7 @@ Piece = tuple[Callable[..., Any], tuple[Any, ...]]  # what is done, and what it 
 
 
 def _done(piece: Piece, tell: Tell) -> Any:
-    """One piece of the work, by whoever does it."""
+    """Do one task."""
     work, config = piece
     return work(*config, tell)
 
@@ -220,8 +220,9 @@ def _calibrated(config: Config, store: Store, tell: Tell, executor: Executor = S
 def calibration_answer(
     config: Config, searched: Searched, continuum: Continuum | None, **more: Any
 ) -> CalibrationAnswer:
-    """How the discs were calibrated to the critical Kh; of soil discs also what they had without a factor, beside that
-    of the ``continuum``. ``more`` are tests of the layers."""
+    """The calibration as an answer; of soil discs also their uncalibrated critical Kh compared with that of the
+    ``continuum``. ``more`` are tests of the layers.
+    """
     kc = searched.base.kc
     if continuum is not None and kc is not None and searched.calibration is not None:
         more["continuum_kc"] = (continuum.kc, continuum.nearest(np.inf))
@@ -242,7 +243,7 @@ def _paper(config: Config, store: Store, tell: Tell) -> Search:
 
 
 def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDiscs, Start]:
-    """What is told of the paper's own discs, and where they start from."""
+    """The answer on the paper's own discs, and their state at rest."""
     dem = config.dem.as_paper()
     discs = discs_at_rest(config.section, store, dem, PAPER, lambda _: None)
     answer = PaperDiscs(

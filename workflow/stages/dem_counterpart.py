@@ -40,11 +40,11 @@ def dem_counterpart_piece(config: Config, store: Store, tell: Tell) -> None:
 
 
 def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounterpart:
-    """The path with ψ as given, on the mesh that the search began with, since discs have the strength of the soil and
-    hardly any dilation. A path that continues to rise leaves open where it fails: above the last equilibrium that was
-    found on it, but below what ground with ψ = φ bears. Davis's estimate, a low one, stands in where the path takes too
-    long or comes to less; it fails above that then, and below the same. Where the critical Kh of the section is with
-    ψ = φ this is as well: discs dilate by what they do, whatever the continuum is given.
+    """The path with ψ as given, on the initial mesh, since discs have the strength of the soil and hardly any dilation.
+    Where the path still rises at its end, the critical Kh lies between its last equilibrium and the limit load with ψ =
+    φ. Davis's estimate, a low one, replaces a path that takes too long or gives less; the critical Kh then lies between
+    it and the same limit load. Where the critical Kh of the section is with ψ = φ this is as well: discs dilate by what
+    they do, whatever the continuum is given.
     """
     from mpi4py import MPI
 

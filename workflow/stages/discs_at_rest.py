@@ -67,7 +67,7 @@ def calibrator_for(
     continuum: Continuum | None = None,
     executor: Executor = SERIAL,
 ) -> Calibrator:
-    """What searches for the critical Kh of discs with any factor, and continues from what stands in a journal."""
+    """The calibrator of discs, which continues from the searches in a journal."""
     kept = Journal(store, journal)
     return Calibrator(
         discs.ground, discs.layers, discs.settled, dem, continuum=continuum, known=kept.known(),

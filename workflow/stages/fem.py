@@ -48,7 +48,7 @@ def work(job: Job) -> None:
 
 
 def help_compute(job: Job, ranks: Ranks) -> None:
-    """What a rank does that is not the first: its share of the finite element analysis, if there is to be one."""
+    """The work of a rank other than the first: its share of the finite element analysis, if there is one."""
     from workflow.results.stored_mesh import stored_mesh
 
     if ranks.called():
@@ -232,8 +232,7 @@ def write_fields(section: Section, mesh: "QuadMesh", states: list["State"], stor
 
 
 def rigid_box_of(adapted: "AdaptiveResult[CriticalResult]", depth: float | None = None) -> RigidBox:
-    """What is kept of a search with fixed sides; ``depth`` (m): failures of cohesionless faces that are less deep were
-    left out."""
+    """The answer with fixed sides; ``depth`` (m): shallower failures of cohesionless faces were left out."""
     return RigidBox(
         kc=adapted.result.kc,
         kc_upper=adapted.result.upper,

@@ -1,4 +1,4 @@
-"""What liquefies in which case: all that slides take from blow counts and an earthquake."""
+"""Strata that liquefy in each case, by settings, blow counts and earthquake."""
 
 from collections.abc import Collection
 from typing import Any

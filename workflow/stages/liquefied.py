@@ -59,7 +59,7 @@ def _different(config: Config) -> dict[tuple[tuple[int, "Remains"], ...], list[i
 
 
 def _case(config: Config, mesh: "QuadMesh", remains: dict[int, "Remains"], numbers: list[int]) -> LiquefiedCase:
-    """What the ground bears in cases that leave the strata the same."""
+    """Stability of the ground in cases of equal residual strengths."""
     from fem.search.liquefied_ground import liquefied_section
 
     section = liquefied_section(config.section, remains)
@@ -87,7 +87,9 @@ def _case(config: Config, mesh: "QuadMesh", remains: dict[int, "Remains"], numbe
 
 
 def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) -> dict[str, Any]:
-    """What liquefied ground bears, as fields of the answer; of layers that keep ``nothing`` only whether it stands."""
+    """Factor of safety and critical Kh of liquefied ground, as fields of the answer; with ``nothing`` left, only
+    whether it stands.
+    """
     from mpi4py import MPI
 
     from fem.continuum.strength import flow_of, is_associated

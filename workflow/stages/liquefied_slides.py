@@ -98,14 +98,14 @@ def _cases(slides: dict[PlannedSlide, Slide], springs: str) -> dict[int, CaseAns
 
 
 class Hearer:
-    """Tells how far the slides are, from what each tells of itself."""
+    """Reports the progress of the slides."""
 
     def __init__(self, config: Config, progress: Progress, pieces: Sequence[SlideTask | Packing]) -> None:
         self.config, self.progress, self.pieces = config, progress, pieces
         self.done = [0.0] * len(pieces)
 
     def __call__(self, place: int, message: Any) -> None:
-        """Tell of a look at a slide, or of what a packing is at."""
+        """Report the progress of one slide, or of one packing."""
         piece = self.pieces[place]
         if isinstance(piece, Packing):
             line = piece.told(message)
@@ -149,7 +149,7 @@ def slide_pictures(config: Config, store: Store, executor: Executor = SERIAL) ->
 
 @dataclass(frozen=True)
 class CasePictures:
-    """A case to be drawn: the set of springs, its number, and what it came to."""
+    """A case to be drawn: the set of springs, its number, and its answer."""
 
     config: Config
     store: Store

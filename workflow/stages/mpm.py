@@ -41,7 +41,7 @@ class PointRun:
 
     @property
     def checkpoint(self) -> Path | None:
-        """From which it continues after a stop."""
+        """The checkpoint file of this slide."""
         name = f"mpm/checkpoint_{self.number}_{self.decay:g}.npz"
         return None if self.store is None else self.store.folder / name
 
@@ -49,7 +49,7 @@ class PointRun:
 def work(job: Job) -> None:
     """Slides of the cases asked for, or of all; leaves mpm/slides.json and a picture.
 
-    What material points cannot do is told in the place of an answer.
+    The answer says so where the method is not applicable.
     """
     from fem.mpm.slide import DECAYS
     from workflow.results.disc_grids import write_collection
@@ -186,7 +186,7 @@ def _remains(section: Section, case: "Case", stratum: int) -> "Remains":
 
 
 def programme_of(config: Config, number: int) -> "SlideProgramme":
-    """What shakes the ground and when strata liquefy: Kh that is held, or a record, as for the discs."""
+    """Loading of the ground and onset of liquefaction: a constant Kh, or a record, as for the discs."""
     from fem.mpm.slide import SlideProgramme
     from meshes.section.quantity import GRAVITY
     from workflow.stages.shaking import shaking_of

@@ -1,4 +1,4 @@
-"""The cases once more on random packings that fail at the same Kh: does the lattice make the answer?"""
+"""The cases on random packings of the same critical Kh, to see how much the packing matters."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -56,7 +56,7 @@ class RandomPackingsWanted:
         return [Packing(self.config, self.store, self.continuum, seed, parameter, self.numbers) for seed in others]
 
     def at_once(self) -> list["Packing"]:
-        """Those that can begin: all of them, or the one that chooses."""
+        """The packings that can begin: all, or only the one that chooses the parameter."""
         parameter = self.config.dem.parameter
         packings = self._packings("auto" if parameter == "none" else parameter)
         return packings[:1] if self._chooses else packings
@@ -105,7 +105,7 @@ class Packing:
     numbers: tuple[int, ...]
 
     def told(self, message: str) -> str:
-        """What it tells of itself, with its seed."""
+        """Its message, with its seed."""
         return f"random packing, seed {self.seed}: {message}"
 
 

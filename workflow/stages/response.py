@@ -1,4 +1,4 @@
-"""The stage `response`: what the layers under a point do while the rock below them shakes."""
+"""The stage `response`: response of the layers at a point to a record of the rock below."""
 
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What shakes the discs both ways, a record or cycles of Kh, and when each stratum liquefies under it."""
+"""Base motion of the discs, a record or cycles of Kh, and the onset of liquefaction of each stratum."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,7 +18,7 @@ APART = 1e-6  # s between the two ends of a step of a record
 
 
 def shaking_of(config: Config, strata: Sequence[int]) -> Shaking | None:
-    """What shakes the discs, with the times at which strata begin to liquefy; None where Kh is held.
+    """The base motion, with the times at which strata begin to liquefy; None for a constant Kh.
 
     That is a record of the base, or the average acceleration of all above the slip surface in time (Makdisi & Seed
     1978), which the layers make of a record of the rock.

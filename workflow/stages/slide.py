@@ -33,8 +33,9 @@ def files(job: Job) -> Mapping[str, Path]:
 
 
 def ignored(config: Config) -> tuple[str, ...]:
-    """Files, whose content counts and not where they lie; cases, which are taken as they come to; what is of the
-    response of the layers, unless it shakes the discs; and what only calibration tells of."""
+    """Settings without effect on slides: paths of files, whose content counts; cases, which enter as resolved; site
+    response, unless it shakes the discs; and settings of the calibration's output.
+    """
     unused = () if config.slide.accelerogram == AVERAGE else ("site_response",)
     return (
         "slide.accelerogram", "site_response.record", "slide.cases", "slide.methods", "slide.mpm_cells", "dem.kh",

@@ -1,4 +1,4 @@
-"""The slip surfaces of discs and continuum side by side, and what the continuum says of that of the discs."""
+"""Comparison of the slip surfaces of discs and continuum."""
 
 import numpy as np
 
@@ -35,7 +35,9 @@ def slip_surfaces(config: Config, store: Store, before: np.ndarray, after: np.nd
 
 
 def _excess_above(config: Config, store: Store, line: np.ndarray, fem: FemAnswer) -> float | None:
-    """By which share the continuum bears more Kh where it may fail no deeper than the line; None without an answer."""
+    """By which share the critical Kh of the continuum is larger if it can fail no deeper than the line; None without an
+    answer.
+    """
     from mpi4py import MPI
 
     from fem.search.prescribed_surface import critical_above

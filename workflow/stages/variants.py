@@ -1,4 +1,4 @@
-"""The stage `variants`: the critical Kh once more with one thing changed at a time, to see on what it hangs."""
+"""The stage `variants`: the critical Kh with one assumption changed at a time."""
 
 import time
 from collections.abc import Mapping
@@ -142,7 +142,7 @@ def variant(change: Change, tell: Tell) -> Variant:
 
 
 def _found(change: Change, tell: Tell) -> "LimitLoadResult | CriticalResult":
-    """The limit load at once where it is unique, else the end of a path; raises NoAnswerError."""
+    """The limit load by limit analysis where it is unique, else by a path; raises NoAnswerError."""
     from mpi4py import MPI
 
     from fem.limit_load.limit_load import critical_limit_load, is_unique

@@ -1,1 +1,1 @@
-"""Studies: many runs of one section, and what they say of it together. What if, and does it converge?"""
+"""Studies: many samples of one section, their statistics, and convergence."""

@@ -1,4 +1,4 @@
-"""Does a slide converge? Numbers over ever smaller discs, or steps, fitted and extrapolated to nothing."""
+"""Convergence of slides: numbers over ever smaller discs, or time steps, extrapolated to size zero."""
 
 import math
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ ORDERS = (0.5, 3.0)  # that a fit is believed to have
 
 @dataclass(frozen=True)
 class Fit:
-    """A number over sizes that go to nothing.
+    """Extrapolation of a number to size zero.
 
     Attributes
     ----------
@@ -50,10 +50,9 @@ def fit(sizes: Sequence[float], values: Sequence[float], error: float = 0.0, lea
     """Extrapolate values over three sizes, largest first, each by the same ratio smaller.
 
     Richardson's extrapolation with the order that the three values show (P. J. Roache, J. Fluids Eng. 116 (1994)
-    405-413); where they jump about, or the order is none that a method has, a straight line through all of them by
-    least squares, and what is left is then at least the largest distance of a value from it. ``error``: half width of
-    the 95 % interval of the last value. ``least``: what shares are taken of where the limit is smaller, since nobody
-    asks for a hundredth of nothing.
+    405-413); where they scatter, or the order is not plausible, a straight line through all of them by least squares;
+    the error is then at least the largest distance of a value from the line. ``error``: half width of the 95 % interval
+    of the last value. ``least``: the number that shares refer to where the limit is smaller.
     """
 
     def share(value: float, whole: float) -> float:

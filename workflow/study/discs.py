@@ -55,7 +55,7 @@ def _numbers(answer: CasesAnswer) -> Numbers:
 
 
 class _Silence:
-    """Nobody listens to the stages of a sample."""
+    """A listener that ignores the stages of a sample."""
 
     def begin(self, decision: Decision) -> Progress:
         return silent

@@ -1,4 +1,4 @@
-"""Tasks computed by workers, each once: what a folder keeps already is taken from there."""
+"""Tasks computed by workers, each once; answers that the folder holds are read from it."""
 
 import socket
 import time
@@ -21,7 +21,7 @@ PATIENCE = 30  # s for a scheduler to answer
 
 @dataclass(frozen=True)
 class Row(Generic[Found]):
-    """What a task came to.
+    """Outcome of a task.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Ensemble:
         self.cache = ResultCache(self.folder)
 
     def rows(self, tasks: Sequence[Task[Given, Found]], on_row: OnRow | None = None) -> list[Row[Found]]:
-        """What every task came to, in their order, whoever computed which when.
+        """Outcomes of all tasks, in their order.
 
         Tasks that another machine is at are waited for, and taken over if that one dies.
         """
@@ -139,7 +139,7 @@ class Ensemble:
 
 @dataclass(frozen=True)
 class Attempt:
-    """What a worker is sent: the folder of the answers, the task's fingerprint, and how to compute it."""
+    """Input of a worker: the folder of the answers, the task's fingerprint, and the function."""
 
     folder: str
     fingerprint: str

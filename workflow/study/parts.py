@@ -1,4 +1,4 @@
-"""What can be computed of a sample, part by part."""
+"""Parts of a study: what can be computed for a sample."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

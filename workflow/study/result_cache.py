@@ -1,4 +1,4 @@
-"""The folder that keeps what tasks came to: one file each, there whole or not at all, found by its fingerprint."""
+"""Cache of the answers of tasks: a file each, whole or not at all, by its fingerprint."""
 
 import errno
 import fcntl

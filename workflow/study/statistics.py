@@ -1,4 +1,4 @@
-"""What a table of samples says: probabilities with their intervals, and what each uncertain number does."""
+"""Statistics of a table of samples: probabilities with intervals, and effects of uncertain numbers."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -32,7 +32,7 @@ def probability(name: str, over: np.ndarray, happens: np.ndarray) -> Curve:
 
 
 def effects(table: Table, name: str, words: Sequence[str], indices: bool) -> tuple[Effect, ...]:
-    """What every uncertain number does to a result, the strongest first.
+    """Effects of the uncertain numbers on a result, the strongest first.
 
     ``words`` are the paths whose values have no order. With ``indices`` the samples are of the method "saltelli";
     Sobol' indices are then found if no sample is missing.

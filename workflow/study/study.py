@@ -101,8 +101,8 @@ def _input(config: Config, drawn: Mapping[str, Any]) -> Config | str:
 def task_of(read: Config, part: Part, store: Store) -> Task[Sample, Numbers]:
     """The task of one part of an input: it knows the section, and those settings only that matter to it.
 
-    Borings and earthquake go with a part that reads them. To the others it is all one which strata liquefy; a pore
-    pressure that follows from blow counts stands in the strata by then.
+    Borings and earthquake go with a part that reads them. Other parts do not depend on which strata liquefy; pore
+    pressures by blow counts are already in the strata.
     """
     data = read.to_data(part.tables)
     for table, key in (name.split(".") for name in part.ignores):
@@ -137,7 +137,7 @@ def _row(
 
 
 def told(config: Config, table: Table, only: Sequence[str]) -> StudyAnswer:
-    """What the samples say together."""
+    """Statistics of the samples."""
     words = [path for path, distribution in config.uncertain.numbers.items() if distribution.is_words]
     indices = config.study.method == "saltelli"
     names = [name for name in table.names if name != "cells"]

@@ -1,4 +1,4 @@
-"""The samples of a study as one table, samples.csv, in the order of their numbers whoever computed them when."""
+"""The samples of a study as one table, samples.csv, in the order of their numbers."""
 
 import csv
 import io

@@ -10,7 +10,7 @@ AT_ONCE = 0.2  # s on a terminal, where the line changes in place
 
 
 class Counted:
-    """Hears how many tasks are done; to be used as a context."""
+    """Shows how many tasks are done; to be used as a context."""
 
     def __init__(self, silent: bool = False) -> None:
         self.silent, self.console = silent, err

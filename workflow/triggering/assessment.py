@@ -25,7 +25,7 @@ ABOVE_WATER = "above the water table"  # why a soil is not judged
 
 @dataclass(frozen=True)
 class Judged:
-    """One test, and what is thought of it.
+    """One test, and its factor F_L.
 
     Attributes
     ----------
@@ -138,7 +138,7 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
 def _found(
     relation: Relation, point: BlowCount | ConeTest, shaking: Shaking, settings: TriggeringSettings
 ) -> Resistance:
-    """What a relation finds at a test. Raises ValueError where it lacks something, or without effective stress."""
+    """The resistance of a test by a relation. Raises ValueError for missing input, or without effective stress."""
     if point.effective <= 0.0:
         raise ValueError(
             f"the vertical effective stress is {point.effective:.1f} kPa; the relations of triggering need one above 0 "
@@ -148,7 +148,7 @@ def _found(
 
 
 def _missing(section: Section, earthquake: EarthquakeSettings, settings: TriggeringSettings) -> list[str]:
-    """What triggering cannot do without."""
+    """Missing input of triggering."""
     problems = []
     if not settings.borings:
         problems.append("triggering, borings: missing; expected one table [[triggering.borings]] for each boring")
@@ -203,7 +203,7 @@ def point_of(sample: Sample | Cone, where: Overburden) -> BlowCount | ConeTest:
 
 
 def normalised_counts(test: Judged, settings: TriggeringSettings) -> tuple[float, float]:
-    """(N1)60 and (N1)60cs of a test, by which goes what follows; of a cone those of the same relative density."""
+    """(N1)60 and (N1)60cs of a test, for residual strength and strain; of a cone those of the same relative density."""
     point = point_of(test.sample, test.where)
     if isinstance(point, ConeTest):
         resistance, clean = boulanger_idriss.normalised(point)

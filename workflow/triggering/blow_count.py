@@ -1,4 +1,4 @@
-"""A standard penetration test with the stresses around it, and what a method of triggering finds there.
+"""A standard penetration test with its stresses, and the resistance by a method of triggering.
 
 Stresses in kPa, depths in m, fines and plasticity in percent, grain sizes in mm, as the published relations have them.
 """
@@ -11,7 +11,7 @@ ATMOSPHERE = 101.325  # kPa
 
 @dataclass(frozen=True)
 class BlowCount:
-    """What a method needs to know of one test.
+    """Input of a method on one test.
 
     Attributes
     ----------

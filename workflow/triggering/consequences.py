@@ -1,4 +1,4 @@
-"""What follows where strata liquefy: the strength that they keep, the water that they lose, and cases made of both."""
+"""Consequences of liquefaction: residual strength, volumetric strain by drainage, and cases made of both."""
 
 import statistics
 from collections.abc import Callable, Mapping, Sequence
@@ -49,7 +49,7 @@ class Left:
 
 
 def left(assessment: Assessment, settings: TriggeringSettings) -> tuple[Left, ...]:
-    """What is left of every stratum in which some test liquefies."""
+    """Residual strength of every stratum in which some test liquefies."""
     strata = sorted({test.where.stratum for test in assessment.tests if test.liquefies})
     return tuple(_of_stratum(k, assessment, settings) for k in strata)
 
@@ -87,6 +87,6 @@ def _of_stratum(number: int, assessment: Assessment, settings: TriggeringSetting
 
 
 def _mean(tests: Sequence[Judged], values: Sequence[float]) -> float:
-    """The mean over what tests stand for; 0 without any."""
+    """The mean over the area that tests represent; 0 without any."""
     total = sum(test.area for test in tests)
     return sum(test.area * value for test, value in zip(tests, values, strict=True)) / total if total > 0.0 else 0.0

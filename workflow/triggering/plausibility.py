@@ -19,7 +19,7 @@ VS30 = Range(50.0, 3000.0, "m/s", 1.0, ())
 def implausible_triggering(
     section: Section, earthquake: EarthquakeSettings, triggering: TriggeringSettings
 ) -> list[str]:
-    """One sentence for each number that is beyond what there is; none where unusual numbers are meant.
+    """One sentence for each implausible number; none where unusual numbers are declared.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What strength liquefied ground keeps, over the vertical effective stress before the earthquake, by three relations.
+"""Residual strength of liquefied ground over the vertical effective stress before the earthquake, by three relations.
 
 They rest on slides of the past that were computed back. Stresses in kPa; `None` where a relation says nothing.
 """
@@ -46,7 +46,7 @@ class ResidualRelation:
         return self.curve(count, soil) if count <= self.most else None
 
     def least_ratio(self, soil: Penetration) -> float:
-        """Sr/σ'v, of denser soil than the cases that of their end: it has no less."""
+        """Sr/σ'v; for soil denser than the cases the value at the end of their range, a lower bound."""
         return self.curve(min(self.count(soil), self.most), soil)
 
 

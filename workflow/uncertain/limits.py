@@ -1,4 +1,4 @@
-"""How far a distribution may reach: what its number can be, as the field of the input says (a strength: 0 or more)."""
+"""Limits of distributions by the fields of the input (a strength: 0 or more)."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -77,7 +77,7 @@ def _reach(path: str, distribution: Distribution, check: Check) -> Reach:
 
 
 def _check(data: Mapping[str, Any], path: str, distribution: Distribution, models: Models) -> Check:
-    """What the fields that a path names say of a number that is drawn."""
+    """Check a drawn number by the fields that its path names."""
     fields = []
     try:
         for place in places(data, path):

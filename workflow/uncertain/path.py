@@ -30,7 +30,7 @@ def changed(data: Mapping[str, Any], drawn: Mapping[str, Any], numbers: Mapping[
 
 
 def value_at(data: Any, place: Place) -> Any:
-    """What stands at a place of nested tables; None where the last key is not set."""
+    """The value at a place of nested tables; None where the last key is not set."""
     for key in place[:-1]:
         data = data[key]
     return data.get(place[-1]) if place and isinstance(data, Mapping) else data[place[-1]] if place else data
@@ -72,7 +72,7 @@ def _head(entries: Mapping[str, Any], path: str) -> str | None:
 
 
 def changed_value(before: Any, distribution: Distribution, value: Any) -> Any:
-    """What stands in the place of a value once a number is drawn; raises ValueError where no number can."""
+    """The value after a number is drawn; raises ValueError where it cannot be a number."""
     if distribution.does == "value":
         if _is_point(before):
             return [before[0], distribution.written(value)]

@@ -1,4 +1,4 @@
-"""What this program finds for a published case: elements with ψ = φ and with Davis's estimate, and strict bounds."""
+"""Results of this program for a published case: elements with ψ = φ and with Davis's estimate, and strict bounds."""
 
 import math
 import time
@@ -78,8 +78,9 @@ def _elements(case: Case, part: Part, known: Answer) -> dict[str, Any]:
 
 
 def _adapted(case: Case, mesh: QuadMesh, wish: FemSettings, comm: Any) -> float | None:
-    """On meshes made for the mechanism, as `noshiro fem` does it; None where a path has to do, since the flow is not
-    associated or the solver left nothing."""
+    """The result on adapted meshes, as of `noshiro fem`; None where the flow is not associated or the solver found
+    none, so that a path is followed.
+    """
     if not is_associated(case.section.strata, wish.flow):
         return None
     try:

@@ -21,7 +21,7 @@ Kind = Literal["equilibrium", "elements", "limit analysis", "closed form", "uppe
 
 
 class Value(Model):
-    """What somebody published: one number, or two between which it lies."""
+    """A published value: one number, or two between which it lies."""
 
     kind: Kind = Field(description="how it was found: limit equilibrium, finite elements, ...")
     author: str

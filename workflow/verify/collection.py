@@ -1,4 +1,4 @@
-"""A run over a collection of cases, case by case; what was found is kept after each."""
+"""A run over a collection of cases; results are stored after each case."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
@@ -13,7 +13,7 @@ from workflow.verify.verdict import CaseVerdict, judge
 
 @dataclass(frozen=True)
 class Row:
-    """A case, what was found for it, and whether that is right."""
+    """A case, its results, and the verdict."""
 
     case: Case
     found: Answer | None

@@ -1,4 +1,4 @@
-"""What was found for a case, and how it is kept from run to run: `answers.json` beside the cases."""
+"""Results for a case, and their file from run to run: `answers.json` beside the cases."""
 
 import json
 import subprocess
@@ -20,7 +20,7 @@ PARTS: tuple[Part, ...] = ("bounds", "associated", "davis")
 
 @dataclass(frozen=True)
 class Named:
-    """What was found for the case of this name."""
+    """Results for the case of this name."""
 
     name: str
 
@@ -32,10 +32,10 @@ Kept = TypeVar("Kept", bound=Named)
 class Answer(Named):
     """Factors of safety or critical coefficients, None where there is none; seconds of processor time.
 
-    ``associated`` and ``davis`` are of the finite elements with ψ = φ and with Davis's estimate for ψ < φ; with each
-    what it may be at most. ``lower`` and ``upper`` are strict bounds with ψ = φ. Where a face fails before,
-    at ``shallow_failure``, all of these are of the slope as a whole. ``commit`` is the version of the program that
-    found the last.
+    ``associated`` and ``davis`` are of the finite elements with ψ = φ and with Davis's estimate for ψ < φ; each with
+    its upper limit. ``lower`` and ``upper`` are strict bounds with ψ = φ. Where a face fails before, at
+    ``shallow_failure``, all of these are of the slope as a whole. ``commit`` is the version of the program that found
+    the last.
     """
 
     lower: float | None = None

@@ -30,7 +30,7 @@ Word = Literal["right", "wrong", "explained", "not run"]
 
 @dataclass(frozen=True)
 class CaseVerdict:
-    """The word, and a sentence for everything that is to be said with it."""
+    """The verdict in a word, and remarks."""
 
     word: Word
     remarks: tuple[str, ...]
@@ -54,8 +54,9 @@ def judge(case: Case, answer: Answer | None) -> CaseVerdict:
 def interval(answer: Answer, kind: Kind) -> tuple[float, float] | None:
     """The range of our answers that a published value of a kind is compared with; None without any.
 
-    Published elements mostly do not dilate, so theirs reaches down to our elements without dilation. Where grains roll
-    down a face, how deep a failure has to be to count is each author's choice, and all reach down to that.
+    Published finite elements mostly have no dilation: their range extends down to our elements without dilation. With a
+    cohesionless face the least depth of a failure is each author's choice: all ranges extend down to the shallow
+    failure.
     """
     ends = [end for end in (answer.lower, answer.upper) if end is not None]
     if len(ends) < 2 and answer.associated is not None:
@@ -69,7 +70,7 @@ def interval(answer: Answer, kind: Kind) -> tuple[float, float] | None:
 
 
 def rolling(answer: Answer) -> Iterator[str]:
-    """A sentence on the grains of a face without cohesion, where they fail first."""
+    """A sentence on the shallow failure of a cohesionless face, where there is one."""
     if answer.shallow_failure is not None:
         shallow = f"{answer.shallow_failure:.3f}"
         yield f"A cohesionless face fails (shallow failure) at {shallow}; the numbers are of the slope as a whole"
@@ -95,7 +96,7 @@ def _named(value: Value) -> str:
 
 
 def _contradictions(answer: Answer) -> Iterator[str]:
-    """Where our own answers cannot all be right."""
+    """Contradictions among the results of this program."""
     elements, lower, upper = answer.associated, answer.lower, answer.upper
     if elements is not None and lower is not None and elements < (1.0 - BELOW) * lower:
         yield f"elements with ψ = φ find {elements:.4g}, below the lower bound {lower:.4g}"

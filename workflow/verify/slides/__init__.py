@@ -1,1 +1,1 @@
-"""Slides known by theory, experiment or the field, and how far discs have them run (`noshiro verify --slides`)."""
+"""Slides known by theory, experiment or the field, compared with predictions (`noshiro verify --slides`)."""

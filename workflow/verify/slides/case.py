@@ -1,4 +1,4 @@
-"""A known slide: what was measured, and the problem that is put to the discs, in a TOML file each."""
+"""A known slide: measured values, and the problem to be computed, in a TOML file each."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ Group = Literal["theory", "experiment", "field"]
 
 
 class Measured(Model):
-    """What somebody measured or derived: a number, or two between which it lies."""
+    """A measured or derived value: a number, or two between which it lies."""
 
     author: str
     value: float | tuple[float, float] = Field(description="a number, or the lower and the upper one")
@@ -102,7 +102,7 @@ class Known(Model):
 
 @dataclass(frozen=True)
 class SlideCase:
-    """A known slide, and the section that it is of where it is of one."""
+    """A known slide, and its section where it has one."""
 
     name: str
     title: str

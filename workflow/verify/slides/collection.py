@@ -1,4 +1,4 @@
-"""A run over the known slides, case by case; what was found is kept after each."""
+"""A run over the known slides; results are stored after each case."""
 
 import csv
 import io
@@ -17,7 +17,7 @@ from workflow.verify.slides.verdict import SlideVerdict, judge, judge_points
 
 @dataclass(frozen=True)
 class SlideRow:
-    """A case, what was found for it, and whether that is right."""
+    """A case, its prediction, and the verdict."""
 
     case: SlideCase
     found: SlideAnswer | None
@@ -52,7 +52,7 @@ def run(
 
 
 def errors(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> str:
-    """The table of errors that the report of a slide leans on: every case that was run, as CSV."""
+    """The table of errors on known slides for the report: every case that was run, as CSV."""
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(["name", "group", "kind", "method", "ratio"])

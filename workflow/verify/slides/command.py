@@ -1,4 +1,4 @@
-"""What `noshiro verify --slides` does."""
+"""The command `noshiro verify --slides`."""
 
 from dataclasses import asdict
 from pathlib import Path

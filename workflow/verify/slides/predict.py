@@ -1,4 +1,4 @@
-"""What discs make of a known slide: one number and a profile for every packing."""
+"""Predictions of a known slide by discs: one number and a profile for every packing."""
 
 import time
 from collections.abc import Callable
@@ -93,7 +93,7 @@ def _column(case: SlideCase, wanted: Column, seed: int) -> Found:
 
 
 def _strength_is_lost_slowly(column: SoilColumn, wanted: Column) -> bool:
-    """Gravity grows from where the column stands to its own, which is as good as a loss of strength."""
+    """The strength is lost slowly: gravity grows from a share at which the column stands to its full value."""
     model = column.model
     first, *others = np.geomspace(min(1.0, STANDS / wanted.weight_over_strength), 1.0, STEPS)
     model.gravity = (0.0, -G * float(first))
@@ -167,7 +167,7 @@ def _points_slid(sliding: "Sliding", number: int) -> PointSlide:
 
 
 class Sliding:
-    """An input, told from another by what it says and not by what it is called: several cases may be of one ground."""
+    """An input, compared by content and not by name: several cases may share one ground."""
 
     def __init__(self, config: Config) -> None:
         self.config = config

@@ -1,4 +1,4 @@
-"""What discs made of a known slide, and how it is kept from run to run: `answers.json` beside the cases."""
+"""Predictions of a known slide, and their file from run to run: `answers.json` beside the cases."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ Line = tuple[tuple[float, float], ...]
 
 @dataclass(frozen=True)
 class SlideAnswer(Named):
-    """What was predicted, packing by packing.
+    """Predictions by packing.
 
     Attributes
     ----------

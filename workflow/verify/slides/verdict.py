@@ -16,7 +16,7 @@ Word = Literal["not run", "failed", "within the band", "within 1.5", "within 3",
 
 @dataclass(frozen=True)
 class SlideVerdict:
-    """A word, and by what it is found.
+    """The verdict on a prediction.
 
     Attributes
     ----------
