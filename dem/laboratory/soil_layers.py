@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from dem.laboratory.element_table import middle_stresses
 from dem.laboratory.soil_contacts import SoilContacts, soil_contacts
 from dem.springs import LayerSprings
-from meshes.section.growth import evened
 from meshes.section.section import Section, Stratum
 
 
@@ -36,14 +35,14 @@ def soil_layers(section: Section) -> list[SoilLayer]:
     Parameters
     ----------
     section : Section
-        The strata; a cohesion that grows with depth is replaced by that of the middle of its stratum.
+        The strata; a cohesion that varies is replaced by its mean over the stratum.
 
     Returns
     -------
     list of SoilLayer
         From the top down.
     """
-    strata = evened(section.strata, section.layering)
+    strata = section.cohesion_field.means()
     stresses = middle_stresses(section)
     typical = float(stresses[stresses > 0.0].min()) if (stresses > 0.0).any() else 1e4
     return [_fitted(s, float(v) if v > 0.0 else typical) for s, v in zip(strata, stresses, strict=True)]

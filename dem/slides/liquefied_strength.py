@@ -66,4 +66,5 @@ def _left_of_soil(ground: Ground, stratum: int, case: Case, pressure: np.ndarray
     if ground.section is None:
         return np.zeros(len(pressure))
     soil = ground.section.strata[stratum]
-    return np.asarray(case.friction * np.tan(soil.friction_angle) * pressure + case.cohesion * soil.cohesion)
+    cohesion = ground.section.cohesion_field.means()[stratum].cohesion
+    return np.asarray(case.friction * np.tan(soil.friction_angle) * pressure + case.cohesion * cohesion)

@@ -32,7 +32,7 @@ def soils(section: Section) -> tuple[Stratum, ...]:
     weak = [
         f"{in_file(section.strata, k)}: cohesion and friction angle are both 0; expected some strength"
         for k, s in enumerate(section.strata)
-        if s.cohesion == 0.0 and s.friction_angle == 0.0
+        if not s.has_cohesion and s.friction_angle == 0.0
     ]
     if weak:
         raise InputError(section.name, weak)

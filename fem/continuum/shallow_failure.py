@@ -113,7 +113,7 @@ def shallow_failures(
     for piece in _pieces(section, settings.least_depth):
         i, soil = piece.interval, section.strata[piece.number]
         rise = sign * (layers.left[i, 0] - layers.right[i, 0])
-        if soil.cohesion + soil.cohesion_increase > 0.0 or rise <= level or soil.density_seismic == 0.0:
+        if soil.has_cohesion or rise <= level or soil.density_seismic == 0.0:
             continue
         if _is_held(section, piece, shaken):
             continue

@@ -54,6 +54,7 @@ def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndar
     layers = section.layering
     elevation = layers.left[0] if side == "left" else layers.right[-1]
     effective = _vertical_stress(section, side, elevation)
+    places, beside = _ends(section, side, elevation)
     here = np.flatnonzero(elevation[:-1] > elevation[1:])
     sides = []
     for k in here:
@@ -64,7 +65,7 @@ def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndar
         force = 0.5 * plain.sum() * (elevation[k] - elevation[k + 1])
         factor = -resultants[k] / force if force > 0.0 else 1.0
         sin, cos = np.sin(soil.friction_angle), np.cos(soil.friction_angle)
-        cohesion = soil.cohesion_at(elevation[k : k + 2])
+        cohesion = section.cohesion_field.at(places[k], beside[k], np.array([k, k]))
         active = np.maximum(((1.0 - sin) * vertical - 2.0 * cohesion * cos) / (1.0 + sin), 0.0)
         passive = ((1.0 + sin) * vertical + 2.0 * cohesion * cos) / (1.0 - sin)
         # Half-way to either limit at most: loose ground at the limit at its surface would not stand any push.
@@ -78,21 +79,26 @@ def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.n
 
     ``elevation`` (interfaces,) is that of the layers there. Loads on the ground count as if the ground continued level.
     """
-    water, layers = section.water_pressure, section.layering
+    water = section.water_pressure
     strata = len(section.strata)
-    x, near = layers.x[0], layers.x[:2].mean()
-    if side == "right":
-        x, near = layers.x[-1], layers.x[-2:].mean()
     stress = np.zeros((strata, 2))
     thickness = elevation[:-1] - elevation[1:]
     weight = GRAVITY * np.array([s.density_ordinary for s in section.strata]) * thickness
     stress[:, 1] = np.cumsum(weight)
     stress[1:, 0] = stress[:-1, 1]
     if water.present or section.surcharges:
-        places = np.column_stack([np.full(2 * strata, x), np.repeat(elevation, 2)[1:-1]])
-        beside = np.column_stack([np.full(2 * strata, near), np.zeros(2 * strata)])
-        ground = np.array([[x, elevation[0]]])
+        places, beside = (ends.reshape(-1, 2) for ends in _ends(section, side, elevation))
+        ground = places[:1]
         on_ground = water.on_ground(ground, beside[:1]) - section.surface_loads.dead(ground, beside[:1], UPWARDS)[:, 1]
         pores = water.at_rest(places, beside, np.repeat(np.arange(strata), 2))
         stress = np.maximum(stress + on_ground - pores.reshape(strata, 2), 0.0)
     return stress
+
+
+def _ends(section: Section, side: str, elevation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Top and bottom (strata, 2, 2) of every stratum on a side, and points just inside beside them (m)."""
+    x, layers = section.layering.x, len(elevation) - 1
+    at, inside = (x[0], x[:2].mean()) if side == "left" else (x[-1], x[-2:].mean())
+    ends = np.repeat(elevation, 2)[1:-1]
+    places, beside = (np.column_stack([np.full(2 * layers, one), ends]) for one in (at, inside))
+    return places.reshape(layers, 2, 2), beside.reshape(layers, 2, 2)

@@ -18,7 +18,7 @@ from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import BoundSearch, proven_upper_bound
 from fem.limit.bracket import Limits
 from fem.limit.directions import DirectionSearch, KhObserver, SectionSide, SmallerKhBounds, search_all
-from fem.limit.limit_problem import Places, RigidPlasticBody, Side, Traction, limit_problem, units_of
+from fem.limit.limit_problem import CornerCohesion, Places, RigidPlasticBody, Side, Traction, limit_problem, units_of
 from fem.limit.side_stress import SideStress, side_stresses
 from fem.settings import LEAST_KH, BoundsSettings, FemSettings
 from meshes.errors import InputError
@@ -228,9 +228,6 @@ def body_of(
     no shear traction. Free-field sides carry the K0 stress and move horizontally; ``held``, they are smooth.
     """
     cohesion, friction = strengths(section.strata, davis)
-    growth = np.array([s.cohesion_increase for s in section.strata])
-    if davis:
-        growth = growth * davis_factors(section.strata)
     ordinary = GRAVITY * np.array([s.density_ordinary for s in section.strata])
     seismic = GRAVITY * np.array([s.density_seismic for s in section.strata])
     nothing = np.zeros(len(ordinary))
@@ -252,7 +249,7 @@ def body_of(
         live_force=np.column_stack([push(section, fem) * seismic, nothing]),
         sides=sides,
         pore_pressure=_pore_pressure(water, shaken) if water.present else None,
-        growth=growth if growth.any() else None,
+        varying=_varying(section, davis) if section.cohesion_field.varies.any() else None,
         tension=tensile_strengths(section.strata),
     )
 
@@ -261,6 +258,18 @@ def _pore_pressure(water: WaterPressure, shaken: bool) -> Pressure:
     if not shaken:
         return water.at_rest
     return lambda *places: water.at_rest(*places) + water.shaken(*places)
+
+
+def _varying(section: Section, davis: bool) -> CornerCohesion:
+    """The cohesion at corners of triangles, or its substitute of Davis."""
+    field = section.cohesion_field
+    factor = davis_factors(section.strata) if davis else np.ones(len(section.strata))
+
+    def cohesion(mesh: TriMesh, above: bool) -> np.ndarray:
+        corners = mesh.points[mesh.cells]
+        return field.corners(corners, mesh.stratum, above) * factor[mesh.stratum][:, None]
+
+    return cohesion
 
 
 def _ground(section: Section, sign: int) -> Side:
@@ -283,9 +292,9 @@ def _pressing(stress: SideStress, outwards: float) -> Traction:
 
 
 def strengths(strata: Sequence[Stratum], davis: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Cohesion (Pa), at elevation 0 where it grows with depth, and friction angle (rad) of the strata, reduced by
-    Davis's factor if asked for."""
-    cohesion = np.array([s.cohesion_at(0.0) for s in strata])
+    """Cohesion (Pa), of those where it varies what is constant in it, and friction angle (rad) of the strata, reduced
+    by Davis's factor if asked for."""
+    cohesion = np.array([s.cohesion for s in strata])
     friction = np.array([s.friction_angle for s in strata])
     if not davis:
         return cohesion, friction

@@ -176,10 +176,11 @@ class FactorSearch:
         return self.work.allows(TRIALS_OF_A_MESH * GROWTH**COST_EXPONENT * self.trials[-1].work)
 
     def problem(self, factor: float) -> LimitProblem:
+        varying = self.body.varying
         weak = replace(
             self.body,
             cohesion=self.body.cohesion / factor,
-            growth=None if self.body.growth is None else self.body.growth / factor,
+            varying=None if varying is None else lambda mesh, above: varying(mesh, above) / factor,
             friction=np.arctan(np.tan(self.body.friction) / factor),
             tension=None if self.body.tension is None else self.body.tension / factor,
         )

@@ -40,6 +40,9 @@ class Places:
 # Traction (k, 2) in Pa on a boundary, and pressure (k,) in Pa outside; linear along every edge of the mesh.
 Traction = Callable[[Places], np.ndarray]
 Outside = Callable[[Places], np.ndarray]
+# Cohesion (m, 3) in Pa at the corners of the cells of a mesh: the linear one between them is nowhere above the true
+# one, or nowhere below it where that is asked for.
+CornerCohesion = Callable[[TriMesh, bool], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,7 @@ class RigidPlasticBody:
     Attributes
     ----------
     cohesion : ndarray (strata,)
-        Cohesion c in Pa; where it grows with depth, that at elevation 0, which may be below zero.
+        Cohesion c in Pa where it is constant.
     friction : ndarray (strata,)
         Friction angle φ in rad; the flow rule is associated, ψ = φ.
     dead_force : ndarray (strata, 2)
@@ -86,8 +89,8 @@ class RigidPlasticBody:
     pore_pressure : Pressure or None
         Pore pressure u; None for zero. Strength is that of the effective stress σ' = σ + u, tension positive, which
         is what a problem's stress is then.
-    growth : ndarray (strata,) or None
-        What the cohesion gains per metre of depth, in Pa/m; None for nothing.
+    varying : CornerCohesion or None
+        Cohesion at the corners of cells where it varies, in place of ``cohesion``; None where it is constant.
     tension : ndarray (strata,) or None
         Tension cut-off: the largest major principal stress, in Pa, inf where the cone alone ends it; None for none.
     """
@@ -98,7 +101,7 @@ class RigidPlasticBody:
     live_force: np.ndarray
     sides: Mapping[str, Side]
     pore_pressure: Pressure | None = None
-    growth: np.ndarray | None = None
+    varying: CornerCohesion | None = None
     tension: np.ndarray | None = None
 
 
@@ -173,7 +176,9 @@ class LimitProblem:
     units : Units
         What lengths and stresses are divided by.
     cohesion : ndarray (m, 3)
-        Cohesion at the corners of every cell, linear in between, over the unit of stress.
+        Cohesion at the corners of every cell over the unit of stress; linear in between, nowhere above the true one.
+    cohesion_above : ndarray (m, 3)
+        The same, nowhere below the true one: what dissipates in upper bounds.
     friction : ndarray (m,)
         Friction angle of every cell in rad.
     tension : ndarray (m,)
@@ -191,6 +196,7 @@ class LimitProblem:
     mesh: TriMesh
     units: Units
     cohesion: np.ndarray
+    cohesion_above: np.ndarray
     friction: np.ndarray
     tension: np.ndarray
     dead_force: np.ndarray
@@ -206,8 +212,9 @@ class LimitProblem:
         that ∫ c D dA <= Σ_ij c_j D_i ∫ L_i L_j dA, which is A/6 for i = j and A/12 otherwise. With a tension cut-off D
         is not proportional to c, and the largest one of the cell is taken.
         """
-        spread = 0.25 * (self.cohesion + self.cohesion.sum(axis=1, keepdims=True))
-        return np.where(np.isfinite(self.tension)[:, None], self.cohesion.max(axis=1, keepdims=True), spread)
+        cohesion = self.cohesion_above
+        spread = 0.25 * (cohesion + cohesion.sum(axis=1, keepdims=True))
+        return np.where(np.isfinite(self.tension)[:, None], cohesion.max(axis=1, keepdims=True), spread)
 
     @property
     def points(self) -> np.ndarray:
@@ -231,12 +238,12 @@ def units_of(mesh: TriMesh, body: RigidPlasticBody) -> Units:
     return Units(length, stress, (float(low[0]), float(low[1])))
 
 
-def corner_cohesion(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
-    """Cohesion (m, 3) at the corners of every cell (Pa), nowhere below zero."""
-    cohesion = np.repeat(body.cohesion[mesh.stratum][:, None], 3, axis=1)
-    if body.growth is not None:
-        cohesion = cohesion - body.growth[mesh.stratum][:, None] * mesh.points[mesh.cells, 1]
-    return np.asarray(np.maximum(cohesion, 0.0))
+def corner_cohesion(mesh: TriMesh, body: RigidPlasticBody, above: bool = True) -> np.ndarray:
+    """Cohesion (m, 3) at the corners of every cell (Pa); linear in between, it is nowhere below the true one, or
+    nowhere above it."""
+    if body.varying is not None:
+        return body.varying(mesh, above)
+    return np.repeat(body.cohesion[mesh.stratum][:, None], 3, axis=1)
 
 
 def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitProblem:
@@ -255,7 +262,8 @@ def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitP
     return LimitProblem(
         mesh=scaled,
         units=units,
-        cohesion=corner_cohesion(mesh, body) / units.stress,
+        cohesion=corner_cohesion(mesh, body, above=False) / units.stress,
+        cohesion_above=corner_cohesion(mesh, body) / units.stress,
         friction=body.friction[mesh.stratum],
         tension=_tension(mesh, body) / units.stress,
         dead_force=_on_skeleton(mesh, body) * per_volume,

@@ -163,10 +163,7 @@ def _soil(
         young.append(min(s.youngs_modulus, most))
         if s.youngs_modulus > most:
             softened.append(s.name)
-    grown = np.array([s.cohesion_increase for s in strata])[k] * (
-        np.array([s.cohesion_from or 0.0 for s in strata])[k] - places[:, 1]
-    )
-    cohesion = np.where(inside, np.maximum(of([s.cohesion for s in strata]) + grown, 0.0), RIGID)
+    cohesion = np.where(inside, section.cohesion_field.at(places, places, k), RIGID)
     friction = np.where(inside, of([s.friction_angle for s in strata]), 0.0)
     tension = np.where(inside, of([np.inf if s.tension is None else s.tension for s in strata]), np.inf)
     weight = of([s.density_ordinary / rho for s, rho in zip(strata, mass, strict=True)])

@@ -159,7 +159,8 @@ class PointSlider:
             mine, soil = stratum == k, self.ground.section.strata[k]
             stress = self.ground.effective[mine]
             friction = np.arctan(kept.friction * np.tan(soil.friction_angle))
-            cohesion = kept.cohesion * soil.cohesion + kept.residual * stress + kept.strength
+            intact = before[mine, 0] / np.cos(soil.friction_angle)
+            cohesion = kept.cohesion * intact + kept.residual * stress + kept.strength
             if friction == 0.0:
                 cohesion = np.maximum(cohesion, LEAST * stress)
             after[mine, 0], after[mine, 1] = cohesion * np.cos(friction), np.sin(friction)

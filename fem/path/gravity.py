@@ -34,7 +34,7 @@ LONGEST_LOADING = 10.0
 PATIENT = 60, 8
 # Largest steps of a path, in reference displacements: associated flow follows long ones as well as short ones.
 LARGEST_ASSOCIATED, LARGEST_OTHERWISE = 3.0, 0.3
-# Heights of the mesh that are told apart where cohesion grows with depth.
+# Cohesions that are told apart in a stratum whose cohesion varies.
 LEVELS = 256
 
 
@@ -156,11 +156,11 @@ def under_weight(
     strata = soils(section)
     element, strong = element_for(section, settings), strengthened(section, faces, settings) if faces else section
     strips = [s for s in strong.strata if s.name not in mesh.strata]
-    soil = [*strata, *strips, *(level for s in strata for level in levels(s, mesh))]
+    soil = [*strata, *strips, *levels(section, mesh)]
     problem = PlaneStrain(mesh, soil, element, comm, settings.threads, settings.flow, settings.davis)
     _lay(strata if mesh.method == "free" else [], strong, problem)
     _lay(strips, strong, problem)
-    _lay_levels(len(strata) + len(strips), mesh, problem)
+    _lay_levels(len(strata) + len(strips), section, problem)
     if settings.sides == "periodic":
         refuse_other_water(section)
         problem.tie("left", "right", section)
@@ -191,25 +191,30 @@ def _lay(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> No
             problem.material[inside == names.index(strip.name)] = stratum_names.index(strip.name)
 
 
-def levels(stratum: Stratum, mesh: QuadMesh) -> list[Stratum]:
-    """Soils of one cohesion each for the heights of a stratum whose cohesion grows with depth; none of any other."""
-    if not stratum.cohesion_increase:
-        return []
-    low, high = mesh.points[:, 1].min(), mesh.points[:, 1].max()
-    middle = low + (np.arange(LEVELS) + 0.5) * (high - low) / LEVELS
-    cohesion = np.maximum(stratum.cohesion_at(middle), 0.0)
-    return [stratum.model_copy(update={"cohesion": float(c), "cohesion_increase": 0.0}) for c in cohesion]
+def levels(section: Section, mesh: QuadMesh) -> list[Stratum]:
+    """Soils of one cohesion each for the cohesions of every stratum in which it varies, from the least to the most."""
+    field, strata = section.cohesion_field, []
+    corners = mesh.points[mesh.cells]
+    for k in np.flatnonzero(field.varies):
+        # All cells are looked at: in a free mesh the tips of layers are no cells of theirs.
+        points, near = corners.reshape(-1, 2), np.repeat(corners.mean(axis=1), corners.shape[1], axis=0)
+        mine = np.repeat(mesh.stratum == k, corners.shape[1]) if (mesh.stratum == k).any() else slice(None)
+        cohesion = field.at(points[mine], near[mine], np.full(len(points[mine]), k))
+        bins = np.linspace(cohesion.min(), cohesion.max(), LEVELS + 1)
+        strata += [section.strata[k].with_cohesion(float(c)) for c in 0.5 * (bins[1:] + bins[:-1])]
+    return strata
 
 
-def _lay_levels(first: int, mesh: QuadMesh, problem: PlaneStrain) -> None:
-    """Assign the soil of its elevation to every quadrature point of strata whose cohesion grows with depth; ``first``
+def _lay_levels(first: int, section: Section, problem: PlaneStrain) -> None:
+    """Assign the soil of the nearest cohesion to every quadrature point of strata whose cohesion varies; ``first``
     numbers the soils.
     """
-    low, high = mesh.points[:, 1].min(), mesh.points[:, 1].max()
-    at = np.clip((problem.points()[:, 1] - low) / (high - low) * LEVELS, 0, LEVELS - 1).astype(np.int64)
-    for k in [k for k, soil in enumerate(problem.strata) if soil.cohesion_increase]:
+    field, points = section.cohesion_field, problem.points()
+    for k in np.flatnonzero(field.varies):
         mine = problem.material == k
-        problem.material[mine] = first + at[mine]
+        cohesion = field.at(points[mine], points[mine], np.full(int(mine.sum()), k))
+        levels = np.array([soil.cohesion for soil in problem.strata[first : first + LEVELS]])
+        problem.material[mine] = first + np.searchsorted(0.5 * (levels[1:] + levels[:-1]), cohesion)
         first += LEVELS
 
 

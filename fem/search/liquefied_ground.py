@@ -22,8 +22,8 @@ LITTLE = 1e-3  # of the weight, that is there before the rest is brought on: lim
 
 @dataclass(frozen=True)
 class Remains:
-    """What a stratum keeps: factors on cohesion and tan φ, a strength over its mean vertical effective stress, and one
-    in Pa."""
+    """What a stratum keeps: factors on cohesion and tan φ, a strength over the vertical effective stress before it
+    liquefied, and one in Pa."""
 
     cohesion: float
     friction: float
@@ -37,16 +37,23 @@ def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Secti
     for k, kept in remains.items():
         stress = mean_effective_stress(section, k)
         friction = math.atan(kept.friction * math.tan(strata[k].friction_angle))
-        cohesion = kept.cohesion * strata[k].cohesion + kept.residual * stress + kept.strength
-        if friction == 0.0:
+        cohesion = kept.cohesion * strata[k].cohesion + kept.strength
+        if friction == 0.0 and not kept.residual:
             cohesion = max(cohesion, LEAST * stress)
-        change = {
+        change: dict[str, float | None] = {
             "cohesion": cohesion,
             "cohesion_increase": kept.cohesion * strata[k].cohesion_increase,
+            "cohesion_minimum": None,
+            "strength_ratio": kept.cohesion * (strata[k].strength_ratio or 0.0),
             "friction_angle": friction,
             "dilation_angle": 0.0,
             "poissons_ratio": max(UNDRAINED, strata[k].poissons_ratio),
         }
+        if kept.residual and not change["strength_ratio"]:
+            one = dict.fromkeys(("ocr", "ocr_exponent", "pre_overburden_pressure", "consolidated_below"))
+            change |= {**one, "strength_ratio": kept.residual}
+        elif kept.residual:  # beside what is left of a SHANSEP strength: over the mean stress
+            change["cohesion"] = cohesion + kept.residual * stress
         strata[k] = strata[k].model_copy(update=change)
     return section.with_strata(strata)
 

@@ -15,12 +15,12 @@ from pydantic import Field, PrivateAttr, StrictBool, ValidationError, model_vali
 
 from meshes.errors import InputError
 from meshes.section.beyond import Continuation, Slope, continuation
+from meshes.section.cohesion_field import CohesionField
 from meshes.section.cutting import Cutting, cut, in_file, uncut, with_films
 from meshes.section.dense_lines import CELL, lines_by_place, mean_height, thinned_lines, with_lines
 from meshes.section.flow import seepage_of
 from meshes.section.flow_grid import Wall
 from meshes.section.geometry_problems import geometry_problems, problems_of_the_rest
-from meshes.section.growth import growth_problems
 from meshes.section.layering import Layering, Layers, elevations_below, layering
 from meshes.section.model import Model
 from meshes.section.naming import naming_problems, without_other_tables
@@ -108,8 +108,6 @@ class Section(Model):
             problems += structure_problems(self.structures, self.given_extent)
         if not problems and self.water is not None and self.water.cutoffs:
             problems += cutoff_problems(self.water.cutoffs, self.layering)
-        if not problems and any(stratum.cohesion_increase for stratum in self.strata):
-            problems += growth_problems(self.strata, self.layering)
         if problems:
             raise ValueError("\n".join(dict.fromkeys(problems)))
         return self
@@ -182,8 +180,8 @@ class Section(Model):
         if self.water_pressure.flow is not None:
             told.append(f"water, flow: {self.water_pressure.flow.words}")
         told += [self.uplift.words] if self.uplift else []
-        told += [f"{in_file(self.strata, k)}: its cohesion grows with depth; discs have that of its middle throughout"
-                 for k, s in enumerate(self.strata) if s.cohesion_increase]  # fmt: skip
+        told += [f"{in_file(self.strata, k)}: its cohesion grows with depth; discs have its mean throughout"
+                 for k, s in enumerate(self.strata) if s.cohesion_varies]  # fmt: skip
         if self.beyond is not None:
             left, right = self.given_extent
             told.append(
@@ -260,6 +258,20 @@ class Section(Model):
             walls = [] if self.water is None else [Wall(wall.x, wall.bottom) for wall in self.water.cutoffs]
             self._seepage = seepage_of(self.name, whole, lambda x: self._layers_with(x, whole).layering, still, walls)
         return replace(still, levels=(self._seepage.water_line,) * len(self.strata), flow=self._seepage)
+
+    @cached_property
+    def cohesion_field(self) -> CohesionField:
+        """The cohesion at any point of the ground."""
+        starts, consolidated = (
+            tuple(None if line is None else self.elevations_of(line) for line in lines)
+            for lines in zip(*((s.cohesion_from, s.consolidated_below) for s in self.strata), strict=True)
+        )
+        return CohesionField(self.water_pressure, starts, consolidated)
+
+    @property
+    def kinks(self) -> np.ndarray:
+        """The x (m) between which pore pressures and cohesions change by one rule in every stratum."""
+        return np.union1d(self.water_pressure.kinks, self.cohesion_field.kinks)
 
     @cached_property
     def uplift(self) -> Uplift | None:

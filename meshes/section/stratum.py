@@ -1,8 +1,8 @@
 """A layer of one soil: what it is called, where it ends, its parameters, and the water in its pores."""
 
+from collections.abc import Iterator
 from typing import Annotated, Self
 
-import numpy as np
 from pydantic import Field, PrivateAttr, StrictBool, model_validator
 
 from meshes.section.liquefies import LIQUEFIES_IN, CaseNumbers, Cases
@@ -10,7 +10,6 @@ from meshes.section.model import Model
 from meshes.section.polyline import ElevationOrLine, Line
 from meshes.section.quantity import (
     Angle,
-    Coordinate,
     Density,
     Gradient,
     Permeability,
@@ -29,6 +28,15 @@ MISSING_DENSITY = (
     'density: missing; expected a density or unit weight such as "1.8 t/m^3" (and density_saturated, if water stands '
     "in the stratum)"
 )
+
+
+# Ladd & Foott (1974): m is 0.75 to 0.85 for clays.
+OCR_EXPONENT = 0.8
+# The keys by which a cohesion varies, beside cohesion_increase.
+OF_COHESION = (
+    "cohesion_from", "cohesion_minimum", "strength_ratio", "ocr", "ocr_exponent", "pre_overburden_pressure",
+    "consolidated_below",
+)  # fmt: skip
 
 
 class Stratum(Model):
@@ -67,9 +75,29 @@ class Stratum(Model):
     cohesion_increase: Gradient = Field(
         default=0.0, description='what the cohesion gains per depth below cohesion_from, such as "2 kPa/m"'
     )
-    cohesion_from: Coordinate | None = Field(
+    cohesion_from: ElevationOrLine | None = Field(
         default=None,
-        description="the elevation (m) from which the cohesion grows; not below the stratum's highest point",
+        description="where cohesion_increase begins: an elevation (m), a line, or { depth = 0 } for the ground",
+    )
+    cohesion_minimum: Strength | None = Field(
+        default=None, description='the least cohesion where it varies, such as "5 kPa"'
+    )
+    strength_ratio: Ratio | None = Field(
+        default=None,
+        description="S of a cohesion S σ'v OCR^m, with the vertical effective stress before shaking, such as 0.22; "
+        "it is added to cohesion",
+    )
+    ocr: Ratio | None = Field(
+        default=None, description="the overconsolidation ratio OCR of strength_ratio; 1 if not given"
+    )
+    ocr_exponent: Ratio | None = Field(default=None, description="its exponent m, 0 to 1; 0.8 if not given")
+    pre_overburden_pressure: Strength | None = Field(
+        default=None, description="what the preconsolidation stress exceeds σ'v by, in place of ocr"
+    )
+    consolidated_below: ElevationOrLine | None = Field(
+        default=None,
+        description="a line, an elevation (m) or { depth = ... }: soil above it, such as a new embankment, has not "
+        "consolidated the ground; strength_ratio then leaves its weight out",
     )
     friction_angle: Angle = Field(description='a friction angle such as "35 deg"')
     tension: Strength | None = Field(
@@ -124,9 +152,24 @@ class Stratum(Model):
         """Whether it liquefies in any case."""
         return bool(self.liquefies_in)
 
-    def cohesion_at(self, elevation: np.ndarray | float) -> np.ndarray:
-        """Cohesion (Pa) at elevations (m)."""
-        return self.cohesion + self.cohesion_increase * ((self.cohesion_from or 0.0) - np.asarray(elevation))
+    @property
+    def cohesion_varies(self) -> bool:
+        """Whether its cohesion is not the same everywhere."""
+        return bool(self.cohesion_increase or self.strength_ratio)
+
+    @property
+    def has_cohesion(self) -> bool:
+        """Whether it has a cohesion anywhere."""
+        return self.cohesion > 0.0 or self.cohesion_varies
+
+    @property
+    def exponent(self) -> float:
+        """The exponent m of OCR."""
+        return OCR_EXPONENT if self.ocr_exponent is None else self.ocr_exponent
+
+    def with_cohesion(self, cohesion: float) -> Self:
+        """A copy with one cohesion (Pa) everywhere."""
+        return self.model_copy(update={**dict.fromkeys(OF_COHESION), "cohesion": cohesion, "cohesion_increase": 0.0})
 
     @property
     def buoyant(self) -> bool:
@@ -140,13 +183,29 @@ class Stratum(Model):
             problems.append("dilation_angle above friction_angle: expected at most the friction angle")
         if len(set(self.liquefies_in)) < len(self.liquefies_in):
             problems.append(f"liquefies_in = {list(self.liquefies_in)}: expected every case once")
-        if self.cohesion_increase > 0.0 and self.cohesion_from is None:
-            problems.append("cohesion_increase without cohesion_from: expected the elevation from which it grows")
+        problems += self._cohesion_problems()
         if self.pore_pressure_ratio is not None and self.piezometric_level is not None:
             problems.append("pore_pressure_ratio and piezometric_level: expected one of them")
         if problems:
             raise ValueError("\n".join(problems))
         return self
+
+    def _cohesion_problems(self) -> Iterator[str]:
+        """One sentence for each problem of the keys of a cohesion that varies."""
+        if self.cohesion_increase > 0.0 and self.cohesion_from is None:
+            yield "cohesion_increase without cohesion_from: expected the elevation or the line from which it grows"
+        if not self.strength_ratio:
+            for key in ("ocr", "ocr_exponent", "pre_overburden_pressure", "consolidated_below"):
+                if getattr(self, key) is not None:
+                    yield f"{key} without strength_ratio: expected the ratio of strength to stress that it belongs to"
+        if self.cohesion_minimum is not None and not self.cohesion_varies:
+            yield "cohesion_minimum beside a constant cohesion: expected cohesion_increase or strength_ratio"
+        if self.ocr is not None and self.ocr < 1.0:
+            yield f"ocr = {self.ocr:g}: expected a ratio of 1 or more"
+        if self.ocr is not None and self.pre_overburden_pressure is not None:
+            yield "ocr and pre_overburden_pressure: expected one of them"
+        if self.exponent > 1.0:
+            yield f"ocr_exponent = {self.exponent:g}: expected an exponent from 0 to 1"
 
     def _weigh(self) -> list[str]:
         """Set both densities to the one that was given, if one was; return a sentence for each problem of them."""

@@ -93,8 +93,7 @@ def uplift(layers: Layering, strata: tuple[Stratum, ...], loads: SurfaceLoads) -
             u, total = float(pressure[i, end]), float(weight[i, end])
             worst = Uplift(strata[k].name, at, elevation, u, total, at, at, bare=False)
         on_ground = points[..., 1] >= _along(layers, loads, x, 0, 0)[0][..., 1]
-        cohesion = strata[k].cohesion + strata[k].cohesion_increase
-        bare = bare or bool(cohesion == 0.0 and (excess[on_ground] > 0.0).any())
+        bare = bare or bool(not strata[k].has_cohesion and (excess[on_ground] > 0.0).any())
     if worst is None:
         return None
     return replace(worst, start=min(start for start, _ in spans), end=max(end for _, end in spans), bare=bare)

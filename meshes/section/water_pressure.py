@@ -98,8 +98,16 @@ class WaterPressure:
         ratio = np.array([s.excess_pore_pressure_ratio for s in self.strata])[stratum]
         if not ratio.any():
             return np.zeros(len(points))
-        effective = self.overburden(points, near) + self.ponded(self.after, points, near)
-        return ratio * np.maximum(effective - self.at_rest(points, near, stratum), 0.0)
+        return ratio * self.vertical_effective(points, near, stratum)
+
+    def vertical_effective(
+        self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, top: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Vertical effective stress (n,) without shaking, nowhere below zero: the weight of the soil above, and of the
+        water on it, less the pore pressure. Of soil above the line ``top`` (k, 2) nothing counts."""
+        ground = self._top(points, near, top)
+        free = 0.0 if self.after is None else self.hydrostatic(self.after, ground, near)
+        return np.maximum(self.overburden(points, near, top) + free - self.at_rest(points, near, stratum), 0.0)
 
     def inside(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, shaken: bool) -> np.ndarray:
         """Pore pressure (n,), with what shaking adds if the ground is ``shaken``."""
@@ -134,7 +142,7 @@ class WaterPressure:
             i = np.flatnonzero((first * last < 0.0) & (np.minimum(abs(first), abs(last)) > ON_GROUND * near))
             kinks.append(x[i] + (x[i + 1] - x[i]) * first[i] / (first[i] - last[i]))
         kinks += [] if self.flow is None else [self.flow.marks]
-        by_weight = any(s.pore_pressure_ratio or s.excess_pore_pressure_ratio for s in self.strata)
+        by_weight = any(s.pore_pressure_ratio or s.excess_pore_pressure_ratio or s.strength_ratio for s in self.strata)
         if by_weight or self.after is not self.before:
             kinks.append(ends)
         at = np.unique(np.concatenate(kinks)) if kinks else np.empty(0)
@@ -143,9 +151,11 @@ class WaterPressure:
         at = at[np.diff(at, prepend=-np.inf) > near]
         return at[(at > ends[0]) & (at < ends[-1])]
 
-    def overburden(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """Weight (n,) of the column of soil above each point, per area (Pa)."""
+    def overburden(self, points: np.ndarray, near: np.ndarray, top: np.ndarray | None = None) -> np.ndarray:
+        """Weight (n,) of the column of soil above each point, up to the line ``top`` (k, 2), per area (Pa)."""
         elevation = self.layers.interfaces(points[:, 0], near=near[:, 0])
+        if top is not None:
+            elevation = np.minimum(elevation, self._top(points, near, top)[:, 1:])
         thickness = elevation[:, :-1] - np.maximum(elevation[:, 1:], points[:, 1:])
         weight = GRAVITY * np.array([s.density_ordinary for s in self.strata])
         return np.maximum(thickness, 0.0) @ weight
@@ -171,8 +181,14 @@ class WaterPressure:
         """Pressure (n,) of the water that stands on the ground above each point."""
         if level is None:
             return np.zeros(len(points))
+        return self.hydrostatic(level, self._top(points, near), near)
+
+    def _top(self, points: np.ndarray, near: np.ndarray, line: np.ndarray | None = None) -> np.ndarray:
+        """The ground (n, 2) above points, or a ``line`` (k, 2) where that is lower."""
         ground = self.layers.interfaces(points[:, 0], near=near[:, 0])[:, 0]
-        return self.hydrostatic(level, np.column_stack([points[:, 0], ground]), near)
+        if line is not None:
+            ground = np.minimum(ground, level_at(line, points[:, 0], near[:, 0]))
+        return np.column_stack([points[:, 0], ground])
 
     def _taken_off(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
         """What a drawdown takes off the pore pressure of ground that does not drain: what it takes off the ground.

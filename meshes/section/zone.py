@@ -118,8 +118,8 @@ def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequenc
     above = float((line - _ground_at(layers, columns.x)).max())
     if above > layers.tolerance:
         base = without_depth(ground, base) or base
-        strata = [with_elevations(ground, layer, ("piezometric_level",)) for layer in strata]
-        zones = [with_elevations(ground, layer, ("piezometric_level",)) for layer in zones]
+        strata = [with_elevations(ground, layer, ("piezometric_level", "consolidated_below")) for layer in strata]
+        zones = [with_elevations(ground, layer, ("piezometric_level", "consolidated_below")) for layer in zones]
         ground = columns.points(line)
         surface = tuple((float(x), float(z)) for x, z in ground)
         notices.append(f"zones: they raise the ground by up to {above:.3g} m")

@@ -88,7 +88,8 @@ def divide(
     arm = ground - base
     along = -towards  # x to the left where the mass slides to the right
     stratum = _stratum(levels, points[:, 1])
-    cohesion, friction = _strength(section, stratum, points[:, 1])
+    cohesion = section.cohesion_field.at(points, points, stratum)
+    friction = np.tan([soil.friction_angle for soil in section.strata])[stratum]
     water = section.water_pressure.inside(points, points, stratum, shaken)
     forward = -width * mass.sum(axis=1).reshape(shape)  # the inertia of the soil, to the left
 
@@ -134,11 +135,3 @@ def _stratum(levels: np.ndarray, z: np.ndarray) -> np.ndarray:
     """The stratum at each base: the deepest one that has a thickness and whose top is not below it."""
     below_top = (z[:, None] <= levels[:, :-1]) & (levels[:, :-1] > levels[:, 1:])
     return below_top.shape[1] - 1 - np.argmax(below_top[:, ::-1], axis=1)
-
-
-def _strength(section: Section, stratum: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    cohesion = np.empty(len(z))
-    for k, soil in enumerate(section.strata):
-        here = stratum == k
-        cohesion[here] = soil.cohesion_at(z[here])
-    return cohesion, np.tan([soil.friction_angle for soil in section.strata])[stratum]

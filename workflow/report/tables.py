@@ -51,11 +51,21 @@ def strata_rows(section: Section) -> Iterator[list[str]]:
             f"{stratum.youngs_modulus / 1e6:.4g}",
             f"{stratum.poissons_ratio:g}",
             "/".join(dict.fromkeys(f"{d / 1e3:.4g}" for d in (stratum.density_ordinary, stratum.density_seismic))),
-            f"{stratum.cohesion / 1e3:.4g}"
-            + (f" + {stratum.cohesion_increase / 1e3:.3g} z" if stratum.cohesion_increase else "")
-            + (f", tension {stratum.tension / 1e3:.3g}" if stratum.tension is not None else ""),
+            _cohesion(stratum) + (f", tension {stratum.tension / 1e3:.3g}" if stratum.tension is not None else ""),
             f"{math.degrees(stratum.friction_angle):.3g}/{math.degrees(stratum.dilation):.3g}",
         ]
+
+
+def _cohesion(stratum: Stratum) -> str:
+    """The cohesion (kPa) of a stratum as a formula: z the depth (m) below its line, σ'v in kPa."""
+    terms = [f"{stratum.cohesion / 1e3:.4g}"] if stratum.cohesion or not stratum.cohesion_varies else []
+    terms += [f"{stratum.cohesion_increase / 1e3:.3g} z"] if stratum.cohesion_increase else []
+    if stratum.strength_ratio:
+        past = f"(1 + {stratum.pre_overburden_pressure / 1e3:.3g}/σ'v)" if stratum.pre_overburden_pressure else ""
+        past = past or (f"{stratum.ocr:.3g}" if stratum.ocr not in (None, 1.0) else "")
+        terms.append(f"{stratum.strength_ratio:.3g} σ'v" + (f" {past}^{stratum.exponent:.3g}" if past else ""))
+    least = f", at least {stratum.cohesion_minimum / 1e3:.3g}" if stratum.cohesion_minimum else ""
+    return " + ".join(terms) + least
 
 
 def source_of(section: Section, stratum: Stratum) -> str:

@@ -63,6 +63,7 @@ def _case(config: Config, mesh: "QuadMesh", remains: dict[int, "Remains"], numbe
     from fem.search.liquefied_ground import liquefied_section
 
     section = liquefied_section(config.section, remains)
+    mean = section.cohesion_field.means()
     borne = _borne(
         section,
         config,
@@ -76,9 +77,9 @@ def _case(config: Config, mesh: "QuadMesh", remains: dict[int, "Remains"], numbe
         strata=tuple(
             LiquefiedStratum(
                 name=section.strata[k].name,
-                cohesion_kPa=section.strata[k].cohesion / 1e3,
+                cohesion_kPa=mean[k].cohesion / 1e3,
                 friction_deg=math.degrees(section.strata[k].friction_angle),
-                over_effective=section.strata[k].cohesion / mean_effective_stress(config.section, k),
+                over_effective=mean[k].cohesion / mean_effective_stress(config.section, k),
             )
             for k in remains
         ),

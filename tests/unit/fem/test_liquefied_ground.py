@@ -18,12 +18,17 @@ from workflow.config import Config
 
 
 def test_what_is_left_of_a_stratum() -> None:
-    """Loose sand from 0 to 6 m, water at 1 m: at its middle 1.9 t/m³ over 3 m less 2 m of water, 36.28 kPa."""
+    """Loose sand from 0 to 6 m, water at 1 m: at its middle 1.9 t/m³ over 3 m less 2 m of water, 36.28 kPa. What is left
+    in every place is a share of the stress there; gravity acts on 0.9 t/m³, 26.48 kPa in the middle."""
     section = analysed(bored())
     stress = mean_effective_stress(section.section, 0)
     assert stress == pytest.approx(GRAVITY * (3.0 * 1900.0 - 2.0 * 1000.0))
-    kept = liquefied_section(section.section, {0: Remains(0.0, 0.0, 0.1)}).strata[0]
-    assert (kept.cohesion, kept.friction_angle, kept.poissons_ratio) == (pytest.approx(0.1 * stress), 0.0, 0.49)
+    residual = liquefied_section(section.section, {0: Remains(0.0, 0.0, 0.1)})
+    kept = residual.strata[0]
+    assert (kept.cohesion, kept.strength_ratio, kept.friction_angle, kept.poissons_ratio) == (0.0, 0.1, 0.0, 0.49)
+    assert residual.cohesion_field.means()[0].cohesion == pytest.approx(0.1 * GRAVITY * 3.0 * 900.0)
+    top, middle = np.array([[50.0, -1.0], [50.0, -3.0]]), np.array([0, 0])
+    assert residual.cohesion_field.at(top, top, middle) == pytest.approx([90.0 * GRAVITY, 270.0 * GRAVITY])
     half = liquefied_section(section.section, {0: Remains(1.0, 0.5, 0.0)}).strata[0]
     assert math.tan(half.friction_angle) == pytest.approx(0.5 * math.tan(math.radians(32.0)))
     nothing = liquefied_section(section.section, {0: Remains(0.0, 0.0, 0.0)}).strata

@@ -1,4 +1,4 @@
-"""Cohesion that grows with depth against a closed form."""
+"""Cohesion that grows with depth or with the effective stress, against closed forms."""
 
 import numpy as np
 import pytest
@@ -11,12 +11,12 @@ from fem.limit.safety_bounds import safety_bounds
 from fem.search.strength_reduction import safety_factor
 from fem.settings import BoundsSettings, FemSettings
 from meshes.gmsh_model import generate
-from meshes.section.growth import evened
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from meshes.triangles import triangulate
 from tests.support.bound_problems import FIXED, bracket
 from tests.support.sections import layer, problems
+from tests.support.water import soil as water_soil
 
 
 def cut(**soil: object) -> dict[str, object]:
@@ -44,7 +44,7 @@ def test_a_vertical_cut_in_ground_with_c_of_k_z_fails_at_gamma_of_2_k() -> None:
         dead_force=np.zeros((1, 2)),
         live_force=np.array([[0.0, -1.0]]),
         sides={"surface": Side(), "base": FIXED, "left": Side(), "right": FIXED},
-        growth=np.array([1.0]),
+        varying=lambda mesh, above: 1.001 - mesh.points[mesh.cells, 1],
     )
     found = bracket(triangulate(Section.parse({**body, "unusual": True}), 0.25), ground, Limits(0.02, 4000))
     assert 1.98 < found.lower <= 2.004
@@ -64,10 +64,64 @@ def test_elements_and_bounds_of_a_section_find_the_same() -> None:
     assert safety_factor(section, mesh, settings, 0.0, MPI.COMM_SELF).factor == pytest.approx(wedge, rel=0.005)
 
 
+def slope(**soil: object) -> Section:
+    """A slope of 1:2, 5 m high, in clay of 18 kN/m³ under water at 2 m that stands on its toe."""
+    weight = {"density": "18 kN/m^3", "density_saturated": "18 kN/m^3"}
+    clay = water_soil("clay", **weight, **{"cohesion": 0, "friction_angle": 0, **soil})
+    return Section.parse({
+        "name": "slope", "surface": [[0.0, 0.0], [10.0, 0.0], [20.0, 5.0], [30.0, 5.0]], "base": {"elevation": -5.0},
+        "water": {"table": 2.0, "unit_weight": "10 kN/m^3"}, "strata": [clay],
+    })  # fmt: skip
+
+
+def cohesion(section: Section, x: float, z: float) -> float:
+    at = np.array([[x, z]])
+    return float(section.cohesion_field.at(at, at, section.stratum_at(*at.T))[0])
+
+
+def test_cohesions_by_hand() -> None:
+    """At (5, -1) σ'v = 18 + 2 x 10 - 3 x 10 = 8 kPa; at (25, 1) 4 x 18 - 10 = 62 kPa."""
+    over = slope(strength_ratio=0.25, ocr=2.0)
+    assert cohesion(over, 5.0, -1.0) == pytest.approx(0.25 * 8e3 * 2.0**0.8)
+    assert cohesion(over, 25.0, 1.0) == pytest.approx(0.25 * 62e3 * 2.0**0.8)
+    past = slope(strength_ratio=0.25, pre_overburden_pressure="10 kPa", ocr_exponent=0.9, cohesion="1 kPa")
+    assert cohesion(past, 25.0, 1.0) == pytest.approx(1e3 + 0.25 * 62e3 * (72.0 / 62.0) ** 0.9)
+    new = slope(strength_ratio=0.25, consolidated_below=3.0)  # two metres of fill have not consolidated it
+    assert cohesion(new, 25.0, 1.0) == pytest.approx(0.25 * (2.0 * 18e3 - 10e3))
+    deep = slope(cohesion="2 kPa", cohesion_increase="3 kPa/m", cohesion_from={"depth": 1.0}, cohesion_minimum="4 kPa")
+    assert cohesion(deep, 25.0, 1.0) == pytest.approx(2e3 + 3e3 * 3.0)
+    assert cohesion(deep, 15.0, 2.2) == pytest.approx(4e3)  # 0.3 m below the ground
+
+
+SOILS = [
+    {"strength_ratio": 0.3, "pre_overburden_pressure": "15 kPa"},
+    {"strength_ratio": 0.3, "cohesion_minimum": "6 kPa"},
+    {"cohesion": "2 kPa", "cohesion_increase": "3 kPa/m", "cohesion_from": {"depth": 1.0}, "cohesion_minimum": "4 kPa"},
+]
+
+
+@pytest.mark.parametrize("soil", SOILS)
+def test_cohesions_of_bounds_enclose_the_true_one_in_every_triangle(soil: dict[str, object]) -> None:
+    """Bounds take cohesions that are linear in triangles, one below the curved one and one above it, and they close."""
+    section, rng, gaps = slope(**soil), np.random.default_rng(5), []
+    for size in (1.0, 0.5):
+        mesh = triangulate(section, size)
+        corners = mesh.points[mesh.cells]
+        low, high = (section.cohesion_field.corners(corners, mesh.stratum, above) for above in (False, True))
+        for _ in range(20):
+            share = rng.dirichlet(np.ones(3), len(corners))
+            inside = np.einsum("mk,mki->mi", share, corners)
+            true = section.cohesion_field.at(inside, corners.mean(axis=1), mesh.stratum)
+            assert np.all(np.einsum("mk,mk->m", share, low) <= true + 1e-6)
+            assert np.all(np.einsum("mk,mk->m", share, high) >= true - 1e-6)
+        gaps.append(float((high - low).mean(axis=1) @ mesh.areas / mesh.areas.sum()))
+    assert gaps[1] < 0.65 * gaps[0] < 400.0
+
+
 def test_discs_have_the_cohesion_of_the_middle() -> None:
     """The clay is a rectangle, its middle 3 m below the crest."""
     section = Section.parse(cut())
-    assert evened(section.strata, section.layering)[0].cohesion == pytest.approx(38e3)
+    assert section.cohesion_field.means()[0].cohesion == pytest.approx(38e3)
     assert soil_layers(section)[0].stratum.cohesion == pytest.approx(38e3)
     assert any("its cohesion grows with depth" in text for text in section.notices)
 
@@ -76,7 +130,10 @@ def test_discs_have_the_cohesion_of_the_middle() -> None:
     ("soil", "told"),
     [
         ({"cohesion_from": None}, "cohesion_increase without cohesion_from"),
-        ({"cohesion_from": 4.0}, "cohesion_from = 4: expected an elevation that the stratum does not reach above"),
+        ({"ocr": 2.0}, "ocr without strength_ratio"),
+        ({"strength_ratio": 0.2, "ocr": 0.5}, "ocr = 0.5: expected a ratio of 1 or more"),
+        ({"strength_ratio": 0.2, "ocr": 2.0, "pre_overburden_pressure": "10 kPa"}, "expected one of them"),
+        ({"strength_ratio": 0.2, "ocr": 2.0, "ocr_exponent": 1.2}, "ocr_exponent = 1.2: expected an exponent from 0"),
         ({"cohesion_increase": "5 kPa"}, "has the wrong dimension"),
     ],
 )

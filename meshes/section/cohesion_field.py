@@ -1,0 +1,149 @@
+"""Cohesion at any point of a section: constant, growing with depth below a line, growing with the effective stress.
+
+c = max(c_min, c0 + k max(0, z_from - z) + S σ'v OCR^m), where the last term is SHANSEP (Ladd & Foott 1974) and OCR =
+σ'p / σ'v is a number, or follows from a pre-overburden pressure: σ'p = σ'v + POP. σ'v is the vertical effective
+stress before shaking: the weight of the ground above and of the water on it, less the pore pressure; loads on the
+ground are not in it. Points are (n, 2), x and elevation in m, each with its stratum and with a point ``near`` it that
+says on which side of a step of the ground it is meant; cohesions are in Pa.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from meshes.section.polyline import level_at
+from meshes.section.stratum import Stratum
+from meshes.section.water_pressure import WaterPressure
+
+COLUMNS = 400  # vertical lines over which a cohesion is averaged
+
+
+@dataclass(frozen=True, eq=False)
+class CohesionField:
+    """The cohesion of the strata of a section.
+
+    Attributes
+    ----------
+    water : WaterPressure
+        The water of the section, with its layers and strata.
+    starts : tuple of (n, 2) or None
+        The line (m) below which the cohesion of each stratum grows with depth.
+    consolidated : tuple of (n, 2) or None
+        The line (m) above which nothing has consolidated each stratum; None for all that lies above it.
+    """
+
+    water: WaterPressure
+    starts: tuple[np.ndarray | None, ...]
+    consolidated: tuple[np.ndarray | None, ...]
+
+    @cached_property
+    def varies(self) -> np.ndarray:
+        """Which strata (k,) have a cohesion that is not constant."""
+        return np.array([soil.cohesion_varies for soil in self.water.strata])
+
+    @cached_property
+    def kinks(self) -> np.ndarray:
+        """The x (n,) in m between which all cohesions are linear in every stratum, but for their least values."""
+        if not self.varies.any():
+            return np.empty(0)
+        lines = [line[:, 0] for line in (*self.starts, *self.consolidated) if line is not None]
+        ends, near = self.water.layers.x, self.water.layers.tolerance
+        at = np.unique(np.concatenate([ends, *lines]))
+        closest = ends[np.abs(at[:, None] - ends).argmin(axis=1)]
+        at = np.unique(np.where(np.abs(at - closest) <= near, closest, at))
+        at = at[np.diff(at, prepend=-np.inf) > near]
+        return at[(at > ends[0]) & (at < ends[-1])]
+
+    def at(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
+        """Cohesion (n,) at points."""
+
+        def exact(soil: Stratum, depth: np.ndarray, stress: np.ndarray) -> np.ndarray:
+            grown = soil.cohesion + soil.cohesion_increase * np.maximum(depth, 0.0) + _shansep(soil, stress)
+            return np.maximum(grown, soil.cohesion_minimum or 0.0)
+
+        return self._of_strata(exact, points, near, stratum)
+
+    def corners(self, corners: np.ndarray, stratum: np.ndarray, above: bool) -> np.ndarray:
+        """Cohesions (m, 3) at the ``corners`` (m, 3, 2) of triangles; the linear one between them is nowhere above that
+        of ``at``, or nowhere below it if ``above`` is asked for.
+
+        In a triangle depth and stress are linear. What is convex of them (growth below a line, a least value) lies
+        below its chord and above its tangent, and what is concave (σ'v to a power below 1) the other way round.
+        """
+
+        def linear(soil: Stratum, depth: np.ndarray, stress: np.ndarray) -> np.ndarray:
+            depth, stress = depth.reshape(-1, 3), stress.reshape(-1, 3)
+            least = soil.cohesion_minimum or 0.0
+            if above:
+                grown = np.maximum(depth, 0.0)
+                ratio = _tangent(soil, stress)
+            else:
+                grown = np.where(depth.mean(axis=1, keepdims=True) > 0.0, depth, 0.0)
+                ratio = np.where(stress.min(axis=1, keepdims=True) > 0.0, _shansep(soil, stress), 0.0)
+            total = soil.cohesion + soil.cohesion_increase * grown + ratio
+            if above:
+                return np.maximum(total, least).ravel()
+            small = (total.mean(axis=1) < least) | (total.min(axis=1) < 0.0)
+            return np.where(small[:, None], least, total).ravel()
+
+        near = np.repeat(corners.mean(axis=1), 3, axis=0)
+        return self._of_strata(linear, corners.reshape(-1, 2), near, np.repeat(stratum, 3)).reshape(-1, 3)
+
+    def means(self) -> tuple[Stratum, ...]:
+        """The strata with one cohesion each: where it varies, its mean over the area of the stratum."""
+        if not self.varies.any():
+            return self.water.strata
+        layers = self.water.layers
+        x = layers.x[0] + (layers.x[-1] - layers.x[0]) * (np.arange(COLUMNS) + 0.5) / COLUMNS
+        levels = layers.interfaces(x)
+        strata = list(self.water.strata)
+        for k in np.flatnonzero(self.varies):
+            thick = levels[:, k] - levels[:, k + 1]
+            middle = np.column_stack([x, 0.5 * (levels[:, k] + levels[:, k + 1])])[thick > 0.0]
+            cohesion = self.at(middle, middle, np.full(len(middle), k))
+            mean = float(np.average(cohesion, weights=thick[thick > 0.0])) if len(middle) else strata[k].cohesion
+            strata[k] = strata[k].with_cohesion(mean)
+        return tuple(strata)
+
+    def _of_strata(
+        self,
+        law: Callable[[Stratum, np.ndarray, np.ndarray], np.ndarray],
+        points: np.ndarray,
+        near: np.ndarray,
+        stratum: np.ndarray,
+    ) -> np.ndarray:
+        """What a ``law`` of a soil, depths (m) below its line and stresses (Pa) says at points (n, 2)."""
+        cohesion = np.empty(len(points))
+        for k in np.unique(stratum):
+            here, soil = stratum == k, self.water.strata[k]
+            cohesion[here] = soil.cohesion
+            if not soil.cohesion_varies:
+                continue
+            place, beside, start = points[here], near[here], self.starts[k]
+            depth = np.zeros(len(place)) if start is None else level_at(start, place[:, 0], beside[:, 0]) - place[:, 1]
+            stress = np.zeros(len(place))
+            if soil.strength_ratio:
+                stress = self.water.vertical_effective(place, beside, np.full(len(place), k), self.consolidated[k])
+            cohesion[here] = law(soil, depth, stress)
+        return cohesion
+
+
+def _shansep(soil: Stratum, stress: np.ndarray) -> np.ndarray:
+    """S σ'v OCR^m (Pa) at vertical effective stresses (Pa)."""
+    ratio, power = soil.strength_ratio or 0.0, soil.exponent
+    if soil.pre_overburden_pressure is None:
+        return np.asarray(ratio * (soil.ocr or 1.0) ** power * stress)
+    return np.asarray(ratio * stress ** (1.0 - power) * (stress + soil.pre_overburden_pressure) ** power)
+
+
+def _tangent(soil: Stratum, stress: np.ndarray) -> np.ndarray:
+    """The tangent (m, 3) of S σ'v OCR^m at the mean of the stresses (m, 3) of each triangle, at its corners (Pa)."""
+    mean = stress.mean(axis=1, keepdims=True)
+    value, past = _shansep(soil, mean), soil.pre_overburden_pressure
+    if past is None or not soil.strength_ratio:
+        return _shansep(soil, stress)
+    positive = np.maximum(mean, 1e-12)
+    slope = value * ((1.0 - soil.exponent) / positive + soil.exponent / (positive + past))
+    return np.asarray(np.where(mean > 0.0, value + slope * (stress - mean), value))
