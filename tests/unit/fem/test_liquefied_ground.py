@@ -18,8 +18,8 @@ from workflow.config import Config
 
 
 def test_what_is_left_of_a_stratum() -> None:
-    """Loose sand from 0 to 6 m, water at 1 m: at its middle 1.9 t/m³ over 3 m less 2 m of water, 36.28 kPa. What is left
-    in every place is a share of the stress there; gravity acts on 0.9 t/m³, 26.48 kPa in the middle."""
+    """Loose sand from 0 to 6 m, water at 1 m: at its middle 1.9 t/m³ over 3 m less 2 m of water, 36.28 kPa. What is
+    left in a place is a share of the stress there; gravity acts on 0.9 t/m³, 26.48 kPa in the middle."""
     section = analysed(bored())
     stress = mean_effective_stress(section.section, 0)
     assert stress == pytest.approx(GRAVITY * (3.0 * 1900.0 - 2.0 * 1000.0))
