@@ -98,7 +98,7 @@ def build_triangles(section: Section, sizes: Sizes, repeats: bool = False) -> No
     Edges follow the vertical lines at which pore pressures bend: within a triangle they are linear. Where the section
     ``repeats`` the right side has the points of the left one.
     """
-    kinks = section.kinks
+    kinks = section.cohesion_field.kinks
     layers = section.layering_cut_at(kinks) if len(kinks) else section.layering
     surfaces, curves, _ = _geometry(section, layers, cuts=kinks)
     _size_field(section, surfaces, curves, sizes)

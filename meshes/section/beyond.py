@@ -61,3 +61,9 @@ def continuation(surface: np.ndarray, distance: float, slope: Slope) -> Continua
     (x2, z2), (x3, z3) = surface[-2:]
     slopes = ((z1 - z0) / (x1 - x0), (z3 - z2) / (x3 - x2)) if slope == "parallel" else (0.0, 0.0)
     return Continuation(float(x0), float(x3), distance, *map(float, slopes))
+
+
+def continuation_words(length: float, slope: Slope, left: float, right: float) -> str:
+    """What lies beyond the ends (m) of a section, in words; ``length`` (m) of it on either side."""
+    how = "level" if slope == "level" else "with the slope of the ground there"
+    return f"beyond: ground, layers and water go on for {length:g} m past x = {left:g} and {right:g} m, {how}"

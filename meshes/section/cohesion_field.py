@@ -10,10 +10,11 @@ says on which side of a step of the ground it is meant; cohesions are in Pa.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
-from meshes.section.polyline import level_at
+from meshes.section.polyline import Line, level_at
 from meshes.section.stratum import Stratum
 from meshes.section.water_pressure import WaterPressure
 
@@ -38,6 +39,16 @@ class CohesionField:
     starts: tuple[np.ndarray | None, ...]
     consolidated: tuple[np.ndarray | None, ...]
 
+    @classmethod
+    def of(cls, water: WaterPressure, elevations_of: Callable[[Line], np.ndarray]) -> Self:
+        """The cohesions of the strata of ``water``; ``elevations_of`` a line are (n, 2) from side to side (m)."""
+
+        def lines(key: str) -> tuple[np.ndarray | None, ...]:
+            given = [getattr(soil, key) for soil in water.strata]
+            return tuple(None if line is None else elevations_of(line) for line in given)
+
+        return cls(water, lines("cohesion_from"), lines("consolidated_below"))
+
     @cached_property
     def varies(self) -> np.ndarray:
         """Which strata (k,) have a cohesion that is not constant."""
@@ -45,10 +56,11 @@ class CohesionField:
 
     @cached_property
     def kinks(self) -> np.ndarray:
-        """The x (n,) in m between which all cohesions are linear in every stratum, but for their least values."""
+        """The x (n,) in m between which pore pressures, and cohesions but for their least values, change by one rule in
+        every stratum."""
         if not self.varies.any():
-            return np.empty(0)
-        lines = [line[:, 0] for line in (*self.starts, *self.consolidated) if line is not None]
+            return self.water.kinks
+        lines = [self.water.kinks, *(line[:, 0] for line in (*self.starts, *self.consolidated) if line is not None)]
         ends, near = self.water.layers.x, self.water.layers.tolerance
         at = np.unique(np.concatenate([ends, *lines]))
         closest = ends[np.abs(at[:, None] - ends).argmin(axis=1)]

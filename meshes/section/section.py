@@ -14,7 +14,7 @@ import tomli_w
 from pydantic import Field, PrivateAttr, StrictBool, ValidationError, model_validator
 
 from meshes.errors import InputError
-from meshes.section.beyond import Continuation, Slope, continuation
+from meshes.section.beyond import Continuation, Slope, continuation, continuation_words
 from meshes.section.cohesion_field import CohesionField
 from meshes.section.cutting import Cutting, cut, in_file, uncut, with_films
 from meshes.section.dense_lines import CELL, lines_by_place, mean_height, thinned_lines, with_lines
@@ -180,14 +180,10 @@ class Section(Model):
         if self.water_pressure.flow is not None:
             told.append(f"water, flow: {self.water_pressure.flow.words}")
         told += [self.uplift.words] if self.uplift else []
-        told += [f"{in_file(self.strata, k)}: its cohesion grows with depth; discs have its mean throughout"
+        told += [f"{in_file(self.strata, k)}: its cohesion varies; discs have its mean throughout"
                  for k, s in enumerate(self.strata) if s.cohesion_varies]  # fmt: skip
         if self.beyond is not None:
-            left, right = self.given_extent
-            told.append(
-                f"beyond: ground, layers and water go on for {self.beyond:g} m past x = {left:g} and {right:g} m, "
-                f"{'level' if self.beyond_slope == 'level' else 'with the slope of the ground there'}"
-            )
+            told.append(continuation_words(self.beyond, self.beyond_slope, *self.given_extent))
         return told
 
     @property
@@ -262,16 +258,7 @@ class Section(Model):
     @cached_property
     def cohesion_field(self) -> CohesionField:
         """The cohesion at any point of the ground."""
-        starts, consolidated = (
-            tuple(None if line is None else self.elevations_of(line) for line in lines)
-            for lines in zip(*((s.cohesion_from, s.consolidated_below) for s in self.strata), strict=True)
-        )
-        return CohesionField(self.water_pressure, starts, consolidated)
-
-    @property
-    def kinks(self) -> np.ndarray:
-        """The x (m) between which pore pressures and cohesions change by one rule in every stratum."""
-        return np.union1d(self.water_pressure.kinks, self.cohesion_field.kinks)
+        return CohesionField.of(self.water_pressure, self.elevations_of)
 
     @cached_property
     def uplift(self) -> Uplift | None:
