@@ -34,8 +34,9 @@ BULK, SHEAR, STRENGTH, SIN_PHI, LIMIT, KEEP, DRAINS, HEAVY = range(8)
 PROPERTIES = 8
 # Of a point: volume (m²), mass (kg/m), opened volumetric strain, plastic shear strain.
 VOLUME, MASS, OPENED, SHEARED = range(4)
-# Of a node: mass, momentum, force, volume; then velocity before and after the step.
-NODE = 6
+# Of a node: mass, momentum, force, volume, what is above 0 where it is held vertically; then velocity before and after
+# the step.
+NODE = 7
 # Sums of a stripe (J/m): work of weight and shaking, energy dissipated by shear, opening and drainage.
 EXTERNAL, DISSIPATED = range(2)
 # Of a column of nodes (J/m): kinetic energy that forces gave it, work of pore water.
@@ -52,11 +53,14 @@ def _weights(f: float) -> tuple[float, float, float]:
 @njit(cache=True, nogil=True, error_model="numpy")
 def scatter(
     stripes: Integers, offsets: Integers, x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats,
-    heavy: Floats, cell: float, periodic: bool, push: float, gravity_x: float, gravity_z: float, grid: Floats,
+    heavy: Floats, side: Floats, cell: float, periodic: bool, push: float, gravity_x: float, gravity_z: float,
+    grid: Floats,
 ) -> None:  # fmt: skip
     """Add mass, momentum, force and volume of the points of some stripes to the grid (nx, nz, NODE).
 
-    push (m/s²): what shaking does to the whole mass, horizontally; gravity (m/s²) acts on ``heavy`` times it.
+    push (m/s²): what shaking does to the whole mass, horizontally; gravity (m/s²) acts on ``heavy`` times it. side
+    (N/m): what presses horizontally on points beside a free-field side, a quarter of a cell from them, where nodes are
+    held vertically; 0 elsewhere.
     """
     inverse, columns = 1.0 / cell, grid.shape[0]
     stiff = 4.0 * inverse * inverse
@@ -71,7 +75,8 @@ def scatter(
             cxx, cxz, czx, czz = mass * affine[p, 0], mass * affine[p, 1], mass * affine[p, 2], mass * affine[p, 3]
             k = stiff * volume
             sxx, szz, sxz = k * stress[p, 0], k * stress[p, 1], k * stress[p, 2]
-            bx, bz = mass * (push + heavy[p] * gravity_x), mass * heavy[p] * gravity_z
+            bx, bz = mass * (push + heavy[p] * gravity_x) + side[p], mass * heavy[p] * gravity_z
+            sxx += 0.25 * cell * stiff * abs(side[p])  # its moment about the point
             for a in range(3):
                 wa = w0 if a == 0 else (w1 if a == 1 else w2)
                 column = i + a
@@ -87,6 +92,7 @@ def scatter(
                     grid[column, j + b, 3] += w * (bx - sxx * dx - sxz * dz)
                     grid[column, j + b, 4] += w * (bz - sxz * dx - szz * dz)
                     grid[column, j + b, 5] += w * volume
+                    grid[column, j + b, 6] += abs(side[p])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -118,6 +124,8 @@ def move_grid(
             new_x, new_z = old_x + dt * ax, old_z + dt * az
             if held[i, j] == WALL:
                 new_x = 0.0
+            if grid[i, j, 6] > 0.0:
+                old_z = new_z = 0.0
             velocity[i, j, 0], velocity[i, j, 1], velocity[i, j, 2], velocity[i, j, 3] = old_x, old_z, new_x, new_z
             energy += 0.5 * mass * (new_x * new_x + new_z * new_z - old_x * old_x - old_z * old_z)
             buoyed += 0.5 * dt * (water_x * (old_x + new_x) + water_z * (old_z + new_z))
@@ -168,7 +176,7 @@ def _update_stress(
 def gather(
     stripes: Integers, offsets: Integers, velocity: Floats, cell: float, periodic: bool, dt: float, push: float,
     gravity_x: float, gravity_z: float, x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats,
-    properties: Floats, sums: Floats,
+    side: Floats, properties: Floats, sums: Floats,
 ) -> None:  # fmt: skip
     """Move the points of some stripes with the grid and update their stress; ``sums`` (stripes, 2) take energies."""
     inverse, columns, rows = 1.0 / cell, velocity.shape[0], velocity.shape[1]
@@ -205,6 +213,7 @@ def gather(
             keep, heavy, mass = properties[p, KEEP], properties[p, HEAVY], state[p, MASS]
             middle_x, middle_z = 0.5 * (old_x + new_x), 0.5 * (old_z + new_z)
             external += mass * dt * ((push + heavy * gravity_x) * middle_x + heavy * gravity_z * middle_z)
+            external += dt * (side[p] * middle_x - 0.25 * cell * abs(side[p]) * cxx)
             v[p, 0] = new_x + keep * (v[p, 0] - old_x)
             v[p, 1] = new_z + keep * (v[p, 1] - old_z)
             x[p, 0] += dt * new_x
@@ -226,8 +235,8 @@ def gather(
 def advance(
     steps: int, stripes: Integers, offsets: Integers, cell: float, periodic: bool, dt: float, pushes: Floats,
     gravity_x: float, gravity_z: float, damping: float, uplift: Floats, held: NDArray[np.int8], x: Floats, v: Floats,
-    affine: Floats, stress: Floats, state: Floats, properties: Floats, grid: Floats, velocity: Floats, gained: Floats,
-    sums: Floats,
+    affine: Floats, stress: Floats, state: Floats, side: Floats, properties: Floats, grid: Floats, velocity: Floats,
+    gained: Floats, sums: Floats,
 ) -> None:  # fmt: skip
     """Some steps on one thread; ``pushes`` (steps,) are the accelerations by shaking (m/s²)."""
     heavy = properties[:, HEAVY].copy()
@@ -236,11 +245,11 @@ def advance(
         push = pushes[step]
         for parity in range(2):
             scatter(
-                stripes[parity::2], offsets, x, v, affine, stress, state, heavy, cell, periodic, push, gravity_x,
-                gravity_z, grid,
+                stripes[parity::2], offsets, x, v, affine, stress, state, heavy, side, cell, periodic, push,
+                gravity_x, gravity_z, grid,
             )  # fmt: skip
         move_grid(0, grid.shape[0], grid, uplift, held, dt, damping, velocity, gained)
         gather(
             stripes, offsets, velocity, cell, periodic, dt, push, gravity_x, gravity_z, x, v, affine, stress, state,
-            properties, sums,
+            side, properties, sums,
         )  # fmt: skip

@@ -16,7 +16,7 @@ STRIPE = 8  # columns of cells that belong together
 DRIFT = 0.5  # of a cell, that points may go before they are sorted again
 BATCH = 0.02  # s, after which the time step follows the fastest point
 
-ARRAYS = ("x", "v", "affine", "stress", "state", "properties", "start", "stratum", "decay")  # of the points
+ARRAYS = ("x", "v", "affine", "stress", "state", "properties", "start", "stratum", "decay", "side")  # of the points
 
 Push = Callable[[np.ndarray], np.ndarray]
 
@@ -171,7 +171,7 @@ class MaterialPointEngine:
         if self.threads == 1:
             kernel.advance(
                 len(pushes), self._stripes, self._offsets, grid.cell, grid.periodic, dt, pushes, *self.gravity,
-                damping, grid.uplift, grid.held, *moving, points.properties, self._nodes, self._velocity,
+                damping, grid.uplift, grid.held, *moving, points.side, points.properties, self._nodes, self._velocity,
                 self._gained, self._sums,
             )  # fmt: skip
             return
@@ -182,14 +182,15 @@ class MaterialPointEngine:
                 self._nodes[:] = 0.0
                 for shares in self._even, self._odd:
                     list(pool.map(lambda mine, push=push: kernel.scatter(
-                        mine, self._offsets, *moving, heavy, grid.cell, grid.periodic, push, *self.gravity, self._nodes
+                        mine, self._offsets, *moving, heavy, points.side, grid.cell, grid.periodic, push,
+                        *self.gravity, self._nodes,
                     ), shares))  # fmt: skip
                 list(pool.map(lambda first, last: kernel.move_grid(
                     first, last, self._nodes, grid.uplift, grid.held, dt, damping, self._velocity, self._gained
                 ), edges[:-1], edges[1:]))  # fmt: skip
                 list(pool.map(lambda mine, push=push: kernel.gather(
                     mine, self._offsets, self._velocity, grid.cell, grid.periodic, dt, push, *self.gravity, *moving,
-                    points.properties, self._sums,
+                    points.side, points.properties, self._sums,
                 ), self._all))  # fmt: skip
 
     def _sort(self) -> None:

@@ -1,20 +1,27 @@
 """A section as material points on a grid: where they lie, what holds them, and the stress with which they begin.
 
 Around the section lie a few cells of rigid ground: below its base, so that the base is rough, and beyond its sides, as
-in the rigid box of the discs. Coordinates of points and grid are those of the section less an `offset`.
+in the rigid box of the discs. Where the sides are free-field, the latter is taken away once the ground is at rest: what
+it pressed with stays as a force on the points beside it, which the ground does not let sink. Coordinates of points and
+grid are those of the section less an `offset`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fem.kernels import material_points as kernel
 from fem.mpm.grid import BackgroundGrid
 from fem.mpm.points import MaterialPoints, PointSoil
+from fem.settings import Sides
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
+TINY = 1e-6  # m
+HELD_STRIP = 1.25  # cells beside a free-field side in which the ground can hardly sink: they are no part of the surface
+LEAST_FORCE = 1e-3  # N/m: that on points of free-field sides which nothing presses; they are known by it
 BORDER = 3  # cells of rigid ground around the section
+FAR = 0.25  # of the section's width, that ground may leave it by at free-field sides
 HEADROOM = 6  # cells above its highest point
 RIGID = 1e15  # Pa: cohesion of that ground
 THINNEST = 0.25  # of the spacing of points: a layer that is thinner in a column has none there
@@ -45,6 +52,8 @@ class PointGround:
         Vertical effective stress of each point before the earthquake (Pa), compression positive.
     softened : tuple of str
         Strata that had to be made less stiff, see ``FASTEST``.
+    room : float
+        Length (m) of floor beyond each free-field side, on which ground that leaves the section moves; 0 for others.
     """
 
     section: Section
@@ -54,25 +63,37 @@ class PointGround:
     surface: np.ndarray
     effective: np.ndarray
     softened: tuple[str, ...]
+    room: float = 0.0
+
+    @property
+    def sides(self) -> Sides:
+        """What the sides do: "free-field", "periodic" or "fixed"."""
+        return "free-field" if self.room > 0.0 else "periodic" if self.grid.periodic else "fixed"
 
 
-def ground_of(section: Section, cells: int) -> PointGround:
+def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGround:
     """The section as points, four to a cell, on about so many cells.
 
     Columns of points are filled from the base to the surface layer by layer, so that every layer has its own area and
     the surface is where it is. Stress is that of the column above, K0 = ν / (1 - ν); it is not yet in equilibrium.
+    Sides are rigid and rough, and become free-field ones by `with_free_sides` where ``sides`` are so. Smooth sides are
+    rough here, and periodic ones free-field unless both lie at the same height.
     """
     left, right = section.extent
+    ends = section.layering.left[0], section.layering.right[-1]
+    periodic = sides == "periodic" and bool(np.abs(ends[0] - ends[1]).max() <= section.layering.tolerance)
     area = float(section.layering.areas().sum())
     width = right - left
     cell = width / max(8, round(width / np.sqrt(area / cells)))
     spacing = 0.5 * cell
-    x, top, bottom, stratum = _columns(section, spacing)
+    room = round(FAR * width / cell) if sides in ("free-field", "periodic") and not periodic else 0
+    x, top, bottom, stratum = _columns(section, spacing, 0 if periodic else BORDER + room)
     places, volumes, owners, is_top = _fill(x, top, bottom, stratum, spacing)
     inside = (places[:, 0] > left) & (places[:, 0] < right) & (owners >= 0)
     low, high = places.min(axis=0), places.max(axis=0)
-    offset = np.array([left - (BORDER + 2) * cell, np.floor(low[1] / cell) * cell - 2.0 * cell])
-    shape = (round(width / cell) + 2 * (BORDER + 2) + 1, int((high[1] - offset[1]) / cell) + HEADROOM)
+    margin = 0 if periodic else BORDER + room + 2
+    offset = np.array([left - margin * cell, np.floor(low[1] / cell) * cell - 2.0 * cell])
+    shape = (round(width / cell) + (0 if periodic else 2 * margin + 1), int((high[1] - offset[1]) / cell) + HEADROOM)
     effective = _effective(section, places, owners)
     soil, softened = _soil(section, places, owners, inside)
     number = np.where(inside, owners, -1)
@@ -82,20 +103,48 @@ def ground_of(section: Section, cells: int) -> PointGround:
     poisson = np.array([s.poissons_ratio for s in section.strata])[np.maximum(owners, 0)]
     points.stress[:, 1] = -effective
     points.stress[:, 0] = -effective * poisson / (1.0 - poisson)
-    grid = _grid(section, cell, shape, offset)
-    return PointGround(section, points, grid, offset, surface, effective, softened)
+    grid = _grid(section, cell, shape, offset, "periodic" if periodic else "fixed")
+    return PointGround(section, points, grid, offset, surface, effective, softened, room * cell)
 
 
-def _columns(section: Section, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
+    """The ground at rest without the rigid ground beside it, whose pressure stays as forces on the points next to it.
+
+    ``order`` (n,) has the numbers, in the order in which they were made, of the points as they lie now.
+    """
+    section, cell = ground.section, ground.grid.cell
+    points, (left, right) = ground.points.some(np.argsort(order)), section.extent
+    places = points.x + ground.offset
+    base = section.layering.interfaces(np.clip(places[:, 0], left + TINY, right - TINY))[:, -1]
+    kept = (points.stratum >= 0) | (places[:, 1] < base)
+    points.stress[(points.stratum < 0) & ((places[:, 0] < left) | (places[:, 0] > right))] = 0.0  # nothing weighs on it
+    height = points.state[:, kernel.VOLUME] / (0.5 * cell)
+    for inwards, distance in ((1.0, places[:, 0] - left), (-1.0, right - places[:, 0])):
+        beside = (points.stratum >= 0) & (distance < 0.5 * cell)
+        points.side[beside] = inwards * np.maximum(-points.stress[beside, 0] * height[beside], LEAST_FORCE)
+    free = np.minimum(places[:, 0] - left, right - places[:, 0])[ground.surface] > HELD_STRIP * cell
+    return replace(
+        ground,
+        points=points.some(kept),
+        grid=_grid(section, cell, ground.grid.shape, ground.offset, "free-field"),
+        surface=(np.cumsum(kept) - 1)[ground.surface[free]],
+        effective=ground.effective[kept],
+    )
+
+
+def _columns(section: Section, spacing: float, margin: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Columns of points: their x, and tops, bottoms and owners (columns, layers) of what lies in each; m.
 
-    The last layer is the rigid ground below the base (owner -1).
+    The last layer is the rigid ground below the base (owner -1). It continues for ``margin`` cells beyond the sides,
+    and the ground above it for ``BORDER`` of them.
     """
     left, right = section.extent
-    extra = 2 * BORDER
+    extra = 2 * margin
     x = left + spacing * (np.arange(-extra, round((right - left) / spacing) + extra) + 0.5)
     at = np.clip(x, left + 0.5 * spacing, right - 0.5 * spacing)
     levels = section.layering.interfaces(at)
+    beyond = np.maximum(left - x, x - right) > 2 * BORDER * spacing
+    levels[beyond] = levels[beyond, -1:]
     floor = levels[:, -1:] - 2 * BORDER * spacing
     top, bottom = levels, np.hstack([levels[:, 1:], floor])
     owner = np.append(np.arange(levels.shape[1] - 1), -1)
@@ -170,7 +219,7 @@ def _soil(
     return PointSoil(of(mass), of(young), of(poisson), cohesion, friction, tension, weight), tuple(softened)
 
 
-def _grid(section: Section, cell: float, shape: tuple[int, int], offset: np.ndarray) -> BackgroundGrid:
+def _grid(section: Section, cell: float, shape: tuple[int, int], offset: np.ndarray, sides: Sides) -> BackgroundGrid:
     """Nodes well inside the rigid ground are held; pore water works by its gradient."""
     left, right = section.extent
     x, z = (offset[axis] + cell * np.arange(shape[axis]) for axis in (0, 1))
@@ -178,9 +227,12 @@ def _grid(section: Section, cell: float, shape: tuple[int, int], offset: np.ndar
     base = section.layering.interfaces(at)[:, -1]
     held = np.full(shape, kernel.FREE, dtype=np.int8)
     held[z[None, :] <= base[:, None] - (BORDER - 1) * cell] = kernel.HELD
-    held[(x <= left - (BORDER - 1) * cell) | (x >= right + (BORDER - 1) * cell)] = kernel.HELD
+    if sides == "free-field":
+        held[:2] = held[-2:] = kernel.HELD
+    elif sides == "fixed":
+        held[(x <= left - (BORDER - 1) * cell) | (x >= right + (BORDER - 1) * cell)] = kernel.HELD
     held[:, -2:] = kernel.HELD
-    return BackgroundGrid(cell, held, _uplift(section, cell, x, z))
+    return BackgroundGrid(cell, held, _uplift(section, cell, x, z), sides == "periodic")
 
 
 def _uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray) -> np.ndarray:

@@ -3,7 +3,7 @@
 Lengths in m, z upwards; stress in Pa, tension positive, components [xx, zz, xz]; masses in kg per metre out of plane.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Self
 
 import numpy as np
@@ -63,6 +63,10 @@ class MaterialPoints:
         Place at the beginning (m).
     stratum : ndarray (n,)
         Number of the stratum, -1 for rigid ground around the section.
+    decay : ndarray (n,)
+        Rate (1/s) at which velocities which the grid cannot resolve are given up to it.
+    side : ndarray (n,)
+        Force (N/m) that presses horizontally on the points beside a free-field side, 0 elsewhere.
     """
 
     x: np.ndarray
@@ -74,6 +78,7 @@ class MaterialPoints:
     start: np.ndarray
     stratum: np.ndarray
     decay: np.ndarray
+    side: np.ndarray
 
     @classmethod
     def of(cls, x: np.ndarray, volume: np.ndarray, soil: PointSoil, stratum: np.ndarray | None = None) -> Self:
@@ -106,9 +111,14 @@ class MaterialPoints:
             start=np.array(x, dtype=float),
             stratum=np.zeros(n, dtype=np.int64) if stratum is None else np.array(stratum, dtype=np.int64),
             decay=np.array(np.broadcast_to(np.asarray(soil.keep, dtype=float), n)),
+            side=np.zeros(n),
         )
         points.set_strength(soil.cohesion, soil.friction, soil.tension)
         return points
+
+    def some(self, which: np.ndarray) -> Self:
+        """Some of the points, by their numbers or a mask (n,), in that order."""
+        return type(self)(**{field.name: getattr(self, field.name)[which] for field in fields(self)})
 
     def set_strength(
         self,

@@ -10,10 +10,10 @@ import numpy as np
 from fem.kernels import material_points as kernel
 from fem.mpm.checkpoint import keep, resume
 from fem.mpm.engine import MaterialPointEngine, Push
-from fem.mpm.ground import PointGround
+from fem.mpm.ground import FAR, PointGround, with_free_sides
 from fem.mpm.points import UNLIMITED
 from fem.mpm.slide_record import PointSlide
-from fem.search.liquefied_ground import LEAST, Remains
+from fem.search.liquefied_ground import LEAST, UNDRAINED, Remains
 
 DAMPING = 0.7  # with which the ground comes to rest under its weight
 SETTLE, LONGEST_SETTLING = 0.5, 30.0  # s between two looks at that, and after which it is given up
@@ -25,7 +25,6 @@ ONSET_STEPS = 20  # in which strength changes as ground liquefies
 DECAYS = (10.0, 1.0)
 KEEP = 10.0  # s of the clock between two checkpoints
 LOSS = 0.02  # of the energy turned over that may be out of balance before a slide is doubted
-FAR = 0.25  # of the section's width, that a slide goes before one which has reached a side is not followed further
 SMOOTH = 2.0  # m of the surface over which movement is averaged, and three points at least
 
 
@@ -84,27 +83,35 @@ class PointSlider:
     def settle(self) -> float:
         """Bring the ground to equilibrium under its weight; how far its surface moved (m). It begins anew from there.
 
-        Raises FloatingPointError where the ground has no equilibrium within ``LONGEST_SETTLING``.
+        Free-field sides are rigid meanwhile, and press from then on as they did; the ground comes to rest once more.
+        Raises FloatingPointError where it has no equilibrium within ``LONGEST_SETTLING``.
         """
+        self._come_to_rest()
         points = self.ground.points
-        while True:
-            before = points.x.copy()
-            order = self.engine.order.copy()
-            self.engine.run(SETTLE, damping=DAMPING)
-            moved = self.engine.original(points.x)[order] - before
-            if np.abs(moved).max() < STILL:
-                break
-            if self.engine.time > LONGEST_SETTLING:
-                raise FloatingPointError(
-                    f"the ground does not come to rest under its weight within {LONGEST_SETTLING:g} s: it moved "
-                    f"{np.abs(moved).max():.2g} m in the last {SETTLE:g} s"
-                )
         far = float(np.abs(points.displacement[points.stratum >= 0]).max())
+        if self.ground.room > 0.0:
+            self.ground = with_free_sides(self.ground, self.engine.order)
+            self.engine = MaterialPointEngine(self.ground.points, self.ground.grid, threads=self.engine.threads)
+            self._come_to_rest()
+            points = self.ground.points
         points.start[:] = points.x
         points.v[:], points.affine[:] = 0.0, 0.0
         points.state[:, kernel.SHEARED] = 0.0
         self.engine.begin_again()
         return far
+
+    def _come_to_rest(self) -> None:
+        """Go on with damping until nothing moves; raises FloatingPointError as `settle` does."""
+        points, moved = self.ground.points, np.inf
+        while moved >= STILL:
+            if self.engine.time > LONGEST_SETTLING:
+                raise FloatingPointError(
+                    f"the ground does not come to rest under its weight within {LONGEST_SETTLING:g} s: it moved "
+                    f"{moved:.2g} m in the last {SETTLE:g} s"
+                )
+            before, order = points.x.copy(), self.engine.order.copy()
+            self.engine.run(SETTLE, damping=DAMPING)
+            moved = float(np.abs(self.engine.original(points.x)[order] - before).max())
 
     def run(
         self,
@@ -139,7 +146,8 @@ class PointSlider:
             if self._at_rest(slide, programme):
                 slide.settled, slide.reason = True, "the surface has come to rest"
             elif slide.stopped_by and slide.slide_max > FAR * float(np.ptp(self.ground.section.extent)):
-                slide.reason = f"it has run across the section to its {slide.stopped_by} side"
+                where = "out of the section at" if self.ground.room > 0.0 else "across the section to"
+                slide.reason = f"it has run {where} its {slide.stopped_by} side"
             elif self.engine.time >= programme.duration - 1e-9:
                 slide.reason = f"still moving after {programme.duration:g} s"
             if checkpoint is not None and (slide.reason or time.monotonic() - kept > KEEP):
@@ -153,7 +161,9 @@ class PointSlider:
     def _remember(self, programme: SlideProgramme) -> None:
         """Keep the strength of every point before and after liquefaction."""
         points, original = self.ground.points, self.engine.original
-        before = original(points.properties[:, [kernel.STRENGTH, kernel.SIN_PHI, kernel.LIMIT]])
+        strength = points.properties[:, [kernel.STRENGTH, kernel.SIN_PHI, kernel.LIMIT]]
+        before = original(np.column_stack([strength, points.side]))
+        height = original(points.state[:, kernel.VOLUME]) / (0.5 * self.ground.grid.cell)
         after, stratum = before.copy(), original(points.stratum)
         for k, kept in programme.remains.items():
             mine, soil = stratum == k, self.ground.section.strata[k]
@@ -165,6 +175,8 @@ class PointSlider:
                 cohesion = np.maximum(cohesion, LEAST * stress)
             after[mine, 0], after[mine, 1] = cohesion * np.cos(friction), np.sin(friction)
             after[mine, 2] = UNLIMITED if friction == 0.0 else cohesion / np.tan(friction)
+            undrained = UNDRAINED / (1.0 - UNDRAINED) * stress * height[mine]
+            after[mine, 3] = np.sign(before[mine, 3]) * np.maximum(undrained, np.abs(before[mine, 3]))
         self.began = {"before": before, "after": after}
 
     def _under_way(self, programme: SlideProgramme, time: float) -> bool:
@@ -181,7 +193,7 @@ class PointSlider:
                 continue
             mine = points.stratum == k
             before, after = (self.began[name][order][mine] for name in ("before", "after"))
-            strength, sine = (before + share * (after - before))[:, :2].T
+            strength, sine, _, points.side[mine] = (before + share * (after - before)).T
             apex = np.divide(strength, sine, out=np.full(len(sine), UNLIMITED), where=sine > 0.0)
             limit = np.minimum(np.maximum(before[:, 2], after[:, 2]), apex)
             points.properties[np.ix_(mine, columns)] = np.column_stack([strength, sine, limit])
@@ -219,12 +231,16 @@ class PointSlider:
         return bool(np.abs(np.diff(means, axis=0)).max() < programme.still)
 
     def _side_reached(self) -> str | None:
-        """The side against which the slide has piled up: ground that moved lies within two cells of it."""
+        """The side against which the slide has piled up: ground that moved lies within two cells of it, or of the end
+        of the floor beyond a free-field side."""
         points, grid = self.ground.points, self.ground.grid
+        if grid.periodic:
+            return None
         left, right = self.ground.section.extent
         x = points.x[:, 0] + self.ground.offset[0]
         moved = (points.stratum >= 0) & (self.sign * points.displacement[:, 0] > 2.0 * grid.cell)
-        edge = right - 2.0 * grid.cell if self.sign > 0 else left + 2.0 * grid.cell
+        room = self.ground.room - 2.0 * grid.cell
+        edge = right + room if self.sign > 0 else left - room
         beyond = moved & (x > edge if self.sign > 0 else x < edge)
         return ("right" if self.sign > 0 else "left") if beyond.any() else None
 

@@ -26,7 +26,7 @@ class PointSlide:
     energy_lost_share : float
         All energy that is neither dissipated by the ground nor in it, over the same (-).
     stopped_by : str or None
-        "left" or "right", the side of the box that the slide ran up against.
+        "left" or "right", the side that the slide ran up against, or out of where it is free-field.
     cell : float
         Side of a cell of the grid (m).
     """

@@ -4,8 +4,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.mpm import BackgroundGrid, MaterialPointEngine, MaterialPoints, PointSoil
+from fem.continuum.loads import downhill
+from fem.mpm import (
+    BackgroundGrid,
+    MaterialPointEngine,
+    MaterialPoints,
+    PointSlide,
+    PointSlider,
+    PointSoil,
+    SlideProgramme,
+    ground_of,
+)
+from fem.settings import Sides
 from meshes.section.quantity import GRAVITY
+from tests.support import SECTIONS
+from workflow.config import Config
 
 UNIT_WEIGHT = 18e3  # N/m³
 FLOOR = 3  # rows of nodes at rest
@@ -115,3 +128,15 @@ def front(engine: MaterialPointEngine) -> float:
     thickness = np.bincount(cells, weights=points.state[mine, 0]) / (2.0 * cell)
     empty = np.flatnonzero(thickness < 0.125 * cell)
     return float(cell * (empty[0] if len(empty) else len(thickness)))
+
+
+def pushed(name: str, cells: int, sides: Sides, kh: float, rise: float, end: float) -> PointSlide:
+    """The slide of a shipped section without liquefaction under Kh that comes within ``rise`` (s) and is held."""
+    section = Config.load(SECTIONS / f"{name}.toml").section
+    slider = PointSlider(ground_of(section, cells, sides), downhill(section))
+    slider.settle()
+
+    def push(time: np.ndarray) -> np.ndarray:
+        return kh * GRAVITY * (0.5 - 0.5 * np.cos(np.pi * np.clip(time / rise, 0.0, 1.0)))
+
+    return slider.run(SlideProgramme(push, {}, {}, 1.0, rise, end))

@@ -4,6 +4,7 @@ from typing import ClassVar
 
 from pydantic import Field
 
+from fem.settings import Sides
 from workflow.results.answer import Answer, SectionLabel
 from workflow.results.cases import MovedSurface
 
@@ -29,7 +30,7 @@ class PointCase(MovedSurface):
     seconds_simulated: float
     transfer_loss_share: float = Field(description="energy lost between points and grid, over that turned over")
     energy_lost_share: float = Field(description="energy out of balance over that turned over; negative: created")
-    stopped_by: str | None = Field(default=None, description="the side of the box that the slide ran up against")
+    stopped_by: str | None = Field(default=None, description="the side that the slide ran up against, or out of")
     notes: tuple[str, ...] = Field(description="what a reader must know to believe these numbers")
 
 
@@ -45,5 +46,6 @@ class PointSlidesAnswer(Answer):
     softened: tuple[str, ...] = Field(
         default=(), description="strata that were made less stiff, so that waves allow longer steps"
     )
+    sides: Sides = Field(default="fixed", description="what the sides did; smooth sides are rough for material points")
     cases: dict[int, PointCase] = Field(default={})
     not_possible: str = Field(default="", description="why there are no slides by material points, if there are none")

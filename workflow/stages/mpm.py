@@ -19,7 +19,7 @@ from workflow.stages.liquefaction import liquefying, taken
 
 if TYPE_CHECKING:
     from dem.settings import Case
-    from fem.mpm import PointSlide, PointSlider, SlideProgramme
+    from fem.mpm import PointGround, PointSlide, PointSlider, SlideProgramme
     from fem.search.liquefied_ground import Remains
 
 FOLDER = "mpm"  # of its files
@@ -78,9 +78,9 @@ def work(job: Job) -> None:
         cell_m=ground.grid.cell,
         settled_by_m=far,
         softened=ground.softened,
+        sides=ground.sides,
         cases={
-            number: _answer(slides[2 * place], slides[2 * place + 1], ground.softened)
-            for place, number in enumerate(wanted)
+            number: _answer(slides[2 * place], slides[2 * place + 1], ground) for place, number in enumerate(wanted)
         },
     ).write(job.store)
     job.store.remove(job.store.matching(["mpm/checkpoint_*"]))
@@ -123,7 +123,8 @@ def at_rest(config: Config) -> "tuple[PointSlider, float]":
     from fem.mpm.ground import ground_of
     from fem.mpm.slide import PointSlider
 
-    slider = PointSlider(ground_of(config.section, config.slide.mpm_cells), downhill(config.section))
+    ground = ground_of(config.section, config.slide.mpm_cells, config.fem.sides)
+    slider = PointSlider(ground, downhill(config.section))
     return slider, slider.settle()
 
 
@@ -215,7 +216,7 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
     )  # fmt: skip
 
 
-def _answer(counts: "PointSlide", other: "PointSlide", softened: tuple[str, ...]) -> PointCase:
+def _answer(counts: "PointSlide", other: "PointSlide", ground: "PointGround") -> PointCase:
     """A case as its answer holds it, from the slides with both decays."""
     from fem.mpm.slide import LOSS
 
@@ -228,10 +229,10 @@ def _answer(counts: "PointSlide", other: "PointSlide", softened: tuple[str, ...]
     if abs(counts.energy_lost_share) > LOSS and counts.slide_max > DOUBTED_FROM:
         how = "lost, so that the slide is a low estimate" if lost > 0.0 else "gained, so that the slide is a high one"
         notes.append(f"{WARNING}{abs(lost):.0f} % of the energy is {how}")
-    if counts.stopped_by:
+    if counts.stopped_by and ground.sides == "fixed":
         notes.append(f"the slide ran up against the {counts.stopped_by} side of the section, which held it")
-    if softened:
-        listed = ", ".join(f'"{name}"' for name in softened)
+    if ground.softened:
+        listed = ", ".join(f'"{name}"' for name in ground.softened)
         notes.append(f"{listed} were made less stiff, so that waves allow longer steps; strengths are as given")
     largest = int(np.argmax(slide))
     return PointCase(
@@ -264,7 +265,7 @@ STAGE = Stage(
     reads=(
         "slide.kh", "slide.kh_seconds", "slide.kh_cycles", "slide.kh_period", "slide.accelerogram", "slide.unit",
         "slide.scale", "slide.frames", "slide.liquefies_at", "slide.onset", "slide.still", "slide.duration",
-        "slide.mpm_cells",
+        "slide.mpm_cells", "fem.sides",
     ),
     takes=taken,
     beside=("mesh",),
