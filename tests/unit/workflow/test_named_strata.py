@@ -79,7 +79,7 @@ def test_notices_name_strata_as_the_file_does() -> None:
     })  # fmt: skip
     assert len(given.section.strata) == 4
     told = " ".join(given.notices)
-    assert 'strata 2 "clay" below water: its cohesion grows with depth' in told
+    assert 'strata 2 "clay" below water: its cohesion varies' in told
     assert 'stratum "sand" below water thins out' in told
     assert ", below water" not in told
     assert "strata 3" not in told
