@@ -1,6 +1,6 @@
 """Kernels compiled ahead, side by side, where no earlier run has kept them.
 
-Left to themselves, all processes of a run come to the step loop at once and each of them compiles it.
+Without it all processes of a run would reach the step loop at the same time, and each would compile it.
 """
 
 import hashlib

@@ -122,7 +122,7 @@ def _far(lanes: np.ndarray) -> np.ndarray:
 
 
 def _added_mass(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
-    """Those fields of the layout that belong to discs which carry what shakes with the ground."""
+    """Fields of the layout of discs with added mass."""
     order = model.order
     carries = (model.added_mass_x != 0.0) | (model.added_mass_z != 0.0)
     there = np.flatnonzero(carries[order]) if carries.any() else np.zeros(0, np.int64)

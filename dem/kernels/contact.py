@@ -89,7 +89,7 @@ def strength(over: float, normal: float, mu: float, c: float, mu_other: float, c
 def held(
     kept: float, way: float, speed: float, stiffness: float, dashpot: float, limit: float
 ) -> tuple[float, float, float]:
-    """A spring with a dashpot beside it that together hold no more than a limit, eqs. (3)-(4): of slip or of rolling.
+    """Spring and dashpot in parallel whose force has a limit, eqs. (3)-(4): of slip or of rolling.
 
     kept: force of the spring in the last step (N); way: slip since (m); speed: of slip (m/s).
     The spring's force is cut at the limit, and so is the sum of spring and dashpot: sliding then costs exactly the

@@ -163,7 +163,9 @@ def longer(array: np.ndarray, size: int) -> np.ndarray:
 
 @inner(nogil=True)
 def sort_run(begin: int, end: int, key: np.ndarray, other: np.ndarray) -> None:
-    """Sorts a short stretch of `key`, and `other` with it: slots then point in one direction along a row of discs."""
+    """Sorts a short stretch of `key`, and `other` with it, so that the slots of neighbouring discs hold contacts in the
+    same direction.
+    """
     for a in range(begin + 1, end):
         k, o = key[a], other[a]
         b = a

@@ -177,8 +177,8 @@ def soil_contacts(
 def _on_strength(contacts: ContactStrength, wanted: np.ndarray, reach: np.ndarray, pressures: np.ndarray) -> list[str]:
     if (wanted > reach).any():
         return [
-            f"no discs are as strong as this soil: it has {wanted[-1] / 1e3:.0f} kPa at {pressures[-1] / 1e3:.3g} kPa, "
-            f"they can have {contacts.expected[-1] / 1e3:.0f} kPa; that is what they get"
+            f"discs cannot be as strong as this soil: it has {wanted[-1] / 1e3:.0f} kPa at {pressures[-1] / 1e3:.3g} "
+            f"kPa, they have {contacts.expected[-1] / 1e3:.0f} kPa, the most that discs can have"
         ]
     miss = contacts.expected / wanted - 1.0
     if np.abs(miss).max() <= NEAR:

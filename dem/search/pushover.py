@@ -162,7 +162,7 @@ def _points(
     curve is the mean of what was measured since the last, None follows where it ends, a little beyond the reach, and
     at last where and why the push ends, in words.
 
-    Between two looks Kh is what spring and dashpot then carry.
+    Between two points Kh is the force of spring and dashpot over the weight.
     """
     cycle, start = period(model, ground), model.time
     displacement = Displacement(before, ground)

@@ -304,7 +304,7 @@ class FactorSearch:
                     return
 
     def step(self, over: float) -> float:
-        """The ratio of the next factor to this one, at which a bound exceeds by ``over``."""
+        """The ratio of the next factor to the present one, whose bound exceeds the required one by ``over``."""
         if self.slope is None:
             ahead = (2.0 if self.gauge == "kh" else 1.0) * over
             ahead = math.copysign(max(abs(ahead), 0.05), ahead)

@@ -87,8 +87,8 @@ class RigidPlasticBody:
     sides : mapping of str to Side
         The boundary condition on every boundary of the mesh, by its name.
     pore_pressure : Pressure or None
-        Pore pressure u; None for zero. Strength is that of the effective stress σ' = σ + u, tension positive, which
-        is what a problem's stress is then.
+        Pore pressure u; None for zero. Strength and the stress of the problem are those of the effective stress σ' = σ
+        + u, tension positive.
     varying : CornerCohesion or None
         Cohesion at the corners of cells where it varies, in place of ``cohesion``; None where it is constant.
     tension : ndarray (strata,) or None
@@ -174,7 +174,7 @@ class LimitProblem:
     mesh : TriMesh
         The triangles, lengths over ``units.length``.
     units : Units
-        What lengths and stresses are divided by.
+        Units of length and stress.
     cohesion : ndarray (m, 3)
         Cohesion at the corners of every cell over the unit of stress; linear in between, nowhere above the true one.
     cohesion_above : ndarray (m, 3)

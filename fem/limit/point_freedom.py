@@ -77,7 +77,7 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
 def _crests(problem: LimitProblem) -> np.ndarray:
     """Corners (m, 3), as a mask, of cells that bear no tension at points where bare surfaces meet at less than 180°.
 
-    Compression that both faces leave alone would push the point out.
+    A compression there would push the point out, since neither face carries traction.
     """
     outline, mesh = problem.outline, problem.mesh
     bare = np.bincount(outline.ends[~outline.loaded], minlength=len(mesh.points)) == 2

@@ -107,7 +107,7 @@ class MaterialPointEngine:
 
     @property
     def energy(self) -> MaterialPointEnergy:
-        """The balance of energy by now."""
+        """The energy balance so far."""
         (external, dissipated), (gained, buoyed) = self._sums.sum(axis=0), self._gained.sum(axis=0)
         now = self.points.kinetic(self.grid.cell), self.points.elastic()
         return MaterialPointEnergy(float(external + buoyed), float(dissipated), float(gained), *now, *self._began)

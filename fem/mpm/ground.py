@@ -172,7 +172,7 @@ def _fill(
 
 
 def _effective(section: Section, places: np.ndarray, owners: np.ndarray) -> np.ndarray:
-    """Vertical effective stress (n,) of the column above each point (Pa); that at the base below it."""
+    """Vertical effective stress (n,) of the column above each point (Pa); below the base that at the base."""
     left, right = section.extent
     tiny = 1e-9 * (right - left)
     at = np.column_stack([np.clip(places[:, 0], left + tiny, right - tiny), places[:, 1]])

@@ -22,7 +22,7 @@ NEWMARK_VALIDITY = (
 )
 HAMADA = "M. Hamada, S. Yasuda, R. Isoyama, K. Emoto (1986)"
 HAMADA_VALIDITY = (
-    "60 sections in Niigata and Noshiro: gentle slopes of liquefied sand; knows neither the shaking nor the strength"
+    "60 sections in Niigata and Noshiro: gentle slopes of liquefied sand; shaking and strength do not enter"
 )
 PAPER = "the paper"  # on S-13
 S13_STRATA = ("1 Ts", "2 Ac1", "3 Asd", "4 Asd", "5 Asd", "6 As1", "7 Ac2", "8 As1", "9 Ac3", "10 Base")

@@ -9,7 +9,7 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
 SOURCE = "I. Towhata (1987), as the paper on S-13 describes it in Sec. 5"
-VALIDITY = "no strength at all in what liquefied; the layer above elastic, one end free and the other held"
+VALIDITY = "no strength in the liquefied layer; the layer above is elastic, one end free and the other held"
 COLUMNS = 400  # along the section
 
 

@@ -105,5 +105,5 @@ def _driven(config: Config) -> str:
         return f"{words}, as if all shaking were over"
     if config.slide.kh_cycles is not None:
         return f"{words}: uniform cycles in the place of the irregular ones of an earthquake"
-    lasts = "" if config.slide.kh_seconds is not None else " that acts as long as they last"
-    return f"a constant {words}{lasts}, where an earthquake pushes both ways and ends"
+    lasts = "" if config.slide.kh_seconds is not None else " that acts until their end"
+    return f"a constant {words}{lasts}, while an earthquake acts both ways and ends"

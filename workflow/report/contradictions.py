@@ -39,10 +39,10 @@ def of_curve(discs: DiscsAnswer) -> Iterator[str]:
     fall = deepest_fall(discs.after, soil=discs.model.discs == "soil")
     if discs.after.kc is not None and fall is not None and fall[0] - fall[1] > FALLEN * discs.after.kc:
         yield (
-            f"the Kh of the discs falls from {coefficient(fall[0])} to {coefficient(fall[1])} before it comes to the "
-            f"critical {coefficient(discs.after.kc)}: a Kh that is held would move them at {coefficient(fall[0])}; "
-            "look at the curves, take more discs (dem.elements) or another packing (dem.seed), and the smaller Kh "
-            "until then"
+            f"the Kh of the discs falls from {coefficient(fall[0])} to {coefficient(fall[1])} before it reaches the "
+            f"critical {coefficient(discs.after.kc)}: under a constant Kh the discs would fail at "
+            f"{coefficient(fall[0])}; take this Kh until more discs (dem.elements) or another packing (dem.seed) are "
+            "computed"
         )
 
 
@@ -121,7 +121,7 @@ def of_settlement(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
         falls, places = zip(*far.values(), strict=True)
         yield (
             f"the surface falls by {metre_range(falls)} at x = {_ends(places)} m in {_cases(list(far))}, far more than "
-            "the mean settlements of its thirds: take this value for what happens to a crest"
+            "the mean settlements of its thirds: use this value for the settlement of a crest"
         )
 
 

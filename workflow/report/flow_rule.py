@@ -14,7 +14,7 @@ WHEN = (
 )
 # Which critical Kh sliding blocks resist with, and why.
 BLOCKS: Mapping[Flow, str] = {
-    "associated": "The critical Kh with ψ = φ, as the yield coefficients of limit equilibrium are that such blocks and "
+    "associated": "The critical Kh with ψ = φ, like the yield coefficients of limit equilibrium that such blocks and "
     "relations were checked with.",
     "davis": "The critical Kh by Davis's estimate, as the section sets it: with ψ = φ they would slide less.",
     "section": "The critical Kh with ψ as given, as the section sets it: with ψ = φ they would slide less.",

@@ -94,8 +94,8 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
     yield "Element", "Where a mesh is too coarse the two elements differ.", "element"
     yield (
         "Step",
-        f"The first step of Kh was {settings.first_step:g}. Kh is an unknown on the path, and not a number at which a "
-        "solver gave up.",
+        f"The first step of Kh was {settings.first_step:g}. Kh is an unknown on the path, not a value at which the "
+        "solver failed to converge.",
         "step",
     )
     yield "Dilation", _dilation(fem), "dilation"
@@ -145,8 +145,8 @@ def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
             deeper = " Discs fail higher up, where the continuum fails at the same Kh."
         elif surfaces.excess_above is not None:
             deeper = (
-                f" Discs fail higher up: to fail no deeper than they do, the continuum would want "
-                f"{100 * surfaces.excess_above:.0f} % more Kh."
+                f" Discs fail higher up: the continuum needs {100 * surfaces.excess_above:.0f} % more Kh to fail no "
+                "deeper than they do."
             )
         yield (
             "Slip surface",

@@ -128,8 +128,8 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
         if at:
             yield 3, f"the ground that fails reaches the {at} side, so that the condition there may decide: {remedy}"
     elif not 1.0 / DECIDE <= other / fem.kc <= DECIDE:
-        instead = f"with {change.change} the critical Kh is {coefficient(other)} instead of {coefficient(fem.kc)}"
-        yield 2, f"{instead}, so that the condition at the sides decides: {remedy}"
+        kc, what = f"{coefficient(other)} instead of {coefficient(fem.kc)}", change.change
+        yield 2, f"with {what} the critical Kh is {kc}, so that the condition at the sides decides: {remedy}"
 
 
 def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Numbers of the earthquake and of the borings that cannot be: slips of the pen, mostly a unit."""
+"""Implausible numbers of earthquake and borings, mostly wrong units."""
 
 from collections.abc import Iterator
 
