@@ -198,7 +198,7 @@ def _warnings(record: Accelerogram, stated: float | None) -> Iterator[str]:
     if text := _size(record.peak):
         yield text
     longest = float(np.diff(record.time).max())
-    if longest > COARSE:
+    if longest > (1.0 + 1e-9) * COARSE:
         yield f"its steps of time are up to {longest:g} s long; expected up to {COARSE:g} s; check their unit"
     if stated is not None and abs(record.peak - stated) > STATED * stated:
         yield f"its peak is {record.peak / GAL:.4g} gal, where its heading says {stated / GAL:.4g} gal"

@@ -76,7 +76,7 @@ def peer(lines: Lines) -> list[RecordedSeries]:
         raise ValueError(f'line {place + 1}: "{match[3]}" is no unit of time; expected SEC')
     heading = [line for line in lines[:place] if IN_UNITS.search(line)]
     line = heading[-1] if heading else next((line for line in lines[:place] if QUANTITY.search(line)), "")
-    quantity, unit = _word(line), unit_in(line)
+    quantity, unit = word_of(line), unit_in(line)
     values = free_numbers(lines, place + 1)
     if len(values) != int(match[1]):
         what = " ".join(word for word in (quantity.lower(), unit and f"in {unit}") if word)
@@ -200,7 +200,8 @@ def unit_in(heading: str) -> str:
     return next((word for word in reversed(brackets) if motion_unit(word)), "")
 
 
-def _word(heading: str) -> str:
+def word_of(heading: str) -> str:
+    """The word of a heading that says acceleration, velocity or displacement; empty without one."""
     match = QUANTITY.search(heading)
     return match[0] if match else ""
 

@@ -12,8 +12,8 @@ from itertools import takewhile
 import numpy as np
 
 from meshes.section.motion_units import motion_unit, time_unit
-from workflow.earthquake.network_formats import READ, unit_in
-from workflow.earthquake.recorded_series import LONGEST_STEP, RecordedSeries, finite, steps
+from workflow.earthquake.network_formats import READ, unit_in, word_of
+from workflow.earthquake.recorded_series import EXPONENT, LONGEST_STEP, RecordedSeries, finite, steps
 
 BRACKETS = re.compile(r"\[([^\]]+)\]|\(((?:[^()]|\([^()]*\))+)\)|_(g|gal|m_s2|ms2|cm_s2|s|ms)\s*$", re.IGNORECASE)
 SUFFIXES = {"m_s2": "m/s^2", "ms2": "m/s^2", "cm_s2": "cm/s^2"}
@@ -43,7 +43,7 @@ def table(lines: Sequence[str]) -> list[RecordedSeries]:
     try:
         return _components(lines)
     except ValueError as error:
-        if len(list(takewhile(lambda line: _row(line) is None, lines))) < NETWORKS_HEADING:
+        if READ in str(error) or len(list(takewhile(lambda line: _row(line) is None, lines))) < NETWORKS_HEADING:
             raise
         raise ValueError(f"is of a format that is not known ({error}); read are {READ}") from None
 
@@ -68,7 +68,7 @@ def _components(lines: Sequence[str]) -> list[RecordedSeries]:
     stated = unit_in(text) if not columns or not any(column.unit for column in columns[first:]) else ""
     components = [
         RecordedSeries("columns", columns[k].name if columns else "", time, finite(values[:, k].tolist()),
-                       (columns[k].unit if columns else "") or stated)
+                       (columns[k].unit if columns else "") or stated, word_of(columns[k].name) if columns else "")
         for k in range(first, values.shape[1])
     ]  # fmt: skip
     return components if len(components) == 1 else _of_acceleration(components)
@@ -113,7 +113,7 @@ def _row(text: str) -> list[float] | None:
         else:
             cells = re.split(r"[,;\s]+", text)
     try:
-        return [float(cell) for cell in cells if cell]
+        return [float(cell.translate(EXPONENT)) for cell in cells if cell]
     except ValueError:
         return None
 

@@ -8,6 +8,7 @@ import numpy as np
 
 # Numbers that run into each other, such as -0.00003-0.00004 in columns of 8.
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[Ee][-+]?\d+)?")
+EXPONENT = str.maketrans("Dd", "Ee")  # Fortran's of double precision, 1.0D-03
 LONGEST_STEP = 1.0  # s
 FORTRAN = re.compile(r"\(?\s*(\d+)?\s*[FEGIfegi]\s*(\d+)(?:\.\d+)?\s*\)?")
 
@@ -74,7 +75,7 @@ def fixed_numbers(lines: Sequence[str], first: int, count: int, form: str) -> tu
 def _free(line: str) -> list[float] | None:
     """The numbers of a line, apart by blanks or commas; None where it holds anything else."""
     try:
-        return [float(cell) for cell in re.split(r"[,;\s]+", line.strip(" \t\r\n,;")) if cell]
+        return [float(cell.translate(EXPONENT)) for cell in re.split(r"[,;\s]+", line.strip(" \t\r\n,;")) if cell]
     except ValueError:
         return None
 

@@ -148,6 +148,13 @@ def test_a_velocity_file_is_no_acceleration() -> None:
     told = refused(records.peer(speed, 0.01, "G", "VELOCITY"))
     assert "says velocity, in G, a unit of acceleration" in told
     assert 'g where its unit is "G"; no ground has moved so' in refused(records.peer(speed, 0.01, "G"))
+    assert "says velocity, in g, a unit of acceleration" in refused(columns(time, speed, "time (s),velocity (g)"))
+
+
+def test_exponents_as_fortran_writes_them() -> None:
+    values = motion(3, 100, 0.01)
+    rows = "\n".join(f"{0.01 * k:.8E}  {v:.8E}" for k, v in enumerate(values)).replace("E", "D")
+    np.testing.assert_allclose(read_text(f"time (s)  a (m/s^2)\n{rows}\n").acceleration, values, atol=1e-7)
 
 
 def test_acceleration_is_taken_before_what_follows_from_it() -> None:
