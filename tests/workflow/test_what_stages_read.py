@@ -133,6 +133,7 @@ def test_what_no_stage_reads_makes_none_run_again(of_the_papers: tuple[Config, R
     [
         ("slide.seeds", {"slide"}),
         ("slide.duration", {"mpm", "slide"}),
+        ("slide.component", {"mpm", "slide"}),
         ("dem.elements", {"calibrate", "slide"}),
         ("dem.kh", {"calibrate"}),
         ("dem.workers", set()),

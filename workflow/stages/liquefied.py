@@ -197,6 +197,7 @@ STAGE = Stage(
         "bounds.max_cells",
         "bounds.gap",
         "bounds.seconds",
+        "bounds.davis",
     ),  # it has its own
     takes=lambda config: {"what liquefies": cases_as_data(config, LOST)},
     beside=("mesh",),

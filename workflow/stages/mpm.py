@@ -16,6 +16,7 @@ from workflow.results.material_points import WARNING, PointCase, PointSlidesAnsw
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 from workflow.stages.liquefaction import liquefying, taken
+from workflow.stages.slide import files, of_the_record
 
 if TYPE_CHECKING:
     from dem.settings import Case
@@ -263,11 +264,13 @@ STAGE = Stage(
     draw=draw,
     needs=("mesh",),
     reads=(
-        "slide.kh", "slide.kh_seconds", "slide.kh_cycles", "slide.kh_period", "slide.accelerogram", "slide.unit",
+        "slide.kh", "slide.kh_seconds", "slide.kh_cycles", "slide.kh_period", "slide.unit", "slide.component",
         "slide.scale", "slide.frames", "slide.liquefies_at", "slide.onset", "slide.still", "slide.duration",
-        "slide.mpm_cells", "fem.sides",
+        "slide.mpm_cells", "fem.sides", "site_response",
     ),
+    ignores=of_the_record,
     takes=taken,
+    files=files,
     beside=("mesh",),
     results=(PointSlidesAnswer.FILE, "mpm/case*.pvd", "mpm/case*/*.vtp"),
     read=PointSlidesAnswer.read,

@@ -26,20 +26,27 @@ def draw(job: Job) -> None:
 
 
 def files(job: Job) -> Mapping[str, Path]:
-    """The record that shakes the discs: that of the base, or that of the rock where its response does."""
+    """The record that shakes the ground: that of the base, or that of the rock where its response does."""
     average = job.config.slide.accelerogram == AVERAGE
     shakes = job.config.files("site_response" if average else "slide")
     return {f"{name}, averaged" if average else name: shakes[name] for name in shakes}
 
 
-def ignored(config: Config) -> tuple[str, ...]:
-    """Settings without effect on slides: paths of files, whose content counts; cases, which enter as resolved; site
-    response, unless it shakes the discs; and settings of the calibration's output.
+def of_the_record(config: Config) -> tuple[str, ...]:
+    """Settings of the shaking without effect on slides: paths of files, whose content counts; site response, unless it
+    shakes the ground.
     """
     unused = () if config.slide.accelerogram == AVERAGE else ("site_response",)
+    return ("slide.accelerogram", "site_response.record", *unused)
+
+
+def ignored(config: Config) -> tuple[str, ...]:
+    """Settings without effect on slides: those of the shaking; cases, which enter as resolved; and settings of the
+    calibration's output.
+    """
     return (
-        "slide.accelerogram", "site_response.record", "slide.cases", "slide.methods", "slide.mpm_cells", "dem.kh",
-        "dem.element_tests", "dem.out_of_reach", *WITHOUT_EFFECT, *config.dem.without_effect, *unused,
+        *of_the_record(config), "slide.cases", "slide.methods", "slide.mpm_cells", "dem.kh", "dem.element_tests",
+        "dem.out_of_reach", *WITHOUT_EFFECT, *config.dem.without_effect,
     )  # fmt: skip
 
 
