@@ -27,6 +27,8 @@ NUMBERS = {
     "finite_number": "expected a finite number",
 }
 
+LONGEST = 80  # characters of a value that are shown
+
 
 Place = tuple[int | str, ...]
 
@@ -90,7 +92,7 @@ def _told(error: ErrorDetails, data: Any, model: type[BaseModel], beside: Sequen
         hint = f'; did you mean "{close[0]}"?' if close else listed
         return [f"{key}: unknown key{hint}"]
     value = error["input"]
-    shown = f" = {value!r}" if isinstance(value, str | int | float | bool) else ""
+    shown = f" = {shortened(repr(value))}" if isinstance(value, str | int | float | bool) else ""
     if error["type"] == "too_short" and len(error["input"]) > 0:
         return []  # none of the entries is sound, and each has its own sentence
     if error["type"] == "value_error":
@@ -103,6 +105,11 @@ def _told(error: ErrorDetails, data: Any, model: type[BaseModel], beside: Sequen
         return [f"{key}{shown}: " + (f"expected {expected}" if expected else plain)]
     message = error["msg"][0].lower() + error["msg"][1:]
     return [f"{key}{shown}: {message}" + (f"; expected {expected}" if expected else "")]
+
+
+def shortened(text: str) -> str:
+    """A value as it is shown: its beginning, where it is longer than a line."""
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
 
 
 def _key(location: tuple[int | str, ...], data: Any) -> str:
