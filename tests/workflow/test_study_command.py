@@ -141,7 +141,7 @@ def test_a_section_in_which_nothing_is_uncertain(tmp_path: Path, capsys: pytest.
     path = tmp_path / "slope.toml"
     path.write_text(tomli_w.dumps(slope()))
     assert ended(command(path, tmp_path, 1)) == 2
-    assert "[uncertain]: expected a number at least" in capsys.readouterr().err
+    assert "[uncertain]: no number is uncertain" in capsys.readouterr().err
 
 
 def test_a_study_without_any_answer_ends_with_the_reason(

@@ -16,6 +16,7 @@ from meshes.triangles import TriMesh
 from workflow.config import Config
 from workflow.figures.canvas import INK, Sheet, Window, in_classes, legend_columns, render, soil_colours, spread
 from workflow.figures.ground import foot
+from workflow.results.answer import FORCE
 from workflow.run.store import Store
 
 # Dissipation per area over the largest: each class three times the one before.
@@ -43,7 +44,7 @@ def conditions(config: Config, bounds: KhBounds, bound: Mechanism | StressField)
     """Conditions of a bound, for the foot of its picture."""
     kv = f", Kv = {config.fem.vertical:g}" if config.fem.vertical else ""
     direction = next(side.direction for side in bounds.directions if bound in (side.mechanism, side.stress))
-    return f"sides {config.fem.sides}, ψ = φ, seismic force {direction}{kv}"
+    return f"sides {config.fem.sides}, ψ = φ, seismic force {FORCE[direction]}{kv}"
 
 
 def yield_use(stress: StressField) -> np.ndarray:

@@ -13,6 +13,7 @@ from meshes.section.section import Section
 from workflow.config import Config
 from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, in_classes, render, spread
 from workflow.figures.ground import Overlay, draw_section, foot
+from workflow.results.answer import FORCE
 from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.fem_states import FemResults
 from workflow.results.mesh_grids import unstructured
@@ -79,8 +80,7 @@ def conditions(config: Config, element: str) -> str:
     """Conditions of a critical Kh, for the foot of its picture."""
     flow = _flow_in_words(config)
     kv = f", Kv = {config.fem.vertical:g}" if config.fem.vertical else ""
-    force = {"both": "down- and upslope, of which the smaller Kh counts", "downhill": "downslope", "uphill": "upslope"}
-    way = force[config.fem.direction]
+    way = {"both": "down- and upslope, of which the smaller Kh counts", **FORCE}[config.fem.direction]
     return f"{config.fem.sides} sides, {flow}, {element} element, seismic force {way}{kv}"
 
 

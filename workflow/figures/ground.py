@@ -17,6 +17,7 @@ from matplotlib.patheffects import withStroke
 from meshes.quad_mesh import QuadMesh
 from meshes.section.cutting import soil_numbers, soil_of
 from meshes.section.section import Section
+from meshes.section.surcharge import Surcharge
 from workflow.figures.canvas import (
     INK,
     LEGEND_CHARACTERS,
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 HATCH = "...."
 LEAST_NUMBERED = 0.02  # of the height of a section: a number would not fit into a thinner stratum
 FOOT_CHARACTERS = 190
+ARROW = 0.03  # of the width: the largest surcharge
 
 
 def foot(section: Section) -> str:
@@ -67,7 +69,7 @@ def draw_section(
     """
     outline = section.outline()
     room = np.array([0.0, above * np.ptp(outline[:, 1])])
-    window = Window.around(np.vstack([outline, outline.max(axis=0) + room]))
+    window = Window.around(np.vstack([outline, outline.max(axis=0) + room, room_for_loads(section)]))
     handles = _legend_of(section)
     handles += [
         Line2D([], [], color=line.colour, linewidth=2.0, linestyle=line.dashes, label=line.label) for line in lines
@@ -83,6 +85,7 @@ def draw_section(
                 axes.add_patch(PathPatch(closed, facecolor=colour, hatch=hatch, edgecolor=INK, linewidth=0.0))
         axes.add_collection(LineCollection(borders(section), colors=INK, linewidths=line_width))
         _number_strata(axes, section)
+        draw_loads(axes, section)
         if section.given_extent != section.extent:
             for x in section.given_extent:  # what lies beyond was not surveyed
                 axes.axvline(x, color=INK, linewidth=0.8, linestyle=(0, (1, 3)))
@@ -155,6 +158,30 @@ def borders(section: Section) -> list[np.ndarray]:
     return list(edges[~seam])
 
 
+def room_for_loads(section: Section) -> np.ndarray:
+    """Points (n, 2) in m above the ground that a picture with arrows of surcharges has to hold; none without any."""
+    above = ARROW * float(np.ptp(section.ground[:, 0])) * np.array([0.0, 1.0])
+    return section.ground + above if section.surcharges else np.zeros((0, 2))
+
+
+def pressure_of(load: Surcharge) -> str:
+    """The pressure of a surcharge at its ends, in kPa."""
+    return " to ".join(dict.fromkeys(f"{end / 1e3:g}" for end in load.pressure)) + " kPa"
+
+
+def draw_loads(axes: Axes, section: Section) -> None:
+    """Surcharges as arrows on the ground, their length by their size."""
+    largest = max((max(load.pressure) for load in section.surcharges), default=0.0)
+    for load in section.surcharges:
+        x = np.linspace(load.start, load.end, 8)
+        ground = np.interp(x, *section.ground.T)
+        long = ARROW * float(np.ptp(section.ground[:, 0])) * load.at(x, np.full(8, 0.5 * (load.start + load.end)))
+        axes.quiver(
+            x, ground + long / largest, np.zeros(8), -long / largest, angles="xy", scale_units="xy", scale=1.0,
+            color=INK, width=0.0012,
+        )  # fmt: skip
+
+
 def _number_strata(axes: Axes, section: Section) -> None:
     """The place of every stratum in it, where it is thickest: layers are told apart without colours, too."""
     layers = section.layering
@@ -209,4 +236,7 @@ def _legend_of(section: Section, water: bool = True) -> list[Artist]:
         handles = [*handles[: room - 1], Patch(facecolor="none", label=more)]
     if water and section.water_points() is not None:
         handles.append(Line2D([], [], color=WATER, linewidth=1.4, linestyle=(0, (6, 3)), label="water table"))
+    if water and section.surcharges:
+        label = "surcharge " + ", ".join(dict.fromkeys(map(pressure_of, section.surcharges)))
+        handles.append(Line2D([], [], color=INK, marker=r"$\downarrow$", linestyle="none", label=label))
     return handles

@@ -14,13 +14,12 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.triangles import triangulate
 from workflow.figures.canvas import INK, WATER, Sheet, Window, render
-from workflow.figures.ground import borders, foot
+from workflow.figures.ground import borders, draw_loads, foot, pressure_of, room_for_loads
 
 # Edges of the triangles over the height of the section: pore pressure is linear almost everywhere.
 FINE = 1.0 / 15.0
 WEIGHTS, PRESSURES = "YlOrBr", "Blues"
 EQUIPOTENTIALS = 15  # lines of equal head, about
-ARROW = 0.06  # of the width: the largest surcharge
 
 
 def draw_weights(section: Section, path: Path) -> None:
@@ -48,10 +47,7 @@ def _window(section: Section) -> Window:
     """Room for water and loads above the ground."""
     water, outline = section.water_points(), section.outline()
     points = outline if water is None else np.vstack([outline, water])
-    if section.surcharges:
-        above = ARROW * float(np.ptp(outline[:, 0])) * np.array([0.0, 1.0])
-        points = np.vstack([points, section.ground + above])
-    return Window.around(points, 0.03)
+    return Window.around(np.vstack([points, room_for_loads(section)]), 0.03)
 
 
 def _show(sheet: Sheet, view: int, section: Section, window: Window, grid: pv.PolyData, name: str) -> None:
@@ -77,7 +73,7 @@ def _show(sheet: Sheet, view: int, section: Section, window: Window, grid: pv.Po
                 x, ground, np.maximum(np.interp(x, *water.T), ground), color=WATER, alpha=0.2, linewidth=0
             )
     if name == "weight":
-        _draw_loads(axes, section, window)
+        draw_loads(axes, section)
     elif (flow := section.water_pressure.flow) is not None:
         wet = (flow.head > flow.grid.points[:, 1] - flow.tolerance)[flow.grid.cells].any(axis=1)
         axes.tricontour(
@@ -88,26 +84,11 @@ def _show(sheet: Sheet, view: int, section: Section, window: Window, grid: pv.Po
     ).ax.tick_params(labelsize=7, colors=INK)
 
 
-def _draw_loads(axes: "object", section: Section, window: Window) -> None:
-    """Surcharges as arrows on the ground, their length by their size."""
-    largest = max((max(load.pressure) for load in section.surcharges), default=0.0)
-    for load in section.surcharges:
-        x = np.linspace(load.start, load.end, 8)
-        ground = np.interp(x, *section.ground.T)
-        long = ARROW * (window.right - window.left) * load.at(x, np.full(8, 0.5 * (load.start + load.end))) / largest
-        axes.quiver(  # type: ignore[attr-defined]
-            x, ground + long, np.zeros(8), -long, angles="xy", scale_units="xy", scale=1.0, color=INK, width=0.002
-        )
-
-
 def _said(section: Section) -> str:
     """The note below the picture."""
     phrases = []
     for load in section.surcharges:
-        first, last = (f"{end / 1e3:g}" for end in load.pressure)
-        phrases.append(
-            f"{first if first == last else f'{first} to {last}'} kPa from x = {load.start:g} to {load.end:g} m"
-        )
+        phrases.append(f"{pressure_of(load)} from x = {load.start:g} to {load.end:g} m")
     if section.water_pressure.flow is not None:
         phrases.append(
             "steady seepage: thin lines have equal head, the dashed line is free water and the phreatic line"

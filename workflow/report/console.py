@@ -18,7 +18,7 @@ from workflow.report.structures import structure_sentences
 from workflow.report.tables import case_heads, case_rows
 from workflow.report.verdicts import verdict_paragraph
 from workflow.report.warnings import sides_warning, split
-from workflow.results.answer import SectionLabel
+from workflow.results.answer import FORCE, SectionLabel
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
@@ -32,7 +32,6 @@ from workflow.results.summary import Summary
 from workflow.results.triggering import StratumPart, TriggeringAnswer
 from workflow.run.store import Store
 
-FORCE: Mapping[str, str] = {"downhill": "downslope", "uphill": "upslope"}
 MOST_LINES = 10  # of a run without -v, before the two that say where the report is
 
 

@@ -12,6 +12,7 @@ from workflow.report.numbers import coefficient, span
 from workflow.report.paper import rows
 from workflow.report.texts import Texts
 from workflow.report.warnings import of_cases
+from workflow.results.answer import FORCE
 from workflow.results.cases import CaseAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.material_points import PointCase
@@ -20,7 +21,6 @@ from workflow.results.verdicts import HeadlinePart
 
 CLOSE_BOUNDS = 0.95  # of the upper bound: a lower one above it tells the critical Kh better than coarse elements
 LEAST_SLIDE = 0.1  # m: discs do not resolve less
-DIRECTION: Mapping[str, str] = {"downhill": "downslope", "uphill": "upslope"}
 FLOW: Mapping[str, str] = {
     "associated": "associated flow, ψ = φ",
     "davis": "Davis reduced strength",
@@ -81,7 +81,7 @@ def _way(results: Results, fem: FemAnswer, _: Texts) -> str:
     """The direction of failure: downslope or upslope, or the side for ground that falls to both sides."""
     if structures_of(results.config.section):
         return _("to the {side}", side=_(fem.towards))
-    return _("{direction}, to the {side},", direction=_(DIRECTION[fem.direction]), side=_(fem.towards))
+    return _("{direction}, to the {side},", direction=_(FORCE[fem.direction]), side=_(fem.towards))
 
 
 def _contradicted(results: Results, fem: FemAnswer, error: Accuracy, conditions: str, _: Texts) -> HeadlinePart:

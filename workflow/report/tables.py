@@ -13,7 +13,7 @@ from meshes.section.section import Section, Stratum
 from workflow.config import FILES, Config
 
 STRATA_HEADS = (
-    "stratum", "area\nm²", "thickness\nm", "from-to x\nm", "E\nMPa", "ν\n", "ρ ord/seis\nt/m³", "c\nkPa", "φ/ψ\ndeg",
+    "stratum", "area\nm²", "thickness\nm", "from-to x\nm", "E\nMPa", "ν\n", "ρ\nt/m³", "c\nkPa", "φ/ψ\ndeg",
 )  # fmt: skip
 
 FILE = "section file"
@@ -50,7 +50,9 @@ def strata_rows(section: Section) -> Iterator[list[str]]:
             f"{start:.4g}-{end:.4g}",
             f"{stratum.youngs_modulus / 1e6:.4g}",
             f"{stratum.poissons_ratio:g}",
-            "/".join(dict.fromkeys(f"{d / 1e3:.4g}" for d in (stratum.density_ordinary, stratum.density_seismic))),
+            ", seismic ".join(
+                dict.fromkeys(f"{d / 1e3:.4g}" for d in (stratum.density_ordinary, stratum.density_seismic))
+            ),
             _cohesion(stratum) + (f", tension {stratum.tension / 1e3:.3g}" if stratum.tension is not None else ""),
             f"{math.degrees(stratum.friction_angle):.3g}/{math.degrees(stratum.dilation):.3g}",
         ]

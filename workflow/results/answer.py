@@ -6,6 +6,7 @@ number without a unit.
 """
 
 import math
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
@@ -25,6 +26,9 @@ from workflow.run.store import OtherVersionError, Store
 
 Point = tuple[float, float]
 Line = tuple[Point, ...]
+
+# The setting of a direction of the seismic force, and the words of the field for it.
+FORCE: Mapping[str, str] = {"downhill": "downslope", "uphill": "upslope"}
 
 
 def _finite(value: Any) -> Any:

@@ -6,7 +6,7 @@ from pydantic import Field
 
 from fem.continuum.loads import Direction
 from fem.settings import BoundsSettings, Sides
-from workflow.results.answer import Answer, Part, SectionLabel
+from workflow.results.answer import FORCE, Answer, Part, SectionLabel
 
 Verdict = Literal["bracketed", "wide", "no bracket", "unstable"]
 
@@ -64,7 +64,7 @@ class DirectionPart(Part):
     @property
     def words(self) -> str:
         """The bounds as a person reads them; where the other direction fails first they need not be close."""
-        to = f"{self.direction} (to the {self.towards})"
+        to = f"{FORCE[self.direction]} (to the {self.towards})"
         out = f", where the ground slides out at the {' and the '.join(self.leaves)} side" if self.leaves else ""
         match self.lower, self.upper:
             case None, None:
@@ -129,7 +129,7 @@ class SafetyPart(Part):
         high = "no upper bound" if self.upper is None else f"{self.upper:.3f}"
         at = self.shallow_failure
         rolling = "" if at is None else f"; a face fails before (shallow failure) at {at:.3f}"
-        force = f", force {self.direction}" if self.direction else ""
+        force = f", force {FORCE[self.direction]}" if self.direction else ""
         return f"{low} <= FS <= {high} at Kh = {self.kh:g}{force}, {self.cells} triangles{rolling}"
 
 

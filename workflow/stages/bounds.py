@@ -9,7 +9,7 @@ from fem.errors import UnstableError
 from fem.settings import LEAST_KH, BoundsSettings
 from meshes.errors import NoAnswerError
 from workflow.config import Config
-from workflow.results.answer import SectionLabel
+from workflow.results.answer import FORCE, SectionLabel
 from workflow.results.bounds import (
     BoundsAnswer,
     BracketPart,
@@ -204,7 +204,7 @@ def in_words(bounds: "SmallerKhBounds") -> str:
     high = f"{bounds.upper:.4f}" if bounds.mechanism else "no upper bound"
     gap = f", gap {_gap(bounds)}" if math.isfinite(bounds.gap) else ""
     first = bounds.directions[0]
-    to = f"force {first.direction} (to the {first.towards})"
+    to = f"force {FORCE[first.direction]} (to the {first.towards})"
     return f"{low} <= Kh <= {high}{gap}, {to}, {bounds.meshes[-1].cells} triangles"
 
 

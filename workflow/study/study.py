@@ -61,7 +61,7 @@ def run(config: Config, store: Store, only: Sequence[str], ensemble: Ensemble, o
     """
     if not config.uncertain.numbers:
         raise InputError(
-            config.section.name, ['[uncertain]: expected a number at least, such as "strata.1.friction_angle"']
+            config.section.name, ['[uncertain]: no number is uncertain; expected one such as "strata.1.friction_angle"']
         )
     parts, with_block = parts_of(only)
     leave_input(config, store)

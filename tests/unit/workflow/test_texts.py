@@ -14,11 +14,12 @@ from tests.support.sections import analysed, slope
 from workflow.report import assumptions, uncertainty
 from workflow.report.accuracy import METHODS
 from workflow.report.captions import CAPTIONS
-from workflow.report.first_page import DIRECTION, FLOW, SIDES, headlines
+from workflow.report.first_page import FLOW, SIDES, headlines
 from workflow.report.page import VARIED
 from workflow.report.tables import STRATA_HEADS
 from workflow.report.texts import Texts, catalogue, sentences
 from workflow.report.warnings import split
+from workflow.results.answer import FORCE
 from workflow.tables import ReportSettings
 
 REPORT = TOP / "workflow/report"
@@ -73,7 +74,7 @@ def warnings_of_report() -> Iterator[str]:
 
 
 def wanted() -> set[str]:
-    fixed = [*DIRECTION.values(), *FLOW.values(), *SIDES.values(), *VARIED, *METHODS, "left", "right"]
+    fixed = [*FORCE.values(), *FLOW.values(), *SIDES.values(), *VARIED, *METHODS, "left", "right"]
     heads = [head.strip().replace("\n", ", ") for head in STRATA_HEADS]
     head = [name for name, field in ReportSettings.model_fields.items() if field.annotation is str and name != "logo"]
     machine = ["host", "system", "processor"]

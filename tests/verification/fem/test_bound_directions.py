@@ -42,8 +42,8 @@ def test_of_an_embankment_the_steeper_face_counts(tmp_path: Path, capsys: pytest
     assert (other["direction"], other["towards"]) == ("downhill", "left")
     assert other["lower"] >= answer["upper"]
     told = " ".join(capsys.readouterr().out.split())
-    assert "force uphill (to the right)" in told
-    assert f"downhill (to the left) it is {other['lower']:.4f} to {other['upper']:.4f}" in told
+    assert "force upslope (to the right)" in told
+    assert f"downslope (to the left) it is {other['lower']:.4f} to {other['upper']:.4f}" in told
 
 
 @pytest.mark.parametrize("number", range(4))

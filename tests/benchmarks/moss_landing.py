@@ -1,0 +1,51 @@
+"""What liquefied at Moss Landing, and the stability after it: `python -m tests.benchmarks.moss_landing [--json FILE]`."""
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from meshes.shipped import file_of
+
+Row = dict[str, Any]
+SAND = "Loose sand, below water"
+
+
+def answer(command: str, file: str) -> Row:
+    """What a command writes of the shipped section."""
+    with tempfile.TemporaryDirectory(prefix="noshiro-") as folder:
+        words = [command, str(file_of("moss_landing")), "--quiet", "--out", folder]
+        subprocess.run([sys.executable, "-m", "workflow.cli", *words], check=True)
+        found: Row = json.loads((Path(folder) / file).read_text(encoding="utf-8"))
+    return found
+
+
+def quoted(rows: list[Row]) -> Row:
+    """The numbers of the page, in its digits."""
+    digits = {"strengths_kPa": 1, "just_stands_kPa": 1}
+    return {key: [round(value, digits.get(key, 2)) for value in values] for key, values in rows[0].items()}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--json", type=Path, help="write the rows to this file")
+    options = parser.parse_args()
+    tests = [one for one in answer("liquefaction", "triggering.json")["tests"] if one["stratum"] == SAND]
+    after = answer("liquefied", "fem/liquefied.json")
+    factors = [one["factor"] for one in tests]
+    row = {
+        "depths_m": [one["depth_m"] for one in tests],
+        "F_L": [min(factors), max(factors)],
+        "strengths_kPa": [s["cohesion_kPa"] for one in after["cases"] for s in one["strata"] if s["name"] == SAND],
+        "safety": [one[end] for one in after["cases"] for end in ("factor_lower", "factor_upper")],
+    }
+    print(row)
+    if options.json:
+        options.json.write_text(json.dumps([row], indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,68 @@
+"""Every number of the documentation stands in a source that its page names, or in the page's list of definitions.
+
+A page ends with ``<!-- numbers: SOURCE, ...; definitions: 0.65 share of the peak, ... -->``, which readers do not see. A
+source is a table of `docs/numbers.toml`, or a file of this repository: a generated page, a test that asserts the numbers,
+the module of a law. Definitions are constants of laws and numbers of examples. Counts below ten, years, code and titles
+of links are not looked at, nor are the changes, which are history. The numbers of the README
+are compared one by one in `test_readme.py`.
+"""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.support import TOP
+from tests.support.docs import DOCS, pages, program
+
+MARK = re.compile(r"<!-- numbers:\s*(?P<sources>[^;]*?)(?:;\s*definitions:\s*(?P<definitions>.+?))?\s*-->", re.DOTALL)
+NUMBER = re.compile(r"(?<![\w.-])\d+(?:,\d{3})*(?:\.\d+)?(?![\w-]|\.\d)")
+CODE = re.compile(r"^```.*?^```|^ {4,}.*?$|`[^`]*`|\]\([^)]*\)|<!--.*?-->", re.DOTALL | re.MULTILINE)
+NAMES = re.compile(r"\b(?:1[89]|20)\d\d\b|S-13|2:1|[Ee]q(?:s?\.|uations?) \([\d) to(]+|Table \d|σ'v")
+
+
+def flat(value: Any) -> Iterator[float]:
+    """All numbers of a table or a text."""
+    if isinstance(value, dict | list):
+        for one in value.values() if isinstance(value, dict) else value:
+            yield from flat(one)
+    else:
+        yield from (float(one.replace(",", "")) for one in re.findall(r"\d+(?:,\d{3})*(?:\.\d+)?(?:e-?\d+)?", str(value)))
+
+
+def known(source: str) -> set[float]:
+    """The numbers of a source."""
+    table = program("generated").numbers().get(source)
+    return set(flat((TOP / source).read_text(encoding="utf-8") if table is None else table))
+
+
+def unknown(text: str) -> list[str]:
+    """The numbers of a page that are in none of its sources, rounded to the places that the page gives."""
+    mark = MARK.search(text)
+    sources = [name.strip() for name in mark["sources"].split(",") if name.strip()] if mark else []
+    values = set(flat((mark["definitions"] if mark else None) or "")).union(*map(known, sources))
+    quoted = dict.fromkeys(NUMBER.findall(NAMES.sub("", CODE.sub("", text))))
+    places = {one: len(one.partition(".")[2]) for one in quoted if "." in one or float(one.replace(",", "")) >= 10}
+    return [
+        one for one, digits in places.items()
+        if not any(abs(round(value, digits) - float(one.replace(",", ""))) < 1e-9 for value in values)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, id=str(page.relative_to(DOCS)))
+        for page in pages() if page.is_relative_to(DOCS) and page.name != "changelog.md"
+    ],
+)
+def test_numbers_of_a_page_stand_in_their_sources(page: Path) -> None:
+    assert unknown(page.read_text(encoding="utf-8")) == []
+
+
+def test_a_number_without_a_source_is_found() -> None:
+    assert unknown("S-13 fails at 0.24, slides 12 m in `0.5` s (Newmark 1965), 2 cases.") == ["0.24", "12"]
+    marked = "It fails at 0.24, not at 0.77, by 0.65 of the peak.\n<!-- numbers: s13; definitions: 0.65 of the peak -->"
+    assert unknown(marked) == ["0.77"]
