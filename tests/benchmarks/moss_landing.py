@@ -33,7 +33,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", type=Path, help="write the rows to this file")
     options = parser.parse_args()
-    tests = [one for one in answer("liquefaction", "triggering.json")["tests"] if one["stratum"] == SAND]
+    tests = [one for one in answer("liquefaction", "triggering.json")["tests"] if one["stratum"] == SAND and one["factor"]]
     after = answer("liquefied", "fem/liquefied.json")
     factors = [one["factor"] for one in tests]
     row = {
