@@ -3,9 +3,12 @@
 import numpy as np
 from scipy.ndimage import median_filter
 
+ARCH = 0.25  # of the height of a line, by which it lies above the chord between its ends on average
+
 
 def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
-    """Where moving ground meets ground at rest, (k, 2) in m; empty where nothing moves.
+    """Where moving ground meets ground at rest, (k, 2) in m; empty where nothing moves, or where no line is a surface
+    of slip: below a crest that sinks while the ground gives way to both sides it rises from both of its ends.
 
     x (m,) are columns, z (m, n) points in each of them from below upwards, in m, and ``moved`` (m, n) how far or how
     fast the ground there moves, not a number where there is none. A column counts if its top exceeds the mean of the
@@ -24,7 +27,9 @@ def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
     starts, ends = edges[0::2], edges[1::2]
     longest = int(np.argmax(ends - starts))
     row = slice(starts[longest], ends[longest])
-    return np.column_stack([x[row], median_filter(np.array(depths)[row], size=3, mode="nearest")])
+    line = np.column_stack([x[row], median_filter(np.array(depths)[row], size=3, mode="nearest")])
+    above_chord = line[:, 1] - np.interp(line[:, 0], line[[0, -1], 0], line[[0, -1], 1])
+    return line if above_chord.mean() <= ARCH * np.ptp(line[:, 1]) else np.zeros((0, 2))
 
 
 def _threshold(moved: np.ndarray) -> float:

@@ -89,7 +89,7 @@ class SlidingBlockSettings(Model):
         default=None,
         gt=0.0,
         le=3600.0,
-        description="how long the constant coefficient acts (s); by default as long as on the slides, else 10",
+        description="how long the constant coefficient acts (s); by default as long as on the slides",
     )
 
     def in_use(self) -> Accelerogram:

@@ -1,4 +1,4 @@
-"""What liquefied at Moss Landing, and the stability after it: `python -m tests.benchmarks.moss_landing [--json FILE]`."""
+"""Moss Landing after liquefaction: `python -m tests.benchmarks.moss_landing [--json FILE]`."""
 
 import argparse
 import json
@@ -33,7 +33,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", type=Path, help="write the rows to this file")
     options = parser.parse_args()
-    tests = [one for one in answer("liquefaction", "triggering.json")["tests"] if one["stratum"] == SAND and one["factor"]]
+    found = answer("liquefaction", "triggering.json")["tests"]
+    tests = [one for one in found if one["stratum"] == SAND and one["factor"] is not None]
     after = answer("liquefied", "fem/liquefied.json")
     factors = [one["factor"] for one in tests]
     row = {

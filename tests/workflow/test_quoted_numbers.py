@@ -1,10 +1,10 @@
 """Every number of the documentation stands in a source that its page names, or in the page's list of definitions.
 
-A page ends with ``<!-- numbers: SOURCE, ...; definitions: 0.65 share of the peak, ... -->``, which readers do not see. A
-source is a table of `docs/numbers.toml`, or a file of this repository: a generated page, a test that asserts the numbers,
-the module of a law. Definitions are constants of laws and numbers of examples. Counts below ten, years, code and titles
-of links are not looked at, nor are the changes, which are history. The numbers of the README
-are compared one by one in `test_readme.py`.
+A page ends with ``<!-- numbers: SOURCE, ...; definitions: 0.65 share of the peak, ... -->``, which readers do not see.
+A source is a table of `docs/numbers.toml`, or a file of this repository: a generated page, a test that asserts the
+numbers, the module of a law. Definitions are constants of laws and numbers of examples. Counts below ten, years, code
+and titles of links are not looked at, nor are the changes, which are history. The numbers of the README are compared
+one by one in `test_readme.py`.
 """
 
 import re
@@ -18,6 +18,7 @@ from tests.support import TOP
 from tests.support.docs import DOCS, pages, program
 
 MARK = re.compile(r"<!-- numbers:\s*(?P<sources>[^;]*?)(?:;\s*definitions:\s*(?P<definitions>.+?))?\s*-->", re.DOTALL)
+VALUE = re.compile(r"\d+(?:,\d{3})*(?:\.\d+)?(?:e-?\d+)?")
 NUMBER = re.compile(r"(?<![\w.-])\d+(?:,\d{3})*(?:\.\d+)?(?![\w-]|\.\d)")
 CODE = re.compile(r"^```.*?^```|^ {4,}.*?$|`[^`]*`|\]\([^)]*\)|<!--.*?-->", re.DOTALL | re.MULTILINE)
 NAMES = re.compile(r"\b(?:1[89]|20)\d\d\b|S-13|2:1|[Ee]q(?:s?\.|uations?) \([\d) to(]+|Table \d|σ'v")
@@ -29,7 +30,7 @@ def flat(value: Any) -> Iterator[float]:
         for one in value.values() if isinstance(value, dict) else value:
             yield from flat(one)
     else:
-        yield from (float(one.replace(",", "")) for one in re.findall(r"\d+(?:,\d{3})*(?:\.\d+)?(?:e-?\d+)?", str(value)))
+        yield from (float(one.replace(",", "")) for one in VALUE.findall(str(value)))
 
 
 def known(source: str) -> set[float]:
@@ -55,7 +56,8 @@ def unknown(text: str) -> list[str]:
     "page",
     [
         pytest.param(page, id=str(page.relative_to(DOCS)))
-        for page in pages() if page.is_relative_to(DOCS) and page.name != "changelog.md"
+        for page in pages()
+        if page.is_relative_to(DOCS) and page.name != "changelog.md"
     ],
 )
 def test_numbers_of_a_page_stand_in_their_sources(page: Path) -> None:

@@ -27,8 +27,6 @@ HAMADA_VALIDITY = (
 PAPER = "the paper"  # on S-13
 S13_STRATA = ("1 Ts", "2 Ac1", "3 Asd", "4 Asd", "5 Asd", "6 As1", "7 Ac2", "8 As1", "9 Ac3", "10 Base")
 
-FOR_EVER = 10.0  # s for which a block is pushed where slides are pushed for ever
-
 NO_LINE = np.zeros((0, 2))
 
 __all__ = ["BlockDrive", "Estimate", "Kind", "block_drive", "constant_kh", "estimates", "mean_inclination"]
@@ -41,8 +39,8 @@ def constant_kh(settings: Tables) -> float:
 
 @dataclass(frozen=True)
 class BlockDrive:
-    """Loading of the block without a record: Kh that is held for ``seconds``, or reverses in ``cycles`` of a ``period``
-    (s).
+    """Loading of the block without a record: Kh that is held for ``seconds`` (perhaps infinite), or reverses in
+    ``cycles`` of a ``period`` (s).
     """
 
     seconds: float
@@ -50,7 +48,7 @@ class BlockDrive:
     period: float = 0.0
 
     def slide(self, kc: float, kh: float) -> float:
-        """How far (m) a block that resists ``kc`` slides under ``kh`` (-)."""
+        """How far (m) a block that resists ``kc`` slides under ``kh`` (-); infinite where it never stops."""
         if self.cycles is None:
             return rectangular_pulse(kc, kh, self.seconds)
         return newmark(*cyclic_acceleration(kh, self.cycles, self.period), kc).permanent
@@ -58,17 +56,17 @@ class BlockDrive:
     @property
     def words(self) -> str:
         """How Kh acts."""
-        return f"for {self.seconds:g} s" if self.cycles is None else (
-            f"both ways, {self.cycles:g} cycles of {self.period:g} s"
-        )  # fmt: skip
+        if self.cycles is not None:
+            return f"both ways, {self.cycles:g} cycles of {self.period:g} s"
+        return "held" if math.isinf(self.seconds) else f"for {self.seconds:g} s"
 
 
 def block_drive(settings: Tables) -> BlockDrive:
-    """How Kh drives the block: for the seconds set for it, else as it drives the slides, else for 10 s."""
+    """How Kh drives the block: for the seconds set for it, else as it drives the slides."""
     slide, seconds = settings.slide, settings.sliding_block.seconds
     if seconds is None and slide.kh_cycles is not None and slide.kh_period is not None:
         return BlockDrive(slide.kh_cycles * slide.kh_period, slide.kh_cycles, slide.kh_period)
-    return BlockDrive(seconds or slide.kh_seconds or FOR_EVER)
+    return BlockDrive(seconds or slide.kh_seconds or math.inf)
 
 
 def is_s13(section: Section) -> bool:
@@ -87,7 +85,7 @@ def estimates(
     rows: list[Estimate] = []
     if kc is not None and kc > 0.0:
         resisted = f"resisted by kc = {kc:.3f} {flow_words(section, settings.fem.flow)}"
-        rows.append(_constant(settings, kc, resisted))
+        rows += _constant(settings, kc, resisted)
         if settings.sliding_block.accelerogram:
             rows += _newmark(settings, kc, resisted)
     rows += [_smooth(section), *_regressions(section)]
@@ -111,23 +109,28 @@ class BlockSlide:
         return f"{low} m" if low == high else f"{low} to {high} m"
 
 
-def block_slide(settings: Tables, kc: float) -> BlockSlide:
-    """The slide of a rigid block that resists ``kc`` (above 0): both ways under the record, else under Kh."""
+def block_slide(settings: Tables, kc: float) -> BlockSlide | None:
+    """The slide of a rigid block that resists ``kc`` (above 0): both ways under the record, else under Kh.
+
+    None where Kh is held for ever and exceeds ``kc``, so that the block never stops.
+    """
     if not settings.sliding_block.accelerogram:
         kh, drive = constant_kh(settings), block_drive(settings)
         slide = drive.slide(kc, kh)
-        return BlockSlide(slide, slide, f"Kh = {kh:g} {drive.words}")
+        return None if math.isinf(slide) else BlockSlide(slide, slide, f"Kh = {kh:g} {drive.words}")
     record = settings.sliding_block.in_use()
     both = [newmark(record.time, sign * record.acceleration, kc).permanent for sign in (1.0, -1.0)]
     return BlockSlide(min(both), max(both), f"{record.name}, both ways")
 
 
-def _constant(settings: Tables, kc: float, resisted: str) -> Estimate:
+def _constant(settings: Tables, kc: float, resisted: str) -> Iterator[Estimate]:
     kh, drive = constant_kh(settings), block_drive(settings)
     slide = drive.slide(kc, kh)
+    if math.isinf(slide):
+        return
     words = f"Kh = {kh:g} {drive.words}, {resisted}: "
     words += "does not slide" if kh <= kc else f"slides {slide:.2f} m until it stops"
-    return Estimate("block", f"rigid block on the slip surface, Kh = {kh:g}", slide, words, NEWMARK, NEWMARK_VALIDITY)
+    yield Estimate("block", f"rigid block on the slip surface, Kh = {kh:g}", slide, words, NEWMARK, NEWMARK_VALIDITY)
 
 
 def _newmark(settings: Tables, kc: float, resisted: str) -> Iterator[Estimate]:

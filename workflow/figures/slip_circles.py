@@ -15,11 +15,11 @@ WHOLE, DASHED = (0, ()), (0, (5, 2))
 def draw(section: Section, answer: SlicesAnswer, path: Path) -> None:
     """The circle with the least factor of safety at each Kh, and that with the least critical Kh, towards each side."""
     lines = [
-        _line(circle, CONTINUUM, f"F_s = {_value(circle)} at k_h = {factors.kh:g}")
+        _line(circle, CONTINUUM, f"factor of safety {_value(circle, 2)} at Kh = {factors.kh:g}")
         for factors in answer.factors[:1]
         for circle in factors.circles
     ]
-    lines += [_line(circle, CRITICAL, f"critical k_h = {_value(circle)}") for circle in answer.critical]
+    lines += [_line(circle, CRITICAL, f"critical Kh = {_value(circle, 3)}") for circle in answer.critical]
     draw_section(section, path, "slip circles by Bishop's method (Spencer's in brackets)", lines)
 
 
@@ -28,5 +28,5 @@ def _line(circle: CirclePart, colour: str, words: str) -> Overlay:
     return Overlay(np.array(circle.surface_m), colour, dashes, f"{words}, to the {circle.towards}")
 
 
-def _value(circle: CirclePart) -> str:
-    return f"{circle.bishop:.2f}" + ("" if circle.spencer is None else f" ({circle.spencer:.2f})")
+def _value(circle: CirclePart, digits: int) -> str:
+    return f"{circle.bishop:.{digits}f}" + ("" if circle.spencer is None else f" ({circle.spencer:.{digits}f})")

@@ -59,7 +59,7 @@ def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
     bounds = proven_by(results.bounds is not None and bool(results.bounds.shallow_failures))
     if meshes is None or not meshes.sure or meshes.low > high or meshes.high < low:
         return Accuracy(low, high, bounds, True)
-    return Accuracy(max(low, meshes.low), min(high, meshes.high), f"{bounds} and {meshes.by[3:]}", True)
+    return Accuracy(max(low, meshes.low), min(high, meshes.high), f"{bounds} and {meshes.method[3:]}", True)
 
 
 def proven_by(strengthened: bool) -> str:

@@ -1,6 +1,6 @@
 """The results of the stages in sentences, which commands print."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 
 from meshes.section.cutting import spoken
 from meshes.section.section import Section

@@ -21,6 +21,7 @@ from workflow.results.continuum import FemAnswer
 from workflow.results.results import Results
 
 ASSUMED = ("dilation", "sides")  # variants that tell what an assumption is worth
+MESH_ERROR = 1.02  # times the limit for ψ = φ, which the elements may exceed for their mesh
 CONTRADICTED = 1.005  # times the upper end of its interval: a larger critical Kh is contradicted by strict bounds
 DISAGREE = 3.0  # times: beyond this, methods do not say the same
 # A slide that moves less in its last 10 s is told to lie still, though its discs may not: in m, and of all its way.
@@ -86,12 +87,10 @@ def _assumed(results: Results, fem: FemAnswer, error: Accuracy | None) -> Iterat
     """The critical Kh with other assumptions, and whether they matter more than the numerical error."""
     most, variants = _most(results, fem), results.variants.variants if results.variants is not None else ()
     others = {variant: kc for variant in variants if variant.name in ASSUMED and (kc := variant.of(fem.kc)) is not None}
+    others = {variant: kc for variant, kc in others.items() if variant.name != "dilation" or kc <= MESH_ERROR * most}
     if not others:
         return
-    phrases = [
-        f"kc = {coefficient(kc)} with {variant.change}{_too_much(variant.name, kc, most)}"
-        for variant, kc in others.items()
-    ]
+    phrases = [f"kc = {coefficient(kc)} with {variant.change}" for variant, kc in others.items()]
     largest = max(abs(kc - fem.kc) for kc in others.values())
     if error is None:
         yield f"With other assumptions: {listed(phrases)}."
@@ -101,20 +100,14 @@ def _assumed(results: Results, fem: FemAnswer, error: Accuracy | None) -> Iterat
 
 
 def _most(results: Results, fem: FemAnswer) -> float:
-    """The critical Kh that no flow can exceed: of strict bounds between the same sides, or of ψ = φ."""
+    """The critical Kh that no flow can exceed: of strict bounds between the same sides, or of ψ = φ. A path of smaller
+    ψ that exceeds it was followed on too coarse a mesh, and tells nothing."""
     bounds, full = results.bounds, fem.kc if fem.flow == "associated" else math.inf
     if fem.associated is not None:
         full = fem.associated.kc
     if bounds is None or bounds.upper is None or bounds.sides != fem.settings.sides:
         return full
     return min(full, bounds.upper)
-
-
-def _too_much(name: str, kc: float, most: float) -> str:
-    """A remark where the elements bear more with another flow rule than ψ = φ allows."""
-    if name != "dilation" or kc <= most:
-        return ""
-    return " (above the limit for ψ = φ: the mesh is too coarse for it)"
 
 
 def _shallow(results: Results, fem: FemAnswer) -> Iterator[str]:

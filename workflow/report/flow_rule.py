@@ -9,8 +9,7 @@ from workflow.results.continuum import FemAnswer
 # When Davis's estimate counts, and when ψ = φ does.
 WHEN = (
     "Strict bounds, limit equilibrium and most strength reduction results are for ψ = φ. Davis's estimate, with "
-    "reduced strength, applies to dense confined ground, thin bands, planes that cannot extend, and where a dilation "
-    "angle was given."
+    "reduced strength, is low. It counts where dense ground is confined, and where a dilation angle was given."
 )
 # Which critical Kh sliding blocks resist with, and why.
 BLOCKS: Mapping[Flow, str] = {

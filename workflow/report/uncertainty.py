@@ -6,7 +6,7 @@ from fem.continuum.strength import Flow
 from fem.settings import Sides
 from workflow.report.console import meshes_sentences
 from workflow.report.findings import fail_alike
-from workflow.report.flow_rule import WHEN, critical_with_flow
+from workflow.report.flow_rule import critical_with_flow
 from workflow.report.numbers import listed
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.continuum import FemAnswer, Variant
@@ -111,7 +111,7 @@ def _dilation(fem: FemAnswer) -> str:
     how = FLOWS[fem.flow]
     if fem.associated is None and fem.davis is None:
         return how
-    return f"{how} Critical Kh = {critical_with_flow(fem, '{:.4f}'.format)}. {WHEN}"
+    return f"{how} Critical Kh = {critical_with_flow(fem, '{:.4f}'.format)}."
 
 
 def _bounds(results: Results, bounds: BoundsAnswer) -> str:

@@ -122,13 +122,22 @@ class Results:
     def warnings(self) -> list[ResultWarning]:
         """Warnings on the critical Kh of the FEM: contradictions, and notes."""
         phrase = list(self.fem.warnings) if self.fem is not None else []
+        looked_at = ("mesh",) if self._bracketed else ("mesh", "element")
         others = [
             Computed(variant.change, variant.kc, decisive=variant.name == "mesh", without=variant.kc_without)
             for variant in (self.variants.variants if self.variants is not None else ())
-            if self.kc and variant.kc is not None and variant.name in ("mesh", "element")
+            if self.kc and variant.kc is not None and variant.name in looked_at
         ]
         contradictions = of_others(self.kc, others) if self.kc else ()
         return [*phrase, *contradictions, *self.warnings_by_bounds()]
+
+    @property
+    def _bracketed(self) -> bool:
+        """Whether strict bounds of the same sides and flow rule are close: these judge the elements, not other ones."""
+        fem, bounds = self.fem, self.bounds
+        if fem is None or bounds is None or bounds.sides != fem.settings.sides:
+            return False
+        return fem.flow == "associated" and bounds.verdict == "bracketed"
 
     def warnings_by_bounds(self) -> list[ResultWarning]:
         """Where strict bounds contradict the FEM. Upper bounds with ψ = φ hold for every smaller ψ, and those with

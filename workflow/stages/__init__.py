@@ -46,7 +46,8 @@ def stored_job(folder: Path) -> "Job":
 
     path = folder / "section.toml"
     if not path.is_file():
-        raise InputError(str(folder), ["holds no run: there is no section.toml; expected a folder that noshiro wrote, such as runs/my_slope"])
+        expected = "expected a folder that noshiro wrote, such as runs/my_slope"
+        raise InputError(str(folder), [f"holds no run: there is no section.toml; {expected}"])
     store = Store(folder)
     left = Record(store)["mesh"]
     given = left is not None and GIVEN in left.inputs

@@ -1,5 +1,6 @@
 """Fragility: the probability of failure, and that of a slide beyond a length, over what shakes the ground."""
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -95,11 +96,15 @@ def _under(record: Accelerogram, peak: float, kc: float) -> float:
 
 
 def block(config: Config, kc: float | None) -> float | None:
-    """The slide (m) of the rigid block of one sample, under its record or its constant Kh; None without kc."""
+    """The slide (m) of the rigid block of one sample, under its record or its constant Kh.
+
+    None without kc, and where Kh is held for ever and exceeds it, so that the block never stops.
+    """
     if kc is None:
         return None
     if not config.sliding_block.accelerogram:
-        return block_drive(config).slide(max(kc, LEAST), constant_kh(config))
+        slide = block_drive(config).slide(max(kc, LEAST), constant_kh(config))
+        return slide if math.isfinite(slide) else None
     record = config.sliding_block.in_use()
     return _under(record, record.peak / GRAVITY, max(kc, LEAST))
 

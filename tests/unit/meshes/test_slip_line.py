@@ -56,3 +56,11 @@ def test_ground_below_that_moves_and_places_without_ground_do_not_count() -> Non
 @pytest.mark.parametrize("moved", [0.0, 0.3, np.nan])
 def test_where_all_moves_alike_there_is_none(moved: float) -> None:
     assert slip_line(X, Z, np.full(Z.shape, moved)).shape == (0, 2)
+
+
+def test_below_a_crest_that_sinks_to_both_sides_there_is_no_surface() -> None:
+    """The line rises from both ends to the middle of the crest, where all of the wedge goes straight down."""
+    moved = np.where(4.0 - 0.6 * np.abs(X - 5.0)[:, None] < Z, 1.0, 0.0)
+    assert slip_line(X, Z, moved).shape == (0, 2)
+    circle = np.where(1.0 + 0.6 * np.abs(X - 5.0)[:, None] < Z, 1.0, 0.0)
+    assert len(slip_line(X, Z, circle)) == 11

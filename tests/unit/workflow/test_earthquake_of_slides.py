@@ -1,5 +1,6 @@
 """Kh of the slides and its duration come from the earthquake; a distance that its peak overrules is not used."""
 
+import math
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -137,7 +138,8 @@ def test_the_kh_of_a_site_response_reverses_in_the_cycles_of_the_earthquake(tmp_
 def test_the_block_is_driven_as_the_slides() -> None:
     both_ways = block_drive(shaken(LEVEE))
     assert (both_ways.cycles, both_ways.period) == (shaken(LEVEE).slide.kh_cycles, shaken(LEVEE).slide.kh_period)
-    assert block_drive(shaken(LEVEE, kh=0.1)).seconds == 10.0
+    held = block_drive(shaken(LEVEE, kh=0.1))
+    assert (held.slide(0.09, 0.1), held.slide(0.11, 0.1), held.words) == (math.inf, 0.0, "held")
     assert block_drive(analysed({**bored(), "sliding_block": {"seconds": 4.0}})).seconds == 4.0
     # nothing below yield, and far less than a push of one way that lasts as long
     assert both_ways.slide(0.2, 0.16) == 0.0
