@@ -215,7 +215,7 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
         keeps = (
             f"keeps a strength of {', '.join(phrases)}" if phrases else "is outside all relations of residual strength"
         )
-        yield f"{spoken(stratum.stratum)} {keeps}; {drains}."
+        yield f"Where F_L is below 1, {spoken(stratum.stratum)} {keeps}; {drains}."
     for boring in answer.borings:
         yield f"{boring.name}: P_L = {boring.potential:.1f}, risk {boring.risk}."
 

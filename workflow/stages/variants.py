@@ -161,7 +161,7 @@ def _found(change: Change, tell: Tell) -> "LimitLoadResult | CriticalResult":
 
 STAGE = Stage(
     name="variants",
-    what="on what the critical Kh hangs",
+    what="what the critical Kh depends on",
     work=work,
     needs=("fem",),
     reads=("mesh", "fem", "variants"),

@@ -1,4 +1,4 @@
-"""What is changed to see on what the critical Kh hangs."""
+"""What is changed to see what the critical Kh depends on."""
 
 from typing import cast
 
