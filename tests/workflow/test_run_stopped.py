@@ -8,20 +8,20 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
 
 from meshes.files import BESIDE
-from tests.support.command_line import TOP, line, process
+from tests.support.command_line import TOP, line, process, run
 from tests.support.small_run import CONTINUUM, FEW_DISCS, numbers, written
 
 
-def killed_at(path: Path, out: Path, seconds: float, how: int) -> int:
+def killed_at(path: Path, out: Path, seconds: float, how: int, only: Sequence[str]) -> int:
     """Start a run and stop it after so many seconds; returns its exit code, negative for a signal."""
     started = subprocess.Popen(
-        line("run", path, "--out", out), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=TOP,
+        line("run", path, "--out", out, *only), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=TOP,
         stdin=subprocess.DEVNULL,
     )  # fmt: skip
     try:
@@ -32,24 +32,28 @@ def killed_at(path: Path, out: Path, seconds: float, how: int) -> int:
     return started.returncode
 
 
-def finished_after_kills(tmp_path: Path, kills: int, seed: int, element_tests: bool) -> tuple[Path, Path]:
+def finished_after_kills(
+    tmp_path: Path, kills: int, seed: int, element_tests: bool = True, only: Sequence[str] = ()
+) -> tuple[Path, Path]:
     """A run that was killed so often, at moments drawn from all that it takes, and one that was left alone."""
     path = written(tmp_path, dem={**FEW_DISCS, "element_tests": element_tests})
     start = time.monotonic()
-    assert process("run", path, "--out", tmp_path / "alone").returncode == 0
+    assert run("run", path, "--out", tmp_path / "alone", *only) == 0
     span = time.monotonic() - start
     draw = random.Random(seed)
     for _ in range(kills):
-        killed_at(path, tmp_path / "killed", draw.uniform(0.2, 1.0) * span, signal.SIGKILL)
+        killed_at(path, tmp_path / "killed", draw.uniform(0.2, 1.0) * span, signal.SIGKILL, only)
         for file in (tmp_path / "killed").rglob("*.json"):
             if not BESIDE.fullmatch(file.name):
                 json.loads(file.read_text())  # whatever is there under its own name is whole
-    assert process("run", path, "--out", tmp_path / "killed").returncode == 0
+    assert run("run", path, "--out", tmp_path / "killed", *only) == 0
     return tmp_path / "alone", tmp_path / "killed"
 
 
 def test_killed_at_random_it_ends_with_the_same_numbers(tmp_path: Path) -> None:
-    alone, killed = finished_after_kills(tmp_path, 1, 20260101, element_tests=False)  # they take half of all
+    """Without what takes most of the time: element tests, and the stages that bound, vary and estimate."""
+    stages = [word for name in ("mesh", "fem", "calibrate", "slide", "report") for word in ("--only", name)]
+    alone, killed = finished_after_kills(tmp_path, 1, 20260101, element_tests=False, only=stages)
     assert numbers(alone) == numbers(killed)
     names = [{str(path.relative_to(out)) for path in out.rglob("*")} for out in (alone, killed)]
     assert names[0] == names[1]  # nothing half-written is left
@@ -58,11 +62,11 @@ def test_killed_at_random_it_ends_with_the_same_numbers(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_killed_again_and_again(seed: int, tmp_path: Path) -> None:
-    alone, killed = finished_after_kills(tmp_path, 6, seed, element_tests=True)
+    alone, killed = finished_after_kills(tmp_path, 6, seed)
     assert numbers(alone) == numbers(killed)
 
 
-def test_ctrl_c_while_it_computes(tmp_path: Path) -> None:
+def test_ctrl_c_while_it_computes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path, fem={"element": "quadratic"}, mesh={"size": 0.8})
     command = line("run", path, "--out", tmp_path / "out", *CONTINUUM)
     started = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=TOP)
@@ -75,8 +79,8 @@ def test_ctrl_c_while_it_computes(tmp_path: Path) -> None:
     assert (started.returncode, told) == (130, "Stopped.\n")
     assert not (tmp_path / "out/fem/critical.json").exists()
     assert "stopped after" in (tmp_path / "out/log.txt").read_text()
-    done = process("run", path, "--out", tmp_path / "out", "--dry-run")
-    assert "it was stopped, and continues" in done.stdout
+    assert run("run", path, "--out", tmp_path / "out", "--dry-run") == 0
+    assert "it was stopped, and continues" in capsys.readouterr().out
 
 
 @pytest.fixture
@@ -95,32 +99,30 @@ def remount(place: Path, options: str) -> None:
     subprocess.run(["mount", "-o", f"remount,{options}", place], check=True)
 
 
-def test_a_full_disk_and_then_a_larger_one(mounted: Path, tmp_path: Path) -> None:
+def test_a_full_disk_and_then_a_larger_one(mounted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path)
-    full = process("run", path, "--out", mounted / "out", *CONTINUUM)
-    assert full.returncode == 2
-    assert "cannot be written: No space left on device" in full.stderr
-    assert "Traceback" not in full.stderr
+    assert run("run", path, "--out", mounted / "out", *CONTINUUM) == 2
+    assert "cannot be written: No space left on device" in " ".join(capsys.readouterr().err.split())
     assert not list(mounted.rglob(".[0-9]*"))  # nothing half-written
     remount(mounted, "size=40m")
-    done = process("run", path, "--out", mounted / "out", *CONTINUUM)
-    assert done.returncode == 0, done.stderr
-    assert "mesh: done" not in done.stdout  # it is there already, and its pictures at the most are drawn again
+    assert run("run", path, "--out", mounted / "out", *CONTINUUM) == 0
+    assert "mesh: done" not in capsys.readouterr().out  # it is there, and its pictures at the most are drawn again
     assert (mounted / "out/figures/mesh.png").is_file()
     assert (mounted / "out/report.html").read_text().rstrip().endswith("</html>")
 
 
-def test_a_read_only_folder(mounted: Path, tmp_path: Path) -> None:
+def test_a_read_only_folder(
+    mounted: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     """The section lies where nothing can be written: so by default nothing can, and elsewhere all goes well."""
     path = written(mounted)
     remount(mounted, "ro")
-    done = process("check", path, folder=mounted)
-    assert done.returncode == 2
-    assert "cannot be written: Read-only file system" in done.stderr
-    done = process("run", path, "--only", "mesh", folder=mounted)
-    assert done.returncode == 2
-    assert "cannot be written: Read-only file system" in done.stderr
-    assert process("run", path, "--only", "mesh", "--out", tmp_path / "out", folder=mounted).returncode == 0
+    monkeypatch.chdir(mounted)
+    for arguments in (("check", path), ("run", path, "--only", "mesh")):
+        assert run(*arguments) == 2
+        assert "cannot be written: Read-only file system" in " ".join(capsys.readouterr().err.split())
+    assert run("run", path, "--only", "mesh", "--out", tmp_path / "out") == 0
+    monkeypatch.undo()  # so that it can be unmounted
 
 
 def nobody() -> None:

@@ -157,11 +157,14 @@ def _picture(path: Path, name: str, caption: Caption, words: str, width: int) ->
 
 
 def compressed(image: Image.Image) -> bytes:
-    """Compress a picture as WebP: lossless with few colours, or lossy with all, whichever is smaller."""
+    """Compress a picture as WebP: lossless with few colours, or lossy with all, whichever is smaller.
+
+    Pillow's default effort takes 1.7 times as long for pictures 1 % (lossless) and 4 % (lossy) smaller.
+    """
     few = image.quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).convert("RGB")
     ways = []
-    for picture, options in ((few, {"lossless": True}), (image, {"quality": QUALITY, "method": 4})):
+    for picture, options in ((few, {"lossless": True, "quality": 50}), (image, {"quality": QUALITY})):
         buffer = io.BytesIO()
-        picture.save(buffer, "WEBP", **options)
+        picture.save(buffer, "WEBP", method=2, **options)
         ways.append(buffer.getvalue())
     return min(ways, key=len)
