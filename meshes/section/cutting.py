@@ -198,7 +198,7 @@ def cut(
         if wet:
             name = stratum.name + BELOW_WATER if dry else stratum.name
             film = (parts.thickness[1] > exact.thickness[1]).any()
-            moist = stratum.density_ordinary if film else stratum.density_saturated
+            moist = (stratum.density or stratum.density_ordinary) if film else stratum.density_saturated
             stratum = _weighing(stratum, stratum.density_saturated, name=name, density=moist)
         found.append(stratum)
     return tuple(found)

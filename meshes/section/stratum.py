@@ -1,9 +1,16 @@
 """A layer of one soil: what it is called, where it ends, its parameters, and the water in its pores."""
 
 from collections.abc import Iterator
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
-from pydantic import Field, PrivateAttr, StrictBool, model_validator
+from pydantic import (
+    Field,
+    PrivateAttr,
+    SerializerFunctionWrapHandler,
+    StrictBool,
+    model_serializer,
+    model_validator,
+)
 
 from meshes.section.liquefies import LIQUEFIES_IN, CaseNumbers, Cases
 from meshes.section.model import Model
@@ -21,6 +28,7 @@ from meshes.section.quantity import (
 
 # A line of text without quotes or control characters, which gmsh could not read back, and no space at either end.
 NAME_PATTERN = r'^[^"\s\p{Cc}](?:[^"\p{Cc}]*[^"\s\p{Cc}])?$'
+PAPER_DENSITIES = ("density_ordinary", "density_seismic")
 
 # No density: stands until ``density``, or a complaint, takes its place.
 MISSING = -1.0
@@ -190,6 +198,14 @@ class Stratum(Model):
             raise ValueError("\n".join(problems))
         return self
 
+    @model_serializer(mode="wrap")
+    def _as_written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Its keys; one below water that holds films of moist ground has the two densities that it was cut from."""
+        data: dict[str, Any] = handler(self)
+        if self.density in (None, self.density_ordinary):
+            return data
+        return {key: value for key, value in data.items() if key not in PAPER_DENSITIES} | {"density": self.density}
+
     def _cohesion_problems(self) -> Iterator[str]:
         """One sentence for each problem of the keys of a cohesion that varies."""
         if self.cohesion_increase > 0.0 and self.cohesion_from is None:
@@ -209,7 +225,7 @@ class Stratum(Model):
 
     def _weigh(self) -> list[str]:
         """Set both densities to the one that was given, if one was; return a sentence for each problem of them."""
-        pair = {name: getattr(self, name) for name in ("density_ordinary", "density_seismic")}
+        pair = {name: getattr(self, name) for name in PAPER_DENSITIES}
         missing = [name for name, value in pair.items() if value == MISSING]
         whole = self.density_saturated if self.density is None and len(missing) == 2 else self.density
         if whole is not None:

@@ -35,7 +35,7 @@ class Zone(Stratum):
 
     @model_serializer(mode="wrap")
     def _as_written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        data: dict[str, Any] = handler(self)
+        data = super()._as_written(handler)
         return data if self.material is None else {key: data[key] for key in OWN_KEYS}
 
     @property
