@@ -15,9 +15,13 @@ LAYERS_OPTION = typer.Option(
     show_default=False,
 )
 
+PART_OPTION = typer.Option(help="The scenario of a model. [default: its first]", show_default=False)
+
 
 def section(
-    files: Annotated[list[Path], typer.Argument(help="Borings (.csv, .ags), a drawing (.dxf), or a section.")],
+    files: Annotated[
+        list[Path], typer.Argument(help="Borings (.csv, .ags), a drawing (.dxf), a model (.stix), or a section.")
+    ],
     to: Annotated[Path, typer.Option("--out", "-o", help="The section to write, .toml; or a drawing, .dxf.")],
     off: Annotated[float, typer.Option(help="Largest distance (m) of a boring from the line.")] = 20.0,
     layers: Annotated[str | None, LAYERS_OPTION] = None,
@@ -25,8 +29,9 @@ def section(
     unit: Annotated[
         str | None, typer.Option(help="The unit of a drawing, such as mm. [default: what it says]", show_default=False)
     ] = None,
+    part: Annotated[str | None, PART_OPTION] = None,
 ) -> None:
-    """Make a section from borings or from a drawing, or draw a section as DXF."""
+    """Make a section from borings, a drawing or a model of another program, or draw a section as DXF."""
     from workflow.section_import.section_from_files import Reading, make_section
 
-    make_section(files, to, Reading.of(off, layers, columns or (), unit))
+    make_section(files, to, Reading.of(off, layers, columns or (), unit, part))

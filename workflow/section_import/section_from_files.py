@@ -11,6 +11,8 @@ from meshes.borings.log import BoringFile
 from meshes.borings.section_text import text_of
 from meshes.drawings.dxf_file import read_dxf, write_dxf
 from meshes.errors import InputError
+from meshes.models.foreign_model import FoundSection
+from meshes.models.stix_file import read_stix
 from meshes.section.quantity import LENGTH
 from workflow.after_triggering import load_config
 from workflow.config import Config
@@ -19,6 +21,7 @@ from workflow.terminal import say
 
 READERS: dict[str, Callable[[Path, Mapping[str, str]], BoringFile]] = {".csv": read_csv, ".ags": read_ags4}
 DRAWING = ".dxf"
+MODELS: dict[str, Callable[[Path, str, str | None], FoundSection]] = {".stix": read_stix}
 
 
 @dataclass(frozen=True)
@@ -30,14 +33,18 @@ class Reading:
     off_line : largest distance (m) of a boring from the line of the section
     columns : names of columns by ours, where they differ, such as {"layer": "GEOL_LEG"}
     unit : length (m) of one unit of a drawing; None for what the drawing says
+    part : the scenario of a model of another program; None for its first one
     """
 
     off_line: float = OFF_LINE
     columns: Mapping[str, str] = field(default_factory=dict)
     unit: float | None = None
+    part: str | None = None
 
     @classmethod
-    def of(cls, off_line: float, layers: str | None, columns: Sequence[str], unit: str | None) -> "Reading":
+    def of(
+        cls, off_line: float, layers: str | None, columns: Sequence[str], unit: str | None, part: str | None = None
+    ) -> "Reading":
         """Reading options from the command line. Raises InputError with every one that cannot be understood."""
         pairs = [text.partition("=") for one in columns for text in one.split(",")]
         told = [f"{key}{equals}{name}: expected ours=theirs, such as layer=Stratum" for key, equals, name in pairs
@@ -50,7 +57,7 @@ class Reading:
             told.append(f"--unit {unit}: {error}")
         if told:
             raise InputError("--columns" if size is not None or unit is None else "--unit", told)
-        return cls(off_line, named, size)
+        return cls(off_line, named, size, part)
 
 
 def make_section(files: Sequence[Path], out: Path, reading: Reading | None = None) -> None:
@@ -64,11 +71,15 @@ def make_section(files: Sequence[Path], out: Path, reading: Reading | None = Non
 
 def _made(files: Sequence[Path], out: Path, reading: Reading) -> list[str]:
     kinds = {file.suffix.lower() for file in files}
-    unknown = sorted(kinds - set(READERS) - {DRAWING, ".toml"})
+    alone = {DRAWING, ".toml", *MODELS}
+    unknown = sorted(kinds - set(READERS) - alone)
     if missing := [f"{file}: there is no such file" for file in files if not file.is_file()]:
         raise InputError("section", missing)
-    if unknown or (kinds & {DRAWING, ".toml"} and len(files) > 1):
-        told = "expected .csv and .ags files of borings, or one .dxf drawing, or one section .toml to be drawn as .dxf"
+    if unknown or (kinds & alone and len(files) > 1):
+        told = (
+            f"expected .csv and .ags files of borings, or one .dxf drawing, one model {' or '.join(MODELS)}, or one "
+            "section .toml to be drawn as .dxf"
+        )
         raise InputError("section", [f"{', '.join(map(str, files))}: {told}"])
     if kinds == {".toml"}:
         if out.suffix.lower() != DRAWING:
@@ -79,6 +90,10 @@ def _made(files: Sequence[Path], out: Path, reading: Reading) -> list[str]:
         ]
     if out.exists():
         raise InputError(str(out), ["is there already; expected the name of a new file"])
+    if kinds <= set(MODELS):
+        model = MODELS[kinds.pop()](files[0], out.stem, reading.part)
+        out.write_text(model.text, encoding="utf-8")
+        return [*_minded(model.notices), f"{out} has the strata of {files[0]}.", *to_be_given(out, "It is sound.")]
     if kinds == {DRAWING}:
         drawn = read_dxf(files[0], out.stem, reading.unit)
         out.write_text(drawn.text, encoding="utf-8")
@@ -102,13 +117,16 @@ def draw_borings(found: Connected, out: Path) -> Path:
     return picture
 
 
-def to_be_given(path: Path) -> list[str]:
-    """Missing input of the new section, one sentence each."""
+GUESSED = "It is sound; stiffness and strength are guesses from N: correct them."
+
+
+def to_be_given(path: Path, sound: str = GUESSED) -> list[str]:
+    """Missing input of the new section, one sentence each; or that it is ``sound``."""
     try:
         load_config(path)
     except InputError as error:
         return ["To be given before it can run:", *(f"  - {text}" for text in error.problems)]
-    return ["It is sound; stiffness and strength are guesses from N: correct them."]
+    return [sound]
 
 
 def _told(found: Connected) -> list[str]:

@@ -1,0 +1,189 @@
+"""What a model of another program has that a section can take, and the section that it makes."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import tomli_w
+
+from meshes.errors import InputError
+from meshes.section.columns import SNAP, columns_of
+from meshes.section.cutting import halves
+from meshes.section.layering import layering
+from meshes.section.polyline import Line
+from meshes.section.section import Section
+
+PAIR = re.compile(r"\[\s+([-+.\de]+),\s+([-+.\de]+),\s+\]")  # a point over four lines, as the writer has it
+# Slope programs have no stiffness; it moves displacements, and hardly the critical Kh or a factor of safety.
+STIFFNESS = {"youngs_modulus": "20 MPa", "poissons_ratio": 0.3}
+
+
+class Layer(NamedTuple):
+    """A layer of a model.
+
+    Attributes
+    ----------
+    soil : the name of its soil
+    points : its outline (n, 2) in m
+    keys : what it has of its own, as keys of a stratum
+    dry, wet : what it has above and below the water table
+    """
+
+    soil: str
+    points: np.ndarray
+    keys: Mapping[str, Any]
+    dry: Mapping[str, Any]
+    wet: Mapping[str, Any]
+
+
+class YieldStress(NamedTuple):
+    """A preconsolidation stress (Pa) at a point (m) of the layers of a name."""
+
+    layer: str
+    x: float
+    z: float
+    stress: float
+
+
+@dataclass(frozen=True)
+class ForeignModel:
+    """A model of another program.
+
+    Attributes
+    ----------
+    layers : its layers
+    soils : keys of a stratum by the name of the soil
+    water : the table [water]
+    surcharges : tables [[surcharges]]
+    yields : preconsolidation stresses, which become pre-overburden pressures where they are given
+    notices : what was assumed and what is not taken, one sentence each
+    """
+
+    layers: Sequence[Layer]
+    soils: Mapping[str, Mapping[str, Any]]
+    water: Mapping[str, Any] = field(default_factory=dict)
+    surcharges: Sequence[Mapping[str, Any]] = ()
+    yields: Sequence[YieldStress] = ()
+    notices: Sequence[str] = ()
+
+
+class FoundSection(NamedTuple):
+    """A section as TOML, and what a person has to know of how it was read, one sentence each."""
+
+    text: str
+    notices: list[str]
+
+
+def section_of(model: ForeignModel, path: Path, name: str) -> FoundSection:
+    """The section of a model that was read from a file.
+
+    Parameters
+    ----------
+    model : ForeignModel
+        Its layers become strata, in the place where they lie.
+    path : Path
+        The file, for complaints.
+    name : str
+        The name of the section.
+
+    Raises
+    ------
+    InputError
+        If the layers are no section.
+    """
+    names = layer_names(model.layers)
+    columns = columns_of(names, [layer.points for layer in model.layers])
+    if columns.problems:
+        raise InputError(str(path), columns.problems)
+    ground, bottoms = columns.interfaces()
+    of_name = dict(zip(names, model.layers, strict=True))
+    sides = float(columns.x[0]), float(columns.x[-1])
+    lines = [columns.points(bottom) for bottom in bottoms]
+    water = _across(model.water, "table", *sides)
+    parts = _parted(columns.points(ground), lines, [of_name[layer] for layer in columns.stack.layers], water)
+    strata: list[dict[str, Any]] = []
+    for k, bottom, wet in parts:
+        layer = of_name[columns.stack.layers[k]]
+        keys = {**model.soils.get(layer.soil, {}), **layer.keys, **(layer.wet if wet else layer.dry)}
+        own = _across(keys, "piezometric_level", *sides)
+        called = columns.stack.names[k] + (", wet" if [one for one, _, _ in parts].count(k) > 1 and wet else "")
+        strata.append({"name": called, "bottom": {"elevation": _points(bottom)}, **STIFFNESS, **own})
+    data = {"name": name, "surface": _points(columns.points(ground)), "base": strata[-1].pop("bottom")}
+    data |= {"water": water} if water else {}
+    data |= {"surcharges": [dict(load) for load in model.surcharges]} if model.surcharges else {}
+    data["strata"] = strata
+    _consolidate(data, model.yields, [columns.stack.layers[k] for k, _, _ in parts], path)
+    notices = [
+        *model.notices, *columns.stack.notices, *columns.tally.sentences(),
+        f"not in the file: stiffness; {STIFFNESS['youngs_modulus']} and a Poisson's ratio of "
+        f"{STIFFNESS['poissons_ratio']} are assumed everywhere",
+    ]  # fmt: skip
+    comments = [f"# Section from {path.name}.", *(f"# {text}." for text in notices), ""]
+    text = PAIR.sub(r"[\1, \2]", tomli_w.dumps(data))
+    return FoundSection("\n".join(comments) + text, notices)
+
+
+def layer_names(layers: Sequence[Layer]) -> list[str]:
+    """A name for every layer: that of its soil, with a number where layers of one soil have other keys."""
+    kinds: dict[str, list[Mapping[str, Any]]] = {}
+    names = []
+    for layer in layers:
+        known = kinds.setdefault(layer.soil, [])
+        own = {**layer.keys, "dry": layer.dry, "wet": layer.wet}
+        if own not in known:
+            known.append(own)
+        number = known.index(own) + 1
+        names.append(layer.soil if number == 1 else f"{layer.soil} {number}")
+    return names
+
+
+def _parted(
+    ground: np.ndarray, bottoms: Sequence[np.ndarray], layers: Sequence[Layer], water: Mapping[str, Any]
+) -> list[tuple[int, np.ndarray, bool]]:
+    """The number of the layer, the bottom (n, 2) and whether it is below water, of every stratum from the top down:
+    layers that are other soils below water are two where its table crosses them."""
+    if not water:
+        return [(k, bottom, False) for k, bottom in enumerate(bottoms)]
+    lines = [Line(elevation=_points(bottom)) for bottom in bottoms]
+    stack = layering(ground, lines[-1], [*lines[:-1], None]).layering
+    table = np.array(water["table"], dtype=float)
+    strata = []
+    for k, (bottom, layer) in enumerate(zip(bottoms, layers, strict=True)):
+        cut = halves(stack, k, table)
+        if layer.wet != layer.dry and cut.has(0) and cut.has(1):
+            line = cut.line(*ground[[0, -1], 0]).points(0.0, 1.0)
+            strata += [(k, line, False), (k, bottom, True)]
+        else:
+            strata.append((k, bottom, not cut.has(0)))
+    return strata
+
+
+def _consolidate(data: dict[str, Any], yields: Sequence[YieldStress], layers: Sequence[str], path: Path) -> None:
+    """Give strata the pre-overburden pressures that yield stresses are there: σ'p less σ'v."""
+    if not yields:
+        return
+    section = Section.parse(data, str(path))
+    for layer, x, z, stress in yields:
+        at = np.array([[x, z]])
+        stratum = section.stratum_at(*at.T)
+        effective = float(section.water_pressure.vertical_effective(at, at, stratum)[0])
+        for one, soil in zip(layers, data["strata"], strict=True):
+            if one == layer and "strength_ratio" in soil:
+                soil["pre_overburden_pressure"] = f"{max(stress - effective, 0.0) / 1e3:.4g} kPa"
+
+
+def _across(table: Mapping[str, Any], key: str, left: float, right: float) -> dict[str, Any]:
+    """A table whose line ``key``, if it has one, goes from side to side (m), level beyond its ends."""
+    if key not in table:
+        return dict(table)
+    line = np.array(table[key], dtype=float)
+    inner = line[(line[:, 0] > left + SNAP) & (line[:, 0] < right - SNAP)]
+    ends = [[x, float(np.interp(x, *line.T))] for x in (left, right)]
+    return {**table, key: _points(np.vstack([ends[:1], inner, ends[1:]]))}
+
+
+def _points(line: np.ndarray) -> list[list[float]]:
+    return [[float(x), float(z)] for x, z in line.round(6) + 0.0]

@@ -1,0 +1,132 @@
+"""Models of D-Stability as sections. The file is made here, in the form of theirs."""
+
+import json
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from meshes.errors import InputError
+from meshes.models.stix_file import read_stix
+from meshes.section.section import Section
+from tests.support.command_line import run
+
+SCENARIO = {
+    "Label": "Daily",
+    "Stages": [{"Label": "Daily", "GeometryId": "1", "SoilLayersId": "2", "WaternetId": "3", "StateId": "4",
+                "LoadsId": "5", "ReinforcementsId": "6"}],
+}  # fmt: skip
+
+
+def points(*pairs: tuple[float, float]) -> list[dict[str, float]]:
+    return [{"X": x, "Z": z} for x, z in pairs]
+
+
+def soil(number: str, name: str, above: str, below: str, weight: float) -> dict[str, Any]:
+    """A soil with all of its models."""
+    return {
+        "Id": number,
+        "Name": name,
+        "VolumetricWeightAbovePhreaticLevel": weight,
+        "VolumetricWeightBelowPhreaticLevel": weight + 1.0,
+        "ShearStrengthModelTypeAbovePhreaticLevel": above,
+        "ShearStrengthModelTypeBelowPhreaticLevel": below,
+        "MohrCoulombAdvancedShearStrengthModel": {"Cohesion": 7.0, "FrictionAngle": 30.0, "Dilatancy": 2.0},
+        "SuShearStrengthModel": {"ShearStrengthRatio": 0.25, "StrengthIncreaseExponent": 0.9},
+    }
+
+
+def model() -> dict[str, Any]:
+    """A dike of 4 m on 6 m of clay over sand, its water at 2 m, that of the sand at 3 m."""
+    return {
+        "scenarios/scenario": SCENARIO,
+        "geometries/geometry": {
+            "Id": "1",
+            "Layers": [
+                {"Id": "11", "Points": points((0, 0), (8, 4), (12, 4), (20, 0))},
+                {"Id": "12", "Points": points((-20, -6), (40, -6), (40, 0), (20, 0), (0, 0), (-20, 0))},
+                {"Id": "13", "Points": points((-20, -10), (40, -10), (40, -6), (-20, -6))},
+            ],
+        },
+        "soils": {
+            "Soils": [
+                soil("21", "Dike", "MohrCoulombAdvanced", "Su", 18.0),
+                soil("22", "Clay", "Su", "Su", 14.0),
+                soil("23", "Sand", "MohrCoulombAdvanced", "MohrCoulombAdvanced", 19.0),
+            ]
+        },
+        "soillayers/soillayers": {
+            "Id": "2",
+            "SoilLayers": [{"LayerId": f"1{k}", "SoilId": f"2{k}"} for k in (1, 2, 3)],
+        },
+        "waternets/waternet": {
+            "Id": "3",
+            "UnitWeightWater": 9.81,
+            "PhreaticLineId": "31",
+            "HeadLines": [
+                {"Id": "31", "Points": points((-30, -1), (0, -1), (4, 2), (16, 2), (20, -1), (30, -1))},
+                {"Id": "32", "Points": points((-20, 3), (40, 3))},
+            ],
+            "ReferenceLines": [
+                {"Points": points((-20, -6), (40, -6)), "TopHeadLineId": "32", "BottomHeadLineId": "32"}
+            ],
+        },
+        "states/state": {
+            "Id": "4",
+            "StatePoints": [{"LayerId": "11", "Point": {"X": 10.0, "Z": 1.0},
+                             "Stress": {"StateType": "YieldStress", "YieldStress": 80.0}}],
+            "StateLines": [{"Points": points((-20, 0), (0, 0), (20, 0), (40, 0)),
+                            "Values": [{"X": 0.0, "Above": {"StateType": "Pop", "Pop": 3.0},
+                                        "Below": {"StateType": "Pop", "Pop": 12.0}}]}],
+        },
+        "loads/load": {
+            "Id": "5", "LineLoads": [{}], "Trees": [], "LayerLoads": [],
+            "UniformLoads": [{"Start": 9.0, "End": 11.0, "Magnitude": 13.0, "Consolidations": [{"Degree": 0.0}]}],
+            "Earthquake": {"IsEnabled": True, "HorizontalFactor": 0.1},
+        },
+        "reinforcements/reinforcement": {"Id": "6", "Nails": [{}, {}], "Geotextiles": []},
+    }  # fmt: skip
+
+
+def written(folder: Path, data: dict[str, Any]) -> Path:
+    path = folder / "dike.stix"
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in data.items():
+            archive.writestr(f"{name}.json", json.dumps(content))
+    return path
+
+
+def test_a_dike_is_a_section(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Above water the dike has c and φ, below it S σ'v OCR^m: at (10, 1) σ'v is 2 x 18 + 19 - 9.81 = 45.19 kPa, and
+    the yield stress there 80 kPa."""
+    assert run("section", written(tmp_path, model()), "-o", tmp_path / "dike.toml") == 0
+    told = capsys.readouterr().out
+    assert "It is sound." in told
+    for text in ("line loads, 1", "earthquake, Kh = 0.1", "nails, 2", "consolidation below 100 %", "stiffness"):
+        assert text in told
+    section = Section.read(tmp_path / "dike.toml")
+    assert [s.name for s in section.strata] == ["Dike", "Dike, wet", "Clay", "Clay, below water", "Sand"]
+    np.testing.assert_allclose(section.layering.areas()[[0, 1, 4]], [16.0 + 8.0 / 3.0, 32.0 - 8.0 / 3.0, 240.0])
+    dry, wet, clay, _, sand = section.strata
+    assert (dry.cohesion, dry.density_ordinary, wet.density_ordinary) == pytest.approx((7e3, 1835.5, 1937.5), rel=1e-4)
+    assert (wet.cohesion, wet.strength_ratio, wet.ocr_exponent) == (0.0, 0.25, 0.9)
+    assert wet.pre_overburden_pressure == pytest.approx(80e3 - 45.19e3, rel=1e-3)
+    assert clay.pre_overburden_pressure == 12e3
+    assert sand.piezometric_level is not None
+    at = np.array([[10.0, 1.0]])
+    su = section.cohesion_field.at(at, at, np.array([1]))[0]
+    assert su == pytest.approx(0.25 * 45.19e3 * (80.0 / 45.19) ** 0.9, rel=1e-3)
+    assert section.surcharges[0].pressure == (13e3, 13e3)
+
+
+def test_bad_models_are_told(tmp_path: Path) -> None:
+    path = written(tmp_path, model())
+    with pytest.raises(InputError, match=r'"Flood": expected a scenario of .*, one of Daily'):
+        read_stix(path, "dike", "Flood")
+    with pytest.raises(InputError, match="expected a model of D-Stability"):
+        read_stix(written(tmp_path, {"projectinfo": {}}), "dike")
+    path.write_text("no zip")
+    with pytest.raises(InputError, match="cannot be read: File is not a zip file"):
+        read_stix(path, "dike")
