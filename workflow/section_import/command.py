@@ -15,12 +15,12 @@ LAYERS_OPTION = typer.Option(
     show_default=False,
 )
 
-PART_OPTION = typer.Option(help="The scenario of a model. [default: its first]", show_default=False)
+PART_OPTION = typer.Option(help="The scenario or the analysis of a model. [default: its first]", show_default=False)
 
 
 def section(
     files: Annotated[
-        list[Path], typer.Argument(help="Borings (.csv, .ags), a drawing (.dxf), a model (.stix), or a section.")
+        list[Path], typer.Argument(help="Borings (.csv, .ags), a drawing (.dxf), a model (.stix, .gsz), or a section.")
     ],
     to: Annotated[Path, typer.Option("--out", "-o", help="The section to write, .toml; or a drawing, .dxf.")],
     off: Annotated[float, typer.Option(help="Largest distance (m) of a boring from the line.")] = 20.0,

@@ -12,6 +12,7 @@ from meshes.borings.section_text import text_of
 from meshes.drawings.dxf_file import read_dxf, write_dxf
 from meshes.errors import InputError
 from meshes.models.foreign_model import FoundSection
+from meshes.models.gsz_file import read_gsz
 from meshes.models.stix_file import read_stix
 from meshes.section.quantity import LENGTH
 from workflow.after_triggering import load_config
@@ -21,7 +22,7 @@ from workflow.terminal import say
 
 READERS: dict[str, Callable[[Path, Mapping[str, str]], BoringFile]] = {".csv": read_csv, ".ags": read_ags4}
 DRAWING = ".dxf"
-MODELS: dict[str, Callable[[Path, str, str | None], FoundSection]] = {".stix": read_stix}
+MODELS: dict[str, Callable[[Path, str, str | None], FoundSection]] = {".stix": read_stix, ".gsz": read_gsz}
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class Reading:
     off_line : largest distance (m) of a boring from the line of the section
     columns : names of columns by ours, where they differ, such as {"layer": "GEOL_LEG"}
     unit : length (m) of one unit of a drawing; None for what the drawing says
-    part : the scenario of a model of another program; None for its first one
+    part : the scenario or analysis of a model of another program; None for its first one
     """
 
     off_line: float = OFF_LINE

@@ -1,0 +1,184 @@
+"""Models of GeoStudio: a zip with one XML document of all analyses (`.gsz`); those of SLOPE/W are read."""
+
+import re
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from meshes.errors import InputError
+from meshes.models.foreign_model import ForeignModel, FoundSection, Layer, section_of
+
+EXPECTED = "expected a model of GeoStudio with an analysis of SLOPE/W"
+LARGEST = 200e6  # bytes of a document that is read
+REGION = re.compile(r"Regions-(\d+)")
+BEDROCK = {"cohesion": "10 MPa", "friction_angle": "0 deg"}  # slips do not pass it
+
+
+class Units(NamedTuple):
+    """The length (m) of a unit, and how a stress and a unit weight are written."""
+
+    length: float
+    stress: str
+    weight: str
+    water: float
+
+
+UNITS = {"metric": Units(1.0, "kPa", "kN/m^3", 9.807), "imperial": Units(0.3048, "lbf/ft^2", "lbf/ft^3", 62.4)}
+
+
+def read_gsz(path: Path, name: str, analysis: str | None = None) -> FoundSection:
+    """The section of an analysis of SLOPE/W in a model of GeoStudio.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    name : str
+        The name of the section.
+    analysis : str, optional
+        The name of the analysis; the first one of SLOPE/W if not given.
+
+    Raises
+    ------
+    InputError
+        If the file is no such model, or has no such analysis.
+    """
+    root = _document(path)
+    try:
+        return section_of(_model(root, path, analysis), path, name)
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(str(path), [f"{EXPECTED}; it has not all that they have ({error})"]) from error
+
+
+def _document(path: Path) -> Element:
+    """The document at the top of the zip; one with entities of its own is refused."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            inside = [one for one in archive.infolist() if "/" not in one.filename and one.filename.endswith(".xml")]
+            if not inside or inside[0].file_size > LARGEST:
+                raise InputError(str(path), [f"{EXPECTED}; it has no document of that kind"])
+            text = archive.read(inside[0])
+        if b"<!ENTITY" in text:
+            raise InputError(str(path), [f"{EXPECTED}; its document defines entities, which GeoStudio does not"])
+        return ElementTree.fromstring(text)
+    except (zipfile.BadZipFile, ElementTree.ParseError, OSError) as error:
+        raise InputError(str(path), [f"{EXPECTED}; it cannot be read: {error}"]) from error
+
+
+def _model(root: Element, path: Path, wanted: str | None) -> ForeignModel:
+    analyses = [one for one in root.iterfind("./Analyses/Analysis") if "SLOPE" in _text(one, "Kind").upper()]
+    names = [_text(one, "Name") for one in analyses]
+    if wanted is not None and wanted not in names:
+        raise InputError("--part", [f'"{wanted}": expected an analysis of {path}, one of {", ".join(names)}'])
+    analysis = analyses[0 if wanted is None else names.index(wanted)]
+    number = _text(analysis, "ID")
+    notices = [f'analysis "{_text(analysis, "Name")}"']
+    others = [one for one in names if one != _text(analysis, "Name")]
+    notices += [f"not taken: analyses {', '.join(others)} (--part names one)"] if others else []
+    system = root.find("./Coordinates/EngCoords")
+    units = UNITS[(system.get("UnitSystem", "metric") if system is not None else "metric").lower()]
+    found = _of_analysis(root, "./StabilityItems/StabilityItem", number).find("Entry")
+    entry = Element("Entry") if found is None else found
+    local = {str(one.get("Number")): _place(one, units) for one in entry.iterfind("./DataPoints/DataPoint")}
+    lines = {
+        _text(one, "ID"): np.array([local[at.text or ""] for at in one.iterfind("./DataPoints/DataPoint")])
+        for one in entry.iterfind("./PiezometricSurfaces/PiezometricSurface")
+    }
+    uses = {one.get("ID"): one.get("UsesID") for one in entry.iterfind("./MaterialUsesPiezs/MaterialUsesPiez")}
+    table = next((lines[one] for one in uses.values() if one in lines), None)
+    soils, own = {}, {}
+    for material in root.iterfind("./Materials/Material"):
+        called, key = _text(material, "Name"), _text(material, "ID")
+        soils[called] = {"density": f"{_number(material, 'StressStrain/UnitWeight'):g} {units.weight}"}
+        soils[called]["density_saturated"] = soils[called]["density"]
+        own[key] = called, _strength(material, units, notices)
+        line = lines.get(uses.get(key) or "")
+        if line is None and table is not None:
+            own[key][1]["pore_pressure_ratio"] = 0.0
+        elif line is not None and line is not table:
+            own[key][1]["piezometric_level"] = line.tolist()
+    geometry = root.findall("./Geometries/Geometry")[int(_text(analysis, "GeometryId") or 1) - 1]
+    notices += _not_taken(entry, root.find(f"./WaterItems/WaterItem[AnalysisID='{number}']"))
+    water = root.find(f"./WaterItems/WaterItem[AnalysisID='{number}']/Entry/UnitWaterWeight")
+    weight = f"{float(water.text) if water is not None and water.text else units.water:g} {units.weight}"
+    return ForeignModel(
+        [Layer(own[key][0], points, own[key][1], {}, {}) for key, points in _regions(root, geometry, number, units)],
+        soils,
+        {} if table is None else {"table": table.tolist(), "unit_weight": weight},
+        notices=list(dict.fromkeys(notices)),
+    )
+
+
+def _of_analysis(root: Element, items: str, number: str) -> Element:
+    """The one of the ``items`` that belongs to an analysis; raises LookupError if none does."""
+    found = next((one for one in root.iterfind(items) if _text(one, "AnalysisID") == number), None)
+    if found is None:
+        raise LookupError(f"no {items.rsplit('/', 1)[-1]} of analysis {number}")
+    return found
+
+
+def _regions(root: Element, geometry: Element, number: str, units: Units) -> Iterator[tuple[str, np.ndarray]]:
+    """The number of the material and the outline (n, 2) in m of every region that has a material."""
+    points = {one.get("ID"): _place(one, units) for one in geometry.iterfind("./Points/Point") if one.get("X")}
+    context = _of_analysis(root, "./Contexts/Context", number)
+    pairs = context.iterfind("./GeometryUsesMaterials/GeometryUsesMaterial")
+    materials = {m[1]: one.get("Entry") for one in pairs if (m := REGION.fullmatch(one.get("ID", "")))}
+    for region in geometry.iterfind("./Regions/Region"):
+        if (material := materials.get(_text(region, "ID"))) is not None:
+            yield material, np.array([points[key.strip()] for key in _text(region, "PointIDs").split(",")])
+
+
+def _strength(material: Element, units: Units, notices: list[str]) -> dict[str, Any]:
+    """Strength of a material as keys of a stratum."""
+    model, name = _text(material, "SlopeModel"), _text(material, "Name")
+    cohesion, friction = (_number(material, f"StressStrain/{key}") for key in ("CohesionPrime", "PhiPrime"))
+    if model == "Bedrock":
+        notices.append(f'"{name}" is bedrock: a cohesion of {BEDROCK["cohesion"]} keeps slips out of it')
+        return dict(BEDROCK)
+    if model == "UndrainedPhiZero":
+        cohesion, friction = _number(material, "StressStrain/Cohesion") or cohesion, 0.0
+    elif model != "MohrCoulomb":
+        notices.append(
+            f'not taken: the strength of "{name}" by {model or "no model"}; it has c and φ as far as they are given'
+        )
+    return {"cohesion": f"{cohesion:g} {units.stress}", "friction_angle": f"{friction:g} deg"}
+
+
+def _not_taken(entry: Element, water: Element | None) -> Iterator[str]:
+    """One sentence for each kind of thing that a section has not."""
+    for what, items in (
+        ("surcharges", "./Surcharges/Surcharge"),
+        ("line loads", "./LineLoadPoints/LineLoadPoint"),
+        ("reinforcement lines", "./ReinforcementLines/ReinforcementLine"),
+    ):
+        if count := len(entry.findall(items)):
+            yield f"not taken: {what}, {count}"
+    if entry.find("./TensionCrack/TensionOption") is not None:
+        yield "not taken: the tension crack; see tension of a stratum"
+    seismic = entry.find("Seismic")
+    if seismic is not None and float(seismic.get("Horizontal") or 0.0):
+        yield f"not taken: the earthquake, Kh = {seismic.get('Horizontal')}; see safety_factor_at in [fem]"
+    option = "" if water is None else _text(water, "Entry/ResultInputInfo/Option")
+    if option and option.lower() != "none":
+        yield f"not taken: pore pressure by {option}"
+
+
+def _place(point: Element, units: Units) -> tuple[float, float]:
+    return float(point.get("X", "nan")) * units.length, float(point.get("Y", "nan")) * units.length
+
+
+def _text(node: Element, tag: str) -> str:
+    """The text of a child; nothing where it is missing, or marked so."""
+    child = node.find(tag)
+    return "" if child is None or child.get("Missing") == "true" else (child.text or "").strip()
+
+
+def _number(node: Element, tag: str) -> float:
+    return float(_text(node, tag) or 0.0)
