@@ -5,6 +5,7 @@ a screen; matplotlib sets the axes, legend and notes.
 """
 
 import os
+import re
 import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -47,6 +48,7 @@ CRITICAL = "#b3202c"
 # The tallest view, and the flattest that can be read, as height over width.
 TALLEST, FLATTEST = 0.8, 0.1
 EXAGGERATIONS = (2, 5, 10, 20, 50, 100, 200, 500, 1000)
+UNIT = re.compile(r"(?<=\d) (?=(?:m|kPa|s|%)(?:\W|$))")  # the blank between a number and its unit
 LEGEND_ROW = 0.21  # inches
 LEGEND_ROWS = 16  # in a picture of strata: beyond these a legend is longer than the section is high
 TITLE_CHARACTERS, CURVE_CHARACTERS, LEGEND_CHARACTERS, NOTE_CHARACTERS = 95, 120, 150, 88
@@ -137,7 +139,7 @@ class Sheet:
         """``heights`` are the heights of the views over their width; ``legend_rows`` leaves room below them."""
         left, right, head, below, between = LEFT, RIGHT, 0.58, 0.45, 0.72
         inches = WIDTH / DPI
-        title = textwrap.fill(title, TITLE_CHARACTERS)
+        title = textwrap.fill(UNIT.sub("\u00a0", title), TITLE_CHARACTERS)
         head += 0.2 * title.count("\n")
         panels = [min(height, TALLEST) * (right - left) * inches for height in heights]
         foot_room = 0.2 + 0.16 * foot.count("\n") if foot else 0.05

@@ -34,7 +34,7 @@ from workflow.results.cases import CaseAnswer, Profile
 from workflow.results.history import SlideHistory
 from workflow.results.material_points import PointCase
 
-SPRINGS = {"calibrated": "calibrated springs", "table2": "springs of Table 2", "mpm": "material points"}
+SPRINGS = {"calibrated": "calibrated discs", "table2": "springs of Table 2", "mpm": "material points"}
 FRAME_WIDTH = 1000  # px
 FRAME_MS = 120
 HOLD_MS = 2000  # the last frame

@@ -3,6 +3,10 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
+from meshes.section.section import Section
+from workflow.estimates.estimate import depth_below_ground
 from workflow.estimates.structures import structures_of
 from workflow.report.first_page import FLOW, SIDES
 from workflow.report.numbers import coefficient
@@ -77,19 +81,22 @@ def _bounds(results: Results, _: Texts) -> Iterator[Row]:
 def _slices(results: Results, _: Texts) -> Iterator[Row]:
     if results.slices is None:
         return
+    section = results.config.section
     for group in results.slices.factors:
         of = _("factor of safety at Kh = {kh}, slip circles", kh=f"{group.kh:g}")
-        yield from (_circle(of, circle, 2, _) for circle in group.circles)
-    yield from (_circle(_("critical Kh, slip circles"), circle, 3, _) for circle in results.slices.critical)
+        yield from (_circle(of, circle, section, 2, _) for circle in group.circles)
+    yield from (_circle(_("critical Kh, slip circles"), circle, section, 3, _) for circle in results.slices.critical)
     for factor in results.fem.safety_factors if results.fem is not None else ():
         if (spencer := factor_on_surface(results.config, factor)) is not None:
             of = _("factor of safety at Kh = {kh}, Spencer", kh=f"{factor.kh:g}")
             yield Row(of, f"{spencer:.2f}", "", _("slip surface of the finite elements"))
 
 
-def _circle(of: str, circle: CirclePart, digits: int, _: Texts) -> Row:
+def _circle(of: str, circle: CirclePart, section: Section, digits: int, _: Texts) -> Row:
     spencer = "" if circle.spencer is None else _("Spencer {value}", value=f"{circle.spencer:.{digits}f}")
-    return Row(of, f"{circle.bishop:.{digits}f}", spencer, _("Bishop, towards the {side}", side=_(circle.towards)))
+    depth = float(depth_below_ground(section, np.array(circle.surface_m)).max())
+    conditions = _("Bishop, towards the {side}, {depth} m deep", side=_(circle.towards), depth=f"{depth:.1f}")
+    return Row(of, f"{circle.bishop:.{digits}f}", spencer, conditions)
 
 
 def _discs(results: Results, _: Texts) -> Iterator[Row]:

@@ -125,18 +125,25 @@ def case_rows(config: Config) -> Iterator[list[str]]:
         names = [stratum.name for stratum in config.section.strata if number in stratum.liquefies_in]
         if names:
             left = {"damping": case.damping_left}
-            factors = (factor(left.get(name, getattr(case, name)), name) for name in _changed(config))
+            factors = (factor(_of_one(left.get(name, getattr(case, name)), names), name) for name in _changed(config))
             yield [str(number), ", ".join(names), *factors]
 
 
+def _of_one(value: Any, names: list[str]) -> Any:
+    """The value of the only stratum that liquefies, without its name."""
+    return value[names[0]] if isinstance(value, dict) and list(value) == names[:1] == names else value
+
+
 def factor(value: Any, name: str = "") -> str:
-    """A factor of a case in three digits, a strength in kPa, by stratum where they differ."""
+    """A factor of a case in three digits, a strength in kPa, a volume in %, by stratum where they differ."""
     if isinstance(value, dict):
         return "; ".join(
             f"{stratum} {factor(factors_of_stratum, name)}" for stratum, factors_of_stratum in value.items()
         )
     if name == "residual_strength" and value:
-        return f"{value / 1e3:.3g} kPa"
+        return f"{round(value / 1e3, 1):.3g} kPa"
+    if name == "volumetric_strain" and value:
+        return f"{100.0 * value:.2g} %"
     return f"{value:.3g}" if isinstance(value, float) else str(value) or "–"
 
 

@@ -126,7 +126,7 @@ def _watch(flow: str, mesh: QuadMesh, tell: Tell) -> "PathListener":
     """Tells how far a path is, and ends it where it takes too long."""
 
     def step(path: "EquilibriumPath") -> None:
-        tell((f"the continuum with {flow}: Kh = {path.factor:.4f}", None))
+        tell((f"the continuum with {flow}: path at Kh = {path.factor:.4f}", None))
         if path.solves * len(mesh.cells) > WORK:
             raise _TakesTooLongError("the path takes too long", "")
 

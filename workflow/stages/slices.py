@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     Circles = dict[float | None, tuple[SlipCircle, ...]]  # by Kh; those of the critical Kh by None
 
 PICTURE = "figures/slip_circles.png"
+LEVEL = 10.0  # a circle with a larger factor of safety slides through level ground: there is no slope on that side
 NO_CIRCLE = "no circle slides: the ground is level, or every circle is too shallow or too steep"
 SOURCE = "Bishop 1955 (simplified method); Spencer 1967; Duncan, Wright & Brandon 2014, chapter 6"
 
@@ -26,7 +27,8 @@ def work(job: Job) -> None:
     whole: Circles = {}
     for kh in (*dict.fromkeys((0.0, *fem.safety_factor_at, *(() if wanted is None else (wanted.kh,)))), None):
         job.progress("critical Kh" if kh is None else f"factor of safety at Kh = {kh:g}", None)
-        whole[kh] = critical_circles(section, kh, fem.least_depth, fem.vertical)
+        circles = critical_circles(section, kh, fem.least_depth, fem.vertical)
+        whole[kh] = tuple(circle for circle in circles if kh is None or circle.bishop < LEVEL)
     reason = "" if any(whole.values()) else NO_CIRCLE
     SlicesAnswer(
         section=SectionLabel.of(section),
