@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import AfterValidator, Field, StrictBool, model_validator
 
-from meshes.section.cutting import by_stratum
+from meshes.section.cutting import value_of_stratum
 from meshes.section.motion_units import RecordComponent, RecordUnit
 from meshes.section.quantity import Length, Quantity, Strength
 from meshes.section.recorded_kh import RecordedKh
@@ -231,12 +231,12 @@ class Case(Model):
 
     def residual_of(self, stratum: str) -> float:
         """The residual strength of a stratum by its name, over the vertical effective stress."""
-        return by_stratum(self.residual, stratum) or 0.0 if isinstance(self.residual, dict) else self.residual
+        return value_of_stratum(self.residual, stratum) or 0.0 if isinstance(self.residual, dict) else self.residual
 
     def strength_of(self, stratum: str) -> float:
         """The residual strength (Pa) of a stratum by its name, where it is given as such."""
         kept = self.residual_strength
-        return by_stratum(kept, stratum) or 0.0 if isinstance(kept, dict) else kept
+        return value_of_stratum(kept, stratum) or 0.0 if isinstance(kept, dict) else kept
 
     @model_validator(mode="after")
     def _one_residual(self) -> Self:

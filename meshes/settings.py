@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field
 
 from meshes.blocks import blocks_of, divisions, largest_corner
-from meshes.section.cutting import BELOW_WATER, by_stratum
+from meshes.section.cutting import BELOW_WATER, value_of_stratum
 from meshes.section.layering import Layering
 from meshes.section.quantity import Length
 from meshes.section.section import Model, Section
@@ -112,7 +112,7 @@ class MeshSettings(Model):
 
     def sizes_in(self, section: Section) -> dict[str, float]:
         """`sizes` by the names of all strata for which there is one, parts that water cut off among them."""
-        sizes = {stratum.name: by_stratum(self.sizes, stratum.name) for stratum in section.strata}
+        sizes = {stratum.name: value_of_stratum(self.sizes, stratum.name) for stratum in section.strata}
         return {name: size for name, size in sizes.items() if size is not None}
 
     def towards_in(self, section: Section) -> dict[str, float]:

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from meshes.section.cutting import BELOW_WATER, spoken
+from meshes.section.cutting import BELOW_WATER, shown_name
 from meshes.section.dense_lines import kept
 from meshes.section.layering import Layering
 
@@ -66,7 +66,7 @@ def _stepped_once(layers: Layering, least: float, names: list[str]) -> tuple[Lay
             if (near := _near_breakpoint(layers, k, *tip, at, thick)) is not None:
                 at, (thick, area) = near, _step_at(layers, k, *tip, near)
             layers = _without(_with_breakpoint(layers, at), k, min(at, x_tip), max(at, x_tip))
-            what = "the section" if k is None else "stratum " + spoken(names[k])
+            what = "the section" if k is None else "stratum " + shown_name(names[k])
             notices.append(
                 f"mesh: {what} thins out to nothing at x = {x_tip:g} m; in the mesh it ends in a step of "
                 f"{thick:.2g} m at x = {at:.4g} m, without the last {area:.2g} m²"
@@ -75,7 +75,7 @@ def _stepped_once(layers: Layering, least: float, names: list[str]) -> tuple[Lay
             area = layers.areas()[k]
             layers = _without(layers, k, start, end)
             notices.append(
-                f"mesh: stratum {spoken(names[k])} is a wedge thinner than {THICKEST_CRUMB * least:.2g} m from "
+                f"mesh: stratum {shown_name(names[k])} is a wedge thinner than {THICKEST_CRUMB * least:.2g} m from "
                 f"x = {start:.4g} to {end:.4g} m; the mesh is without its {area - layers.areas()[k]:.2g} m²"
             )
         for start, end in [] if k is None else _necks(layers, k, least, longest(k)):
@@ -85,8 +85,8 @@ def _stepped_once(layers: Layering, least: float, names: list[str]) -> tuple[Lay
                 continue
             layers = left_out
             notices.append(
-                f"mesh: stratum {spoken(names[k])} thins out to nearly nothing from x = {start:.4g} to {end:.4g} m; "
-                f"in the mesh it ends there in steps, without {lost:.2g} m²"
+                f"mesh: stratum {shown_name(names[k])} thins out to nearly nothing from x = {start:.4g} to {end:.4g} m"
+                f"; in the mesh it ends there in steps, without {lost:.2g} m²"
             )
     return layers, notices
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from dem.settings import Case, SlideSettings
 from meshes.errors import InputError
-from meshes.section.cutting import in_file
+from meshes.section.cutting import key_in_file
 from meshes.section.liquefies import Cases
 from meshes.section.overburden import reaches_water
 from meshes.section.section import Section
@@ -89,7 +89,7 @@ def ground_after_triggering(
     pairs = list(zip(section.strata, assessment.strata, strict=True))
     message = 'liquefies_in = "triggered": no boring has a blow count in it; expected one, or cases, [] for none'
     untested = [
-        f"{in_file(section.strata, k)}, {message}"
+        f"{key_in_file(section.strata, k)}, {message}"
         for k, (stratum, stratum_answer) in enumerate(pairs)
         if stratum.liquefies_in.triggered and stratum_answer.share is None and reaches_water(section, k)
     ]

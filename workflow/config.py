@@ -10,7 +10,7 @@ from pydantic import PrivateAttr, ValidationError, model_validator
 
 from dem.settings import AVERAGE, Case, SlideSettings
 from meshes.errors import InputError
-from meshes.section.cutting import in_file
+from meshes.section.cutting import key_in_file
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, read_toml
 from meshes.section.sentences import sentences
@@ -64,8 +64,8 @@ class Config(Tables):
         if not count:
             problems.append("slide, cases = []: expected one at least, here or in [triggering]")
         problems += [
-            f"{in_file(section.strata, k)}, liquefies_in = {list(s.liquefies_in)}: expected cases from 1 to {count}, "
-            "which there are in [slide] and [triggering]"
+            f"{key_in_file(section.strata, k)}, liquefies_in = {list(s.liquefies_in)}: expected cases from 1 to {count}"
+            ", which there are in [slide] and [triggering]"
             for k, s in enumerate(section.strata)
             if not s.liquefies_in.triggered and any(number > count for number in s.liquefies_in)
         ]

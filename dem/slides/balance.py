@@ -12,7 +12,7 @@ from dem.ground import Ground
 from dem.model import DiscModel
 from dem.slides.surface import Surface
 from dem.slides.volume import shortening
-from meshes.section.cutting import spoken
+from meshes.section.cutting import shown_name
 
 LOST = 0.01  # of the area, beyond what was asked for
 THROUGH = 1.0  # mean radii of overlap with a fixed disc: the centre of one is within the rim of the other
@@ -150,8 +150,8 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
         thick = float(np.median(depth))
         if thick < 4.0 * ground.radius:
             notes.append(
-                f"stratum {spoken(start.springs.layers[k].name)} liquefies and is {thick:.2g} m thick in discs, less "
-                f"than two discs: it yields early, and the slide is likely to be too long; a "
+                f"stratum {shown_name(start.springs.layers[k].name)} liquefies and is {thick:.2g} m thick in discs, "
+                f"less than two discs: it yields early, and the slide is likely to be too long; a "
                 f"radius of {thick / 4.0:.2g} m would show it"
             )
     return notes

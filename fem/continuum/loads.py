@@ -5,7 +5,7 @@ from typing import Literal
 from fem.errors import UnstableError
 from fem.settings import FemSettings
 from meshes.errors import InputError
-from meshes.section.cutting import in_file
+from meshes.section.cutting import key_in_file
 from meshes.section.section import Section, Stratum
 from meshes.section.uplift import Uplift
 
@@ -30,7 +30,7 @@ def downhill(section: Section) -> int:
 def soils(section: Section) -> tuple[Stratum, ...]:
     """The strata; raises InputError for those without strength, UnstableError if water washes bare sand out."""
     weak = [
-        f"{in_file(section.strata, k)}: cohesion and friction angle are both 0; expected some strength"
+        f"{key_in_file(section.strata, k)}: cohesion and friction angle are both 0; expected some strength"
         for k, s in enumerate(section.strata)
         if not s.has_cohesion and s.friction_angle == 0.0
     ]

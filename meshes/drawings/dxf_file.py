@@ -9,7 +9,7 @@ from meshes.drawings.drawn_section import Drawn, drawn_section
 from meshes.drawings.shapes import shapes_of
 from meshes.drawings.water_line import WATER
 from meshes.errors import InputError
-from meshes.section.cutting import BELOW_WATER, as_in_file, soil_numbers, soil_of
+from meshes.section.cutting import BELOW_WATER, layers_in_file, soil_numbers, soil_of
 from meshes.section.section import Section
 
 # What a layer's name may not hold, and its look-alike in a drawing; the name itself stands in the layer's data.
@@ -37,7 +37,7 @@ def write_dxf(section: Section, path: Path) -> list[str]:
     drawing = _ezdxf(path).new(setup=True, units=6)
     drawing.appids.add(APPLICATION)
     space = drawing.modelspace()
-    strata, layering = as_in_file([stratum.name for stratum in section.strata], section.layering)
+    strata, layering = layers_in_file([stratum.name for stratum in section.strata], section.layering)
     names, numbers = list(dict.fromkeys(map(soil_of, strata))), soil_numbers(strata)
     layers = layer_names(names)
     for number, (name, layer) in enumerate(zip(names, layers, strict=True)):

@@ -11,7 +11,7 @@ import tomli_w
 
 from meshes.errors import InputError
 from meshes.section.columns import SNAP, columns_of
-from meshes.section.cutting import halves
+from meshes.section.cutting import divided_by_water
 from meshes.section.layering import layering
 from meshes.section.polyline import Line
 from meshes.section.section import Section
@@ -152,7 +152,7 @@ def _parted(
     table = np.array(water["table"], dtype=float)
     strata = []
     for k, (bottom, layer) in enumerate(zip(bottoms, layers, strict=True)):
-        cut = halves(stack, k, table)
+        cut = divided_by_water(stack, k, table)
         if layer.wet != layer.dry and cut.has(0) and cut.has(1):
             line = cut.line(*ground[[0, -1], 0]).points(0.0, 1.0)
             strata += [(k, line, False), (k, bottom, True)]

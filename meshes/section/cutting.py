@@ -25,7 +25,7 @@ Value = TypeVar("Value")
 Cutting = Callable[[Sequence[Stratum], Layering, Sequence[np.ndarray | None], tuple[float, float]], tuple[Stratum, ...]]
 
 
-def spoken(name: str, quoted: bool = True) -> str:
+def shown_name(name: str, quoted: bool = True) -> str:
     """A stratum in a sentence: by the name that it has in its file, and whether it is the part below water."""
     whole = name.removesuffix(BELOW_WATER)
     return (f'"{whole}"' if quoted else whole) + (" below water" if whole != name else "")
@@ -48,14 +48,14 @@ def soil_numbers(names: Sequence[str]) -> list[int]:
     return [soils.index(soil_of(name)) for name in names]
 
 
-def in_file(strata: Sequence[Stratum], k: int) -> str:
+def key_in_file(strata: Sequence[Stratum], k: int) -> str:
     """Stratum k as a person finds it in the file: its number there, before water and zones cut it, and its name."""
     names = [stratum.name for stratum in strata[: k + 1]]
     parts = [names[i] == names[i - 1] + BELOW_WATER for i in range(1, k + 1)]
-    return f"{strata[k].place or f'strata {k + 1 - sum(parts)}'} {spoken(soil_of(names[k]))}"
+    return f"{strata[k].place or f'strata {k + 1 - sum(parts)}'} {shown_name(soil_of(names[k]))}"
 
 
-def as_in_file(names: Sequence[str], layers: Layering) -> tuple[list[str], Layering]:
+def layers_in_file(names: Sequence[str], layers: Layering) -> tuple[list[str], Layering]:
     """The names and the layers of strata as their file has them, before water cut some of them in two."""
     tops = [k for k, name in enumerate(names) if not k or name != names[k - 1] + BELOW_WATER]
     kept = [*tops, len(names)]
@@ -63,20 +63,20 @@ def as_in_file(names: Sequence[str], layers: Layering) -> tuple[list[str], Layer
     return [names[k] for k in tops], whole
 
 
-def uncut(strata: Sequence[Stratum]) -> list[Stratum]:
+def uncut_strata(strata: Sequence[Stratum]) -> list[Stratum]:
     """The lower parts alone of strata that water has cut in two: these end where the whole ones do."""
     names = [stratum.name for stratum in strata]
     return [s for k, s in enumerate(strata) if k + 1 == len(names) or names[k + 1] != s.name + BELOW_WATER]
 
 
-def by_stratum(values: Mapping[str, Value], name: str) -> Value | None:
+def value_of_stratum(values: Mapping[str, Value], name: str) -> Value | None:
     """What is set for a stratum by name; a part that water or zones cut off has what is set for the whole of it."""
     whole = name.removesuffix(BELOW_WATER)
     return next((values[one] for one in (name, whole, soil_of(name), soil_of(whole)) if one in values), None)
 
 
 @dataclass(frozen=True, eq=False)
-class Halves:
+class DividedStratum:
     """A stratum and the level of its water between breakpoints.
 
     Attributes
@@ -102,7 +102,7 @@ class Halves:
         return Line(elevation=[[float(x), float(z)] for x, z in points[new]])
 
 
-def halves(layers: Layering, k: int, water: np.ndarray) -> Halves:
+def divided_by_water(layers: Layering, k: int, water: np.ndarray) -> DividedStratum:
     """Stratum k of the layers, divided by a water level (n, 2) from side to side."""
     x = layers.x
     inner = water[(water[:, 0] > x[0]) & (water[:, 0] < x[-1]), 0]
@@ -112,7 +112,7 @@ def halves(layers: Layering, k: int, water: np.ndarray) -> Halves:
     for line in (top, bottom):
         level = np.where(np.abs(level - line) <= _reach(level - line, x, layers.tolerance), line, level)
     level = np.clip(level, bottom, top)
-    return Halves(x, level, np.stack([top - level, level - bottom]))
+    return DividedStratum(x, level, np.stack([top - level, level - bottom]))
 
 
 def _reach(gap: np.ndarray, x: np.ndarray, tolerance: float) -> np.ndarray:
@@ -123,7 +123,7 @@ def _reach(gap: np.ndarray, x: np.ndarray, tolerance: float) -> np.ndarray:
     return np.column_stack([ends[:-1], ends[1:]])
 
 
-def without_pockets(parts: Halves, cell: float) -> Halves:
+def without_pockets(parts: DividedStratum, cell: float) -> DividedStratum:
     """The halves without pockets of either that end in a tip and are small beside cells (m) and the other half.
 
     Their corners would be as sharp as the angle at which water meets a layer.
@@ -139,7 +139,7 @@ def without_pockets(parts: Halves, cell: float) -> Halves:
             if thin and sharp and np.all(2.0 * thickness[part, here] <= whole[here]):
                 level[here] += thickness[0, here] if part == 0 else -thickness[1, here]
                 thickness[1 - part, here], thickness[part, here] = whole[here], 0.0
-    return Halves(parts.x, level, thickness)
+    return DividedStratum(parts.x, level, thickness)
 
 
 def _runs(thick: np.ndarray) -> list[tuple[int, int]]:
@@ -172,7 +172,7 @@ def _crossings(layers: Layering, k: int, water: np.ndarray, x: np.ndarray) -> np
     return np.concatenate(found)
 
 
-def cut(
+def cut_strata(
     strata: Sequence[Stratum],
     layers: Layering,
     levels: Sequence[np.ndarray | None],
@@ -181,7 +181,7 @@ def cut(
     """The strata, those that their water ``levels`` (n, 2) cross in two, those wholly below with the saturated density.
 
     New lines reach as far as the section was ``given`` (x in m). The upper part keeps the name, and does not liquefy.
-    What water cuts off in pockets smaller than cells stays with the rest; ``with_films`` cuts it off, too. Pore
+    What water cuts off in pockets smaller than cells stays with the rest; ``cut_films`` cuts it off, too. Pore
     pressures know nothing of that.
     """
     found: list[Stratum] = []
@@ -190,7 +190,7 @@ def cut(
         if level is None:
             found.append(stratum)
             continue
-        exact = halves(layers, k, level)
+        exact = divided_by_water(layers, k, level)
         parts = without_pockets(exact, cell)
         wet, dry = parts.has(1), parts.has(0)
         if wet and dry:
@@ -199,33 +199,33 @@ def cut(
             name = stratum.name + BELOW_WATER if dry else stratum.name
             film = (parts.thickness[1] > exact.thickness[1]).any()
             moist = (stratum.density or stratum.density_ordinary) if film else stratum.density_saturated
-            stratum = _weighing(stratum, stratum.density_saturated, name=name, density=moist)
+            stratum = _with_density(stratum, stratum.density_saturated, name=name, density=moist)
         found.append(stratum)
     return tuple(found)
 
 
-def with_films(
+def cut_films(
     strata: Sequence[Stratum], layers: Layering, levels: Sequence[np.ndarray | None], given: tuple[float, float]
 ) -> tuple[Stratum, ...]:
-    """The strata that ``cut`` left, with what water cuts off in pockets smaller than cells as strata of their own.
+    """The strata of ``cut_strata``, with pockets smaller than cells that water cuts off as strata of their own.
 
     These have the weight of their side of the water, and the name of the stratum with ``FILM_IN``.
     """
     found: list[Stratum] = []
     for k, (stratum, level) in enumerate(zip(strata, levels, strict=True)):
-        parts = None if level is None else halves(layers, k, level)
+        parts = None if level is None else divided_by_water(layers, k, level)
         if parts is None or not (parts.has(0) and parts.has(1)):
             found.append(stratum)
             continue
         film, moist = stratum.name + FILM_IN, {"bottom": parts.line(*given)}
         if stratum.density_ordinary == stratum.density_saturated:
-            found += [_weighing(stratum, stratum.density, name=film, **moist), stratum]
+            found += [_with_density(stratum, stratum.density, name=film, **moist), stratum]
         else:
-            found += [stratum.model_copy(update=moist), _weighing(stratum, stratum.density_saturated, name=film)]
+            found += [stratum.model_copy(update=moist), _with_density(stratum, stratum.density_saturated, name=film)]
     return tuple(found)
 
 
-def _weighing(stratum: Stratum, density: float | None, /, **changes: object) -> Stratum:
+def _with_density(stratum: Stratum, density: float | None, /, **changes: object) -> Stratum:
     """A stratum with other properties and, where that is known, another density."""
     weights = {} if density is None else dict.fromkeys(("density_ordinary", "density_seismic"), density)
     return stratum.model_copy(update={**changes, **weights})

@@ -7,7 +7,7 @@ from typing import Any, get_type_hints
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
-from meshes.section.cutting import BELOW_WATER, Halves, halves, in_file
+from meshes.section.cutting import BELOW_WATER, DividedStratum, divided_by_water, key_in_file
 from meshes.section.layering import Layering
 from meshes.section.model import Model
 from meshes.section.polyline import level_at
@@ -40,7 +40,7 @@ OF_A_STRATUM = {
 
 def implausible(strata: Sequence[Stratum], water: Water | None, surcharges: Sequence[Surcharge]) -> list[str]:
     """One sentence for each quantity that is beyond what there is."""
-    sentences = [text for k, s in enumerate(strata) for text in _told(in_file(strata, k), s, OF_A_STRATUM)]
+    sentences = [text for k, s in enumerate(strata) for text in _told(key_in_file(strata, k), s, OF_A_STRATUM)]
     sentences += _told("water", water, {"unit_weight": WATER}) if water is not None else []
     for number, load in enumerate(surcharges, start=1):
         sentences += [sentence(f"surcharges {number}, pressure", q, LOAD) for q in load.pressure if not within(q, LOAD)]
@@ -86,8 +86,8 @@ def against_the_water(
     if level is None:
         return
     for k, s in enumerate(strata):
-        above, below = (_area(halves(layers, k, level), part) for part in (0, 1))
-        where = in_file(strata, k)
+        above, below = (_area(divided_by_water(layers, k, level), part) for part in (0, 1))
+        where = key_in_file(strata, k)
         whole = max(above + below, 1e-300)
         if drawn is not None and s.buoyant and above > WRONG_SIDE * whole:
             yield (
@@ -105,7 +105,7 @@ def against_the_water(
             yield f"{where}: it has no density_saturated, so that its density is taken below the water, too"
 
 
-def _area(parts: Halves, part: int) -> float:
+def _area(parts: DividedStratum, part: int) -> float:
     """Area (m²) above (0) or below (1) the water."""
     return float(0.5 * np.diff(parts.x) @ parts.thickness[part].sum(axis=1))
 

@@ -16,7 +16,7 @@ from pydantic import Field, PrivateAttr, StrictBool, ValidationError, model_vali
 from meshes.errors import InputError
 from meshes.section.beyond import Continuation, Slope, continuation, continuation_words
 from meshes.section.cohesion_field import CohesionField
-from meshes.section.cutting import Cutting, cut, in_file, uncut, with_films
+from meshes.section.cutting import Cutting, cut_films, cut_strata, key_in_file, uncut_strata
 from meshes.section.dense_lines import CELL, lines_by_place, mean_height, thinned_lines, with_lines
 from meshes.section.flow import seepage_of
 from meshes.section.flow_grid import Wall
@@ -96,12 +96,12 @@ class Section(Model):
         if self.reconstruction and not self.reconstruction_note.strip():
             problems.append("reconstruction_note: expected a sentence that says what was reconstructed from what")
         bottoms = [stratum.bottom for stratum in self.strata]
-        problems += geometry_problems(self.surface, self.base, self._lines_across(), bottoms)
+        problems += geometry_problems(self.surface, self.base, self._water_lines(), bottoms)
         if not self.unusual:
             own = [zone.soil.placed(f"zones {k}") for k, zone in enumerate(self.zones, start=1) if not zone.material]
             problems += implausible([*self.strata, *own], self.water, self.surcharges)
         if not problems and self.zones:
-            problems += self._put_zones()
+            problems += self._apply_zones()
         if not problems:
             problems += water_problems(self.water, self.water_table, self.strata)
             problems += surcharge_problems(self.surcharges, *self.given_extent)
@@ -112,23 +112,23 @@ class Section(Model):
             raise ValueError("\n".join(dict.fromkeys(problems)))
         return self
 
-    def _put_zones(self) -> list[str]:
+    def _apply_zones(self) -> list[str]:
         """Make strata of the zones, and ground of what they raise; what is wrong with them, one sentence each.
 
         The model is frozen from here on, and has no zones.
         """
-        found = zoned(self.surface, self.base, self.strata, self.zones)
-        if not found.problems:
-            if found.surface != self.surface:  # depths of water are below the ground as it is without zones
+        ground = zoned(self.surface, self.base, self.strata, self.zones)
+        if not ground.problems:
+            if ground.surface != self.surface:  # depths of water are below the ground as it is without zones
                 before = np.array(self.surface, dtype=float)
                 self.__dict__.update(water_table=without_depth(before, self.water_table))
                 if self.water is not None:
                     self.__dict__.update(water=with_elevations(before, self.water, ("table", "after_drawdown")))
-            self.__dict__.update(surface=found.surface, base=found.base, strata=found.strata, zones=())
-            self._zone_notices = tuple(found.notices)
-        return found.problems
+            self.__dict__.update(surface=ground.surface, base=ground.base, strata=ground.strata, zones=())
+            self._zone_notices = tuple(ground.notices)
+        return ground.problems
 
-    def _lines_across(self) -> dict[str, Line | None]:
+    def _water_lines(self) -> dict[str, Line | None]:
         """The lines of water that go from side to side, by their keys."""
         water = self.water or Water()
         return {
@@ -147,8 +147,8 @@ class Section(Model):
     def _layers_with(self, more: Iterable[float], strata: Sequence[Stratum] | None = None) -> Layers:
         bottoms = [stratum.bottom for stratum in (self.strata if strata is None else strata)]
         base, ends = self.base, [x for load in self.surcharges for x in (load.start, load.end)]
-        if (past := self._continuation) is not None:
-            base, bottoms = past.line(base), [bottom and past.line(bottom) for bottom in bottoms]
+        if (beyond := self._continuation) is not None:
+            base, bottoms = beyond.line(base), [bottom and beyond.line(bottom) for bottom in bottoms]
         return layering(self.ground, base, bottoms, [*ends, *more])
 
     def layering_cut_at(self, x: Iterable[float]) -> Layering:
@@ -169,22 +169,22 @@ class Section(Model):
     @property
     def notices(self) -> list[str]:
         """What a person has to know of a section that is sound: what was changed in it, one sentence each."""
-        told = [*self._zone_notices, *([self._thinning] if self._thinning else [])]
-        told += [f"geometry: {text}" for text in self._layers.notices]
-        told += [text.split(";")[0] for text in implausible(self.strata, self.water, self.surcharges)]
+        notices = [*self._zone_notices, *([self._thinning] if self._thinning else [])]
+        notices += [f"geometry: {text}" for text in self._layers.notices]
+        notices += [text.split(";")[0] for text in implausible(self.strata, self.water, self.surcharges)]
         drawn = None if self.water_table is None else self.elevations_of(self.water_table)
         table = self.water_pressure.before if self.water_pressure.flow is None else self.water_points()
-        told += against_the_water(self.layering, self.strata, drawn, table)
+        notices += against_the_water(self.layering, self.strata, drawn, table)
         if self.water_pressure.after is not None:
-            told += not_level(self.ground, self.water_pressure.after)
+            notices += not_level(self.ground, self.water_pressure.after)
         if self.water_pressure.flow is not None:
-            told.append(f"water, flow: {self.water_pressure.flow.words}")
-        told += [self.uplift.words] if self.uplift else []
-        told += [f"{in_file(self.strata, k)}: its cohesion varies; discs have its mean throughout"
+            notices.append(f"water, flow: {self.water_pressure.flow.words}")
+        notices += [self.uplift.words] if self.uplift else []
+        notices += [f"{key_in_file(self.strata, k)}: its cohesion varies; discs have its mean throughout"
                  for k, s in enumerate(self.strata) if s.cohesion_varies]  # fmt: skip
         if self.beyond is not None:
-            told.append(continuation_words(self.beyond, self.beyond_slope, *self.given_extent))
-        return told
+            notices.append(continuation_words(self.beyond, self.beyond_slope, *self.given_extent))
+        return notices
 
     @property
     def heading(self) -> str:
@@ -242,15 +242,15 @@ class Section(Model):
             before if s.piezometric_level is None else self.elevations_of(s.piezometric_level) for s in self.strata
         ]
         normal = water.head == "normal"
-        found = WaterPressure(
+        still = WaterPressure(
             self.layering, self.strata, water.unit_weight, tuple(levels), before, after, normal, water.westergaard
         )
-        return self._with_flow(found) if water.flow else found
+        return self._with_flow(still) if water.flow else still
 
     def _with_flow(self, still: WaterPressure) -> WaterPressure:
         """The same water where it flows; in the strata of the file, whether or not its phreatic line has cut them."""
         if self._seepage is None:
-            whole = uncut(self.strata)
+            whole = uncut_strata(self.strata)
             walls = [] if self.water is None else [Wall(wall.x, wall.bottom) for wall in self.water.cutoffs]
             self._seepage = seepage_of(self.name, whole, lambda x: self._layers_with(x, whole).layering, still, walls)
         return replace(still, levels=(self._seepage.water_line,) * len(self.strata), flow=self._seepage)
@@ -273,29 +273,29 @@ class Section(Model):
     def thinned(self) -> "Section":
         """The section without points of its lines that lie so densely that no mesh can use them, and a notice."""
         lines = lines_by_place(self.surface, self.base, self.water_table, self.strata, self.water)
-        found, tolerance = thinned_lines(lines, CELL * mean_height(self.surface, self.base))
+        kept_lines, tolerance = thinned_lines(lines, CELL * mean_height(self.surface, self.base))
         if tolerance == 0.0:
             return self
         data = self.model_dump(mode="python", exclude_none=True, by_alias=True)
-        changed = type(self).model_validate(with_lines(data, found))
-        changed = changed._derived(
-            [new.placed(old.place) for new, old in zip(changed.strata, self.strata, strict=True)]
+        thinned = type(self).model_validate(with_lines(data, kept_lines))
+        thinned = thinned._derived(
+            [new.placed(old.place) for new, old in zip(thinned.strata, self.strata, strict=True)]
         )
-        changed._zone_notices = self._zone_notices
-        changed._thinning = (
-            f"geometry: lines have more points than cells can use; those left, {len(changed.surface)} of "
+        thinned._zone_notices = self._zone_notices
+        thinned._thinning = (
+            f"geometry: lines have more points than cells can use; those left, {len(thinned.surface)} of "
             f"{len(self.surface)} of the ground, keep within {tolerance:.2g} m of the lines' running median"
         )
-        return changed
+        return thinned
 
     def cut_at_water(self) -> "Section":
         """The section with the strata cut where water crosses them, and the saturated density below it."""
-        return self._cut_by(cut)
+        return self._cut_by(cut_strata)
 
     @cached_property
     def cut_at_films(self) -> "Section":
         """The section cut at water in pockets and films too thin for elements, too: what bounds weigh is as given."""
-        return self._cut_by(with_films)
+        return self._cut_by(cut_films)
 
     def _cut_by(self, cutting: Cutting) -> "Section":
         if self.water is None and all(s.piezometric_level is None for s in self.strata):
@@ -310,8 +310,9 @@ class Section(Model):
         if strata == self.strata:
             return self
         # The model has two densities; a third one is that of a film of moist ground in a stratum below water.
-        same = [{"density": None} if s.density == s.density_ordinary else {} for s in strata]
-        return self._derived([s.model_copy(update=change) for s, change in zip(strata, same, strict=True)])
+        return self._derived(
+            [s.model_copy(update={"density": None}) if s.density == s.density_ordinary else s for s in strata]
+        )
 
     def with_strata(self, strata: Sequence[Stratum]) -> "Section":
         """The section with other strata that the program derived from its own, without those that have no area.
@@ -323,9 +324,9 @@ class Section(Model):
         strata : sequence of Stratum
             From the top down, as in a file; names, lines and quantities that fit each other.
         """
-        changed = self._derived(strata)
-        there = changed.layering.areas() > 0.0
-        return changed if there.all() else self.with_strata(list(compress(strata, there)))
+        section = self._derived(strata)
+        has_area = section.layering.areas() > 0.0
+        return section if has_area.all() else self.with_strata(list(compress(strata, has_area)))
 
     def _derived(self, strata: Sequence[Stratum]) -> "Section":
         """The section with other strata, without any check that is meant for what a person writes."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from meshes.section.cutting import in_file
+from meshes.section.cutting import key_in_file
 from meshes.section.layering import Layering
 from meshes.section.polyline import Line
 from meshes.section.stratum import Stratum
@@ -20,7 +20,7 @@ def water_problems(water: Water | None, drawn: Line | None, strata: Sequence[Str
         yield "water_table beside [water]: expected table in [water] alone; water_table is only drawn"
     lines: dict[str, Line | None] = {"water, table": table}
     lines["water, after_drawdown"] = None if water is None else water.after_drawdown
-    lines |= {f"{in_file(strata, k)}, piezometric_level": s.piezometric_level for k, s in enumerate(strata)}
+    lines |= {f"{key_in_file(strata, k)}, piezometric_level": s.piezometric_level for k, s in enumerate(strata)}
     walls = {float(wall.x) for wall in water.cutoffs} if water is not None else set()
     for key, line in lines.items():
         if line is not None and (at := _step(line)) is not None and at not in walls:
@@ -32,15 +32,15 @@ def water_problems(water: Water | None, drawn: Line | None, strata: Sequence[Str
     flows = water is not None and water.flow
     for k, s in enumerate(strata):
         if flows and s.permeability is None:
-            yield f'{in_file(strata, k)}, permeability: missing; expected one such as "1e-5 m/s", for water that flows'
+            yield f'{key_in_file(strata, k)}, permeability: missing; expected one such as "1e-5 m/s" for flow'
         if flows and s.piezometric_level is not None:
-            yield f"{in_file(strata, k)}, piezometric_level: expected none beside flow = true, which finds its pressure"
+            yield f"{key_in_file(strata, k)}, piezometric_level: expected none beside flow = true, which finds it"
         ratio = s.pore_pressure_ratio
         pressed = table is not None if ratio is None else ratio > 0.0
         if s.buoyant and (pressed or s.piezometric_level is not None):
             yield (
-                f"{in_file(strata, k)}: density_ordinary below density_seismic has the uplift taken off already, and "
-                "its pore pressure would take it off again; expected density and density_saturated"
+                f"{key_in_file(strata, k)}: density_ordinary below density_seismic has the uplift taken off already, "
+                "and its pore pressure would take it off again; expected density and density_saturated"
             )
 
 

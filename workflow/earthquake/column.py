@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from meshes.errors import InputError
-from meshes.section.cutting import by_stratum
+from meshes.section.cutting import value_of_stratum
 from meshes.section.overburden import outside, overburden
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -76,12 +76,12 @@ def _layers(section: Section, settings: SiteResponseSettings, x: float) -> tuple
             continue
         count = max(1, int(np.ceil(thick / THICKEST)))
         density = stratum.density_seismic
-        measured = by_stratum(settings.velocities, stratum.name)
+        measured = value_of_stratum(settings.velocities, stratum.name)
         velocity = measured or float(np.sqrt(stratum.youngs_modulus / (2.0 * density * (1.0 + stratum.poissons_ratio))))
         for part in range(count):
             depth = float(levels[0] - levels[k]) + (part + 0.5) * thick / count
             stress = overburden(section, x, depth).effective * (1.0 + 2.0 * AT_REST) / 3.0
-            plastic = by_stratum(settings.plasticity, stratum.name) or 0.0
+            plastic = value_of_stratum(settings.plasticity, stratum.name) or 0.0
             layers.append(Layer(thick / count, density, velocity, stress, plastic))
             strata.append(stratum.name)
     return layers, tuple(strata)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from meshes.section.cutting import spoken
+from meshes.section.cutting import shown_name
 from workflow.report.numbers import coefficient, listed, number, span
 from workflow.report.warnings import of_cases
 from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
@@ -84,8 +84,10 @@ class Enough:
     @property
     def words(self) -> str:
         """The strengths as a sentence without its full stop."""
-        phrases = [f'{s.cohesion_kPa:.2g} kPa in {spoken(s.name)} ({s.over_effective:.2g} of its mean effective stress)'
-                for s in self.strata]  # fmt: skip
+        phrases = [
+            f"{s.cohesion_kPa:.2g} kPa in {shown_name(s.name)} ({s.over_effective:.2g} of its mean effective stress)"
+            for s in self.strata
+        ]
         more = "; a case with more strength would show how much more" if self.how == "more than" else ""
         return f"To stand without shaking it needs {self.how} {listed(phrases)}{more}"
 
@@ -170,7 +172,7 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
     """Every case with its numbers, for the terminal."""
     for case in answer.cases:
         which = f"Case {', '.join(map(str, case.cases))}" + (f" ({', '.join(case.names)})" if case.names else "")
-        kept = ", ".join(f"{spoken(s.name)} {s.cohesion_kPa:.3g} kPa" for s in case.strata)
+        kept = ", ".join(f"{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa" for s in case.strata)
         word = "still stands" if case.stands == "stands" else "flows without any shaking"
         yield f"{which}, strength left {kept}: after liquefaction it {word}; {case.reason}."
         if case.factor is not None or case.factor_lower is not None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 
-from meshes.section.cutting import spoken
+from meshes.section.cutting import shown_name
 from meshes.section.section import Section
 from workflow.config import Config
 from workflow.earthquake.site_response import CLOSE as CAME_TO_REST
@@ -103,8 +103,9 @@ def beside_sentences(answer: FemAnswer) -> Iterator[str]:
         yield f"With the seismic force {FORCE[other.direction]} it is {kh}{_out_at(other.at_sides)}."
     for face in answer.shallow_failures:
         yield (
-            f"Shallow failure of the face of {spoken(face.stratum)} from x = {face.start_x_m:g} to {face.end_x_m:g} m "
-            f"({face.angle_deg:.0f}°) at Kh = {max(face.kh, 0.0):.4f}; the slope as a whole fails at {answer.kc:.4f}."
+            f"Shallow failure of the face of {shown_name(face.stratum)} from x = {face.start_x_m:g} to "
+            f"{face.end_x_m:g} m ({face.angle_deg:.0f}°) at Kh = {max(face.kh, 0.0):.4f}; the slope as a whole fails "
+            f"at {answer.kc:.4f}."
         )
 
 
@@ -123,8 +124,8 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     for face in answer.shallow_failures:
         when = f"at Kh = {face.kh:.3f}" if face.kh > 0.0 else "by their own weight"
         yield (
-            f"Shallow failure of the face of {spoken(face.stratum)} from x = {face.start:g} to {face.end:g} m {when}. "
-            f"The bounds below are for failures deeper than {answer.least_depth:g} m."
+            f"Shallow failure of the face of {shown_name(face.stratum)} from x = {face.start:g} to {face.end:g} m "
+            f"{when}. The bounds below are for failures deeper than {answer.least_depth:g} m."
         )
     if answer.shallow is not None:
         when = f"at Kh of {answer.shallow:.3f} or less" if answer.shallow > 0.0 else "by its own weight"
@@ -215,14 +216,14 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
         keeps = (
             f"keeps a strength of {', '.join(phrases)}" if phrases else "is outside all relations of residual strength"
         )
-        yield f"Where F_L is below 1, {spoken(stratum.stratum)} {keeps}; {drains}."
+        yield f"Where F_L is below 1, {shown_name(stratum.stratum)} {keeps}; {drains}."
     for boring in answer.borings:
         yield f"{boring.name}: P_L = {boring.potential:.1f}, risk {boring.risk}."
 
 
 def stratum_sentence(stratum: StratumPart) -> str:
     """Whether a stratum liquefies, or why that was not judged."""
-    name = spoken(stratum.name)
+    name = shown_name(stratum.name)
     if not stratum.judged or stratum.share is None:
         return f"{name} was not judged ({stratum.reason})."
     word = "liquefies" if stratum.liquefies else "does not liquefy"
@@ -253,8 +254,8 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
     largest = max(answer.layers, key=lambda layer: layer.strain)
     yield (
         f"{answer.record}: {answer.peak_rock_gal:.0f} gal on rock, {answer.peak_surface_gal:.0f} gal at the surface at "
-        f"x = {answer.x_m:g} m; largest shear strain {100.0 * largest.strain:.3g} % in {spoken(largest.stratum)} at "
-        f"{0.5 * (largest.top_m + largest.bottom_m):.1f} m."
+        f"x = {answer.x_m:g} m; largest shear strain {100.0 * largest.strain:.3g} % in {shown_name(largest.stratum)} "
+        f"at {0.5 * (largest.top_m + largest.bottom_m):.1f} m."
     )
     if answer.change > CAME_TO_REST:
         yield (

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
-from meshes.section.cutting import spoken
+from meshes.section.cutting import shown_name
 from workflow.config import Config
 from workflow.estimates.comparison import Kind, estimates
 from workflow.report.accuracy import Accuracy, accuracy, numerical_error
@@ -115,7 +115,7 @@ def _shallow(results: Results, fem: FemAnswer) -> Iterator[str]:
     for face in fem.shallow_failures:
         yield (
             f"At Kh = {coefficient(max(face.kh, 0.0))} already, the cohesionless face of "
-            f"{spoken(face.stratum, quoted=False)} from x = {face.start_x_m:g} to {face.end_x_m:g} m fails as an "
+            f"{shown_name(face.stratum, quoted=False)} from x = {face.start_x_m:g} to {face.end_x_m:g} m fails as an "
             "infinite slope (shallow failure)."
         )
     sides = fem.associated.at_sides if fem.associated is not None else ()
@@ -218,7 +218,7 @@ def _cases_are(config: Config) -> Iterator[str]:
     """Strength and stiffness left to the layers that liquefy in each case, for the first sentence on cases."""
     numbers = sorted({number for stratum in config.section.strata for number in stratum.liquefies_in})
     cases = [{**dict(assumed := config.cases[number - 1]), "damping": assumed.damping_left} for number in numbers]
-    layers = [spoken(stratum.name, quoted=False) for stratum in config.section.strata if stratum.liquefies_in]
+    layers = [shown_name(stratum.name, quoted=False) for stratum in config.section.strata if stratum.liquefies_in]
     phrases, lost = [], []
     whose = "its" if len(layers) == 1 else "their"
     for name in [name for name in cases[0] if name != "name"]:
@@ -243,7 +243,7 @@ def _shown(name: str, values: Sequence[Any]) -> str:
     each = []
     for stratum in strata or [""]:
         phrases = [factor(value.get(stratum, 0.0) if isinstance(value, dict) else value, name) for value in values]
-        where = f" in {spoken(stratum, quoted=False)}" if len(strata) > 1 else ""
+        where = f" in {shown_name(stratum, quoted=False)}" if len(strata) > 1 else ""
         each.append(listed(phrases if len(set(phrases)) > 1 else phrases[:1]) + where)
     return ", ".join(each)
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from meshes.section.cutting import spoken
+from meshes.section.cutting import shown_name
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.slide_error import slide_error
 from workflow.estimates.structures import structures_of
@@ -182,7 +182,7 @@ def _slide(results: Results, _: Texts) -> HeadlinePart:
     by += [_("{slide} by material points", slide=_span(points))] if points else []
     phrase = _(
         "After liquefaction of {layers}, under {shaking}, the surface slides {slide} ({count} cases) and {end}.",
-        layers=_.listed([spoken(s.name, quoted=False) for s in results.config.section.strata if s.liquefies_in]),
+        layers=_.listed([shown_name(s.name, quoted=False) for s in results.config.section.strata if s.liquefies_in]),
         shaking=_.sentence(results.config.slide.shaking),
         slide=_.listed(by),
         count=max(len(cases), len(points)),

@@ -6,7 +6,7 @@ import pytest
 
 from dem.settings import Case
 from meshes.errors import InputError
-from meshes.section.cutting import by_stratum, in_file, spoken
+from meshes.section.cutting import key_in_file, shown_name, value_of_stratum
 from tests.support.sections import layer
 from workflow.config import Config
 from workflow.earthquake.column import _layers
@@ -31,13 +31,13 @@ def cut(**settings: Any) -> Config:
 def test_how_strata_are_called() -> None:
     strata = cut().section.strata
     assert [stratum.name for stratum in strata] == ["sand", "sand, below water", "clay"]
-    assert [in_file(strata, k) for k in range(3)] == [
+    assert [key_in_file(strata, k) for k in range(3)] == [
         'strata 1 "sand"',
         'strata 1 "sand" below water',
         'strata 2 "clay"',
     ]
-    assert spoken("sand, below water", quoted=False) == "sand below water"
-    assert by_stratum({"sand": 1, "sand, below water": 2}, "sand, below water") == 2
+    assert shown_name("sand, below water", quoted=False) == "sand below water"
+    assert value_of_stratum({"sand": 1, "sand, below water": 2}, "sand, below water") == 2
 
 
 @pytest.mark.parametrize("key", ["residual", "residual_strength"])
