@@ -29,20 +29,13 @@ class Acceleration:
 
     @classmethod
     def seismic(
-        cls,
-        kh: float,
-        *,
-        kv: float = 0.0,
-        tilt: float = 0.0,
-        ramp: tuple[float, float] | None = None,
-        g: float = GRAVITY,
+        cls, kh: float, *, tilt: float = 0.0, ramp: tuple[float, float] | None = None, g: float = GRAVITY
     ) -> "Acceleration":
-        """Kh and Kv in a frame whose x axis dips by `tilt` (rad) below the horizontal: positive Kh pushes downhill.
+        """Kh in a frame whose x axis dips by `tilt` (rad) below the horizontal: positive Kh pushes downhill.
 
         ramp (start, end) in s: from nothing to all in between, as smoothly as a half cosine.
         """
-        ax = g * (kh * np.cos(tilt) + kv * np.sin(tilt))
-        az = g * (kh * np.sin(tilt) - kv * np.cos(tilt))
+        ax, az = g * (kh * np.cos(tilt)), g * (kh * np.sin(tilt))
         if ramp is None:
             return cls(np.zeros(1), np.array([ax]), np.array([az]))
         s = np.linspace(0.0, 1.0, 65)

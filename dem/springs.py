@@ -18,7 +18,8 @@ VOID_RATIO = 2.0 * np.sqrt(3.0) / np.pi - 1.0  # eq. (6): discs on a triangular 
 
 SHEAR_STIFFNESS = 0.5  # ks over kn of soil discs
 ATTRACTION = 1.0  # of soil discs: pull that a contact with cohesion bears, over its cohesion
-SOIL_DAMPING = 0.1  # of sqrt(m K), in soil discs
+# Of sqrt(m K), in soil discs: a tenth allows 4.8 times the stable time step of 1; ground at rest does not depend on it.
+SOIL_DAMPING = 0.1
 STOP_DEPTH = 0.25  # of the mean radius: from there on soil discs are as stiff as `LayerSprings.stop`
 ROLLING = 5.0  # mu_r of discs of soil with friction: they turn, and hardly roll (`laboratory.strength_map`)
 NOTHING_ROLLS = 1e6  # stands for infinite rolling friction in the table: larger than any, but finite
@@ -203,8 +204,6 @@ def soil_discs(
     radius: float,
     void_ratio: float,
     *,
-    shear_stiffness: float = SHEAR_STIFFNESS,
-    damping_ratio: float = SOIL_DAMPING,
     allowed_overlap: float = 0.5,
 ) -> LayerSprings:
     """Return the constants of a layer of soil discs (law "soil"), without pore springs.
@@ -226,11 +225,6 @@ def soil_discs(
         Mean radius of the discs (m).
     void_ratio : float
         Area of the voids over that of the discs, as measured in the packing; not negative.
-    shear_stiffness : float
-        ks over kn.
-    damping_ratio : float
-        Dashpot constant over sqrt(m k). A tenth allows 4.8 times the stable time step of 1; ground at rest does not
-        depend on it.
     allowed_overlap : float
         Overlap over the mean radius at which a run is stopped.
 
@@ -247,10 +241,10 @@ def soil_discs(
     if not void_ratio >= 0.0:
         raise ValueError(f"layer {name}: void ratio must not be negative, is {void_ratio}")
     mass = np.pi * radius**2 * density * (1.0 + void_ratio)
-    kn, ks = stiffness, shear_stiffness * stiffness
+    kn, ks = stiffness, SHEAR_STIFFNESS * stiffness
     return LayerSprings(
         name=name, kn=kn, ks=ks,
-        cn=float(damping_ratio * np.sqrt(mass * kn)), ct=float(damping_ratio * np.sqrt(mass * ks)), kpn=0.0, kps=0.0,
+        cn=float(SOIL_DAMPING * np.sqrt(mass * kn)), ct=float(SOIL_DAMPING * np.sqrt(mass * ks)), kpn=0.0, kps=0.0,
         density=density * (1.0 + void_ratio), effective_density=effective_density * (1.0 + void_ratio),
         friction=strength.friction, cohesion=0.0, contact_cohesion=strength.cohesion,
         attraction=ATTRACTION, rolling_friction=strength.rolling_friction, stop=kn, allowed_overlap=allowed_overlap,

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dem.engine.engine import CrackBy, law_of, springs_of
+from dem.engine.engine import law_of, springs_of
 from dem.engine.packer import pack, unpack
 from dem.engine.sharing import needs
 from dem.kernels.arguments import ENERGY_COLUMNS, Clock, Entries, Loads, Team
@@ -43,9 +43,9 @@ class ContactForces:
     line_rim: np.ndarray
 
 
-def contact_forces(model: DiscModel, *, pulls: bool = False, crack_by: CrackBy = "contact") -> ContactForces:
+def contact_forces(model: DiscModel) -> ContactForces:
     """The forces of all contacts, taken by the stepping kernel itself from a copy of the model's state."""
-    layout = _evaluated(model, pulls, crack_by)
+    layout = _evaluated(model)
     slices = len(layout.chunk_start) - 1
     number = np.empty(len(model), np.int32)
     number[model.order] = np.arange(len(model), dtype=np.int32)
@@ -63,21 +63,21 @@ def contact_forces(model: DiscModel, *, pulls: bool = False, crack_by: CrackBy =
     return ContactForces(fx, fz, rim, rim_i, fx * nx + fz * nz, fx * nz - fz * nx, line_fx, line_fz, line_rim)
 
 
-def keep_slip(model: DiscModel, *, crack_by: CrackBy = "contact") -> None:
+def keep_slip(model: DiscModel) -> None:
     """Store the slip of the step just taken in the springs, as the next step would.
 
     To be called before velocities are set by hand, since that slip is known by them alone.
     """
-    unpack(_evaluated(model, False, crack_by), model)
+    unpack(_evaluated(model), model)
 
 
-def _evaluated(model: DiscModel, pulls: bool, crack_by: CrackBy) -> Layout:
+def _evaluated(model: DiscModel) -> Layout:
     layout = pack(model)
     entries = Entries(False, np.zeros((len(layout.chunk_start) - 1, ENERGY_COLUMNS)))
     loads = Loads(model.acceleration.times, model.acceleration.with_level(model.gravity))
     take_steps(
         Team(0, 1, new_barrier(1), np.zeros((2, 1), np.int64)), Clock(0, 0.0, model.last_dt, model.time, model.steps),
-        layout, springs_of(model), law_of(model, pulls, crack_by), loads, entries, 0.0, *needs(0, 1, layout),
+        layout, springs_of(model), law_of(model), loads, entries, 0.0, *needs(0, 1, layout),
         new_scratch(),
     )  # fmt: skip
     return layout

@@ -70,7 +70,9 @@ def both(first: float, second: float) -> float:
 
 @inner(forceinline=True, fastmath=ANY_ORDER)
 def spring_before(over: float, stretch: float, kn: float, gap: float) -> float:
-    """Push (N) of a spring in the last step, from its overlap and what that has lost since (m); gap: see `spring`."""
+    """Push (N) of a spring in the last step, from its overlap and the decrease of the overlap since (m); gap: see
+    `spring`.
+    """
     over_then = over + stretch
     return kn * over_then if over_then > -gap else 0.0
 

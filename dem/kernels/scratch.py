@@ -30,7 +30,7 @@ AHEAD = 2  # chunks
 
 @njit(cache=True, nogil=True)
 def new_scratch() -> np.ndarray:
-    """Rows of zeros that begin where a cache line does: what crosses from one line or page to the next is slow."""
+    """Rows of zeros aligned to cache lines, since access across lines or pages is slow."""
     room = np.zeros(SCRATCH + 7)
     begin = -room.ctypes.data % 64 // 8
     return room[begin : begin + SCRATCH]

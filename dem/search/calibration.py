@@ -185,7 +185,7 @@ class Calibrator:
         try:
             search = self._found(key, self.settled_with(parameter, factor), threads, fine)
         except DemError as error:  # critical_kh hands none on: the discs did not settle
-            search = Search(upper=0.0, verdict="fails under its own weight", reason=str(error))
+            search = Search(kc_upper=0.0, verdict="fails under its own weight", reason=str(error))
         self._know(key, search)
         return search
 
@@ -273,11 +273,10 @@ def best(
     return min(calibration, other, key=lambda c: (c.verdict != "calibrated", abs(middle(c.search) - target)))
 
 
-def calibrated(
-    calibrator: Calibrator, continuum: Continuum, table: Sequence[tuple[str, float, Search]] = ()
-) -> Calibration:
-    """The factor on the parameter of the settings that meets the nearest critical Kh that a continuum may have; the
-    ``table`` is that of `sensitivities`, where these are wanted."""
+def calibrated(calibrator: Calibrator, continuum: Continuum, one_at_a_time: bool) -> Calibration:
+    """The factor on the parameter of the settings that meets the nearest critical Kh that a continuum may have; with
+    ``one_at_a_time`` the sensitivities to all parameters are found first."""
+    table = sensitivities(calibrator) if one_at_a_time else []
     base = calibrator.search("", 1.0)
     target = continuum.kc if base.kc is None else continuum.nearest(middle(base))
     return best(calibrator, target, calibrator.settings.parameter, table or [("", 1.0, base)])
@@ -285,9 +284,9 @@ def calibrated(
 
 def middle(search: Search) -> float:
     """The result of a search as a number: the middle of its bracket, or the end of its range."""
-    if search.upper is None:
-        return search.lower
-    return 0.5 * (search.lower + search.upper)
+    if search.kc_upper is None:
+        return search.kc_lower
+    return 0.5 * (search.kc_lower + search.kc_upper)
 
 
 def calibrate(

@@ -26,15 +26,15 @@ class Search:
 
     Attributes
     ----------
-    lower : float
+    kc_lower : float
         The largest Kh at which the discs stood.
-    upper : float or None
+    kc_upper : float or None
         The least at which they did not.
     verdict : str
         "bracketed", or why there is no bracket.
     reason : str
         In words.
-    flexibility : float
+    flexibility_m : float
         Elastic displacement over Kh (m).
     trials : list of Trial
         In the order of trying.
@@ -42,18 +42,23 @@ class Search:
         The states that stood.
     """
 
-    lower: float = 0.0
-    upper: float | None = None
+    kc_lower: float = 0.0
+    kc_upper: float | None = None
     verdict: Answer = "undecided"
     reason: str = ""
-    flexibility: float = 0.0
+    flexibility_m: float = 0.0
     trials: list[Trial] = field(default_factory=list)
     curve: list[tuple[float, float]] = field(default_factory=list)
 
     @property
     def kc(self) -> float | None:
         """The middle of the bracket; None without one."""
-        return None if self.upper is None or self.verdict != "bracketed" else 0.5 * (self.lower + self.upper)
+        return None if self.kc_upper is None or self.verdict != "bracketed" else 0.5 * (self.kc_lower + self.kc_upper)
+
+    @property
+    def seconds(self) -> float:
+        """Time of the model in all trials (s)."""
+        return round(sum(trial.seconds for trial in self.trials), 3)
 
 
 def critical_kh(
@@ -99,34 +104,37 @@ def critical_kh(
     kh, failed = PROBE, float("inf")
     while True:
         if kh > settings.kh_limit:
-            search.verdict, search.reason = "stands everywhere", f"stands at the limit of the search, {search.lower:g}"
+            search.verdict, search.reason = (
+                "stands everywhere",
+                f"stands at the limit of the search, {search.kc_lower:g}",
+            )
             return search
         model = stood.copy()
         # an elastic displacement is not known before the probe has stood
-        known = search.flexibility or float("inf")
-        trial = try_kh(model, settled, ground, settings, Rise(search.lower, kh, known), threads)
+        known = search.flexibility_m or float("inf")
+        trial = try_kh(model, settled, ground, settings, Rise(search.kc_lower, kh, known), threads)
         search.trials.append(trial)
         if on_trial is not None:
             on_trial(trial, model)
         if trial.verdict == "stands":
-            stood, search.lower = model, kh
+            stood, search.kc_lower = model, kh
             moved = displacement(model, settled, ground)
             search.curve.append((kh, moved))
-            search.flexibility = search.flexibility or abs(moved) / kh
+            search.flexibility_m = search.flexibility_m or abs(moved) / kh
             if kh > failed * (1.0 - 1e-9):
                 failed = float("inf")
-        elif not search.flexibility:
-            search.upper = kh
+        elif not search.flexibility_m:
+            search.kc_upper = kh
             search.reason = f"stands under its own weight, but not at Kh = {kh:g}, the least tried: {trial.reason}"
             return search
         elif step <= width * (1.0 + 1e-9):
             break
         else:
             failed = kh
-        while step > width * (1.0 + 1e-9) and _after(search.lower, step) > failed * (1.0 - 1e-9):
+        while step > width * (1.0 + 1e-9) and _after(search.kc_lower, step) > failed * (1.0 - 1e-9):
             step *= 0.5
-        kh = _after(search.lower, step)
-    search.upper, search.reason = kh, trial.reason
+        kh = _after(search.kc_lower, step)
+    search.kc_upper, search.reason = kh, trial.reason
     search.verdict = "bracketed" if trial.verdict == "fails" else "undecided"
     return search
 

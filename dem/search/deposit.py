@@ -61,14 +61,11 @@ class Deposit:
         Their springs.
     settled : DiscModel
         The discs at rest.
-    void_ratio : float
-        Area of the section over that of the discs, less one.
     """
 
     ground: Ground
     layers: list[LayerSprings]
     settled: DiscModel
-    void_ratio: float
 
 
 def deposit(section: Section, settings: DemSettings, layers_of: LayersOf) -> Deposit:
@@ -112,7 +109,7 @@ def deposit(section: Section, settings: DemSettings, layers_of: LayersOf) -> Dep
         if np.abs(misfit(section, settled, radius)).max() <= OFF * radius:
             break
     shake(settled, ground)
-    return Deposit(ground, layers, settled, void_ratio(section, ground.packing))
+    return Deposit(ground, layers, settled)
 
 
 def shaken_down(settled: DiscModel, ground: Ground) -> DiscModel:

@@ -136,11 +136,11 @@ def pushover_critical_kh(
         )
     if search.trials:
         kc, half, last = critical_point(search.trials)
-        search.lower, search.upper = kc - half, kc + half
-        search.flexibility = continuum.yielding / kc if kc > 0.0 else 0.0
+        search.kc_lower, search.kc_upper = kc - half, kc + half
+        search.flexibility_m = continuum.yielding / kc if kc > 0.0 else 0.0
         search.curve = [(trial.kh, trial.displacement_m) for trial in search.trials[: last + 1]]
         if kc <= 0.0:
-            search.verdict, search.upper = "fails under its own weight", 0.0
+            search.verdict, search.kc_upper = "fails under its own weight", 0.0
     return search, model
 
 

@@ -12,7 +12,7 @@ def cyclic_acceleration(kh: float, cycles: float, period: float) -> tuple[np.nda
     """Kh g cos(2 π t / T) that comes and goes within a cycle each.
 
     It is the derivative of a velocity Kh g T/(2 π) w(t) sin(2 π t / T) with w a half cosine at either end, so that the
-    base has no mean velocity: one that begins at once would leave ground that has liquefied behind.
+    base has no mean velocity: without the half cosines the base would drift away from liquefied ground.
 
     Parameters
     ----------

@@ -45,7 +45,6 @@ def run_until_rest(
     every: float = 0.5,
     at_least: float = 0.0,
     step_share: float = SHARE,
-    threads: int = 1,
     on_look: Callable[[DiscModel], None] | None = None,
 ) -> UntilRest:
     """Takes discs on until 98 % of their mass moves less than `still` at each of three looks in a row.
@@ -64,8 +63,6 @@ def run_until_rest(
         Time before which they may not rest (s), such as that of a record or of Kh.
     step_share
         Time step over the stable one; found anew at every look, and shortened where a contact stiffens in between.
-    threads
-        Of the engine.
     on_look
         Hears of every look.
 
@@ -88,7 +85,7 @@ def run_until_rest(
     quiet = 0
     while model.time - begin < longest - 1e-9 and quiet < LOOKS:
         before = np.array([model.x, model.z])
-        _advance(model, every, step_share, threads)
+        _advance(model, every, step_share)
         way = np.hypot(*(np.array([model.x, model.z]) - before))[free]
         order = np.argsort(way)
         share = np.cumsum(model.mass[free][order]) / model.mass[free].sum()
@@ -100,11 +97,11 @@ def run_until_rest(
     return UntilRest(quiet >= LOOKS, model.time - begin, np.array(times), np.array(moved))
 
 
-def _advance(model: DiscModel, seconds: float, share: float, threads: int) -> None:
+def _advance(model: DiscModel, seconds: float, share: float) -> None:
     """So many seconds on, with shorter steps where a contact stiffens on the way."""
     end = model.time + seconds
     for _ in range(10):
-        engine = Engine(dt=share * largest_step(model).seconds, energies=False, threads=threads)
+        engine = Engine(dt=share * largest_step(model).seconds, energies=False)
         try:
             engine.run(model, end - model.time)
             return

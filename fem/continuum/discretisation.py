@@ -90,9 +90,10 @@ def discretise(mesh: QuadMesh, element: Element, comm: Any) -> Discretisation:
     "bilinear" is the 4-node quadrilateral with 2 x 2 points whose volumetric strain is its mean over the cell (B-bar,
     Hughes 1980, the out-of-plane component included). "quadratic" is the 9-node one with 3 x 3 points whose volumetric
     strain is linear over the cell, the displacement form of the Q2/P-1 pair; it has no free modes and does not lock as
-    long as the volume stays. Where the ground dilates, ψ > 0, the flow rule asks for more at its points than its nodes
-    can give. "reduced" is the 9-node one with 2 x 2 points, which follows dilating flow; its hourglass strain, which
-    is zero at the points, is resisted by ``hourglass``. docs/theory/continuum.md has them side by side.
+    long as the volume stays. Where the ground dilates, ψ > 0, it locks: the flow rule imposes more conditions at its
+    points than its nodes have degrees of freedom. "reduced" is the 9-node one with 2 x 2 points, which follows dilating
+    flow; its hourglass strain, which is zero at the points, is resisted by ``hourglass``. docs/theory/continuum.md has
+    them side by side.
     """
     degree = DEGREES[element]
     part = api.distribute(comm, mesh.points, mesh.cells, degree)

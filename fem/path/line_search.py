@@ -10,8 +10,8 @@ SLOPE_LEFT, MOST_LENGTHS, LONGEST, INSIDE = 0.5, 9, 8.0, 0.1
 class Descent:
     """The search for the length of a correction at which a convex potential no longer falls much, by its slope alone.
 
-    ``slope`` is how steeply it falls at the start, ``part`` the length to try next. Where rounding has spoilt the
-    stiffness and it does not fall at all, the search ends all the same.
+    ``slope`` is how steeply it falls at the start, ``part`` the length to try next. The search also ends where the
+    potential does not fall at all, as rounding of the stiffness may cause.
     """
 
     def __init__(self, slope: float) -> None:

@@ -34,7 +34,7 @@ class Truss:
         """Displacement (m) at a distance from the end that is held: γ sin β (L s - s²/2) / E'.
 
         E' u'' + γ sin β = 0 with u = 0 at the end that is held and u' = 0 at the free one. The thickness of the bar
-        falls out; the free end goes furthest, γ sin β L² / 2 E'.
+        cancels; the displacement is largest at the free end, γ sin β L² / 2 E'.
         """
         force = self.density * GRAVITY * math.sin(self.inclination)
         return force * (self.length * along - 0.5 * along**2) / self.modulus

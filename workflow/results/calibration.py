@@ -32,18 +32,9 @@ class FactorTrial(SearchBracket):
     value: float
 
     @classmethod
-    def of(cls, value: float, search: "Search", **more: str) -> Self:
+    def of(cls, value: float, search: "Search", **more: Any) -> Self:
         """The bracket of a search; ``more`` are fields beyond it."""
-        return cls(
-            value=value,
-            kc=search.kc,
-            kc_lower=search.lower,
-            kc_upper=search.upper,
-            verdict=search.verdict,
-            reason=search.reason,
-            seconds=round(sum(trial.seconds for trial in search.trials), 3),
-            **more,
-        )
+        return cls(value=value, **dict(SearchBracket.model_validate(search)), **more)
 
 
 class Sensitivity(FactorTrial):
@@ -171,8 +162,8 @@ class CalibrationAnswer(Answer):
                 value=1.0,
                 range=None,
                 kc=base.kc,
-                kc_lower=base.lower,
-                kc_upper=base.upper,
+                kc_lower=base.kc_lower,
+                kc_upper=base.kc_upper,
                 verdict="not asked for",
                 reason='dem.parameter = "none"',
                 sensitivity=(),
@@ -188,8 +179,8 @@ class CalibrationAnswer(Answer):
             value=calibration.value,
             range=calibration.range,
             kc=calibration.search.kc,
-            kc_lower=calibration.search.lower,
-            kc_upper=calibration.search.upper,
+            kc_lower=calibration.search.kc_lower,
+            kc_upper=calibration.search.kc_upper,
             verdict=calibration.verdict,
             reason=calibration.reason,
             sensitivity=tuple(

@@ -81,17 +81,7 @@ class DiscSearch(Part):
     @classmethod
     def of(cls, search: "Search", parameters: Parameters | None = None) -> Self:
         """A search as an answer holds it."""
-        return cls(
-            parameters=parameters,
-            kc=search.kc,
-            kc_lower=search.lower,
-            kc_upper=search.upper,
-            verdict=search.verdict,
-            reason=search.reason,
-            flexibility_m=search.flexibility,
-            trials=tuple(KhTrial.model_validate(trial) for trial in search.trials),
-            curve=tuple(search.curve),
-        )
+        return cls.model_validate(search).model_copy(update={"parameters": parameters})
 
 
 class DiscState(KhTrial):

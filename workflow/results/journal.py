@@ -1,6 +1,7 @@
 """The journal of searches for a critical Kh: a line of JSON for each, from which a stopped run continues."""
 
 import math
+from dataclasses import fields
 from typing import Any
 
 from pydantic import ValidationError
@@ -23,16 +24,9 @@ class Entry(Part):
     @property
     def found(self) -> Search:
         """The search, to continue from."""
-        kept = self.search
-        return Search(
-            lower=kept.kc_lower,
-            upper=kept.kc_upper,
-            verdict=kept.verdict,
-            reason=kept.reason,
-            flexibility=kept.flexibility_m,
-            trials=[_trial(trial) for trial in kept.trials],
-            curve=list(kept.curve),
-        )
+        values = {field.name: getattr(self.search, field.name) for field in fields(Search)}
+        trials = [_trial(trial) for trial in self.search.trials]
+        return Search(**{**values, "trials": trials, "curve": list(self.search.curve)})
 
 
 def _trial(kept: KhTrial) -> Trial:

@@ -25,9 +25,9 @@ def work(job: Job) -> None:
 
 def draw(job: Job) -> None:
     """Draw the discs by layer, and their states at every recorded Kh."""
-    from workflow.stages.calibrated_discs import calibrate_pictures
+    from workflow.stages.disc_pictures import draw_discs
 
-    calibrate_pictures(job.config, job.store, job.executor)
+    draw_discs(job.config, job.store, job.executor)
 
 
 def ignored(config: Config) -> tuple[str, ...]:

@@ -18,15 +18,7 @@ from dem.laboratory.soil_check import ElementTestProgramme, compressed
 from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
 from dem.precompile import precompile
-from dem.search.calibration import (
-    ONE_AT_A_TIME,
-    Calibration,
-    Key,
-    calibrated,
-    changed,
-    key_of,
-    sensitivities,
-)
+from dem.search.calibration import ONE_AT_A_TIME, Calibration, Key, calibrated, changed, key_of
 from dem.search.critical import Search
 from dem.search.equilibrium import Trial, unbalanced_ratio
 from dem.search.levelling import misfit
@@ -34,17 +26,14 @@ from dem.search.pushover import Continuum
 from dem.settings import DemSettings
 from meshes.errors import NoAnswerError
 from meshes.executor import SERIAL, Executor, Tell
-from meshes.section.recorded_kh import in_name
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.calibration import CalibrationAnswer, LayerTest
 from workflow.results.continuum import FemAnswer
 from workflow.results.discs import (
-    SETS,
     DiscModelAnswer,
     DiscsAnswer,
     DiscSearch,
-    DiscState,
     PaperDiscs,
     Parameters,
     SetOfSprings,
@@ -53,6 +42,7 @@ from workflow.results.discs import (
 from workflow.run.progress import Progress, SearchShare
 from workflow.run.store import Store
 from workflow.stages.dem_counterpart import dem_counterpart_piece
+from workflow.stages.disc_pictures import CALIBRATED, draw_discs
 from workflow.stages.disc_states import FAILING, NO_LINE, KeptStates, Sets, Start, keep_states, state_file
 from workflow.stages.discs_at_rest import (
     PAPER,
@@ -61,14 +51,12 @@ from workflow.stages.discs_at_rest import (
     calibrator_for,
     continuum_for,
     discs_at_rest,
-    ground_for,
     save,
 )
 from workflow.stages.slip_surfaces import slip_surfaces
 
 JOURNAL = "dem/trials.jsonl"
 PAPER_JOURNAL = "dem/paper_trials.jsonl"
-CALIBRATED = "dem/calibrated.h5"
 NARROWING = 5  # searches that finding the factor takes, more or less
 # Of soil discs, more or less: searches, with the factor; points on the curve of one; element tests that take as long.
 PUSHES, POINTS, TESTS = 3, 22, 30
@@ -105,7 +93,7 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
     calibration_answer(config, searched, continuum, layers=layers).write(store)
     if tests := _layer_tests(config, discs, searched, progress, executor):
         calibration_answer(config, searched, continuum, layers=layers, element_tests=tests).write(store)
-    calibrate_pictures(config, store, executor)
+    draw_discs(config, store, executor)
     calibration = searched.calibration
     if config.dem.out_of_reach == "stop" and calibration is not None and calibration.verdict != "calibrated":
         raise NoAnswerError(
@@ -204,10 +192,7 @@ def _calibrated(config: Config, store: Store, tell: Tell, executor: Executor = S
     base = calibrator.search("", 1.0, config.dem.workers)
     if base.kc is None:
         return Searched(base)
-    # soil discs take one factor on strength, so there is nothing to choose from
-    searched = Searched(
-        base, calibrated(calibrator, continuum, () if soil else sensitivities(calibrator)) if asked else None
-    )
+    searched = Searched(base, calibrated(calibrator, continuum, one_at_a_time=not soil) if asked else None)
     parameter, factor = next(iter(searched.factor.items()), ("", 1.0))
     save(store, CALIBRATED, calibrator.settled_with(parameter, factor))
     keys: dict[SetOfSprings, Key] = {"before": key_of("", 1.0), "after": key_of(parameter, factor)}
@@ -317,45 +302,3 @@ def _off(config: Config, ground: Ground, model: DiscModel) -> dict[str, float]:
     placed.x, placed.z = ground.to_section(model.x, model.z)
     off = np.abs(misfit(config.section, placed, ground.radius))
     return {"surface_off_mean_m": float(off.mean()), "surface_off_worst_m": float(off.max())} if len(off) else {}
-
-
-def calibrate_pictures(config: Config, store: Store, executor: Executor = SERIAL) -> None:
-    """Draw the discs by layer, and the states at every recorded Kh, from what is stored."""
-    executor.compute(_drawn, [StatePicture(config, store, state) for state in (None, *DiscsAnswer.read(store).states)])
-
-
-@dataclass(frozen=True)
-class StatePicture:
-    """A state of the discs to be drawn; None for the discs by layer, at rest."""
-
-    config: Config
-    store: Store
-    state: DiscState | None
-
-    def placed(self, which: SetOfSprings, file: str) -> DiscModel:
-        """The discs of a file, of one set of springs, where they lie in the section."""
-        from workflow.figures.discs import in_section
-
-        config, store = self.config, self.store
-        settled = DiscModel.load(store.folder / STARTS[which])
-        dem = config.dem.as_paper() if which == "paper" else config.dem
-        return in_section(DiscModel.load(store.folder / file), ground_for(config.section, store, dem, settled))
-
-
-STARTS: dict[SetOfSprings, str] = {"before": SETTLED, "after": CALIBRATED, "paper": PAPER}
-
-
-def _drawn(wanted: StatePicture, _: Tell) -> None:
-    """One picture."""
-    from workflow.figures import discs as dem_figures
-
-    store, state = wanted.store, wanted.state
-    name = wanted.config.section.title or wanted.config.section.name
-    if state is None:
-        with store.writing("figures/dem_model.png") as path:
-            model = wanted.placed("before", SETTLED)
-            dem_figures.layers(model, path, f"{name}: discs by layer, at rest under their weight")
-        return
-    before, model = (wanted.placed(state.set, file) for file in (STARTS[state.set], state.file))
-    with store.writing(f"figures/dem_{state.set}_kh_{in_name(state.kh)}.png") as path:
-        dem_figures.state(model, before, path, f"{name}: discs {SETS[state.set]}, Kh = {state.kh:g}: {state.verdict}")

@@ -68,9 +68,9 @@ def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) ->
     """
     recorded = [Goal(which, sets[which], kh, f"{kh:g}", store) for which in sets for kh in config.dem.kh]
     ends = [
-        Goal(which, start, start.search.upper, FAILING, store)
+        Goal(which, start, start.search.kc_upper, FAILING, store)
         for which, start in sets.items()
-        if start.search.upper is not None and start.search.flexibility
+        if start.search.kc_upper is not None and start.search.flexibility_m
     ]
     states = executor.compute(_reached, [*recorded, *ends])
     failing = {state.set: np.array(state.slip_surface).reshape(-1, 2) for state in states[len(recorded) :]}
@@ -107,7 +107,7 @@ def _reached(goal: Goal, _: Tell) -> DiscState:
         model, trial = _at_the_end(goal, start.continuum, file), start.search.trials[-1]
     else:
         model = before.copy()
-        trial = try_kh(model, before, ground, start.dem, Rise(0.0, goal.kh, start.search.flexibility))
+        trial = try_kh(model, before, ground, start.dem, Rise(0.0, goal.kh, start.search.flexibility_m))
         save(goal.store, file, model)
     far = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
     return DiscState.of(

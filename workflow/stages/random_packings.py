@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from dem.search.calibration import Calibration, Calibrator, calibrated, sensitivities
+from dem.search.calibration import Calibration, Calibrator, calibrated
 from dem.search.pushover import Continuum
 from dem.slides.slide import Slide
 from meshes.executor import Tell
@@ -122,7 +122,7 @@ def packed(packing: Packing, tell: Tell) -> Packed:
         seed = _untouched(packing.seed)
     else:
         choose = parameter == "auto" and dem.model == "paper"
-        calibration = calibrated(calibrator, packing.continuum, sensitivities(calibrator) if choose else ())
+        calibration = calibrated(calibrator, packing.continuum, one_at_a_time=choose)
         parameter = calibration.parameter
         seed = _seed(packing.seed, calibrator, calibration)
     if seed.verdict == "out of reach":

@@ -43,8 +43,8 @@ def test_a_block_slides_where_friction_says(mu: float, tilt_deg: float) -> None:
     found = critical_kh(model, ground, SETTINGS)
     kc = np.tan(np.arctan(mu) - np.radians(tilt_deg))
     assert found.verdict == "bracketed"
-    assert found.lower <= kc <= found.upper
-    assert found.upper - found.lower <= 0.005 * (1.0 + 1e-9)
+    assert found.kc_lower <= kc <= found.kc_upper
+    assert found.kc_upper - found.kc_lower <= 0.005 * (1.0 + 1e-9)
     assert {t.verdict for t in found.trials} == {"stands", "fails"}
 
 
@@ -53,7 +53,7 @@ def test_elastic_displacement_is_that_of_the_spring() -> None:
     soil = replace(SOIL, friction=MU, kpn=0.0, kps=0.0)
     ground, model = blocks([soil])
     found = critical_kh(model, ground, SETTINGS)
-    assert found.flexibility == pytest.approx(model.mass[0] * 9.80665 / soil.ks, rel=2e-2)
+    assert found.flexibility_m == pytest.approx(model.mass[0] * 9.80665 / soil.ks, rel=2e-2)
 
 
 def test_the_answer_does_not_depend_on_threads_or_on_the_way() -> None:
@@ -86,7 +86,7 @@ def test_ground_that_slides_at_the_first_kh_stood_under_its_own_weight() -> None
     """Friction of 0.01 holds blocks on a level floor, and gives way at Kh = 0.01, before the first that is tried."""
     ground, model = blocks([replace(SOIL, friction=0.01, ks=1.0, kpn=0.0, kps=0.0)])
     found = critical_kh(model, ground, SETTINGS)
-    assert (found.verdict, found.lower, found.upper, found.kc) == ("undecided", 0.0, 0.02, None)
+    assert (found.verdict, found.kc_lower, found.kc_upper, found.kc) == ("undecided", 0.0, 0.02, None)
     assert found.reason.startswith("stands under its own weight, but not at Kh = 0.02")
 
 

@@ -44,7 +44,7 @@ def test_a_block_is_pushed_over_where_friction_says(mu: float, tilt_deg: float) 
     found = pushover_critical_kh(model, ground, SETTINGS, continuum)[0]
     assert found.verdict == "bracketed"
     assert found.kc == pytest.approx(np.tan(np.arctan(mu) - tilt), rel=0.02)
-    assert found.lower <= found.kc <= found.upper
+    assert found.kc_lower <= found.kc <= found.kc_upper
 
 
 def test_an_error_after_the_curve_leaves_the_discs_of_its_end(monkeypatch: pytest.MonkeyPatch) -> None:

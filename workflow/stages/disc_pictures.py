@@ -1,0 +1,53 @@
+"""Pictures of the discs of the stage `calibrate`, from what is stored."""
+
+from dataclasses import dataclass
+
+from dem.model import DiscModel
+from meshes.executor import SERIAL, Executor, Tell
+from meshes.section.recorded_kh import in_name
+from workflow.config import Config
+from workflow.results.discs import SETS, DiscsAnswer, DiscState, SetOfSprings
+from workflow.run.store import Store
+from workflow.stages.discs_at_rest import PAPER, SETTLED, ground_for
+
+CALIBRATED = "dem/calibrated.h5"
+STARTS: dict[SetOfSprings, str] = {"before": SETTLED, "after": CALIBRATED, "paper": PAPER}
+
+
+def draw_discs(config: Config, store: Store, executor: Executor = SERIAL) -> None:
+    """Draw the discs by layer, and the states at every recorded Kh, from what is stored."""
+    executor.compute(_drawn, [StatePicture(config, store, state) for state in (None, *DiscsAnswer.read(store).states)])
+
+
+@dataclass(frozen=True)
+class StatePicture:
+    """A state of the discs to be drawn; None for the discs by layer, at rest."""
+
+    config: Config
+    store: Store
+    state: DiscState | None
+
+    def placed(self, which: SetOfSprings, file: str) -> DiscModel:
+        """The discs of a file, of one set of springs, where they lie in the section."""
+        from workflow.figures.discs import in_section
+
+        config, store = self.config, self.store
+        settled = DiscModel.load(store.folder / STARTS[which])
+        dem = config.dem.as_paper() if which == "paper" else config.dem
+        return in_section(DiscModel.load(store.folder / file), ground_for(config.section, store, dem, settled))
+
+
+def _drawn(wanted: StatePicture, _: Tell) -> None:
+    """One picture."""
+    from workflow.figures import discs as dem_figures
+
+    store, state = wanted.store, wanted.state
+    name = wanted.config.section.title or wanted.config.section.name
+    if state is None:
+        with store.writing("figures/dem_model.png") as path:
+            model = wanted.placed("before", SETTLED)
+            dem_figures.layers(model, path, f"{name}: discs by layer, at rest under their weight")
+        return
+    before, model = (wanted.placed(state.set, file) for file in (STARTS[state.set], state.file))
+    with store.writing(f"figures/dem_{state.set}_kh_{in_name(state.kh)}.png") as path:
+        dem_figures.state(model, before, path, f"{name}: discs {SETS[state.set]}, Kh = {state.kh:g}: {state.verdict}")
