@@ -120,7 +120,7 @@ class DemSettings(Model):
 
     def as_paper(self) -> "DemSettings":
         """Settings for the paper's own discs, uncalibrated."""
-        return self.model_copy(update={"model": "paper", "paper": False, "parameter": "none"})
+        return self.changed(model="paper", paper=False, parameter="none")
 
     def problems(self, section: Section) -> list[str]:
         """Settings that do not fit the section, one sentence each."""

@@ -152,9 +152,7 @@ class Config(Tables):
 
     def with_settings(self, table: str, **values: Any) -> Self:
         """The config with other values in one table of settings; raises ValidationError for one that does not fit."""
-        settings = getattr(self, table)
-        known = {key: getattr(settings, key) for key in settings.model_fields_set}
-        return self.model_copy(update={table: type(settings).model_validate({**known, **values})})
+        return self.model_copy(update={table: getattr(self, table).changed(**values)})
 
     @property
     def left_open(self) -> dict[str, str]:

@@ -1,5 +1,7 @@
 """What every part of an input has in common."""
 
+from typing import Any, Self
+
 from pydantic import BaseModel, ConfigDict
 
 
@@ -7,3 +9,8 @@ class Model(BaseModel):
     """What every part of an input has in common: no unknown keys, no change after reading."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    def changed(self, **values: Any) -> Self:
+        """A copy with other values; raises ValidationError for an unknown key, or a value that does not fit."""
+        known = {key: getattr(self, key) for key in self.model_fields_set}
+        return type(self).model_validate({**known, **values})

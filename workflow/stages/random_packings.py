@@ -112,7 +112,7 @@ class Packing:
 def packed(packing: Packing, tell: Tell) -> Packed:
     """How it was calibrated, and its slides by case; none where it is out of reach."""
     config, store, parameter = packing.config, packing.store, packing.parameter
-    dem = config.dem.model_copy(update={"packing": "random", "seed": packing.seed, "parameter": parameter})
+    dem = config.dem.changed(packing="random", seed=packing.seed, parameter=parameter)
     discs = discs_at_rest(config.section, store, dem, f"dem/slide_seed{dem.seed}_settled.h5", tell)
     calibrator = calibrator_for(
         discs, store, dem, f"dem/slide_seed{dem.seed}_trials.jsonl",

@@ -53,7 +53,7 @@ def _critical(config: Config, first: "QuadMesh") -> "tuple[LimitLoadResult | Cri
 def bounds(sample: Sample) -> Numbers:
     """Strict lower and upper bound of the critical Kh, ψ = φ."""
     config = Config.parse(sample.data)
-    asked = config.bounds.model_copy(update={"davis": False})
+    asked = config.bounds.changed(davis=False)
     try:
         bracket = kh_bounds(config.section, config.fem, asked)
     except UnstableError:

@@ -65,7 +65,7 @@ def _elements(case: Case, part: Part, known: Answer) -> dict[str, Any]:
         return {"davis": known.associated, "davis_upper": known.associated_upper}
     flow: Literal["associated", "davis"] = "associated" if part == "associated" else "davis"
     most = min(case.fem.max_cells, MOST_CELLS)
-    wish = case.fem.model_copy(update={"flow": flow, "kh": (), "max_cells": most})
+    wish = case.fem.changed(flow=flow, kh=(), max_cells=most)
     mesh = generate(case.section, case.mesh)
     result = _adapted(case, mesh, wish, MPI.COMM_SELF)
     if result is not None:

@@ -185,7 +185,7 @@ def _slid(sliding: Sliding, number: int, seed: int) -> tuple[DiscModel, DiscMode
     """Discs at rest, where they came to lie, and the slide in between."""
     config = sliding.config
     soil = soil_layers(config.section)
-    settings = config.dem.model_copy(update={"seed": seed})
+    settings = config.dem.changed(seed=seed)
     lies = deposit(config.section, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
     strata = [k for k, stratum in enumerate(config.section.strata) if number in stratum.liquefies_in]
     if not strata:
