@@ -178,14 +178,15 @@ def _slide(results: Results, _: Texts) -> HeadlinePart:
         reason = entry.reason if entry is not None else _("the slides were not computed")
         phrase = _("The slide after liquefaction is not known: {reason}.", reason=reason)
         return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
+    count = max(len(cases), len(points))
     by = [_("{slide} by calibrated discs", slide=_span(cases))] if cases else []
     by += [_("{slide} by material points", slide=_span(points))] if points else []
     phrase = _(
-        "After liquefaction of {layers}, under {shaking}, the surface slides {slide} ({count} cases) and {end}.",
+        "After liquefaction of {layers}, under {shaking}, the surface slides {slide} ({count}) and {end}.",
         layers=_.listed([shown_name(s.name, quoted=False) for s in results.config.section.strata if s.liquefies_in]),
         shaking=_.sentence(results.config.slide.shaking),
         slide=_.listed(by),
-        count=max(len(cases), len(points)),
+        count=_("one case") if count == 1 else _("{number} cases", number=count),
         end=_end([*cases.values(), *points.values()], _),
     )
     value = _span({**cases, **{-number: point for number, point in points.items()}})

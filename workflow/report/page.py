@@ -41,6 +41,7 @@ from workflow.tables import ReportSettings
 
 MOST_TESTS = 60  # in a table
 MOST_WARNINGS, NOTE = 9, 3  # on the first page; the weight of what stands among the checks
+TABLE = 2  # warnings whose room a table of faces or crests takes
 LAYERS = "figures/section.png"
 VARIED = ("Mesh", "Element", "Step", "Dilation", "Side condition", "Random packing")  # rows of the sensitivity
 # Parts of the page with a template of their own.
@@ -75,6 +76,8 @@ def page(results: Results, summary: Summary) -> str:
 def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]:
     """Content of the template."""
     config, uncertainty_rows = results.config, list(sources_of_uncertainty(results))
+    faces = face_rows(config, results.slices) if results.slices is not None else []
+    room = MOST_WARNINGS - TABLE * (bool(faces) + bool(summary.crests))
     return {
         "config": config,
         "results": results,
@@ -95,12 +98,12 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "parameters": list(tables.parameter_rows(config)),
         "cases": results.case_set()[1],
         "opinions": second_opinions(results.cases, results.mpm),
-        "first_warnings": [warning for warning in summary.warnings if warning.weight < NOTE][:MOST_WARNINGS],
+        "first_warnings": [warning for warning in summary.warnings if warning.weight < NOTE][:room],
         "thirds": _thirds(config.section, texts),
         "weights": {1: texts("contradiction"), 2: texts("changes the result"), 3: texts("note")},
         "assumptions": list(assumptions(config)),
         "enough": just_enough(results.liquefied.cases) if results.liquefied is not None else None,
-        "faces": face_rows(config, results.slices) if results.slices is not None else [],
+        "faces": faces,
         "holds_water": holds_water(config),
         "crests": summary.crests or (),
         "verdicts": summary.criteria or (),
