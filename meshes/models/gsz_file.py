@@ -16,7 +16,7 @@ from meshes.models.foreign_model import ForeignModel, FoundSection, Layer, secti
 EXPECTED = "expected a model of GeoStudio with an analysis of SLOPE/W"
 LARGEST = 200e6  # bytes of a document that is read
 REGION = re.compile(r"Regions-(\d+)")
-BEDROCK = {"cohesion": "10 MPa", "friction_angle": "0 deg"}  # slips do not pass it
+BEDROCK = "10 MPa"  # cohesion: slips do not pass it
 
 
 class Units(NamedTuple):
@@ -28,7 +28,7 @@ class Units(NamedTuple):
     water: float
 
 
-UNITS = {"metric": Units(1.0, "kPa", "kN/m^3", 9.807), "imperial": Units(0.3048, "lbf/ft^2", "lbf/ft^3", 62.4)}
+METRIC, IMPERIAL = Units(1.0, "kPa", "kN/m^3", 9.807), Units(0.3048, "lbf/ft^2", "lbf/ft^3", 62.4)
 
 
 def read_gsz(path: Path, name: str, analysis: str | None = None) -> FoundSection:
@@ -83,7 +83,10 @@ def _model(root: Element, path: Path, wanted: str | None) -> ForeignModel:
     others = [one for one in names if one != _text(analysis, "Name")]
     notices += [f"not taken: analyses {', '.join(others)} (--part names one)"] if others else []
     system = root.find("./Coordinates/EngCoords")
-    units = UNITS[(system.get("UnitSystem", "metric") if system is not None else "metric").lower()]
+    word = system.get("UnitSystem", "metric") if system is not None else "metric"
+    if word.lower() not in ("metric", "imperial"):
+        raise InputError(str(path), [f'EngCoords, UnitSystem = "{word}": expected metric or imperial'])
+    units = METRIC if word.lower() == "metric" else IMPERIAL
     found = _of_analysis(root, "./StabilityItems/StabilityItem", number).find("Entry")
     entry = Element("Entry") if found is None else found
     local = {str(one.get("Number")): _place(one, units) for one in entry.iterfind("./DataPoints/DataPoint")}
@@ -140,8 +143,8 @@ def _strength(material: Element, units: Units, notices: list[str]) -> dict[str, 
     model, name = _text(material, "SlopeModel"), _text(material, "Name")
     cohesion, friction = (_number(material, f"StressStrain/{key}") for key in ("CohesionPrime", "PhiPrime"))
     if model == "Bedrock":
-        notices.append(f'"{name}" is bedrock: a cohesion of {BEDROCK["cohesion"]} keeps slips out of it')
-        return dict(BEDROCK)
+        notices.append(f'"{name}" is bedrock: a cohesion of {BEDROCK} keeps slips out of it')
+        return {"cohesion": BEDROCK, "friction_angle": "0 deg"}
     if model == "UndrainedPhiZero":
         cohesion, friction = _number(material, "StressStrain/Cohesion") or cohesion, 0.0
     elif model != "MohrCoulomb":

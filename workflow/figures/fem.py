@@ -80,7 +80,8 @@ def conditions(config: Config, element: str) -> str:
     """Conditions of a critical Kh, for the foot of its picture."""
     flow = _flow_in_words(config)
     kv = f", Kv = {config.fem.vertical:g}" if config.fem.vertical else ""
-    way = {"both": "down- and upslope, of which the smaller Kh counts", **FORCE}[config.fem.direction]
+    direction = config.fem.direction
+    way = "down- and upslope, of which the smaller Kh counts" if direction == "both" else FORCE[direction]
     return f"{config.fem.sides} sides, {flow}, {element} element, seismic force {way}{kv}"
 
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from fem.errors import UnstableError
 from fem.settings import WITHOUT_EFFECT
 from meshes.errors import InputError, NoAnswerError
 from meshes.section.overburden import mean_effective_stress
@@ -16,6 +17,7 @@ from workflow.run.stage import Job, Stage
 from workflow.stages.liquefaction import LOST, cases_as_data
 
 if TYPE_CHECKING:
+    from fem.limit.directions import SmallerKhBounds
     from fem.limit_load.limit_load import LimitLoadResult
     from fem.search.critical import CriticalResult
     from fem.search.liquefied_ground import Remains
@@ -135,8 +137,17 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
     factor = safety.factor if safety is not None and safety.verdict != "undecided" else None
     lower = strict.lower if strict is not None and strict.lower > 0.0 else None
     upper = strict.upper if strict is not None and math.isfinite(strict.upper) else None
+    unstable: list[str] = []  # why ground that stands between held sides does not between its own
     if lower is not None and lower > 1.0:
-        bracket = _tried("strict bounds of Kh", notes, lambda: kh_bounds(section, fem, asked))
+
+        def own_sides() -> "SmallerKhBounds | None":
+            try:
+                return kh_bounds(section, fem, asked)
+            except UnstableError as error:
+                unstable.append(str(error))
+                return None
+
+        bracket = _tried("strict bounds of Kh", notes, own_sides)
     if strict is not None and strict.shallow_failure is not None:
         notes.append(
             f"a cohesionless face fails (shallow failure) at a factor of safety of {strict.shallow_failure:.2f}; the "
@@ -148,6 +159,10 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
             "too coarse for the weak layer, and the bounds count"
         )
     stands, reason = _stands(kc, lower, upper)
+    if unstable:
+        stands, reason = "flows", f"a mechanism that slides out at a side, where fem.sides lets it: {unstable[0]}"
+        notes.append(f"between held sides a stress proves a factor of safety above {lower:.2f}")
+        factor = lower = upper = None
     return {
         "stands": stands,
         "reason": reason,
