@@ -95,8 +95,9 @@ class EndlessSlope:
 
 
 def column(
-    half_width: float, height: float, cohesion: float, friction: float, cell: float, reach: float, keep: float = np.inf
-) -> MaterialPointEngine:
+    half_width: float, height: float, cohesion: float, friction: float, cell: float, reach: float, keep: float = np.inf,
+    young: float | None = None,
+) -> MaterialPointEngine:  # fmt: skip
     """A column of ground on rough firm ground, free at both sides, under its weight from the beginning."""
     firm = 3.0 * cell
     soil_places = lattice(2.0 * half_width, height, 0.5 * cell) - np.array([half_width, 0.0])
@@ -104,7 +105,7 @@ def column(
     places = np.vstack([soil_places, below])
     stratum = np.where(np.arange(len(places)) < len(soil_places), 0, -1)
     density = UNIT_WEIGHT / GRAVITY
-    young = max(200.0 * UNIT_WEIGHT * height, 300.0 * cohesion)
+    young = young or max(200.0 * UNIT_WEIGHT * height, 300.0 * cohesion)
     poisson = 0.3 if friction > 0.0 else 0.45
     own = np.where(stratum == 0, cohesion, 1e15)
     phi = np.where(stratum == 0, friction, 0.0)
@@ -128,6 +129,33 @@ def front(engine: MaterialPointEngine) -> float:
     thickness = np.bincount(cells, weights=points.state[mine, 0]) / (2.0 * cell)
     empty = np.flatnonzero(thickness < 0.125 * cell)
     return float(cell * (empty[0] if len(empty) else len(thickness)))
+
+
+@dataclass(frozen=True)
+class RunOut:
+    """How far clay has run, over its height: its front, and what 99 % of it lie within."""
+
+    front: float
+    within: float
+
+
+def slump(weight_over_strength: float, cells: int, slowly: bool) -> RunOut:
+    """A block of clay 30 m high and twice as wide to either side, ``cells`` high, let go, or made heavy ``slowly``."""
+    height = 30.0
+    strength = UNIT_WEIGHT * height / weight_over_strength
+    engine = column(
+        2.0 * height, height, strength, 0.0, height / cells, 5.0 * height, keep=10.0 if slowly else 1.0,
+        young=300.0 * strength,
+    )  # fmt: skip
+    unit = np.sqrt(height / GRAVITY)
+    shares = np.geomspace(min(1.0, 3.0 / weight_over_strength), 1.0, 24) if slowly else np.ones(1)
+    engine.points.stress[:] *= shares[0]
+    for share in shares:
+        engine.gravity = (0.0, -GRAVITY * share)
+        engine.run(unit / np.sqrt(share))
+    engine.run((8.0 if slowly else 24.0) * unit)
+    away = np.abs(engine.points.x[engine.points.stratum == 0, 0] - (engine.grid.shape[0] // 2) * engine.grid.cell)
+    return RunOut(front(engine) / height - 2.0, float(np.quantile(away, 0.99)) / height - 2.0)
 
 
 def pushed(name: str, cells: int, sides: Sides, kh: float, rise: float, end: float) -> PointSlide:

@@ -14,7 +14,7 @@ from tests.support.borings import SAND
 from tests.support.sections import layer
 from workflow.config import Config
 from workflow.run.store import Store
-from workflow.stages.mpm import PointRun, _slid, at_rest
+from workflow.stages.mpm import PointRun, _answer, _slid, at_rest
 
 
 @pytest.fixture(scope="module")
@@ -54,6 +54,19 @@ def test_less_strength_slides_further_and_the_method_says_its_interval(folder: P
     for picture in ("mpm.png", "mpm_case2.png", "mpm_case2.webp"):
         assert (folder / "figures" / picture).stat().st_size > 10_000
     assert len(list((folder / "mpm/case2").glob("frame_*.vtp"))) == 4
+
+
+def test_the_interval_has_both_transfers_and_what_finer_cells_come_to(folder: Path) -> None:
+    """A slide of 1.0 m that is 0.8 m in cells twice as large converges to 1.2 m, to the first order."""
+    ground = at_rest(Config.load(folder.parent / "gentle.toml", {"slide": {"mpm_cells": 100}}))[0].ground
+    surface = np.array([[0.0, 3.0], [30.0, 1.0], [60.0, 0.0]])
+    slides = [
+        PointSlide([1.0], [far * np.ones(3)], [np.zeros(3)], True, "at rest", surface, surface)
+        for far in (1.0, 1.1, 0.8)
+    ]
+    case = _answer(slides, ground)
+    assert (case.slide_max_low_m, case.slide_max_m) == (1.0, 1.0)
+    assert case.slide_max_high_m == pytest.approx(1.2)
 
 
 def test_the_report_has_it_beside_the_discs(folder: Path) -> None:

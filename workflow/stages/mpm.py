@@ -2,6 +2,7 @@
 
 import copy
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,24 +27,26 @@ if TYPE_CHECKING:
 FOLDER = "mpm"  # of its files
 LEAD = 2.0  # s in which Kh comes on before anything liquefies, as for the discs
 DOUBTED_FROM = 0.05  # m: the energies of a smaller slide are those of a ground that swings
+COARSE = 2  # times larger cells, with which the error of their size is found
 TINY = 1e-6  # s: sums of steps are off by less
 AFTER = 1.0  # s after Kh has gone, from which on the ground may come to rest
 
 
 @dataclass(frozen=True, eq=False)
 class PointRun:
-    """One case with one decay of velocities (1/s), from ground at rest."""
+    """One case with one decay of velocities (1/s), from ground at rest, in cells as asked for or in coarse ones."""
 
     config: Config
     slider: "PointSlider"
     number: int
     decay: float
     store: Store | None = None
+    coarse: bool = False
 
     @property
     def checkpoint(self) -> Path | None:
         """The checkpoint file of this slide."""
-        name = f"mpm/checkpoint_{self.number}_{self.decay:g}.npz"
+        name = f"mpm/checkpoint_{self.number}_{self.decay:g}{'_coarse' if self.coarse else ''}.npz"
         return None if self.store is None else self.store.folder / name
 
 
@@ -60,10 +63,18 @@ def work(job: Job) -> None:
     job.progress("material points come to rest under their weight", 0.0)
     try:
         slider, far = at_rest(config)
+        coarse, _ = at_rest(config, COARSE**2)
     except FloatingPointError as error:
         PointSlidesAnswer(section=SectionLabel.of(config.section), not_possible=str(error)).write(job.store)
         return
-    runs = [PointRun(config, slider, number, decay, job.store) for number in wanted for decay in DECAYS]
+    runs = [
+        run
+        for number in wanted
+        for run in (
+            *(PointRun(config, slider, number, decay, job.store) for decay in DECAYS),
+            PointRun(config, coarse, number, DECAYS[0], job.store, coarse=True),
+        )
+    ]
     shares = [0.0] * len(runs)
 
     def heard(place: int, message: tuple[float, float, float]) -> None:
@@ -80,9 +91,7 @@ def work(job: Job) -> None:
         settled_by_m=far,
         softened=ground.softened,
         sides=ground.sides,
-        cases={
-            number: _answer(slides[2 * place], slides[2 * place + 1], ground) for place, number in enumerate(wanted)
-        },
+        cases={number: _answer(slides[3 * place : 3 * place + 3], ground) for place, number in enumerate(wanted)},
     ).write(job.store)
     job.store.remove(job.store.matching(["mpm/checkpoint_*"]))
     for number in wanted:
@@ -115,16 +124,16 @@ def _drawn(wanted: tuple[Config, Store, int, PointCase], _: Tell) -> None:
             animate(config, states, "mpm", number, path)
 
 
-def at_rest(config: Config) -> "tuple[PointSlider, float]":
+def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
     """Material points of a section at rest under their weight, and how far they moved to that (m).
 
-    Raises FloatingPointError where the ground has no equilibrium.
+    There are ``fewer`` times less cells than asked for. Raises FloatingPointError where the ground has no equilibrium.
     """
     from fem.continuum.loads import downhill
     from fem.mpm.ground import ground_of
     from fem.mpm.slide import PointSlider
 
-    ground = ground_of(config.section, config.slide.mpm_cells, config.fem.sides)
+    ground = ground_of(config.section, config.slide.mpm_cells // fewer, config.fem.sides)
     slider = PointSlider(ground, downhill(config.section))
     return slider, slider.settle()
 
@@ -160,7 +169,7 @@ def _slid(run: PointRun, tell: Tell) -> "PointSlide":
 
     programme, slider = programme_of(run.config, run.number), copy.deepcopy(run.slider)
     every = max(programme.duration / (run.config.slide.frames - 1), LOOK)
-    films = run.store if run.decay == DECAYS[0] else None
+    films = run.store if run.decay == DECAYS[0] and not run.coarse else None
 
     def frame(number: int) -> None:
         from workflow.results.disc_grids import frame_file
@@ -217,14 +226,21 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
     )  # fmt: skip
 
 
-def _answer(counts: "PointSlide", other: "PointSlide", ground: "PointGround") -> PointCase:
-    """A case as its answer holds it, from the slides with both decays."""
+def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
+    """A case as its answer holds it, from the slides with both decays and that in coarse cells.
+
+    Slides converge with the first power of the size of the cells, so that the last one tells what finer cells would
+    come to (Richardson's extrapolation).
+    """
     from fem.mpm.slide import LOSS
 
+    counts, other, coarse = slides
     slide, settlement = counts.slide[-1], counts.settlement[-1]
     uphill_first = counts.before[0, 1] >= counts.before[-1, 1]
     thirds = [np.array_split(values if uphill_first else values[::-1], 3) for values in (slide, settlement)]
     names = ("uphill", "middle", "downhill")
+    finer = counts.slide_max + (counts.slide_max - coarse.slide_max) / (COARSE - 1)
+    ends = counts.slide_max, other.slide_max, max(finer, 0.0)
     notes = []
     lost = 100.0 * counts.energy_lost_share
     if abs(counts.energy_lost_share) > LOSS and counts.slide_max > DOUBTED_FROM:
@@ -238,8 +254,8 @@ def _answer(counts: "PointSlide", other: "PointSlide", ground: "PointGround") ->
     largest = int(np.argmax(slide))
     return PointCase(
         slide_max_m=counts.slide_max,
-        slide_max_low_m=min(counts.slide_max, other.slide_max),
-        slide_max_high_m=max(counts.slide_max, other.slide_max),
+        slide_max_low_m=min(ends),
+        slide_max_high_m=max(ends),
         slide_max_at_x_m=float(counts.before[largest, 0]),
         **{f"slide_{name}_m": float(np.median(part)) for name, part in zip(names, thirds[0], strict=True)},
         **{f"settlement_{name}_m": float(np.median(part)) for name, part in zip(names, thirds[1], strict=True)},
