@@ -35,7 +35,8 @@ PATIENT = 60, 8
 # Largest steps of a path, in reference displacements: associated flow follows long ones as well as short ones.
 LARGEST_ASSOCIATED, LARGEST_OTHERWISE = 3.0, 0.3
 # Cohesions that are told apart in a stratum whose cohesion varies.
-LEVELS = 256
+# They differ by the same factor, for where a cut is bare its least strengths decide as much as the large ones.
+LEVELS, LEAST_LEVEL = 512, 1e-3
 
 
 def element_for(section: Section, settings: FemSettings) -> Element:
@@ -200,8 +201,9 @@ def levels(section: Section, mesh: QuadMesh) -> list[Stratum]:
         points, near = corners.reshape(-1, 2), np.repeat(corners.mean(axis=1), corners.shape[1], axis=0)
         mine = np.repeat(mesh.stratum == k, corners.shape[1]) if (mesh.stratum == k).any() else slice(None)
         cohesion = field.at(points[mine], near[mine], np.full(len(points[mine]), k))
-        bins = np.linspace(cohesion.min(), cohesion.max(), LEVELS + 1)
-        strata += [section.strata[k].with_cohesion(float(c)) for c in 0.5 * (bins[1:] + bins[:-1])]
+        most = max(float(cohesion.max()), 1e-9)  # Pa
+        bins = np.linspace(0.0, np.log(max(float(cohesion.min()), LEAST_LEVEL * most) / most), LEVELS)[::-1]
+        strata += [section.strata[k].with_cohesion(float(c)) for c in most * np.exp(bins)]
     return strata
 
 

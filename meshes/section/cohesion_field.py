@@ -18,6 +18,7 @@ from meshes.section.polyline import Line, level_at
 from meshes.section.stratum import Stratum
 from meshes.section.water_pressure import WaterPressure
 
+ROUNDING = 1e-9
 COLUMNS = 400  # vertical lines over which a cohesion is averaged
 
 
@@ -86,22 +87,27 @@ class CohesionField:
         """
 
         def linear(soil: Stratum, depth: np.ndarray, stress: np.ndarray) -> np.ndarray:
-            depth, stress = depth.reshape(-1, 3), stress.reshape(-1, 3)
+            depth, (stress, middle) = depth.reshape(-1, 4)[:, :3], np.split(stress.reshape(-1, 4), [3], axis=1)
             least = soil.cohesion_minimum or 0.0
+            # A stress that water has brought down to zero in a part of the triangle is not linear there.
+            is_linear = middle >= (1.0 - ROUNDING) * stress.mean(axis=1, keepdims=True)
             if above:
                 grown = np.maximum(depth, 0.0)
                 ratio = _tangent(soil, stress)
             else:
                 grown = np.where(depth.mean(axis=1, keepdims=True) > 0.0, depth, 0.0)
-                ratio = np.where(stress.min(axis=1, keepdims=True) > 0.0, _shansep(soil, stress), 0.0)
+                ratio = np.where(is_linear, _shansep(soil, stress), 0.0)
             total = soil.cohesion + soil.cohesion_increase * grown + ratio
             if above:
-                return np.maximum(total, least).ravel()
-            small = (total.mean(axis=1) < least) | (total.min(axis=1) < 0.0)
-            return np.where(small[:, None], least, total).ravel()
+                found = np.maximum(total, least)
+            else:
+                small = (total.mean(axis=1) < least) | (total.min(axis=1) < 0.0)
+                found = np.where(small[:, None], least, total)
+            return np.column_stack([found, found.mean(axis=1)]).ravel()
 
-        near = np.repeat(corners.mean(axis=1), 3, axis=0)
-        return self._of_strata(linear, corners.reshape(-1, 2), near, np.repeat(stratum, 3)).reshape(-1, 3)
+        middle = corners.mean(axis=1, keepdims=True)
+        points, near = np.concatenate([corners, middle], axis=1).reshape(-1, 2), np.repeat(middle[:, 0], 4, axis=0)
+        return self._of_strata(linear, points, near, np.repeat(stratum, 4)).reshape(-1, 4)[:, :3]
 
     def means(self) -> tuple[Stratum, ...]:
         """The strata with one cohesion each: where it varies, its mean over the area of the stratum."""
