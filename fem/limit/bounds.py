@@ -20,7 +20,8 @@ from fem.limit.bracket import Limits
 from fem.limit.directions import DirectionSearch, KhObserver, SectionSide, SmallerKhBounds, search_all
 from fem.limit.limit_problem import CornerCohesion, Places, RigidPlasticBody, Side, Traction, limit_problem, units_of
 from fem.limit.side_stress import SideStress, side_stresses
-from fem.settings import LEAST_KH, BoundsSettings, FemSettings
+from fem.settings import LEAST_KH, BoundsSettings, FemSettings, Sides
+from meshes.bisection import fan_out
 from meshes.errors import InputError
 from meshes.pore_loads import Pressure
 from meshes.section.cutting import FILM_IN
@@ -33,6 +34,8 @@ from meshes.triangles import TriMesh, triangulate
 CELLS_IN_HEIGHT, CELLS_IN_LAYER = 5.0, 0.8
 # The first mesh has at most this share of the cells allowed.
 FIRST_SHARE = 0.15
+# Angle (rad) of triangles above which those where a smooth side meets the ground are halved.
+WIDE_CORNER = 0.5
 # Cells allowed where a rough upper bound will do; the first mesh has a share of it.
 COARSE_CELLS = 8000
 
@@ -102,7 +105,7 @@ class DirectionGround:
         if after is not None and 2.0 * after.found.meshes[-1].work < limits.seconds:
             mesh = after.found.mesh
         else:
-            mesh = first_mesh(ground, self.max_cells, self.fem.sides == "periodic")
+            mesh = first_mesh(ground, self.max_cells, self.fem.sides)
         direction: Direction = "uphill" if self.fem.direction == "uphill" else "downhill"
         towards: SectionSide = "right" if push(self.section, self.fem) > 0 else "left"
         body = body_of(ground, mesh, self.fem, davis=after is not None)
@@ -191,18 +194,21 @@ def _unstable(section: Section, upper: float) -> UnstableError:
 def _coarse_upper_bound(section: Section, fem: FemSettings) -> float:
     """An upper bound of Kh on one coarse mesh, inf if there is none."""
     ground = section.cut_at_films
-    mesh = first_mesh(ground, COARSE_CELLS, fem.sides == "periodic")
+    mesh = first_mesh(ground, COARSE_CELLS, fem.sides)
     body = body_of(ground, mesh, fem)
     _, _, mechanism = proven_upper_bound(limit_problem(mesh, body, units_of(mesh, body)))
     return mechanism.multiplier if mechanism else np.inf
 
 
-def first_mesh(section: Section, max_cells: int, repeats: bool = False) -> TriMesh:
+def first_mesh(section: Section, max_cells: int, sides: Sides = "free-field") -> TriMesh:
     """Triangles about as large as the layers are thick, fewer where that would be too many; with the same edges on both
-    sides of a section that ``repeats``; raises InputError if these differ.
+    ``sides`` where these are periodic; raises InputError if these differ.
 
-    Those in a film of water are as long as others in its stratum, and as narrow as it is.
+    Those in a film of water are as long as others in its stratum, and as narrow as it is. Where a smooth side meets the
+    ground, several triangles do: bare sand under a seismic force has shear stress along the ground and none along the
+    side, and one triangle beside either may have no such stresses but at Kh = 0.
     """
+    repeats = sides == "periodic"
     if repeats:
         refuse_other_sides(section)
     layers = section.layering
@@ -214,9 +220,14 @@ def first_mesh(section: Section, max_cells: int, repeats: bool = False) -> TriMe
     sizes = sizes[[names.index(name.removesuffix(FILM_IN)) for name in names]]
     expected = float((areas / (0.43 * sizes**2)).sum())
     sizes *= max(1.0, np.sqrt(expected / (FIRST_SHARE * max_cells)))
-    return triangulate(
-        section, float(sizes.max()), {name: float(h) for name, h in zip(names, sizes, strict=True)}, repeats
-    )
+    named = {name: float(h) for name, h in zip(names, sizes, strict=True)}
+    mesh = triangulate(section, float(sizes.max()), named, repeats)
+    if sides != "smooth":
+        return mesh
+    x, at_ends = mesh.points[:, 0], np.zeros(len(mesh.points), dtype=bool)
+    surface = np.unique(mesh.boundaries["surface"])
+    at_ends[surface] = (x[surface] == x.min()) | (x[surface] == x.max())
+    return fan_out(mesh, at_ends, WIDE_CORNER)[0]
 
 
 def body_of(

@@ -114,7 +114,7 @@ class _Coarse:
 
 def _coarse(section: Section, fem: FemSettings, settings: BoundsSettings, start: Start, work: FactorWork) -> _Coarse:
     section = section.cut_at_films
-    mesh = first_mesh(section, COARSE_CELLS, fem.sides == "periodic")
+    mesh = first_mesh(section, COARSE_CELLS, fem.sides)
     down, up = (FactorSearch(section, mesh, fem, settings, sign, start, work) for sign in (1, -1))
     return _Coarse((down, up))
 
@@ -128,12 +128,12 @@ def _bounds_of(
     def search(mesh: TriMesh, sign: int, start: Start) -> FactorSearch:
         return FactorSearch(section, mesh, fem, settings, sign, start, work)
 
-    searches = [search(first_mesh(section, settings.max_cells, fem.sides == "periodic"), 1, start)]
+    searches = [search(first_mesh(section, settings.max_cells, fem.sides), 1, start)]
     searches[0].find()
     searches.append(search(searches[0].mesh, -1, start))
     if not searches[1].confirms(searches[0]) and work.left > 0.0:
         start = replace(start, factor=searches[0].lower or start.factor, enough=searches[0].lower or math.inf)
-        searches.append(search(first_mesh(section, settings.max_cells, fem.sides == "periodic"), -1, start))
+        searches.append(search(first_mesh(section, settings.max_cells, fem.sides), -1, start))
         searches[2].find()
     lower, upper = min(searches[0].lower, searches[-1].lower), min(search.upper for search in searches)
     if lower <= 0.0 and not math.isfinite(upper):

@@ -8,7 +8,9 @@ import pytest
 from mpi4py import MPI
 from scipy.optimize import minimize_scalar
 
-from fem.limit.bounds import kh_bounds
+from fem.limit.adaptive_bounds import proven_lower_bound
+from fem.limit.bounds import DirectionGround, body_of, first_mesh, kh_bounds
+from fem.limit.limit_problem import limit_problem, units_of
 from fem.limit.safety_bounds import safety_bounds
 from fem.limit_load.limit_load import critical_limit_load
 from fem.path.gravity import gravity_equilibrium
@@ -126,3 +128,25 @@ def test_paths_of_equilibria_come_close_to_the_limit_loads() -> None:
     )
     assert 0.95 * kc < along[0] < 1.02 * kc
     assert 0.9 * factor < along[1] < 1.005 * factor  # it still rises where the path ends
+
+
+def test_level_sand_beside_a_smooth_side_bears_a_seismic_force_on_the_first_mesh() -> None:
+    """Bare sand with water just below its toe: one triangle in the corner of ground and side, without shear stress
+    along the side, bears no Kh at all (2e-11 by rounding); several bear 0.06."""
+    sand = {"density": "17.5 kN/m^3", "density_saturated": "19.5 kN/m^3", "cohesion": "0 kPa", "poissons_ratio": 0.3,
+            "friction_angle": "31 deg", "youngs_modulus": "53 MPa"}  # fmt: skip
+    bare = Section.parse(
+        {
+            "name": "bare",
+            "surface": [[0.0, 14.0], [32.9, 14.0], [60.38, 0.0], [87.58, 0.0]],
+            "base": {"elevation": -10.0},
+            "water": {"table": [[0.0, 6.1], [32.9, 3.05], [60.38, -0.41], [87.58, -0.41]]},
+            "strata": [{"name": "sand", **sand}],
+        }
+    )
+    ground = DirectionGround.of(bare, SMOOTH, 2500).section.cut_at_films
+    mesh = first_mesh(ground, 2500, "smooth")
+    body = body_of(ground, mesh, SMOOTH)
+    stress = proven_lower_bound(limit_problem(mesh, body, units_of(mesh, body)))[-1]
+    assert stress is not None
+    assert stress.multiplier > 0.05
