@@ -1,7 +1,10 @@
 """What a model of another program has that a section can take, and the section that it makes."""
 
 import re
-from collections.abc import Mapping, Sequence
+import zipfile
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -19,6 +22,16 @@ from meshes.section.section import Section
 PAIR = re.compile(r"\[\s+([-+.\de]+),\s+([-+.\de]+),\s+\]")  # a point over four lines, as the writer has it
 # Slope programs have no stiffness; it moves displacements, and hardly the critical Kh or a factor of safety.
 STIFFNESS = {"youngs_modulus": "20 MPa", "poissons_ratio": 0.3}
+NO_STRENGTH = {"cohesion": "0 kPa", "friction_angle": "0 deg"}
+LARGEST = 200e6  # bytes of the documents of a model
+
+
+class YieldStress(NamedTuple):
+    """A preconsolidation stress (Pa) at a point (m)."""
+
+    x: float
+    z: float
+    stress: float
 
 
 class Layer(NamedTuple):
@@ -28,8 +41,9 @@ class Layer(NamedTuple):
     ----------
     soil : the name of its soil
     points : its outline (n, 2) in m
-    keys : what it has of its own, as keys of a stratum
-    dry, wet : what it has above and below the water table
+    keys : what it has above and below the water table, as keys of a stratum
+    dry, wet : what it has above it, and what below
+    yield_stress : its preconsolidation stress, which becomes the pre-overburden pressure where it is given
     """
 
     soil: str
@@ -37,15 +51,7 @@ class Layer(NamedTuple):
     keys: Mapping[str, Any]
     dry: Mapping[str, Any]
     wet: Mapping[str, Any]
-
-
-class YieldStress(NamedTuple):
-    """A preconsolidation stress (Pa) at a point (m) of the layers of a name."""
-
-    layer: str
-    x: float
-    z: float
-    stress: float
+    yield_stress: YieldStress | None = None
 
 
 @dataclass(frozen=True)
@@ -55,18 +61,14 @@ class ForeignModel:
     Attributes
     ----------
     layers : its layers
-    soils : keys of a stratum by the name of the soil
     water : the table [water]
     surcharges : tables [[surcharges]]
-    yields : preconsolidation stresses, which become pre-overburden pressures where they are given
     notices : what was assumed and what is not taken, one sentence each
     """
 
     layers: Sequence[Layer]
-    soils: Mapping[str, Mapping[str, Any]]
     water: Mapping[str, Any] = field(default_factory=dict)
     surcharges: Sequence[Mapping[str, Any]] = ()
-    yields: Sequence[YieldStress] = ()
     notices: Sequence[str] = ()
 
 
@@ -75,6 +77,43 @@ class FoundSection(NamedTuple):
 
     text: str
     notices: list[str]
+
+
+@contextmanager
+def faults_told(path: Path, expected: str) -> Iterator[None]:
+    """Whatever a file lacks, or has in another form than ``expected``, is one fault of it (InputError)."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (zipfile.BadZipFile, zlib.error, OSError, EOFError, RuntimeError, SyntaxError, UnicodeDecodeError) as error:
+        raise InputError(str(path), [f"{expected}; it cannot be read: {error}"]) from error
+    except KeyError as error:
+        raise InputError(str(path), [f'{expected}; it has no "{error.args[0]}"']) from error
+    except (LookupError, TypeError, ValueError, AttributeError, StopIteration) as error:
+        why = f" ({error})" if type(error) in (LookupError, ValueError) else ""
+        raise InputError(str(path), [f"{expected}; it has not all that they have, as they have it{why}"]) from error
+
+
+def within_reason(entries: Sequence[zipfile.ZipInfo]) -> Sequence[zipfile.ZipInfo]:
+    """The documents of a model, unless they are too large; raises ValueError then."""
+    if (size := sum(entry.file_size for entry in entries)) > LARGEST:
+        raise ValueError(f"documents of {size / 1e6:.0f} MB, of {LARGEST / 1e6:.0f} MB that are read")
+    return entries
+
+
+def corners(points: Sequence[tuple[float, float]]) -> np.ndarray:
+    """Points (n, 2) in m; raises ValueError where one is no number."""
+    found = np.array(points, dtype=float).reshape(-1, 2)
+    if not np.isfinite(found).all():
+        raise ValueError("a point whose coordinates are no numbers")
+    return found
+
+
+def line_of(points: Sequence[tuple[float, float]]) -> np.ndarray:
+    """Points (n, 2) in m of a line of water, from left to right."""
+    line = corners(points)
+    return line[::-1] if line[0, 0] > line[-1, 0] else line
 
 
 def section_of(model: ForeignModel, path: Path, name: str) -> FoundSection:
@@ -107,7 +146,7 @@ def section_of(model: ForeignModel, path: Path, name: str) -> FoundSection:
     strata: list[dict[str, Any]] = []
     for k, bottom, wet in parts:
         layer = of_name[columns.stack.layers[k]]
-        keys = {**model.soils.get(layer.soil, {}), **layer.keys, **(layer.wet if wet else layer.dry)}
+        keys = {**layer.keys, **(layer.wet if wet else layer.dry)}
         own = _across(keys, "piezometric_level", *sides)
         called = columns.stack.names[k] + (", wet" if [one for one, _, _ in parts].count(k) > 1 and wet else "")
         strata.append({"name": called, "bottom": {"elevation": _points(bottom)}, **STIFFNESS, **own})
@@ -115,7 +154,7 @@ def section_of(model: ForeignModel, path: Path, name: str) -> FoundSection:
     data |= {"water": water} if water else {}
     data |= {"surcharges": [dict(load) for load in model.surcharges]} if model.surcharges else {}
     data["strata"] = strata
-    _consolidate(data, model.yields, [columns.stack.layers[k] for k, _, _ in parts], path)
+    _consolidate(data, [of_name[columns.stack.layers[k]].yield_stress for k, _, _ in parts], path)
     notices = [
         *model.notices, *columns.stack.notices, *columns.tally.sentences(),
         f"not in the file: stiffness; {STIFFNESS['youngs_modulus']} and a Poisson's ratio of "
@@ -132,7 +171,7 @@ def layer_names(layers: Sequence[Layer]) -> list[str]:
     names = []
     for layer in layers:
         known = kinds.setdefault(layer.soil, [])
-        own = {**layer.keys, "dry": layer.dry, "wet": layer.wet}
+        own = layer._asdict() | {"points": None}
         if own not in known:
             known.append(own)
         number = known.index(own) + 1
@@ -161,18 +200,17 @@ def _parted(
     return strata
 
 
-def _consolidate(data: dict[str, Any], yields: Sequence[YieldStress], layers: Sequence[str], path: Path) -> None:
-    """Give strata the pre-overburden pressures that yield stresses are there: σ'p less σ'v."""
-    if not yields:
+def _consolidate(data: dict[str, Any], yields: Sequence[YieldStress | None], path: Path) -> None:
+    """Give strata the pre-overburden pressures that their yield stresses are there: σ'p less σ'v."""
+    if not any(yields):
         return
-    section = Section.parse(data, str(path))
-    for layer, x, z, stress in yields:
-        at = np.array([[x, z]])
-        stratum = section.stratum_at(*at.T)
-        effective = float(section.water_pressure.vertical_effective(at, at, stratum)[0])
-        for one, soil in zip(layers, data["strata"], strict=True):
-            if one == layer and "strength_ratio" in soil:
-                soil["pre_overburden_pressure"] = f"{max(stress - effective, 0.0) / 1e3:.4g} kPa"
+    strata = data["strata"]
+    section = Section.parse({**data, "strata": [NO_STRENGTH | stratum for stratum in strata]}, str(path))
+    for given, stratum in zip(yields, strata, strict=True):
+        if given is not None and "strength_ratio" in stratum:
+            at = np.array([[given.x, given.z]])
+            effective = float(section.water_pressure.vertical_effective(at, at, section.stratum_at(*at.T))[0])
+            stratum["pre_overburden_pressure"] = f"{max(given.stress - effective, 0.0) / 1e3:.4g} kPa"
 
 
 def _across(table: Mapping[str, Any], key: str, left: float, right: float) -> dict[str, Any]:

@@ -11,10 +11,18 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from meshes.errors import InputError
-from meshes.models.foreign_model import ForeignModel, FoundSection, Layer, section_of
+from meshes.models.foreign_model import (
+    ForeignModel,
+    FoundSection,
+    Layer,
+    corners,
+    faults_told,
+    line_of,
+    section_of,
+    within_reason,
+)
 
 EXPECTED = "expected a model of GeoStudio with an analysis of SLOPE/W"
-LARGEST = 200e6  # bytes of a document that is read
 REGION = re.compile(r"Regions-(\d+)")
 BEDROCK = "10 MPa"  # cohesion: slips do not pass it
 
@@ -48,28 +56,20 @@ def read_gsz(path: Path, name: str, analysis: str | None = None) -> FoundSection
     InputError
         If the file is no such model, or has no such analysis.
     """
-    root = _document(path)
-    try:
-        return section_of(_model(root, path, analysis), path, name)
-    except (LookupError, TypeError, ValueError, AttributeError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(str(path), [f"{EXPECTED}; it has not all that they have ({error})"]) from error
+    with faults_told(path, EXPECTED):
+        return section_of(_model(_document(path), path, analysis), path, name)
 
 
 def _document(path: Path) -> Element:
     """The document at the top of the zip; one with entities of its own is refused."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            inside = [one for one in archive.infolist() if "/" not in one.filename and one.filename.endswith(".xml")]
-            if not inside or inside[0].file_size > LARGEST:
-                raise InputError(str(path), [f"{EXPECTED}; it has no document of that kind"])
-            text = archive.read(inside[0])
-        if b"<!ENTITY" in text:
-            raise InputError(str(path), [f"{EXPECTED}; its document defines entities, which GeoStudio does not"])
-        return ElementTree.fromstring(text)
-    except (zipfile.BadZipFile, ElementTree.ParseError, OSError) as error:
-        raise InputError(str(path), [f"{EXPECTED}; it cannot be read: {error}"]) from error
+    with zipfile.ZipFile(path) as archive:
+        inside = [one for one in archive.infolist() if "/" not in one.filename and one.filename.endswith(".xml")]
+        if not inside:
+            raise InputError(str(path), [f"{EXPECTED}; it has no document of that kind"])
+        text = archive.read(within_reason(inside[:1])[0])
+    if b"<!ENTITY" in text:
+        raise InputError(str(path), [f"{EXPECTED}; its document defines entities, which GeoStudio does not"])
+    return ElementTree.fromstring(text)
 
 
 def _model(root: Element, path: Path, wanted: str | None) -> ForeignModel:
@@ -91,29 +91,29 @@ def _model(root: Element, path: Path, wanted: str | None) -> ForeignModel:
     entry = Element("Entry") if found is None else found
     local = {str(one.get("Number")): _place(one, units) for one in entry.iterfind("./DataPoints/DataPoint")}
     lines = {
-        _text(one, "ID"): np.array([local[at.text or ""] for at in one.iterfind("./DataPoints/DataPoint")])
+        _text(one, "ID"): line_of([local[at.text or ""] for at in one.iterfind("./DataPoints/DataPoint")])
         for one in entry.iterfind("./PiezometricSurfaces/PiezometricSurface")
     }
     uses = {one.get("ID"): one.get("UsesID") for one in entry.iterfind("./MaterialUsesPiezs/MaterialUsesPiez")}
     table = next((lines[one] for one in uses.values() if one in lines), None)
-    soils, own = {}, {}
+    soils: dict[str, tuple[str, dict[str, Any]]] = {}
     for material in root.iterfind("./Materials/Material"):
         called, key = _text(material, "Name"), _text(material, "ID")
-        soils[called] = {"density": f"{_number(material, 'StressStrain/UnitWeight'):g} {units.weight}"}
-        soils[called]["density_saturated"] = soils[called]["density"]
-        own[key] = called, _strength(material, units, notices)
+        density = f"{_number(material, 'StressStrain/UnitWeight'):g} {units.weight}"
+        keys: dict[str, Any] = {"density": density, "density_saturated": density, **_strength(material, units, notices)}
+        soils[key] = called, keys
         line = lines.get(uses.get(key) or "")
         if line is None and table is not None:
-            own[key][1]["pore_pressure_ratio"] = 0.0
+            keys["pore_pressure_ratio"] = 0.0
         elif line is not None and line is not table:
-            own[key][1]["piezometric_level"] = line.tolist()
+            keys["piezometric_level"] = line.tolist()
     geometry = root.findall("./Geometries/Geometry")[int(_text(analysis, "GeometryId") or 1) - 1]
     notices += _not_taken(entry, root.find(f"./WaterItems/WaterItem[AnalysisID='{number}']"))
     water = root.find(f"./WaterItems/WaterItem[AnalysisID='{number}']/Entry/UnitWaterWeight")
     weight = f"{float(water.text) if water is not None and water.text else units.water:g} {units.weight}"
+    regions = list(_regions(root, geometry, number, units, notices))
     return ForeignModel(
-        [Layer(own[key][0], points, own[key][1], {}, {}) for key, points in _regions(root, geometry, number, units)],
-        soils,
+        [Layer(soils[key][0], points, soils[key][1], {}, {}) for key, points in regions],
         {} if table is None else {"table": table.tolist(), "unit_weight": weight},
         notices=list(dict.fromkeys(notices)),
     )
@@ -127,15 +127,19 @@ def _of_analysis(root: Element, items: str, number: str) -> Element:
     return found
 
 
-def _regions(root: Element, geometry: Element, number: str, units: Units) -> Iterator[tuple[str, np.ndarray]]:
-    """The number of the material and the outline (n, 2) in m of every region that has a material."""
+def _regions(
+    root: Element, geometry: Element, number: str, units: Units, notices: list[str]
+) -> Iterator[tuple[str, np.ndarray]]:
+    """The number of the material and the outline (n, 2) in m of every region that has a material; others are told."""
     points = {one.get("ID"): _place(one, units) for one in geometry.iterfind("./Points/Point") if one.get("X")}
     context = _of_analysis(root, "./Contexts/Context", number)
     pairs = context.iterfind("./GeometryUsesMaterials/GeometryUsesMaterial")
     materials = {m[1]: one.get("Entry") for one in pairs if (m := REGION.fullmatch(one.get("ID", "")))}
     for region in geometry.iterfind("./Regions/Region"):
-        if (material := materials.get(_text(region, "ID"))) is not None:
-            yield material, np.array([points[key.strip()] for key in _text(region, "PointIDs").split(",")])
+        if (material := materials.get(_text(region, "ID"))) is None:
+            notices.append(f"not taken: region {_text(region, 'ID')}, which has no material in this analysis")
+        else:
+            yield material, corners([points[key.strip()] for key in _text(region, "PointIDs").split(",")])
 
 
 def _strength(material: Element, units: Units, notices: list[str]) -> dict[str, Any]:
@@ -151,6 +155,8 @@ def _strength(material: Element, units: Units, notices: list[str]) -> dict[str, 
         notices.append(
             f'not taken: the strength of "{name}" by {model or "no model"}; it has c and φ as far as they are given'
         )
+    if not cohesion and not friction:  # a section without them asks for them
+        return {}
     return {"cohesion": f"{cohesion:g} {units.stress}", "friction_angle": f"{friction:g} deg"}
 
 

@@ -9,7 +9,18 @@ from typing import Any
 import numpy as np
 
 from meshes.errors import InputError
-from meshes.models.foreign_model import ForeignModel, FoundSection, Layer, YieldStress, layer_names, section_of
+from meshes.models.foreign_model import (
+    NO_STRENGTH,
+    ForeignModel,
+    FoundSection,
+    Layer,
+    YieldStress,
+    corners,
+    faults_told,
+    line_of,
+    section_of,
+    within_reason,
+)
 
 EXPECTED = "expected a model of D-Stability, as it writes it since 2022"
 ON_LINE = 0.05  # m: how far a corner of a layer may lie from a state line or a reference line on its edge
@@ -34,23 +45,17 @@ def read_stix(path: Path, name: str, scenario: str | None = None) -> FoundSectio
     InputError
         If the file is no such model, or has no such scenario.
     """
-    files = _read(path)
-    try:
-        return section_of(_model(files, path, scenario), path, name)
-    except (LookupError, TypeError, StopIteration) as error:
-        missing = f"no {error.args[0]}" if isinstance(error, KeyError) else "not all that they have"
-        raise InputError(str(path), [f"{EXPECTED}; it has {missing}"]) from error
+    with faults_told(path, EXPECTED):
+        return section_of(_model(_read(path), path, scenario), path, name)
 
 
 def _read(path: Path) -> list[tuple[str, Json]]:
     """The JSON files in it by their folders, in the order of their names."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            names = sorted(name for name in archive.namelist() if name.endswith(".json") and "result" not in name)
-            files = [(name.split("/")[0].removesuffix(".json"), archive.read(name)) for name in names]
-            return [(folder, json.loads(text.decode("utf-8-sig"))) for folder, text in files]
-    except (zipfile.BadZipFile, UnicodeDecodeError, json.JSONDecodeError, OSError) as error:
-        raise InputError(str(path), [f"{EXPECTED}; it cannot be read: {error}"]) from error
+    with zipfile.ZipFile(path) as archive:
+        entries = [one for one in archive.infolist() if one.filename.endswith(".json") and "result" not in one.filename]
+        entries = sorted(within_reason(entries), key=lambda entry: entry.filename)
+        files = [(one.filename.split("/")[0].removesuffix(".json"), archive.read(one)) for one in entries]
+    return [(folder, json.loads(text.decode("utf-8-sig"))) for folder, text in files]
 
 
 def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> ForeignModel:
@@ -74,45 +79,41 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
         notices.append("not taken: the stages before it; preconsolidation is that over the stress in this one")
     table = _table(water)
     layers: list[Layer] = []
-    yields: list[tuple[int, dict[str, Any]]] = []
     for one in part("geometries", "GeometryId")["Layers"]:
-        points, soil = _points(one["Points"]), of_layer[one["Id"]]
+        points, soil = corners(_pairs(one["Points"])), of_layer[one["Id"]]
         level, told = _head(water, points, table)
         notices += [f'"{soil["Name"]}": {text}' for text in told]
-        state = _state(states, one["Id"], points)
+        models = soil[ABOVE], soil[BELOW]
+        state = _state(states, one["Id"], points, soil["Name"], notices) if "Su" in models else {}
         dry, wet = (
-            _strength(soil, model, notices) | (_preconsolidation(state) if model == "Su" else {})
-            for model in (soil[ABOVE], soil[BELOW])
+            _strength(soil, model, notices) | (_preconsolidation(state) if model == "Su" else {}) for model in models
         )
-        if state.get("StateType") == "YieldStress" and "Su" in (soil[ABOVE], soil[BELOW]):
-            yields.append((len(layers), state))
-        layers.append(Layer(soil["Name"], points, level, dry, wet))
-    names = layer_names(layers)
+        stress = None
+        if state.get("StateType") == "YieldStress":
+            x, z = corners(_pairs([state["At"]]))[0]
+            stress = YieldStress(x, z, 1e3 * float(state["YieldStress"]))
+        layers.append(Layer(soil["Name"], points, {**_weights(soil), **level}, dry, wet, stress))
     loads = part("loads", "LoadsId")
     surcharges = [
         {"from": load["Start"], "to": load["End"], "pressure": _kPa(load["Magnitude"])}
         for load in loads["UniformLoads"]
     ]
     notices += _not_taken(loads, part("reinforcements", "ReinforcementsId"))
-    weights = {
-        soil["Name"]: {
-            "density": f"{soil['VolumetricWeightAbovePhreaticLevel']:g} kN/m^3",
-            "density_saturated": f"{soil['VolumetricWeightBelowPhreaticLevel']:g} kN/m^3",
-        }
-        for soil in soils.values()
-    }
     return ForeignModel(
         layers,
-        weights,
         {} if table is None else {"table": table.tolist(), "unit_weight": f"{water['UnitWeightWater']:g} kN/m^3"},
         surcharges,
-        [YieldStress(names[k], state["At"]["X"], state["At"]["Z"], 1e3 * state["YieldStress"]) for k, state in yields],
         list(dict.fromkeys(notices)),
     )
 
 
-def _points(points: Sequence[Json]) -> np.ndarray:
-    return np.array([[point["X"], point["Z"]] for point in points], dtype=float)
+def _pairs(points: Sequence[Json]) -> list[tuple[float, float]]:
+    return [(point["X"], point["Z"]) for point in points]
+
+
+def _weights(soil: Json) -> dict[str, str]:
+    dry, wet = (soil[f"VolumetricWeight{side}PhreaticLevel"] for side in ("Above", "Below"))
+    return {"density": f"{dry:g} kN/m^3", "density_saturated": f"{wet:g} kN/m^3"}
 
 
 def _kPa(value: float) -> str:
@@ -122,7 +123,7 @@ def _kPa(value: float) -> str:
 def _table(water: Json) -> np.ndarray | None:
     """The phreatic line (n, 2) in m, if there is one."""
     line = next((line for line in water["HeadLines"] if line["Id"] == water["PhreaticLineId"]), None)
-    return None if line is None else _points(line["Points"])
+    return None if line is None else line_of(_pairs(line["Points"]))
 
 
 def _middle(points: np.ndarray) -> np.ndarray:
@@ -137,17 +138,20 @@ def _middle(points: np.ndarray) -> np.ndarray:
 
 def _strength(soil: Json, model: str, told: list[str]) -> dict[str, Any]:
     """A strength model of a soil as keys of a stratum; what is not taken is ``told``."""
-    keys: dict[str, Any] = {"cohesion": "0 kPa", "friction_angle": "0 deg"}
-    if model.startswith("MohrCoulomb"):
+    keys: dict[str, Any] = {}
+    if f"{model}".startswith("MohrCoulomb"):
         given = soil[f"{model}ShearStrengthModel"]
         keys = {"cohesion": _kPa(given["Cohesion"]), "friction_angle": f"{given['FrictionAngle']:g} deg"}
         if (dilatancy := given.get("Dilatancy")) is not None:
             keys["dilation_angle"] = f"{dilatancy:g} deg"
     elif model == "Su":
         given = soil["SuShearStrengthModel"]
-        keys |= {"strength_ratio": given["ShearStrengthRatio"], "ocr_exponent": given["StrengthIncreaseExponent"]}
+        keys = NO_STRENGTH | {
+            "strength_ratio": given["ShearStrengthRatio"],
+            "ocr_exponent": given["StrengthIncreaseExponent"],
+        }
     else:
-        told.append(f'not taken: the strength of "{soil["Name"]}" by {model}; give a cohesion and a friction angle')
+        told.append(f'not taken: the strength of "{soil["Name"]}" by {model}')
     return keys
 
 
@@ -155,8 +159,8 @@ def _head(water: Json, points: np.ndarray, table: np.ndarray | None) -> tuple[di
     """The piezometric level of a layer where it is not the phreatic line: that of the reference line above it, or else
     of the one below."""
     x, z = _middle(points)
-    heads = {line["Id"]: _points(line["Points"]) for line in water["HeadLines"]}
-    lines = [(float(np.interp(x, *_points(line["Points"]).T)), line) for line in water["ReferenceLines"]]
+    heads = {line["Id"]: line_of(_pairs(line["Points"])) for line in water["HeadLines"]}
+    lines = [(float(np.interp(x, *line_of(_pairs(line["Points"])).T)), line) for line in water["ReferenceLines"]]
     above = min((pair for pair in lines if pair[0] >= z), key=lambda pair: pair[0], default=None)
     below = max((pair for pair in lines if pair[0] < z), key=lambda pair: pair[0], default=None)
     over = None if above is None else above[1]["BottomHeadLineId"]
@@ -171,17 +175,19 @@ def _head(water: Json, points: np.ndarray, table: np.ndarray | None) -> tuple[di
     return {"piezometric_level": heads[chosen].tolist()}, told
 
 
-def _state(states: Json, layer: str, points: np.ndarray) -> dict[str, Any]:
-    """The preconsolidation of a layer: of a state point in it, or of a state line along its edge."""
-    for point in states["StatePoints"]:
-        if point["LayerId"] == layer:
-            return {**point["Stress"], "At": point["Point"]}
+def _state(states: Json, layer: str, points: np.ndarray, soil: str, told: list[str]) -> dict[str, Any]:
+    """The preconsolidation of a layer: of a state point in it, or of a state line along its edge; others are told."""
+    more = f'not taken: preconsolidation that changes within "{soil}"; it has that of one point'
+    if found := [point for point in states["StatePoints"] if point["LayerId"] == layer]:
+        told += [more] if len(found) > 1 else []
+        return {**found[0]["Stress"], "At": found[0]["Point"]}
     middle = _middle(points)
     for line in states["StateLines"]:
-        course = _points(line["Points"])
+        course = line_of(_pairs(line["Points"]))
         if not line["Values"] or not _lies_along(course, points):
             continue
         side = "Below" if np.interp(middle[0], *course.T) > middle[1] else "Above"
+        told += [more] if len(line["Values"]) > 1 else []
         value = line["Values"][0]
         at = {"X": value["X"], "Z": float(np.interp(value["X"], *course.T))}
         return {**value[side], "At": at}

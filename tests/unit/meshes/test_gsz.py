@@ -43,11 +43,11 @@ DOCUMENT = """<GSIData>
 </GSIData>"""
 
 
-def written(folder: Path, system: str = "metric") -> Path:
+def written(folder: Path, system: str = "metric", change: tuple[str, str] = ("", "")) -> Path:
     points = "".join(f'<Point ID="{k}" X="{x}" Y="{y}"/>' for k, (x, y) in POINTS.items()) + '<Point ID="9"/>'
     path = folder / "slope.gsz"
     with zipfile.ZipFile(path, "w") as archive:
-        text = DOCUMENT.format(system=system, points=points)
+        text = DOCUMENT.format(system=system, points=points).replace(*change)
         archive.writestr("slope.xml", text.replace("<UnitWeight>", "<UnitWeight>1") if system == "imperial" else text)
         archive.writestr("Slope/001/slope.xml", "<Copy/>")
     return path
@@ -78,10 +78,38 @@ def test_feet_and_pounds(tmp_path: Path) -> None:
 def test_bad_models_are_told(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r'"Rain": expected an analysis of .*, one of Slope, Shaken'):
         read_gsz(written(tmp_path), "slope", "Rain")
-    with pytest.raises(InputError, match=r"it has not all that they have \(no StabilityItem of analysis 3\)"):
+    with pytest.raises(InputError, match=r"as they have it \(no StabilityItem of analysis 3\)"):
         read_gsz(written(tmp_path), "slope", "Shaken")  # no context
+    with pytest.raises(InputError, match="a point whose coordinates are no numbers"):
+        read_gsz(written(tmp_path, change=('ID="1" X="0"', 'ID="1" X="nan"')), "slope")
+    path = written(tmp_path)
+    path.write_bytes(path.read_bytes().replace(b"<GSIData>", b"<GSIDeta>"))
+    with pytest.raises(InputError, match="cannot be read: Bad CRC-32"):
+        read_gsz(path, "slope")
     path = tmp_path / "none.gsz"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("a.xml", '<!DOCTYPE a [<!ENTITY b "c">]><GSIData/>')
     with pytest.raises(InputError, match="defines entities"):
         read_gsz(path, "slope")
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (("<Name>Clay", "<Name>Fill"), "It is sound."),
+        (('ID="Regions-2" Entry="2"', ""), "not taken: region 2, which has no material"),
+        (("UndrainedPhiZero", "SFnDepth"), "cohesion: missing"),
+    ],
+)
+def test_what_a_model_has_otherwise(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], change: tuple[str, str], told: str
+) -> None:
+    """Materials of one name keep what they have, regions without material and strength by functions are told."""
+    assert run("section", written(tmp_path, change=change), "-o", tmp_path / "slope.toml") == 0
+    assert told in capsys.readouterr().out
+    if change[1] == "<Name>Fill":
+        section = Section.read(tmp_path / "slope.toml")
+        assert {(s.density_ordinary, s.cohesion) for s in section.strata} == {
+            (20e3 / 9.80665, 5e3),
+            (18e3 / 9.80665, 40e3),
+        }

@@ -1,6 +1,7 @@
 """Models of D-Stability as sections. The file is made here, in the form of theirs."""
 
 import json
+import tomllib
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -130,3 +131,50 @@ def test_bad_models_are_told(tmp_path: Path) -> None:
     path.write_text("no zip")
     with pytest.raises(InputError, match="cannot be read: File is not a zip file"):
         read_stix(path, "dike")
+
+
+@pytest.mark.parametrize(
+    ("part", "key", "value"),
+    [
+        ("waternets/waternet", "HeadLines", [{"Id": "31", "Points": points((-20, "high"), (40, 2))}]),
+        ("soillayers/soillayers", "SoilLayers", 3),
+        ("geometries/geometry", "Layers", [{"Id": "11", "Points": points((0, 0), (8, float("nan")), (12, 4))}]),
+        ("waternets/waternet", "UnitWeightWater", "much"),
+    ],
+)
+def test_values_of_another_kind_are_told(tmp_path: Path, part: str, key: str, value: object) -> None:
+    data = model()
+    data[part][key] = value
+    with pytest.raises(InputError, match="expected a model of D-Stability"):
+        read_stix(written(tmp_path, data), "dike")
+
+
+def test_layers_of_one_soil_keep_their_states(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Two layers of the clay have yield stresses of 150 and 250 kPa at 5 m below the ground, where
+    σ'v is 14 + (15 - 9.81) x 4 = 34.76 kPa; one of two points in the second is not taken. A soil by no known model of
+    strength is asked for one, and a second soil called "Sand" keeps its weight."""
+    data = model()
+    data["geometries/geometry"]["Layers"][1:2] = [
+        {"Id": "12", "Points": points((-20, -6), (10, -6), (10, 0), (0, 0), (-20, 0))},
+        {"Id": "14", "Points": points((10, -6), (40, -6), (40, 0), (20, 0), (10, 0))},
+    ]
+    data["soillayers/soillayers"]["SoilLayers"].append({"LayerId": "14", "SoilId": "22"})
+    stress = [{"StateType": "YieldStress", "YieldStress": value} for value in (150.0, 250.0)]
+    places = (("12", -10.0, stress[0]), ("14", 35.0, stress[1]), ("14", 30.0, stress[0]))
+    data["states/state"]["StatePoints"] = [
+        {"LayerId": layer, "Point": {"X": x, "Z": -5.0}, "Stress": given} for layer, x, given in places
+    ]
+    data["soils"]["Soils"][0]["ShearStrengthModelTypeAbovePhreaticLevel"] = "SigmaTauTable"
+    data["soils"]["Soils"][0]["Name"] = "Sand"
+    assert run("section", written(tmp_path, data), "-o", tmp_path / "dike.toml") == 0
+    told = capsys.readouterr().out
+    for text in (
+        'preconsolidation that changes within "Clay"',
+        'strength of "Sand" by SigmaTauTable',
+        "cohesion: missing",
+    ):
+        assert text in told
+    strata = tomllib.loads((tmp_path / "dike.toml").read_text())["strata"]
+    given = {one["name"].split(",")[0]: one.get("pre_overburden_pressure") for one in strata}
+    assert (given["Clay"], given["Clay 2"]) == ("115.2 kPa", "215.2 kPa")
+    assert {one["density"] for one in strata if one["name"].startswith("Sand")} == {"18 kN/m^3", "19 kN/m^3"}
