@@ -17,6 +17,7 @@ from tests.support.toy_stages import Heard
 from tests.workflow.test_soil_discs import SECTION
 from workflow.config import Config
 from workflow.run import pipeline
+from workflow.run.fingerprint import title
 from workflow.run.plan import Choice
 from workflow.run.stage import Job
 from workflow.run.store import Store
@@ -157,6 +158,9 @@ def test_what_a_section_is_called_changes_no_result() -> None:
     before = analysed(SECTION)
     for changes in ({"name": "another", "title": "Another"}, {"report": {"project": "Another", "number": "2"}}):
         assert stale(before, analysed({**SECTION, **changes})) == {"report"}
+    named = analysed({**SECTION, "structures": [{"name": "bank", "from": 10.0, "to": 30.0}]})
+    assert stale(before, named) == {"slices", "report"}
+    assert title(before.section) == title(named.section)  # pictures are not drawn again
 
 
 def test_blow_counts_make_what_follows_run_again_only_where_they_change_what_liquefies() -> None:

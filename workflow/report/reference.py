@@ -51,9 +51,8 @@ def _of_fields(fields: dict[str, FieldInfo], table: str) -> Iterator[Key]:
         yield Key(table or COMMON, key, _default(field), _unit(field), _allowed(field), str(field.description or ""))
         inside += [(f"{table}.{key}" if table else key, model) for model in _tables_in(field)]
     for path, model in inside:
-        names = (
-            model.__annotations__ if issubclass(model, Zone) else model.model_fields
-        )  # the others are those of strata
+        # The other keys of zones are those of strata; their bottom is none.
+        names = model.__annotations__.keys() - {"bottom"} if issubclass(model, Zone) else model.model_fields
         yield from _of_fields({name: field for name, field in model.model_fields.items() if name in names}, path)
 
 

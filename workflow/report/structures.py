@@ -28,6 +28,8 @@ class FaceRow:
     @property
     def words(self) -> str:
         """The row as a sentence without its full stop."""
+        if self.face.reason:
+            return f"{self.name}: {self.face.reason}"
         phrases = [f"factor of safety {value:.2f} at Kh = {kh:g}" for kh, value in self.factors if value is not None]
         phrases += [] if self.kc is None else [f"critical Kh {self.kc:.3f}"]
         phrases += [] if self.block is None else [f"a rigid block slides {self.block.span} ({self.block.words})"]

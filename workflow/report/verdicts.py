@@ -12,7 +12,7 @@ from workflow.report.numbers import listed
 from workflow.report.structures import face_rows
 from workflow.results.answer import Line
 from workflow.results.results import Results
-from workflow.results.slices import CirclePart, SlicesAnswer
+from workflow.results.slices import CirclePart, FacePart, SlicesAnswer
 from workflow.results.verdicts import Criterion, VerdictPart
 
 Found = tuple[str, float | None, float | None, str]  # of what, ends of the interval, why there is no answer
@@ -61,7 +61,7 @@ def _judged(
 
 def _factors(results: Results, kh: float) -> Iterator[Found]:
     if results.slices is not None:
-        faces = [(f"{group.structure}, towards the {group.towards}", group.factors) for group in results.slices.faces]
+        faces = [(f"{face.structure}, towards the {face.towards}", face.factors) for face in _sliding(results.slices)]
         for of, groups in faces or [("the section", results.slices.factors)]:
             yield from _by_slices(of, [circle for group in groups if group.kh == kh for circle in group.circles])
     fem = results.fem
@@ -74,7 +74,7 @@ def _critical(results: Results) -> Iterator[Found]:
     if results.slices is not None:
         faces = [
             (f"{face.structure}, towards the {face.towards}", [] if face.critical is None else [face.critical])
-            for face in results.slices.faces
+            for face in _sliding(results.slices)
         ]
         for of, circles in faces or [("the section", list(results.slices.critical))]:
             yield from _by_slices(of, circles)
@@ -83,7 +83,12 @@ def _critical(results: Results) -> Iterator[Found]:
 
 
 def _has_faces(slices: SlicesAnswer | None) -> bool:
-    return slices is not None and bool(slices.faces)
+    return slices is not None and bool(_sliding(slices))
+
+
+def _sliding(slices: SlicesAnswer) -> list[FacePart]:
+    """The faces with which some circle slides: level ground has none to hold against a criterion."""
+    return [face for face in slices.faces if not face.reason]
 
 
 def _by_slices(of: str, circles: list[CirclePart]) -> Iterator[Found]:

@@ -37,6 +37,7 @@ class FacePart(Part):
     towards: Literal["left", "right"] = Field(description="the side to which the face slides")
     factors: tuple[FactorCircles, ...] = Field(description="factors of safety, at most one circle for each Kh")
     critical: CirclePart | None = Field(description="circle with the least critical Kh")
+    reason: str = Field(default="", description="why no circle slides with it; empty where one does")
 
     def factor(self, kh: float) -> float | None:
         """The least factor of safety at one Kh; None where no circle slides or the Kh was not asked for."""

@@ -12,8 +12,8 @@ from workflow.config import Config
 from workflow.run.stage import Job, Stage
 
 PROGRAM = "the program"
-# Of a section: what pictures and the report say, and nothing is computed from but the circles of structures.
-TITLE = {"name", "title", "structures"}
+# Of a section: what the report says, and nothing is computed from but the circles of structures.
+NAMES = {"name", "title", "structures"}
 PACKAGES = ("meshes", "fem", "dem", "workflow")
 SOURCES = (".py", ".csv", ".jinja", ".js")  # the files that results are made by; sections are the user's
 
@@ -29,7 +29,9 @@ def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dic
         if name not in ignored:
             prints[name if "." in name else f"[{name}]"] = fingerprint_of(_settings(name, job.config, ignored))
     if stage.of_all:
-        prints["title"] = title(job.config.section)
+        names = job.config.section.model_dump(mode="json", include=NAMES)
+        structures = names.pop("structures")
+        prints |= {"title": fingerprint_of(names), "structures": fingerprint_of(structures)}
     prints |= {name: fingerprint_of(value) for name, value in stage.takes(job.config).items()}
     for name, path in stage.files(job).items():
         prints[name] = fingerprint_of_file(path)
@@ -40,8 +42,8 @@ def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dic
 
 
 def title(section: Section) -> str:
-    """A fingerprint of the names in the section."""
-    return fingerprint_of(section.model_dump(mode="json", include=TITLE))
+    """A fingerprint of the title that pictures bear."""
+    return fingerprint_of(section.heading)
 
 
 @cache
@@ -59,8 +61,8 @@ def program() -> str:
 
 
 def section_data(section: Section) -> dict[str, Any]:
-    """The section as it was written, without its title."""
-    return section.model_dump(mode="json", exclude=TITLE)
+    """The section as it was written, without its title and structures."""
+    return section.model_dump(mode="json", exclude=NAMES)
 
 
 def _settings(name: str, config: Config, ignored: frozenset[str]) -> dict[str, Any]:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 PICTURE = "figures/slip_circles.png"
 LEVEL = 10.0  # a circle with a larger factor of safety slides through level ground: there is no slope on that side
 NO_CIRCLE = "no circle slides: the ground is level, or every circle is too shallow or too steep"
+NO_FACE = "no circle slides with its crest, for the ground is level there, or every circle is too shallow or too steep"
 SOURCE = "Bishop 1955 (simplified method); Spencer 1967; Duncan, Wright & Brandon 2014, chapter 6"
 
 
@@ -44,7 +45,7 @@ def work(job: Job) -> None:
 
 
 def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
-    """The faces of all structures that slide somewhere."""
+    """The faces of all structures, those with which no circle slides among them."""
     from workflow.estimates.slices import LEFT, RIGHT
     from workflow.estimates.structures import face_circle, structures_of
 
@@ -56,21 +57,22 @@ def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
                 kh: face_circle(section, structure, side, circles, kh, fem.least_depth, fem.vertical)
                 for kh, circles in whole.items()
             }
-            circles = {kh: _parts(() if circle is None else (circle,)) for kh, circle in circle_at.items()}
-            if any(circles.values()):
-                crest = structure.crest
-                yield FacePart(
-                    structure=structure.name,
-                    kind=structure.kind,
-                    start_m=crest.start,
-                    end_m=crest.end,
-                    crest_m=(crest.left, crest.right),
-                    towards="left" if side == LEFT else "right",
-                    factors=tuple(
-                        FactorCircles(kh=kh, circles=circle) for kh, circle in circles.items() if kh is not None
-                    ),
-                    critical=next(iter(circles[None]), None),
-                )
+            circles = {
+                kh: _parts(() if circle is None or (kh is not None and circle.bishop >= LEVEL) else (circle,))
+                for kh, circle in circle_at.items()
+            }
+            crest = structure.crest
+            yield FacePart(
+                structure=structure.name,
+                kind=structure.kind,
+                start_m=crest.start,
+                end_m=crest.end,
+                crest_m=(crest.left, crest.right),
+                towards="left" if side == LEFT else "right",
+                factors=tuple(FactorCircles(kh=kh, circles=circle) for kh, circle in circles.items() if kh is not None),
+                critical=next(iter(circles[None]), None),
+                reason="" if any(circles.values()) else NO_FACE,
+            )
 
 
 def draw(job: Job) -> None:

@@ -101,6 +101,19 @@ def test_faces_the_smallest_and_failures_elsewhere() -> None:
     ]
 
 
+def test_a_face_without_a_circle_says_so_and_is_held_against_no_criterion() -> None:
+    config = levee(criteria={"critical_kh": {"limit": 0.1}})
+    slides = by_slices(config)
+    bare = slides.faces[1].model_copy(
+        update={"factors": (FactorCircles(kh=0.0, circles=()),), "critical": None, "reason": "no circle slides"}
+    )
+    answer = slides.model_copy(update={"faces": (slides.faces[0], bare)})
+    assert (
+        list(structure_sentences(config, answer))[1] == "embankment at x = 69 m, towards the right: no circle slides."
+    )
+    assert [part.verdict for part in verdicts(results(config, slices=answer))] == ["satisfied"]
+
+
 def test_criteria_are_satisfied_or_not_or_not_decided() -> None:
     limits = {
         "factor_of_safety": {"limit": 1.3, "source": "design brief"},
