@@ -26,9 +26,9 @@ Cutting = Callable[[Sequence[Stratum], Layering, Sequence[np.ndarray | None], tu
 
 
 def shown_name(name: str, quoted: bool = True) -> str:
-    """A stratum in a sentence: by the name that it has in its file, and whether it is the part below water."""
-    whole = name.removesuffix(BELOW_WATER)
-    return (f'"{whole}"' if quoted else whole) + (" below water" if whole != name else "")
+    """A stratum in a sentence: its soil by the name that it has in the file, and whether it is the part below water."""
+    soil = whole_soil(name)
+    return (f'"{soil}"' if quoted else soil) + (" below water" if name.endswith(BELOW_WATER) else "")
 
 
 def part_name(soil: str, taken: Collection[str]) -> str:
@@ -40,6 +40,11 @@ def part_name(soil: str, taken: Collection[str]) -> str:
 def soil_of(name: str) -> str:
     """The name of a stratum without the number of its part."""
     return PART.sub("", name)
+
+
+def whole_soil(name: str) -> str:
+    """The name of a stratum's soil in the file, above water and below it."""
+    return soil_of(name.removesuffix(BELOW_WATER))
 
 
 def soil_numbers(names: Sequence[str]) -> list[int]:
@@ -180,23 +185,26 @@ def cut_strata(
 ) -> tuple[Stratum, ...]:
     """The strata, those that their water ``levels`` (n, 2) cross in two, those wholly below with the saturated density.
 
-    New lines reach as far as the section was ``given`` (x in m). The upper part keeps the name, and does not liquefy.
+    New lines reach as far as the section was ``given`` (x in m). The upper part keeps the name, and does not liquefy;
+    of a soil that zones part, a part wholly below water has the name of one below water where another lies above it.
     What water cuts off in pockets smaller than cells stays with the rest; ``cut_films`` cuts it off, too. Pore
     pressures know nothing of that.
     """
     found: list[Stratum] = []
     cell = CELL * float(layers.areas().sum() / (layers.x[-1] - layers.x[0]))
-    for k, (stratum, level) in enumerate(zip(strata, levels, strict=True)):
-        if level is None:
+    divided = [None if level is None else divided_by_water(layers, k, level) for k, level in enumerate(levels)]
+    kept = [None if exact is None else without_pockets(exact, cell) for exact in divided]
+    dry_soils = {whole_soil(s.name) for s, parts in zip(strata, kept, strict=True) if parts is None or parts.has(0)}
+    for stratum, exact, parts in zip(strata, divided, kept, strict=True):
+        if exact is None or parts is None:
             found.append(stratum)
             continue
-        exact = divided_by_water(layers, k, level)
-        parts = without_pockets(exact, cell)
         wet, dry = parts.has(1), parts.has(0)
         if wet and dry:
             found.append(stratum.model_copy(update={"bottom": parts.line(*given), "liquefies_in": Cases()}))
         if wet:
-            name = stratum.name + BELOW_WATER if dry else stratum.name
+            below = whole_soil(stratum.name) in dry_soils and not stratum.name.endswith(BELOW_WATER)
+            name = stratum.name + BELOW_WATER if below else stratum.name
             film = (parts.thickness[1] > exact.thickness[1]).any()
             moist = (stratum.density or stratum.density_ordinary) if film else stratum.density_saturated
             stratum = _with_density(stratum, stratum.density_saturated, name=name, density=moist)

@@ -10,7 +10,7 @@ from fem.continuum.shallow_failure import STRIP
 from fem.limit.bound_checks import corner_rates, yield_slack
 from fem.limit.bounds import KhBounds
 from fem.limit.bracket import Mechanism, StressField
-from meshes.section.cutting import FILM_IN
+from meshes.section.cutting import FILM_IN, soil_of
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
 from workflow.config import Config
@@ -112,10 +112,13 @@ def _mesh_sheet(section: Section, bounds: KhBounds, window: Window) -> Sheet:
     whole = [layer.name.removesuffix(FILM_IN) for layer in strata]
     names = [name if name in known else name.rpartition(STRIP)[0] for name in whole]
     colours = [soil_colours(known)[known.index(name)] for name in names]
-    handles = [
-        Patch(facecolor=colour, edgecolor=INK, linewidth=0.6, label=f" {stratum.name}")
+    soils = {
+        soil_of(stratum.name): colour
         for colour, stratum in zip(colours, strata, strict=True)
         if not stratum.name.endswith(FILM_IN)
+    }
+    handles = [
+        Patch(facecolor=colour, edgecolor=INK, linewidth=0.6, label=f" {soil}") for soil, colour in soils.items()
     ]
     columns = max(legend_columns(handles), 2)
 

@@ -20,6 +20,7 @@ from matplotlib.patches import Patch
 from dem.engine.forces import contact_forces
 from dem.ground import Ground
 from dem.model import DiscModel
+from meshes.section.cutting import soil_of
 from workflow.figures.canvas import INK, Sheet, Window, render, soil_colours
 
 BOUNDARY = "#4a4f55"
@@ -99,11 +100,10 @@ def layers(model: DiscModel, path: Path | str, title: str = "Discs by layer") ->
         plotter.add_mesh(pv.line_segments_from_points(lines), color=INK, line_width=1, opacity=0.35, lighting=False)
 
     counts = np.bincount(model.layer + 1, minlength=len(model.springs.layers) + 1)
-    handles: list[Artist] = [
-        Patch(color=colours[k], label=f"{layer.name} ({counts[k + 1]})")
-        for k, layer in enumerate(model.springs.layers)
-        if counts[k + 1]
-    ]
+    soils: dict[tuple[str, str], int] = {}
+    for colour, layer, count in zip(colours, model.springs.layers, counts[1:], strict=True):
+        soils[colour, soil_of(layer.name)] = soils.get((colour, soil_of(layer.name)), 0) + int(count)
+    handles: list[Artist] = [Patch(color=c, label=f"{soil} ({count})") for (c, soil), count in soils.items() if count]
     if counts[0]:
         handles.append(Patch(color=BOUNDARY, label=f"boundary ({counts[0]})"))
     _write(path, title, window, draw, model, handles)

@@ -232,7 +232,7 @@ def _legend_of(section: Section, water: bool = True) -> list[Artist]:
         handles.append(Patch(facecolor=colours[k], edgecolor=INK, linewidth=0.6, hatch=hatch, label=label))
     room = LEGEND_ROWS * legend_columns(handles)
     if len(handles) > room:
-        more = f"and {len(handles) - room + 1} more, down to {section.strata[-1].name}"
+        more = f"and {len(handles) - room + 1} more, down to {soil_of(section.strata[-1].name)}"
         handles = [*handles[: room - 1], Patch(facecolor="none", label=more)]
     if water and section.water_points() is not None:
         handles.append(Line2D([], [], color=WATER, linewidth=1.4, linestyle=(0, (6, 3)), label="water table"))

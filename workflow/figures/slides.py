@@ -16,6 +16,7 @@ from matplotlib.patches import Patch
 from PIL import Image, ImageDraw, ImageFont
 
 from dem.settings import Case
+from meshes.section.cutting import soil_of
 from workflow.config import Config
 from workflow.figures import fonts
 from workflow.figures.canvas import (
@@ -139,11 +140,12 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
         left = Case(stiffness=case.stiffness)
     kept = left_by(left)
     foot = f"after {frame.seconds:.1f} s: {case.reason}. Liquefied layers keep {kept}."
-    handles: list[Artist] = [
-        Patch(color=colours[k], label=stratum.name)
+    soils = {
+        soil_of(stratum.name): colours[k]
         for k, stratum in enumerate(config.section.strata)
         if np.any(frame.stratum == k)
-    ]
+    }
+    handles: list[Artist] = [Patch(color=colour, label=soil) for soil, colour in soils.items()]
     columns = legend_columns(handles, most=6)
     sheet = Sheet(title, [window.proportion] * 2, foot, legend_rows=3 - (-len(handles) // columns))
     axes = sheet.show(

@@ -8,7 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from meshes.section.cutting import BELOW_WATER, soil_of
+from meshes.section.cutting import whole_soil
 from meshes.section.overburden import water_level
 from meshes.section.section import Section
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DPI, INK, WATER, WIDTH, save, soil_colours
@@ -91,7 +91,7 @@ def _name_strata(section: Section, depths: np.ndarray, deepest: float, axes: Axe
     """What the strata are called, where they are thick enough for it."""
     for stratum, top, bottom in zip(section.strata, depths[:-1], depths[1:], strict=True):
         if min(bottom, deepest) - top > NAMED * deepest:
-            name = soil_of(stratum.name.removesuffix(BELOW_WATER))
+            name = whole_soil(stratum.name)
             axes.annotate(
                 name, (0.95, top), (0, -3), xycoords=("axes fraction", "data"), textcoords="offset points",
                 fontsize=6, va="top", ha="right", color=INK, parse_math=False, annotation_clip=False,

@@ -181,9 +181,10 @@ def _slide(results: Results, _: Texts) -> HeadlinePart:
     count = max(len(cases), len(points))
     by = [_("{slide} by calibrated discs", slide=_span(cases))] if cases else []
     by += [_("{slide} by material points", slide=_span(points))] if points else []
+    names = (shown_name(s.name, quoted=False) for s in results.config.section.strata if s.liquefies_in)
     phrase = _(
         "After liquefaction of {layers}, under {shaking}, the surface slides {slide} ({count}) and {end}.",
-        layers=_.listed([shown_name(s.name, quoted=False) for s in results.config.section.strata if s.liquefies_in]),
+        layers=_.listed(list(dict.fromkeys(names))),
         shaking=_.sentence(results.config.slide.shaking),
         slide=_.listed(by),
         count=_("one case") if count == 1 else _("{number} cases", number=count),

@@ -6,7 +6,7 @@ import pytest
 
 from dem.settings import Case
 from meshes.errors import InputError
-from meshes.section.cutting import key_in_file, shown_name, value_of_stratum
+from meshes.section.cutting import key_in_file, shown_name, soil_numbers, value_of_stratum
 from tests.support.sections import layer
 from workflow.config import Config
 from workflow.earthquake.column import _layers
@@ -37,7 +37,19 @@ def test_how_strata_are_called() -> None:
         'strata 2 "clay"',
     ]
     assert shown_name("sand, below water", quoted=False) == "sand below water"
+    assert shown_name("sand, part 2, below water") == '"sand" below water'
+    assert shown_name("sand, part 3") == '"sand"'
     assert value_of_stratum({"sand": 1, "sand, below water": 2}, "sand, below water") == 2
+
+
+def test_a_part_of_a_soil_wholly_below_water_is_shown_as_what_water_cut_off() -> None:
+    """A lens at -4 to -5 m parts the sand below the water at -2 m."""
+    lens = {**layer("lens"), "points": [[5.0, -4.0], [5.0, -5.0], [35.0, -5.0], [35.0, -4.0]]}
+    section = cut(zones=[lens]).section
+    names = [stratum.name for stratum in section.strata]
+    assert names == ["sand", "sand, below water", "lens", "sand, part 2, below water", "clay"]
+    assert soil_numbers(names) == [0, 1, 2, 1, 3]
+    assert [key_in_file(section.strata, k) for k in (1, 3)] == ['strata 1 "sand" below water'] * 2
 
 
 @pytest.mark.parametrize("key", ["residual", "residual_strength"])
