@@ -218,8 +218,8 @@ def _cases_are(config: Config) -> Iterator[str]:
     """Strength and stiffness left to the layers that liquefy in each case, for the first sentence on cases."""
     numbers = sorted({number for stratum in config.section.strata for number in stratum.liquefies_in})
     cases = [{**dict(assumed := config.cases[number - 1]), "damping": assumed.damping_left} for number in numbers]
-    names = (shown_name(stratum.name, quoted=False) for stratum in config.section.strata if stratum.liquefies_in)
-    layers = list(dict.fromkeys(names))
+    liquefied = [stratum.name for stratum in config.section.strata if stratum.liquefies_in]
+    layers = list(dict.fromkeys(shown_name(name, quoted=False) for name in liquefied))
     phrases, lost = [], []
     whose = "its" if len(layers) == 1 else "their"
     for name in [name for name in cases[0] if name != "name"]:
