@@ -16,7 +16,7 @@ import numpy as np
 
 from meshes.section.polyline import Line, level_at
 from meshes.section.stratum import Stratum
-from meshes.section.water_pressure import WaterPressure
+from meshes.section.water_pressure import ON_GROUND, WaterPressure, crossings
 
 ROUNDING = 1e-9
 COLUMNS = 400  # vertical lines over which a cohesion is averaged
@@ -63,11 +63,26 @@ class CohesionField:
             return self.water.kinks
         lines = [self.water.kinks, *(line[:, 0] for line in (*self.starts, *self.consolidated) if line is not None)]
         ends, near = self.water.layers.x, self.water.layers.tolerance
-        at = np.unique(np.concatenate([ends, *lines]))
+        passes = [self._passes(line) for line in self.consolidated if line is not None]
+        at = np.unique(np.concatenate([ends, *lines, *passes]))
         closest = ends[np.abs(at[:, None] - ends).argmin(axis=1)]
         at = np.unique(np.where(np.abs(at - closest) <= near, closest, at))
         at = at[np.diff(at, prepend=-np.inf) > near]
         return at[(at > ends[0]) & (at < ends[-1])]
+
+    def _passes(self, line: np.ndarray) -> np.ndarray:
+        """The x (n,) in m where a line above which nothing counts goes through the ground, a layer or the water."""
+        layers, table = self.water.layers, self.water.after
+        x = np.unique(np.concatenate([layers.x, line[:, 0], *([] if table is None else [table[:, 0]])]))
+        x = x[(x >= layers.x[0]) & (x <= layers.x[-1])]
+        middle, gaps = 0.5 * (x[1:] + x[:-1]), []
+        for end in (x[:-1], x[1:]):
+            others = layers.interfaces(end, near=middle)
+            if table is not None:
+                others = np.column_stack([others, level_at(table, end, middle)])
+            gaps.append(level_at(line, end, middle)[:, None] - others)
+        least = ON_GROUND * layers.tolerance
+        return np.concatenate([crossings(x, *pair, least) for pair in zip(gaps[0].T, gaps[1].T, strict=True)])
 
     def at(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
         """Cohesion (n,) at points."""

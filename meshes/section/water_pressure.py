@@ -139,8 +139,7 @@ class WaterPressure:
         kinks = [line[:, 0] for line in lines]
         for line in lines:
             first, last = (level_at(line, end, middle) - z for end, z in zip((x[:-1], x[1:]), ground, strict=True))
-            i = np.flatnonzero((first * last < 0.0) & (np.minimum(abs(first), abs(last)) > ON_GROUND * near))
-            kinks.append(x[i] + (x[i + 1] - x[i]) * first[i] / (first[i] - last[i]))
+            kinks.append(crossings(x, first, last, ON_GROUND * near))
         kinks += [] if self.flow is None else [self.flow.marks]
         by_weight = any(s.pore_pressure_ratio or s.excess_pore_pressure_ratio or s.strength_ratio for s in self.strata)
         if by_weight or self.after is not self.before:
@@ -206,3 +205,10 @@ class WaterPressure:
             width, rise = (level[stretch + 1] - level[stretch]).T
             head = head / (1.0 + (rise / width) ** 2)
         return self.unit_weight * head
+
+
+def crossings(x: np.ndarray, first: np.ndarray, last: np.ndarray, least: float) -> np.ndarray:
+    """The x (m) where two lines go through each other, whose distances at the ends of the intervals of ``x`` (n,) are
+    ``first`` and ``last`` (n - 1,); those that are nearer than ``least`` at an end do not."""
+    i = np.flatnonzero((first * last < 0.0) & (np.minimum(abs(first), abs(last)) > least))
+    return np.asarray(x[i] + (x[i + 1] - x[i]) * first[i] / (first[i] - last[i]))

@@ -15,6 +15,8 @@ from meshes.section.polyline import Line, Points
 from meshes.section.stratum import Stratum
 
 OWN_KEYS = ("name", "points", "material")
+# Lines whose depths are those below the ground before zones raised it.
+OF_GROUND = ("piezometric_level", "consolidated_below")
 AnyModel = TypeVar("AnyModel", bound=BaseModel)
 BELOW = "\n"  # what lies below the base; no stratum is called so
 # A zone of which no more than the first share lies in the section lies outside; less than the second is not told.
@@ -118,8 +120,8 @@ def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequenc
     above = float((line - _ground_at(layers, columns.x)).max())
     if above > layers.tolerance:
         base = without_depth(ground, base) or base
-        strata = [with_elevations(ground, layer, ("piezometric_level", "consolidated_below")) for layer in strata]
-        zones = [with_elevations(ground, layer, ("piezometric_level", "consolidated_below")) for layer in zones]
+        strata = [with_elevations(ground, layer, (*OF_GROUND, "cohesion_from")) for layer in strata]
+        zones = [with_elevations(ground, layer, OF_GROUND) for layer in zones]  # those have depths of their own
         ground = columns.points(line)
         surface = tuple((float(x), float(z)) for x, z in ground)
         notices.append(f"zones: they raise the ground by up to {above:.3g} m")

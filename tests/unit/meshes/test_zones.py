@@ -66,11 +66,13 @@ def test_a_zone_of_the_soil_around_it_changes_nothing() -> None:
 
 
 def test_a_berm_raises_the_ground_and_leaves_depths_where_they_were() -> None:
-    """The base 20 m below the ground, water at 2 m depth: both stay, where a berm of 3 m stands on the ground."""
+    """The base 20 m below the ground, water at 2 m depth: both stay, where a berm of 3 m stands on the ground, and so
+    does the depth from which the cohesion of the ground below it grows."""
     berm = [[39.0, 16.1], [40.0, 19.0], [50.0, 19.0], [61.0, 13.9]]
     data = with_zones(zone("berm", berm), base={"depth": 20.0}, water={"table": {"depth": 2.0}})
     for one in data["strata"]:
         one["density_saturated"] = "2.1 t/m^3"
+        one |= {"cohesion_increase": "2 kPa/m", "cohesion_from": {"depth": 0}}
     section = Section.parse(data)
     before = Section.parse({key: value for key, value in data.items() if key != "zones"})
     x = np.array([20.0, 40.0, 45.0, 80.0])
@@ -80,6 +82,9 @@ def test_a_berm_raises_the_ground_and_leaves_depths_where_they_were() -> None:
     assert points is not None
     assert was is not None
     np.testing.assert_allclose(np.interp(x, *points.T), np.interp(x, *was.T))
+    below = np.array([[45.0, 8.0]])
+    found, known = (one.cohesion_field.at(below, below, one.stratum_at(*below.T)) for one in (section, before))
+    np.testing.assert_allclose(found, known)
     assert any("raise the ground by up to 4 m" in text for text in section.notices)
 
 

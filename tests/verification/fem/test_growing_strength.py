@@ -96,6 +96,7 @@ def test_cohesions_by_hand() -> None:
 SOILS = [
     {"strength_ratio": 0.3, "pre_overburden_pressure": "15 kPa"},
     {"strength_ratio": 0.3, "cohesion_minimum": "6 kPa"},
+    {"strength_ratio": 0.3, "consolidated_below": 3.1},  # it goes through the ground in the middle of the face
     {"cohesion": "2 kPa", "cohesion_increase": "3 kPa/m", "cohesion_from": {"depth": 1.0}, "cohesion_minimum": "4 kPa"},
 ]
 
