@@ -23,6 +23,10 @@ from workflow.triggering.plausibility import implausible_triggering
 from workflow.uncertain.limits import Reach, reach_of
 from workflow.uncertain.path import changed, plain
 
+CRACKED = (
+    "tension_crack: slip circles alone end at it; elements, strict bounds, discs and material points have no crack but "
+    "where the tension of a stratum opens one"
+)
 # Options of the command line that take the place of other settings in the file.
 REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns", "rows")}
 
@@ -116,7 +120,8 @@ class Config(Tables):
     def notices(self) -> list[str]:
         """Notices on the section, its mesh and its records, one sentence each."""
         cut_off = [line for reach in self.reach.values() for line in reach.notice.splitlines()]
-        return [*self.section.notices, *self.mesh.notices(self.section), *cut_off, *self.notices_of_shaking]
+        cracked = [] if self.tension_crack.bottom is None else [CRACKED]
+        return [*self.section.notices, *self.mesh.notices(self.section), *cracked, *cut_off, *self.notices_of_shaking]
 
     @property
     def notices_of_shaking(self) -> list[str]:

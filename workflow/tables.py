@@ -10,6 +10,7 @@ from fem.settings import BoundsSettings, FemSettings
 from meshes.section.model import Model
 from meshes.section.motion_units import RecordComponent, RecordScale, RecordUnit
 from meshes.section.quantity import Coordinate, Length
+from meshes.section.tension_crack import TensionCrack
 from meshes.settings import MeshSettings
 from workflow.criteria.settings import CriteriaSettings
 from workflow.earthquake.accelerogram import Accelerogram
@@ -125,6 +126,9 @@ class Tables(Model):
     )
     criteria: CriteriaSettings = Field(
         default=CriteriaSettings(), description="a table [criteria] of the limits that the answers are compared with"
+    )
+    tension_crack: TensionCrack = Field(
+        default=TensionCrack(), description="a table [tension_crack] of the cracks at which slip circles end"
     )
     uncertain: UncertainSettings = Field(
         default=UncertainSettings(),

@@ -170,7 +170,7 @@ def _not_taken(entry: Element, water: Element | None) -> Iterator[str]:
         if count := len(entry.findall(items)):
             yield f"not taken: {what}, {count}"
     if entry.find("./TensionCrack/TensionOption") is not None:
-        yield "not taken: the tension crack; see tension of a stratum"
+        yield "not taken: the tension crack; see [tension_crack]"
     seismic = entry.find("Seismic")
     if seismic is not None and float(seismic.get("Horizontal") or 0.0):
         yield f"not taken: the earthquake, Kh = {seismic.get('Horizontal')}; see safety_factor_at in [fem]"

@@ -6,12 +6,14 @@ the right, elevation upwards. A mass that would slide to the right is mirrored f
 the left and the base of a driving slice rises to the right (angle α > 0).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
+from meshes.section.tension_crack import TensionCrack
+from meshes.section.water import Water
 
 LEFT, RIGHT = -1, 1  # where the mass slides to
 
@@ -108,6 +110,43 @@ def divide(
         friction=friction.reshape(shape),
         pressure=water.reshape(shape),
     )
+
+
+def pushed_by_crack(
+    slices: Slices, section: Section, crack: TensionCrack, head: tuple[np.ndarray, np.ndarray], towards: int
+) -> Slices:
+    """The slices with the thrust of the water in tension cracks at their heads.
+
+    Water of depth h presses with γ_w h² / 2 at h / 3 above the bottom. Under free water, which presses with p on the
+    ground, the crack is full, and p acts on all of its face, too. Shaking adds nothing to it.
+
+    Parameters
+    ----------
+    slices : Slices
+    section : Section
+    crack : TensionCrack
+    head : two (surfaces,) ndarray
+        x and elevation (m) of the upper ends of the slip surfaces, the bottoms of the cracks.
+    towards : int
+        LEFT or RIGHT, where the mass slides to.
+
+    Returns
+    -------
+    Slices
+    """
+    x, z = head
+    depth = section.layering.interfaces(x)[:, 0] - z
+    points = np.column_stack([x, z + depth])
+    free = section.water_pressure.on_ground(points, points)
+    water = np.where(free > 0.0, depth, crack.water_depth(depth))
+    gamma = (section.water or Water()).unit_weight
+    thrust = free * water + 0.5 * gamma * water**2
+    turning = 0.5 * free * water**2 + gamma * water**3 / 6.0  # about the bottom of the crack
+    last = -1 if towards == LEFT else 0
+    horizontal, moment = slices.horizontal.copy(), slices.moment.copy()
+    horizontal[:, last] -= thrust
+    moment[:, last] += turning + thrust * (z - slices.z[:, last])
+    return replace(slices, horizontal=horizontal, moment=moment)
 
 
 def _ground_forces(section: Section, x: np.ndarray, towards: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

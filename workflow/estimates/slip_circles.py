@@ -10,8 +10,9 @@ from typing import Literal
 import numpy as np
 
 from meshes.section.section import Section
+from meshes.section.tension_crack import TensionCrack
 from workflow.estimates.slice_methods import bishop_critical_kh, bishop_factor, spencer_critical_kh, spencer_factor
-from workflow.estimates.slices import LEFT, RIGHT, Slices, divide
+from workflow.estimates.slices import LEFT, RIGHT, Slices, divide, pushed_by_crack
 
 ENDS, DEPTHS = 41, 16  # points of the ground, and circles through a pair of them, on the first grid
 SLICES, FINE_SLICES = 40, 200  # of a circle on the first grids, and on the last ones
@@ -21,6 +22,8 @@ CHUNK = 4000  # circles at a time, on the first grid
 STEEPEST = np.radians(80.0)  # of the base: steeper ones are in tension, which slices do not bear
 OUT, INTO = np.radians((30.0, 60.0))  # slopes at which a slip surface that ends below the ground is taken to it
 LEAST_DEPTH = 0.02  # of the height of the section: shallower circles are the infinite slope's
+
+NO_CRACK = TensionCrack()
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +35,7 @@ class SlipCircle:
     towards : the side of the section to which it slides, "left" or "right"
     centre : (x, z) of its centre (m)
     radius : m
-    surface : (n, 2) points of the slip surface from left to right (m)
+    surface : (n, 2) points of the slip surface from left to right (m), up the crack where it ends at one
     kh : seismic coefficient of ``bishop`` and ``spencer`` where these are factors of safety; None where they are Kh
     bishop : factor of safety, or critical Kh, by Bishop's simplified method
     spencer : the same by Spencer's method on the same circle; None where forces and moments do not balance
@@ -53,6 +56,7 @@ def critical_circles(
     least_depth: float = 0.0,
     vertical: float = 0.0,
     crest: tuple[float, float] | None = None,
+    crack: TensionCrack = NO_CRACK,
 ) -> tuple[SlipCircle, ...]:
     """Find, towards either side, the slip circle with the least factor of safety or with the least critical Kh.
 
@@ -69,13 +73,15 @@ def critical_circles(
         Vertical seismic coefficient, positive upwards.
     crest : (left, right) or None
         x (m) of the ends of a crest that slides, or some of it; any circle counts where this is None.
+    crack : TensionCrack
+        Where circles end at a crack, and the water in it.
 
     Returns
     -------
     tuple of SlipCircle
         At most one towards each side, the least value first; empty where no circle slides.
     """
-    circles = [critical_circle(section, towards, kh, least_depth, vertical, crest) for towards in (LEFT, RIGHT)]
+    circles = [critical_circle(section, towards, kh, least_depth, vertical, crest, crack) for towards in (LEFT, RIGHT)]
     return tuple(sorted((circle for circle in circles if circle is not None), key=lambda circle: circle.bishop))
 
 
@@ -86,13 +92,14 @@ def critical_circle(
     least_depth: float = 0.0,
     vertical: float = 0.0,
     crest: tuple[float, float] | None = None,
+    crack: TensionCrack = NO_CRACK,
 ) -> SlipCircle | None:
     """Find the critical slip circle towards one side, LEFT or RIGHT; None where no circle slides.
 
     The other arguments are those of `critical_circles`.
     """
     depth = max(least_depth, LEAST_DEPTH * float(np.ptp(section.outline()[:, 1])))
-    return _Search(section, towards, kh, depth, vertical, crest).run()
+    return _Search(section, towards, kh, depth, vertical, crest, crack).run()
 
 
 def surface_balance(
@@ -150,6 +157,7 @@ class _Search:
     depth: float
     vertical: float
     crest: tuple[float, float] | None
+    crack: TensionCrack
 
     def run(self) -> SlipCircle | None:
         """The circle with the least value; None where none slides."""
@@ -196,7 +204,15 @@ class _Search:
         return bishop_factor(slices, mirrored, centre[:, 1], radius, self.kh)
 
     def _divided(self, x: np.ndarray, z: np.ndarray) -> Slices:
-        return divide(self.section, x, z, self.towards, shaken=self.kh != 0.0, vertical=self.vertical)
+        slices = divide(self.section, x, z, self.towards, shaken=self.kh != 0.0, vertical=self.vertical)
+        if self.crack.bottom is None:
+            return slices
+        return pushed_by_crack(slices, self.section, self.crack, (x[:, self._head], z[:, self._head]), self.towards)
+
+    @property
+    def _head(self) -> int:
+        """Which end of a slip surface is its upper one: the last for a mass that slides to the left."""
+        return -1 if self.towards == LEFT else 0
 
     def _surfaces(self, circles: np.ndarray, number: int) -> tuple[np.ndarray, ...]:
         """Corners x, z (circles, number + 1) of the slices, centres (circles, 2), radii, and which circles are sound.
@@ -207,10 +223,13 @@ class _Search:
         left, right = section.extent
         first, last, bulge = circles.T
         ends = section.layering.interfaces(np.stack([first, last], axis=1).ravel(), None)[:, 0].reshape(-1, 2)
-        half = 0.5 * np.hypot(last - first, ends[:, 1] - ends[:, 0])
         sound = (
             (first >= left) & (last <= right) & (last - first > 1e-6 * (right - left)) & (bulge > 0.0) & (bulge <= 1.0)
         )
+        if self.crack.bottom is not None:  # it opens where the ground falls
+            sound &= self.towards * (ends[:, 1] - ends[:, 0]) < 0.0
+            ends[:, self._head] -= self.crack.depth(section, (first, last)[self._head])
+        half = 0.5 * np.hypot(last - first, ends[:, 1] - ends[:, 0])
         if self.crest is not None:
             sound &= (first <= self.crest[1]) & (last >= self.crest[0])
         half, sagitta = np.where(sound, half, 1.0), np.where(sound, bulge * half, 0.5)
@@ -238,11 +257,15 @@ class _Search:
         bishop = float(self._bishop(slices, centre, radius)[0])
         if not np.isfinite(bishop):
             return None
+        surface = np.column_stack([x[0], z[0]])
+        if self.crack.bottom is not None:  # up the crack to the ground
+            head = surface[[self._head]] + [0.0, float(self.crack.depth(self.section, surface[self._head, :1])[0])]
+            surface = np.vstack([surface, head] if self.towards == LEFT else [head, surface])
         return SlipCircle(
             towards="left" if self.towards == LEFT else "right",
             centre=(float(centre[0, 0]), float(centre[0, 1])),
             radius=float(radius[0]),
-            surface=np.column_stack([x[0], z[0]]),
+            surface=surface,
             kh=self.kh,
             bishop=bishop,
             spencer=_by_spencer(slices, self.kh),

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 from meshes.section.section import Section
 from meshes.section.structure import Kind
+from meshes.section.tension_crack import TensionCrack
 from workflow.estimates.crest import Crest, crest_between, embankments
 from workflow.estimates.slices import LEFT
-from workflow.estimates.slip_circles import SlipCircle, critical_circle
+from workflow.estimates.slip_circles import NO_CRACK, SlipCircle, critical_circle
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,7 @@ def face_circle(
     kh: float | None,
     least_depth: float,
     vertical: float,
+    crack: TensionCrack = NO_CRACK,
 ) -> SlipCircle | None:
     """The critical slip circle of one face of a structure, with which some of its crest slides ``towards`` a side.
 
@@ -55,4 +57,5 @@ def face_circle(
     for circle in whole:
         if circle.towards == side and structure.slides_with([(x, z) for x, z in circle.surface]):
             return circle
-    return critical_circle(section, towards, kh, least_depth, vertical, (structure.crest.left, structure.crest.right))
+    crest = structure.crest.left, structure.crest.right
+    return critical_circle(section, towards, kh, least_depth, vertical, crest, crack)

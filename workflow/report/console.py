@@ -281,6 +281,8 @@ def _slides(config: Config, store: Store) -> Iterator[str]:
 
 def _slices(config: Config, answer: SlicesAnswer) -> Iterator[str]:
     yield from slices_sentences(answer)
+    if config.tension_crack.words:
+        yield config.tension_crack.words
     yield from structure_sentences(config, answer)
 
 

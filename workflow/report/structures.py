@@ -55,7 +55,7 @@ def structure_sentences(config: Config, answer: SlicesAnswer) -> Iterator[str]:
     for row in rows:
         yield f"{row.words}."
     for row in rows:
-        if row.counts and len(rows) > 1:
+        if row.counts and sum(other.kc is not None for other in rows) > 1:
             yield f"The smallest counts: {row.name}."
     yield from elsewhere(config, answer)
 

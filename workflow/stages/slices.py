@@ -28,7 +28,7 @@ def work(job: Job) -> None:
     whole: Circles = {}
     for kh in (*dict.fromkeys((0.0, *fem.safety_factor_at, *(() if wanted is None else (wanted.kh,)))), None):
         job.progress("critical Kh" if kh is None else f"factor of safety at Kh = {kh:g}", None)
-        circles = critical_circles(section, kh, fem.least_depth, fem.vertical)
+        circles = critical_circles(section, kh, fem.least_depth, fem.vertical, crack=job.config.tension_crack)
         whole[kh] = tuple(circle for circle in circles if kh is None or circle.bishop < LEVEL)
     reason = "" if any(whole.values()) else NO_CIRCLE
     SlicesAnswer(
@@ -49,12 +49,12 @@ def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
     from workflow.estimates.slices import LEFT, RIGHT
     from workflow.estimates.structures import face_circle, structures_of
 
-    section, fem = job.config.section, job.config.fem
+    section, fem, crack = job.config.section, job.config.fem, job.config.tension_crack
     for structure in structures_of(section):
         for side in (LEFT, RIGHT):
             job.progress(f"{structure.name}, towards the {'left' if side == LEFT else 'right'}", None)
             circle_at = {
-                kh: face_circle(section, structure, side, circles, kh, fem.least_depth, fem.vertical)
+                kh: face_circle(section, structure, side, circles, kh, fem.least_depth, fem.vertical, crack)
                 for kh, circles in whole.items()
             }
             circles = {
@@ -104,7 +104,7 @@ STAGE = Stage(
     what="slip circles by Bishop and Spencer",
     work=work,
     draw=draw,
-    reads=("fem.safety_factor_at", "fem.least_depth", "fem.vertical", "criteria.factor_of_safety"),
+    reads=("fem.safety_factor_at", "fem.least_depth", "fem.vertical", "criteria.factor_of_safety", "tension_crack"),
     takes=lambda config: {"structures": [one.model_dump(mode="json") for one in config.section.structures]},
     results=(SlicesAnswer.FILE,),
     read=SlicesAnswer.read,

@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
+from meshes.section.tension_crack import TensionCrack
 from tests.support import TOP
 from workflow.estimates.slice_methods import bishop_critical_kh, bishop_factor, spencer_critical_kh, spencer_factor
-from workflow.estimates.slices import LEFT, RIGHT, divide
+from workflow.estimates.slices import LEFT, RIGHT, divide, pushed_by_crack
 from workflow.estimates.slip_circles import SlipCircle, critical_circle, critical_circles, surface_balance
 from workflow.estimates.structures import face_circle, structures_of
 
@@ -58,6 +59,52 @@ def test_published_factors_by_slices(name: str, kh: float, bishop: float | None,
     assert circle.spencer == pytest.approx(spencer, rel=0.012)
     if bishop is not None:
         assert circle.bishop == pytest.approx(bishop, rel=0.012)
+
+
+def test_a_published_slope_with_a_tension_crack_full_of_water() -> None:
+    """ACADS 1(b) with a crack of 2 c / (γ √Ka) = 3.81 m: Slide2 manual, verification problem 2."""
+    crack = TensionCrack.model_validate({"bottom": {"depth": 3.81}, "water": "full"})
+    circle = critical_circle(_published("acads_1b"), LEFT, crack=crack)
+    assert circle is not None
+    assert circle.bishop == pytest.approx(1.596, rel=0.006)
+    assert circle.spencer == pytest.approx(1.592, rel=0.006)
+    assert circle.surface[-1].tolist() == [circle.surface[-2, 0], 35.0]  # up the crack to the crest
+
+
+@pytest.mark.parametrize("water", ["dry", "1 m", "full"])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_cut_in_cracked_clay_stands_as_high_as_its_wedge(water: str, mirrored: bool) -> None:
+    """φ = 0, crack of z = H / 2: F = 2 c (H - z) / (γ (H² - z²) / 2 + P) on a plane of 45°, which dry is Terzaghi's
+    H = 2.67 c / γ (Theoretical Soil Mechanics, 1943, p. 154); circles are hardly worse. P = γw h² / 2."""
+    c, gamma, height, z = 20e3, 20e3, 3.0, 1.5
+    surface = [[0.0, 10.0], [20.0, 10.0], [20.01, 10.0 + height], [40.0, 10.0 + height]]
+    if mirrored:
+        surface = [[40.0 - x, level] for x, level in reversed(surface)]
+    section = _slope("20 kPa", "0 deg", "20 kN/m^3/g_0", surface=surface)
+    crack = TensionCrack.model_validate({"bottom": {"depth": z}, "water": water})
+    circle = critical_circle(section, RIGHT if mirrored else LEFT, crack=crack)
+    thrust = 0.5 * 1000.0 * GRAVITY * {"dry": 0.0, "1 m": 1.0, "full": z}[water] ** 2
+    wedge = 2.0 * c * (height - z) / (0.5 * gamma * (height**2 - z**2) + thrust)
+    assert circle is not None
+    assert 0.985 * wedge < circle.bishop < 1.005 * wedge
+
+
+def test_the_water_of_a_crack_turns_the_ground_by_its_moment() -> None:
+    """φ = 0: F = c L R / (Σ W d + P a), P = γw h² / 2 with the arm a from the centre to h / 3 above the bottom."""
+    section, (x0, z0), radius, cohesion = _slope("30 kPa", "0 deg"), (28.0, 28.0), 22.0, 30e3
+    line = _arc((x0, z0), radius, (15.351, 46.0), 2000)
+    crack = TensionCrack.model_validate({"bottom": {"elevation": float(line[-1, 1])}, "water": "3 m"})
+    dry = divide(section, line[None, :, 0], line[None, :, 1])
+    wet = pushed_by_crack(dry, section, crack, (line[-1:, 0], line[-1:, 1]), LEFT)
+    circle = np.array([x0]), np.array([z0]), np.array([radius])
+    length = radius * (math.asin((line[-1, 0] - x0) / radius) - math.asin((line[0, 0] - x0) / radius))
+    driving = [cohesion * length * radius / bishop_factor(slices, *circle)[0] for slices in (dry, wet)]
+    moment = 0.5 * 1000.0 * GRAVITY * 3.0**2 * (z0 - line[-1, 1] - 1.0)
+    assert driving[1] - driving[0] == pytest.approx(moment, rel=2e-3)
+    balance, without = spencer_factor(wet), spencer_factor(dry)
+    assert balance is not None
+    assert without is not None
+    assert balance.factor < without.factor
 
 
 def test_a_weak_seam_needs_the_slip_surface_that_follows_it() -> None:
