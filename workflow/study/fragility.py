@@ -98,13 +98,14 @@ def _under(record: Accelerogram, peak: float, kc: float) -> float:
 def block(config: Config, kc: float | None) -> float | None:
     """The slide (m) of the rigid block of one sample, under its record or its constant Kh.
 
-    None without kc, and where Kh is held for ever and exceeds it, so that the block never stops.
+    None without kc, and where Kh is held for ever: the block is at rest or never stops, and the mean of those at rest
+    would tell nothing.
     """
-    if kc is None:
+    drive, recorded = block_drive(config), bool(config.sliding_block.accelerogram)
+    if kc is None or (not recorded and math.isinf(drive.seconds)):
         return None
-    if not config.sliding_block.accelerogram:
-        slide = block_drive(config).slide(max(kc, LEAST), constant_kh(config))
-        return slide if math.isfinite(slide) else None
+    if not recorded:
+        return drive.slide(max(kc, LEAST), constant_kh(config))
     record = config.sliding_block.in_use()
     return _under(record, record.peak / GRAVITY, max(kc, LEAST))
 

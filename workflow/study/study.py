@@ -130,8 +130,10 @@ def _row(
             numbers |= row.answer.numbers
             words |= row.answer.words
     if with_block:
-        numbers["block_slide_m"] = block(read, numbers.get("kc"))
-        answered += [BLOCK] if numbers["block_slide_m"] is not None else []
+        kc = numbers.get("kc")
+        answered += [BLOCK] if kc is not None else []
+        if (slide := block(read, kc)) is not None:
+            numbers["block_slide_m"] = slide
     reasons = [f"{part.name}: {row.reason}" for part, row in answers if row.answer is None]
     return SampleRow(drawn, Numbers(numbers=numbers, words=words), "; ".join(reasons), tuple(answered))
 

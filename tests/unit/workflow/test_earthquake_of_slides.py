@@ -32,6 +32,7 @@ from workflow.estimates.sliding_block import newmark
 from workflow.report.tables import parameter_rows
 from workflow.stages.liquefaction import lowest_factors
 from workflow.stages.shaking import shaking_of
+from workflow.study.fragility import block
 
 LEVEE = {"magnitude": 7.4, "distance": "60 km", "peak_acceleration": "0.25 g"}
 
@@ -133,6 +134,13 @@ def test_the_kh_of_a_site_response_reverses_in_the_cycles_of_the_earthquake(tmp_
     alone = analysed({**bored(), "earthquake": LEVEE, "site_response": response, "slide": {"kh": "k_max"}}).slide
     assert (found.kh, alone.kh_cycles) == (alone.kh, None)
     assert (found.kh_cycles, found.kh_period) == (shaken(LEVEE).slide.kh_cycles, shaken(LEVEE).slide.kh_period)
+
+
+def test_samples_of_a_block_that_kh_pushes_for_ever_have_no_slide() -> None:
+    """Neither those that it moves nor those that it does not: the mean of the latter would be none at all."""
+    held, pulse = shaken(LEVEE, kh=0.1), shaken(LEVEE, kh=0.1, kh_seconds=2.0)
+    assert [block(held, kc) for kc in (0.05, 0.2)] == [None, None]
+    assert [block(pulse, kc) for kc in (0.05, 0.2)] == [pytest.approx(9.80665 * 0.01 * 4.0 / 0.1 * 0.5), 0.0]
 
 
 def test_the_block_is_driven_as_the_slides() -> None:
