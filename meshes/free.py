@@ -257,10 +257,11 @@ def _named_curves(
         else:
             elevation = layers.interfaces(middle)[0]
             z = 0.5 * (z1 + z2)
-            if x1 == x2:  # a step of the ground or of the base
+            if x1 == x2:  # a step of the ground or of the base, or what a sliver too thin for points leaves
                 i = int(np.argmin(np.abs(layers.x - x1)))
-                ground = sorted((layers.right[i - 1, 0], layers.left[i, 0]))
-                is_surface = ground[0] <= z <= ground[1]
+                steps = np.sort([layers.right[i - 1, [0, -1]], layers.left[i, [0, -1]]], axis=0)
+                away = np.maximum(np.maximum(steps[0] - z, z - steps[1]), 0.0)
+                is_surface = away[0] <= away[1]
             else:
                 is_surface = abs(z - elevation[0]) < abs(z - elevation[-1])
             name = "surface" if is_surface else "base"

@@ -7,6 +7,8 @@ import pytest
 
 from meshes.gmsh_model import generate
 from meshes.quality import corner_angles
+from meshes.section.section import Section
+from meshes.triangles import triangulate
 from workflow.config import Config
 
 SOIL = {"density": "18 kN/m^3", "density_saturated": "20 kN/m^3", "youngs_modulus": "20 MPa", "poissons_ratio": 0.3,
@@ -50,3 +52,19 @@ def test_pockets_that_water_cuts_off_are_of_the_other_half_and_weigh_next_to_not
     assert given.section.water_points()[1].tolist() == [33.5, 1.01]
     thin = bank([[0, 2.0], [100, 2.0]], [[0, 11.85], [40, 11.85], [60, 3.85], [100, 3.85]])  # 15 cm all over stay dry
     assert [stratum.name for stratum in thin.section.strata][:2] == ["Sand", "Sand, below water"]
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("contact", [3.5, 5.0, 5.5, 5.9])
+def test_what_a_sliver_at_a_steep_face_leaves_is_ground(contact: float, mirrored: bool) -> None:
+    """A face of 3 m leans by 1 cm, so that a contact comes out of it a few millimetres before the crest: the rest of
+    the face was taken for base, where it is held, and a cut of γH/c = 3.83 stood at 4.2."""
+    surface = [[0.0, 3.0], [6.0, 3.0], [6.01, 6.0], [12.0, 6.0]]
+    if mirrored:
+        surface = [[12.0 - x, z] for x, z in reversed(surface)]
+    soil = {key: value for key, value in SOIL.items() if key != "density_saturated"}
+    strata = [{"name": "Sand", "bottom": {"elevation": contact}, **soil}, {"name": "Clay", **soil}]
+    section = Section.parse({"name": "cut", "surface": surface, "base": {"elevation": 0.0}, "strata": strata})
+    mesh = triangulate(section, 1.0)
+    assert np.all(mesh.points[np.unique(mesh.boundaries["base"]), 1] < 1e-6)
+    assert np.all(mesh.points[np.unique(mesh.boundaries["surface"]), 1] > 2.99)
