@@ -34,7 +34,7 @@ def written(folder: Path, **more: Any) -> Path:
         "slide": SHORT_SLIDE,
         **more,
     }
-    data["strata"][0]["liquefies_in"] = [1, 2, 3]
+    data["strata"][0]["liquefies_in"] = [number + 1 for number in range(len(data["slide"]["cases"]))]
     (folder / "quake.csv").write_text(RECORD)
     path = folder / "slope.toml"
     path.write_text(tomli_w.dumps(data))

@@ -10,12 +10,13 @@ import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from meshes.files import BESIDE
 from tests.support.command_line import TOP, line, process, run
-from tests.support.small_run import CONTINUUM, FEW_DISCS, numbers, written
+from tests.support.small_run import CONTINUUM, FEW_DISCS, SHORT_SLIDE, numbers, written
 
 
 def killed_at(path: Path, out: Path, seconds: float, how: int, only: Sequence[str]) -> int:
@@ -33,10 +34,10 @@ def killed_at(path: Path, out: Path, seconds: float, how: int, only: Sequence[st
 
 
 def finished_after_kills(
-    tmp_path: Path, kills: int, seed: int, element_tests: bool = True, only: Sequence[str] = ()
+    tmp_path: Path, kills: int, seed: int, only: Sequence[str] = (), **more: Any
 ) -> tuple[Path, Path]:
     """A run that was killed so often, at moments drawn from all that it takes, and one that was left alone."""
-    path = written(tmp_path, dem={**FEW_DISCS, "element_tests": element_tests})
+    path = written(tmp_path, **more)
     start = time.monotonic()
     assert run("run", path, "--out", tmp_path / "alone", *only) == 0
     span = time.monotonic() - start
@@ -51,9 +52,15 @@ def finished_after_kills(
 
 
 def test_killed_at_random_it_ends_with_the_same_numbers(tmp_path: Path) -> None:
-    """Without what takes most of the time: element tests, and the stages that bound, vary and estimate."""
+    """Without what takes most of the time: element tests, more than one case, states that are kept, and the stages that
+    bound, vary and estimate."""
     stages = [word for name in ("mesh", "fem", "calibrate", "slide", "report") for word in ("--only", name)]
-    alone, killed = finished_after_kills(tmp_path, 1, 20260101, element_tests=False, only=stages)
+    less: dict[str, Any] = {
+        "fem": {"element": "bilinear", "kh": [], "accuracy": 0.0, "direction": "downhill"},
+        "dem": {**FEW_DISCS, "element_tests": False, "kh": []},
+        "slide": {**SHORT_SLIDE, "cases": [{"stiffness": 0.1}]},
+    }
+    alone, killed = finished_after_kills(tmp_path, 1, 20260101, only=stages, **less)
     assert numbers(alone) == numbers(killed)
     names = [{str(path.relative_to(out)) for path in out.rglob("*")} for out in (alone, killed)]
     assert names[0] == names[1]  # nothing half-written is left
