@@ -41,8 +41,9 @@ def read_by(given: Config, folder: Path) -> Reads:
 
 
 def papers(folder: Path) -> Config:
-    """A few of the paper's discs for a moment, and all that stands beside them."""
-    data = tomllib.loads(small_run.written(folder).read_text())
+    """A few of the paper's discs for a moment in one case, and all that stands beside them."""
+    slide = {**small_run.SHORT_SLIDE, "cases": [{"stiffness": 0.1}]}
+    data = tomllib.loads(small_run.written(folder, slide=slide).read_text())
     data["sliding_block"] = {"accelerogram": str(folder / "quake.csv")}
     data["slide"] |= {"judges": ["discs", "mpm"], "mpm_cells": 100}
     return analysed({**data, "dem": {**small_run.FEW_DISCS, "model": "paper", "workers": 1}})
