@@ -26,6 +26,7 @@ from dem.kernels.liquefied_pairs import (
     STRENGTH,
     VISCOSITY,
 )
+from dem.kernels.liquefied_stress import held_shear
 from dem.kernels.neighbours import Near, cell_grid, find_pairs, known_pairs
 from dem.ranges import Ranges, serial
 from dem.state import DiscState
@@ -38,6 +39,12 @@ MOST_STRAIN = 0.02  # so that the strength is there before 5 %
 LOOSE, LOOSER = 0.95, 0.85  # of the median density of a layer: discs at a free surface, looser than that, take this
 SOFTEST = 1.2  # time between two looks at pairs times a bound on their highest frequency
 MOST_STEPS = 4  # between two looks: half a period of the fastest contacts, beyond which these resonate
+ADJUSTS = 20.0  # change of the strength of bonds by the strain, over what the stress held lacks: 1/e within 1/20
+MOST_LACKING = 0.5  # of the strength asked for: ground that turns without strain does work against its bonds as well
+MOST_CHANGE = 0.1  # from list to list
+LEAST_FACTOR, MOST_FACTOR = 0.5, 2.0  # of the strength asked for: discs with few neighbours tell little
+LEAST_STRENGTH = 1.0  # Pa
+SLIPS, FLOWS = 0.8, 0.9  # share of the strength of bonds: ground with less does not slip, with more all of it does
 NEEDED = 3  # columns of cells in a period
 
 
@@ -93,6 +100,34 @@ def list_liquefied(state: DiscState, in_ranges: Ranges = serial) -> None:
     state.liquefied[~now, FORCE_X] = state.liquefied[~now, FORCE_Z] = 0.0
 
 
+def match_strength(state: DiscState) -> None:
+    """Lets bonds hold more or less, so that ground which has strained since the last list holds what was asked for.
+
+    Bonds alone would hold 0.8 to 1.5 times that, by how the discs have come to lie: the pressure of discs that are
+    pushed past each other bears shear as well, and bonds resist more in simple than in pure shear. Along fixed discs,
+    for which they are fitted, they stay as they are: half of what is between these and the ground is not seen.
+    """
+    if not len(state.liquefied):
+        return
+    wet = state.liquefied
+    way = np.array([state.x - state.x_list, state.z - state.z_list])
+    held, strain, used = held_shear(
+        wet, way, np.array([state.liquefied_i, state.liquefied_j]), state.bonds, state.reach, state.repeats
+    )
+    measured = wet[:, SHARE] == 1.0
+    measured[state.liquefied_i[state.fixed[state.liquefied_j]]] = False
+    measured[state.liquefied_j[state.fixed[state.liquefied_i]]] = False
+    slipped = np.where(measured, np.clip((used - SLIPS) / (FLOWS - SLIPS), 0.0, 1.0), 0.0) * strain
+    factor = state.strength_factor
+    asked = np.maximum(wet[:, STRENGTH] / factor, LEAST_STRENGTH)
+    lacking = np.clip(1.0 - held / asked, -MOST_LACKING, MOST_LACKING)
+    change = np.clip(ADJUSTS * slipped * lacking, -MOST_CHANGE, MOST_CHANGE)
+    now = np.clip(factor * np.exp(change), LEAST_FACTOR, MOST_FACTOR)
+    wet[:, STRENGTH] *= now / factor
+    wet[:, STRAIN] *= now / factor  # their stiffness, and with it the stable step, stays
+    state.strength_factor = now
+
+
 def _in_pairs(state: DiscState) -> np.ndarray:
     """Mask (n,) of the discs that have a liquefied one within reach, or are one."""
     is_in_pair = np.zeros(len(state), bool)
@@ -115,6 +150,7 @@ def liquefy(model: DiscState, onset: Onset) -> None:
         )
     if not len(model.liquefied):
         model.liquefied = np.zeros((len(model), FIELDS))
+        model.strength_factor = np.ones(len(model))
         model.reach = reach
     wet, new = model.liquefied, onset.discs & ~has_begun(model)
     wet[:, AREA] = np.where(wet[:, AREA] > 0.0, wet[:, AREA], onset.area)

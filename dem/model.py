@@ -27,7 +27,7 @@ from dem.kernels.neighbours import (
 )
 from dem.kernels.period import folded
 from dem.lines import with_line_strengths
-from dem.liquefied_ground import change_areas, list_liquefied
+from dem.liquefied_ground import change_areas, list_liquefied, match_strength
 from dem.pair_table import PairTable, pair_table
 from dem.ranges import Ranges, serial
 from dem.springs import Law, LayerSprings, Mean, Strength
@@ -154,6 +154,7 @@ class DiscModel(DiscState):
             self.order = spatial_order(x, z, 2.0 * self.radius.mean())
         self.lists_made += 1
         self._list(1.0, self.skin, in_ranges)
+        match_strength(self)
         list_liquefied(self, in_ranges)
         self.x_list, self.z_list = self.x.copy(), self.z.copy()
 

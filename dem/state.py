@@ -83,6 +83,8 @@ class DiscState:
         Pairs with a liquefied disc within the reach of its pore water, sorted in space.
     bonds : (wide pairs, 8)
         What they remember.
+    strength_factor : (n,)
+        Strength of the bonds of liquefied discs over that which was asked for; empty before anything has liquefied.
     reach : float
         Of the pore water's kernel (m), 0 before anything has liquefied.
     steps_held : int
@@ -164,6 +166,7 @@ class DiscState:
     liquefied_i: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int32))
     liquefied_j: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int32))
     bonds: np.ndarray = field(default_factory=lambda: np.zeros((0, BOND_MEMORY)))
+    strength_factor: np.ndarray = field(default_factory=lambda: np.zeros(0))
     reach: float = 0.0
     steps_held: int = 1
 

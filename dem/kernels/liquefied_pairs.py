@@ -69,8 +69,8 @@ FAR = 1e6  # reaches: how far apart lanes without a pair count
 
 RELAXES = 0.1  # s, in which the spring behind the dashpot of a bond gives way: ground at rest swings at 5 to 20 rad/s
 BEHIND = 0.5  # stiffness of that spring over the bond's
-FIRST = 0.3  # 1/0.77 - 1: what a bond holds beyond its strength before it slips
-SOON = 0.02  # shear strain past its limit in which that goes down to 1/e
+FIRST = 0.4  # what a bond holds beyond its strength before it slips; 1/0.77 - 1 at least
+SOON = 0.03  # shear strain past its limit in which that goes down to 1/e
 FITTED = 1.0 / 0.91  # discs slip along surfaces that hold less than the mean of all directions
 LESS = 1e-12  # of a reach: what S is at least
 

@@ -204,6 +204,7 @@ class Slump:
         """Run-out of 98 % of the mass over the height, once it has come to rest; share of the mass that is loose."""
         model, free = self.model, self.free
         model.liquefied[free, STRENGTH], model.liquefied[free, STRAIN] = self.strength, LEAST_STRAIN
+        model.strength_factor[free] = 1.0
         for _ in range(10):
             self.on(np.sqrt(self.HEIGHT / GRAVITY))
         away = np.abs(model.x[free])

@@ -11,8 +11,18 @@ from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine
 from dem.ground import Ground
 from dem.kernels.contact import ALLOWED, CN, CT, KN, KS, MU
-from dem.kernels.liquefied_pairs import AREA, DENSITY, NOW, STRAIN, STRENGTH, bond_kernel, density_kernel
-from dem.liquefied_ground import LEAST_STRAIN, MOST_STRAIN, Onset, has_begun, liquefy, set_share
+from dem.kernels.liquefied_pairs import AREA, BOND, DENSITY, FITTED, NOW, STRAIN, STRENGTH, bond_kernel, density_kernel
+from dem.kernels.liquefied_stress import held_shear
+from dem.liquefied_ground import (
+    ADJUSTS,
+    LEAST_STRAIN,
+    MOST_STRAIN,
+    Onset,
+    has_begun,
+    liquefy,
+    match_strength,
+    set_share,
+)
 from dem.model import DiscModel
 from dem.packing import lattice_box
 from dem.pair_table import pair_table
@@ -45,7 +55,7 @@ def heap(gravity: float = GRAVITY, base: bool = True, seed: int = 3) -> DiscMode
 
 
 def same(one: DiscModel, other: DiscModel) -> None:
-    for name in ("x", "z", "vx", "vz", "liquefied", "liquefied_i", "bonds", "energy_sums"):
+    for name in ("x", "z", "vx", "vz", "liquefied", "liquefied_i", "bonds", "strength_factor", "energy_sums"):
         assert np.array_equal(getattr(one, name), getattr(other, name)), name
 
 
@@ -113,6 +123,64 @@ def test_work_of_the_plates_goes_into_bonds() -> None:
     work = after.boundary - before.boundary
     assert after.liquefied_slip - before.liquefied_slip == pytest.approx(work, rel=0.03)
     assert abs(after.gap - before.gap) < 0.01 * work
+
+
+def affine(strain: np.ndarray) -> tuple[DiscModel, np.ndarray]:
+    """Liquefied discs that lie at random, moved by a gradient of displacement (2, 2), with all bonds at their limit in
+    the direction in which their discs moved apart; and the displacement (2, n)."""
+    rng = np.random.default_rng(4)
+    at = 0.9 * np.stack(np.meshgrid(np.arange(30.0), np.arange(30.0))).reshape(2, -1)
+    at += rng.uniform(-0.25, 0.25, (2, 900))
+    model = DiscModel.create(
+        DiscGeometry(*at, 0.5, np.zeros(900, int)), DiscMaterials([replace(LOOSE, faded=1.0)], law="soil", turns=False)
+    )
+    liquefy(model, Onset(np.ones(900, bool), with_voids(model), *np.full((3, 900), [[5e4], [1e4], [LEAST_STRAIN]])))
+    set_share(model, np.ones(900))
+    i, j = model.liquefied_i, model.liquefied_j
+    apart = at[:, j] - at[:, i]
+    distance = np.hypot(*apart)
+    lever = np.where(distance < model.reach, bond_kernel.py_func(distance, model.reach) * distance, 0.0)
+    levers = np.bincount(i, lever, 900) + np.bincount(j, lever, 900)
+    model.liquefied[:, BOND] = model.liquefied[:, STRENGTH] * model.liquefied[:, AREA] / levers
+    ahead = apart / distance
+    towards = strain @ apart / np.maximum(np.hypot(*(strain @ apart)), 1e-12)
+    model.bonds[:, :] = 0.0
+    model.bonds[:, 0] = np.sum(ahead * towards, axis=0)
+    model.bonds[:, 1] = ahead[0] * towards[1] - ahead[1] * towards[0]
+    return model, strain @ at
+
+
+@pytest.mark.parametrize(
+    ("strain", "held"),
+    [([[0.0, 0.01], [0.0, 0.0]], 1.0), ([[0.0, 0.0], [-0.02, 0.0]], 1.0), ([[0.01, 0.0], [0.0, -0.01]], np.pi / 4.0)],
+)
+def test_the_shear_stress_that_bonds_hold_is_measured(strain: list[list[float]], held: float) -> None:
+    """By integration over directions: FITTED times the strength in simple shear, and pi/4 of that in pure shear, since
+    bonds resist the rotation of simple shear, too."""
+    model, way = affine(np.array(strain))
+    stress, shear, used = held_shear(
+        model.liquefied, way, np.array([model.liquefied_i, model.liquefied_j]), model.bonds, model.reach, model.repeats
+    )
+    inside = (np.abs(model.x - 13.0) < 9.0) & (np.abs(model.z - 13.0) < 9.0)
+    assert stress[inside].mean() == pytest.approx(FITTED * held * 1e4, rel=0.03)
+    gamma = np.hypot(strain[0][0] - strain[1][1], strain[0][1] + strain[1][0])
+    assert shear[inside] == pytest.approx(gamma)
+    assert used[inside] == pytest.approx(1.0)
+
+
+def test_bonds_hold_less_where_the_ground_holds_more_than_was_asked() -> None:
+    """Of ground whose bonds all slip; where it does not strain, as it turns, nothing is changed."""
+    model, way = affine(np.array([[0.0, 0.02], [0.0, 0.0]]))
+    inside = (np.abs(model.x - 13.0) < 9.0) & (np.abs(model.z - 13.0) < 9.0)
+    model.x, model.z = model.x_list + way[0], model.z_list + way[1]
+    match_strength(model)
+    expected = np.exp(ADJUSTS * 0.02 * (1.0 - FITTED))
+    assert model.strength_factor[inside].mean() == pytest.approx(expected, rel=0.02)
+    assert model.liquefied[:, STRENGTH] == pytest.approx(1e4 * model.strength_factor)
+    model, way = affine(np.array([[0.0, 0.02], [-0.02, 0.0]]))
+    model.x, model.z = model.x_list + way[0], model.z_list + way[1]
+    match_strength(model)
+    assert model.strength_factor == pytest.approx(1.0)
 
 
 def test_contacts_of_liquefied_layers_are_gone() -> None:

@@ -1,0 +1,167 @@
+"""Kernel: the shear stress that liquefied ground holds where discs are, against the strain since the last list.
+
+The stress about a disc is that of its pairs with their forces as they were last looked at (virial of Love 1927; half of
+each pair belongs to either disc), tension positive; the gradient of displacement is that of its neighbours by least
+squares. Both are means over the liquefied neighbours within reach, since the stress of a single disc swings about the
+mean beside a slip plane. What ground that flows in the plane without change of volume holds is its plastic work over
+its shear strain, sigma : grad u / gamma (Tresca).
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from dem.kernels.liquefied_pairs import (
+    ACROSS,
+    ALONG,
+    AREA,
+    AT_X,
+    AT_Z,
+    BOND,
+    DASH_ACROSS,
+    DASH_ALONG,
+    FIRST,
+    FITTED,
+    FRESH,
+    LANES,
+    PUSH,
+    SHARE,
+    bond_kernel,
+    density_kernel,
+)
+from dem.kernels.period import Period, image
+
+ALONG_AT, ACROSS_AT, DASH_ALONG_AT, DASH_ACROSS_AT = (int(k) // LANES for k in (ALONG, ACROSS, DASH_ALONG, DASH_ACROSS))
+# sums over the pairs of a disc: stress, gradient and moment of its neighbours, mobilised strength
+S_XX, S_XZ, S_ZX, S_ZZ, G_XX, G_XZ, G_ZX, G_ZZ, M_XX, M_XZ, M_ZZ, USED, WEIGHT = range(13)
+FLAT = 1e-6  # of the square of a moment: neighbours on a line have no gradient
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def held_shear(
+    discs: np.ndarray, way: np.ndarray, pairs: np.ndarray, memory: np.ndarray, reach: float, period: Period
+) -> np.ndarray:
+    """Measure the shear stress that liquefied ground holds as it strains.
+
+    Parameters
+    ----------
+    discs
+        (n, FIELDS) What liquefied discs have.
+    way
+        (2, n) Displacement since the last list (m).
+    pairs
+        (2, pairs) Numbers of their discs.
+    memory
+        (pairs, MEMORY) What the bonds remember.
+    reach, period
+        Of the kernels (m), and of the ground.
+
+    Returns
+    -------
+    (3, n)
+        Shear stress held (Pa), shear strain since the last list, and share of the strength of its bonds that is
+        mobilised; zero for discs that have not liquefied.
+    """
+    n = len(discs)
+    sums, width = _sums(discs, way, pairs, memory, reach, period)
+    mean = _means(discs, pairs, width, reach, sums[:, : G_ZZ + 1])
+    out = np.zeros((3, n))
+    for i in range(n):
+        if discs[i, SHARE] > 0.0:
+            out[0, i], out[1, i] = _held(mean[i])
+            out[2, i] = sums[i, USED] / sums[i, WEIGHT] if sums[i, WEIGHT] > 0.0 else 0.0
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _sums(
+    discs: np.ndarray, way: np.ndarray, pairs: np.ndarray, memory: np.ndarray, reach: float, period: Period
+) -> tuple[np.ndarray, np.ndarray]:
+    """Stress and gradient of every disc (n, 13), and W (pairs,) of every pair (1/m2)."""
+    n = len(discs)
+    sums = np.zeros((n, 13))
+    width = np.zeros(pairs.shape[1])
+    for c in range(pairs.shape[1]):
+        i, j = pairs[0, c], pairs[1, c]
+        dx, dz = image(discs[j, AT_X] - discs[i, AT_X], discs[j, AT_Z] - discs[i, AT_Z], period)
+        apart = math.sqrt(dx * dx + dz * dz)
+        if not 0.0 < apart < reach:
+            continue
+        width[c], slope = density_kernel(apart, reach)
+        nx, nz = dx / apart, dz / apart
+        twice = 1.0 if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0 else 2.0
+        push = -twice * (discs[i, PUSH] + discs[j, PUSH]) * discs[i, AREA] * discs[j, AREA] * slope
+        limit = 0.5 * math.pi * FITTED * twice * (discs[i, BOND] + discs[j, BOND]) * bond_kernel(apart, reach)
+        limit *= 1.0 + FIRST * memory[c, FRESH]
+        along, across = memory[c, ALONG_AT], memory[c, ACROSS_AT]
+        normal = push - limit * along - memory[c, DASH_ALONG_AT]
+        drag = limit * across + memory[c, DASH_ACROSS_AT]
+        fx, fz = normal * nx + drag * nz, normal * nz - drag * nx
+        near = width[c] / (apart * apart)
+        ux, uz = near * (way[0, j] - way[0, i]), near * (way[1, j] - way[1, i])
+        used = width[c] * math.sqrt(along * along + across * across)
+        for k in (i, j):
+            sums[k, S_XX] -= 0.5 * fx * dx
+            sums[k, S_XZ] -= 0.5 * fx * dz
+            sums[k, S_ZX] -= 0.5 * fz * dx
+            sums[k, S_ZZ] -= 0.5 * fz * dz
+            sums[k, G_XX] += ux * dx
+            sums[k, G_XZ] += ux * dz
+            sums[k, G_ZX] += uz * dx
+            sums[k, G_ZZ] += uz * dz
+            sums[k, M_XX] += near * dx * dx
+            sums[k, M_XZ] += near * dx * dz
+            sums[k, M_ZZ] += near * dz * dz
+            sums[k, USED] += used
+            sums[k, WEIGHT] += width[c]
+    for i in range(n):
+        if discs[i, SHARE] > 0.0:
+            sums[i, : S_ZZ + 1] /= discs[i, AREA]
+        _solve(sums[i])
+    return sums, width
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _held(mean: np.ndarray) -> tuple[float, float]:
+    """Shear stress held (Pa) and shear strain, of a stress and a gradient of displacement."""
+    xx, xz, zx, zz = mean[G_XX], mean[G_XZ], mean[G_ZX], mean[G_ZZ]
+    strain = math.sqrt((xx - zz) * (xx - zz) + (xz + zx) * (xz + zx))
+    if strain == 0.0:
+        return 0.0, 0.0
+    half = 0.5 * (mean[S_XX] - mean[S_ZZ]) * (xx - zz)
+    return (half + mean[S_XZ] * xz + mean[S_ZX] * zx) / strain, strain
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _means(discs: np.ndarray, pairs: np.ndarray, width: np.ndarray, reach: float, values: np.ndarray) -> np.ndarray:
+    """Means of values (n, k) over liquefied discs within reach, by the kernel (width) and their areas."""
+    n, count = values.shape
+    out, weight = np.zeros((n, count)), np.zeros(n)
+    own = 7.0 / (math.pi * reach * reach)
+    for i in range(n):
+        if discs[i, SHARE] > 0.0:
+            weight[i] = own * discs[i, AREA]
+            out[i] = weight[i] * values[i]
+    for c in range(pairs.shape[1]):
+        i, j = pairs[0, c], pairs[1, c]
+        if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0:
+            for k, other in ((i, j), (j, i)):
+                part = width[c] * discs[other, AREA]
+                weight[k] += part
+                out[k] += part * values[other]
+    for i in range(n):
+        if weight[i] > 0.0:
+            out[i] /= weight[i]
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _solve(sums: np.ndarray) -> None:
+    """Turns sums over neighbours into the gradient of displacement, nothing where they lie on a line."""
+    xx, xz, zz = sums[M_XX], sums[M_XZ], sums[M_ZZ]
+    scale = xx * zz - xz * xz
+    inverse = 1.0 / scale if scale > FLAT * (xx + zz) * (xx + zz) else 0.0
+    for x, z in ((G_XX, G_XZ), (G_ZX, G_ZZ)):
+        gx, gz = sums[x], sums[z]
+        sums[x], sums[z] = (gx * zz - gz * xz) * inverse, (gz * xx - gx * xz) * inverse
