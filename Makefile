@@ -1,8 +1,10 @@
 # `make run` and `make test` set up all they need; `make help` lists the rest.
 BIN := .venv/bin
+# the discs' kernels, which tests side by side would compile at the same time, each for itself
+KERNELS := from dem.precompile import precompile; from meshes.executor import OneThread; precompile(OneThread(), print)
 SECTION ?= meshes/sections/s13.toml
 
-.PHONY: help setup run verify docs lint test test-all browser clean
+.PHONY: help setup run verify docs lint checked test test-all browser clean
 
 help:       ## this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*##/\t/' | expand -t 12
@@ -27,11 +29,14 @@ lint: setup ## style, types, who may import whom, and the words of the documenta
 	$(BIN)/python docs/prose.py
 	$(BIN)/python docs/docstrings.py
 
-test: lint browser ## what every change must pass
+test: checked ## what every change must pass
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
-test-all: lint browser ## and the long studies
+test-all: checked ## and the long studies
 	$(BIN)/python -m pytest -n auto --dist loadfile -m ''
+
+checked: setup browser
+	@$(BIN)/python -c "$(KERNELS)" & $(MAKE) --no-print-directory lint && wait
 
 browser:    ## Chromium and a Japanese font, with which the tests look at the report
 	@.ci/setup browser
