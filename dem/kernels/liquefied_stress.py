@@ -126,15 +126,15 @@ def _sums(
 def _held(mean: np.ndarray) -> tuple[float, float]:
     """Shear stress held (Pa) and shear strain, of a stress and a gradient of displacement.
 
-    The bonds resist rotation as well: that of simple shear belongs to its shear stress, what is beyond it does not.
+    Work against rotation counts, which bonds resist as well: ground that turns as it strains then loses no more than
+    it should.
     """
     xx, xz, zx, zz = mean[G_XX], mean[G_XZ], mean[G_ZX], mean[G_ZZ]
     strain = math.sqrt((xx - zz) * (xx - zz) + (xz + zx) * (xz + zx))
     if strain == 0.0:
         return 0.0, 0.0
-    turn = min(max(xz - zx, -strain), strain)
-    half = (mean[S_XX] - mean[S_ZZ]) * (xx - zz)
-    return 0.5 * (half + mean[S_XZ] * (xz + zx + turn) + mean[S_ZX] * (xz + zx - turn)) / strain, strain
+    half = 0.5 * (mean[S_XX] - mean[S_ZZ]) * (xx - zz)
+    return (half + mean[S_XZ] * xz + mean[S_ZX] * zx) / strain, strain
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
