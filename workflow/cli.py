@@ -10,7 +10,6 @@ from meshes import shipped
 from meshes.errors import InputError
 from workflow import stages
 from workflow.exits import ended, ended_as_program
-from workflow.help_text import literal_help
 from workflow.migrate import migrate
 from workflow.options import (
     Columns,
@@ -29,6 +28,7 @@ from workflow.options import (
     Verbose,
     Verbosity,
     Version,
+    literal_help,
 )
 from workflow.section_import.command import section
 from workflow.study.command import converge, study

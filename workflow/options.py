@@ -1,8 +1,9 @@
 """The options that commands have in common."""
 
+from collections.abc import Callable
 from enum import Enum, StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -76,3 +77,17 @@ Model = Annotated[
         help="By calibrated discs, or by the continuum with the material point method. [default: slide.methods]",
     ),
 ]  # fmt: skip
+
+
+def literal_help(call: Callable[..., Any]) -> Any:
+    """A command line whose help shows every word in brackets as it was written; another call as it is."""
+    from rich.markup import escape
+
+    if not isinstance(call, typer.Typer):
+        return call
+    program: Any = typer.main.get_command(call)
+    for command in (program, *program.commands.values()):
+        for text in (command, *command.params):
+            if text.help:
+                text.help = escape(text.help)
+    return program

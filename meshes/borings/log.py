@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from meshes.borings.blows import is_refusal
 from meshes.borings.boring import Cone, Sample
-from meshes.section.ranges import Range, sentence, within
+from meshes.section.plausibility import Range, sentence, within
 
 DEPTH = Range(0.0, 300.0, "m", 1.0, ((1e-2, "cm"), (1e-3, "mm")))  # of the deepest borings for foundations
 # Two depths of one contact may differ by so much (m): a centimetre, which is nothing to a section either, and rounding.

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from meshes.borings.boring import Boring, Cone, Sample
 from meshes.borings.log import DEPTH
-from meshes.section.ranges import UNUSUAL, Range, sentence, within
+from meshes.section.plausibility import UNUSUAL, Range, sentence, within
 
 # From clay to the coarsest sand with gravel that a sampler of 35 mm brings up whole; a refusal to rock; bentonite; from
 # mud to hard rock.

@@ -31,8 +31,7 @@ from meshes.section.seepage import Seepage
 from meshes.section.sentences import sentences
 from meshes.section.stratum import Stratum
 from meshes.section.structure import Structure, structure_problems
-from meshes.section.surcharge import Surcharge
-from meshes.section.surface_loads import SurfaceLoads
+from meshes.section.surcharge import Surcharge, SurfaceLoads
 from meshes.section.uplift import Uplift, uplift
 from meshes.section.water import Water
 from meshes.section.water_pressure import WaterPressure

@@ -13,7 +13,7 @@ import numpy as np
 
 from meshes.section.layering import Layering
 from meshes.section.stratum import Stratum
-from meshes.section.surface_loads import SurfaceLoads
+from meshes.section.surcharge import SurfaceLoads
 
 # A pore pressure above the weight by less (Pa) is none: what 1 cm of water weighs, as close as points are one.
 LEAST = 100.0

@@ -9,10 +9,16 @@ from workflow.config import Config
 from workflow.earthquake.attenuation import GAL, Motion
 from workflow.results.answer import Answer, Known, Part, SectionLabel
 from workflow.triggering.assessment import Assessment, Judged, OfStratum
-from workflow.triggering.consequences import left, pore_pressures
+from workflow.triggering.consequences import (
+    ISHIHARA_YOSHIMINE,
+    PRESSURE_VALIDITY,
+    SEED,
+    STRAIN_VALIDITY,
+    left,
+    pore_pressures,
+)
 from workflow.triggering.potential import SOURCE, risk
 from workflow.triggering.residual import RELATIONS
-from workflow.triggering.strains import ISHIHARA_YOSHIMINE, PRESSURE_VALIDITY, SEED, STRAIN_VALIDITY
 
 
 class MotionPart(Part):

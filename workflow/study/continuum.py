@@ -12,7 +12,7 @@ from fem.search.critical import critical_coefficient
 from meshes.errors import NoAnswerError
 from meshes.gmsh_model import generate
 from workflow.config import Config
-from workflow.study.sample import Numbers, Sample
+from workflow.study.task import Numbers, Sample
 
 if TYPE_CHECKING:
     from fem.limit_load.limit_load import LimitLoadResult

@@ -14,7 +14,7 @@ from workflow.run.record import Entry
 from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.stages import calibrate, fem, mesh, slide
-from workflow.study.sample import Numbers, Sample
+from workflow.study.task import Numbers, Sample
 
 STAGES = (mesh.STAGE, fem.STAGE, calibrate.STAGE, slide.STAGE)
 

@@ -5,6 +5,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from scipy.optimize import minimize
+from scipy.stats import norm
 
 from dem.settings import AVERAGE
 from meshes.section.quantity import GRAVITY
@@ -13,9 +15,47 @@ from workflow.earthquake.accelerogram import Accelerogram, read
 from workflow.estimates.comparison import block_drive, constant_kh
 from workflow.estimates.sliding_block import newmark
 from workflow.results.study import Curve
-from workflow.study.lognormal_fragility import curve
 from workflow.study.statistics import probability
 from workflow.study.table import Table
+
+SPREADS = (0.05, 3.0)  # of the logarithm, that a fit may have: samples that part cleanly would have none
+SEED, RESAMPLES = 0, 200
+TAILS = (0.025, 0.975)
+
+
+def fit(levels: np.ndarray, exceeds: np.ndarray) -> tuple[float, float]:
+    """Median θ and spread β of P = Φ(ln(x / θ) / β), by the greatest likelihood.
+
+    M. Shinozuka et al., J. Eng. Mech. 126 (2000) 1224-1231; J. W. Baker, Earthquake Spectra 31 (2015) 579-599, eq. 11.
+    ``levels`` (n,) are above 0, ``exceeds`` (n,) true or false, both of which occur.
+    """
+    logarithms = np.log(levels)
+
+    def unlikely(guess: np.ndarray) -> float:
+        z = (logarithms - guess[0]) / guess[1]
+        return -float(np.where(exceeds, norm.logcdf(z), norm.logsf(z)).sum())
+
+    within = [(logarithms.min() - 3.0, logarithms.max() + 3.0), SPREADS]
+    first = np.array([float(np.clip(logarithms.mean(), *within[0])), 0.4])
+    optimum = minimize(unlikely, first, bounds=within, method="L-BFGS-B")
+    return float(np.exp(optimum.x[0])), float(optimum.x[1])
+
+
+def curve(name: str, levels: np.ndarray, exceeds: np.ndarray) -> Curve | None:
+    """The fit as a curve with its 95 % interval by bootstrap; None where all samples exceed, or none does."""
+    if not (levels > 0.0).all() or exceeds.all() or not exceeds.any():
+        return None
+    over = np.linspace(levels.min(), levels.max(), POINTS)
+    theta, beta = fit(levels, exceeds)
+    drawn = np.random.default_rng(SEED).integers(len(levels), size=(RESAMPLES, len(levels)))
+    mixed = [chosen for chosen in drawn if 0 < exceeds[chosen].sum() < len(chosen)]
+    others = [norm.cdf(np.log(over / median) / spread)
+              for median, spread in (fit(levels[chosen], exceeds[chosen]) for chosen in mixed)]  # fmt: skip
+    chance = norm.cdf(np.log(over / theta) / beta)
+    low, high = np.quantile([chance, *others], TAILS, axis=0)
+    return Curve(name=name, over=tuple(map(float, over)), chance=tuple(map(float, chance)),
+                 low=tuple(map(float, low)), high=tuple(map(float, high)))  # fmt: skip
+
 
 KH, SCALE = "slide.kh", "slide.scale"  # by which a study draws what shakes the discs
 POINTS = 41  # of a curve

@@ -7,7 +7,7 @@ from fem.settings import WITHOUT_EFFECT
 from workflow.run.stage import Stage
 from workflow.study.continuum import bounds, continuum
 from workflow.study.discs import STAGES, discs
-from workflow.study.sample import Numbers, Sample
+from workflow.study.task import Numbers, Sample
 
 
 @dataclass(frozen=True)

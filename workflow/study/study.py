@@ -20,10 +20,9 @@ from workflow.run.store import Store
 from workflow.study.ensemble import Ensemble, OnRow, Row
 from workflow.study.fragility import block, failure, fragility
 from workflow.study.parts import PARTS, Part
-from workflow.study.sample import Numbers, Sample
 from workflow.study.statistics import effects
 from workflow.study.table import FILE, SampleRow, Table
-from workflow.study.task import Task
+from workflow.study.task import Numbers, Sample, Task
 from workflow.uncertain.sampling import samples
 
 BLOCK = "block"  # the part that takes no task: a closed form of the critical Kh

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from workflow.study.sample import Numbers
+from workflow.study.task import Numbers
 
 FILE = "samples.csv"
 

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Generic, TypeVar, get_type_hints
+from typing import Any, Generic, TypeVar, get_type_hints
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict, Field
 
 from workflow.run.fingerprint import fingerprint_of, program
 
@@ -54,3 +54,28 @@ def _text(module: str) -> str:
     """The text of a module, which need not be one of the program's."""
     file = inspect.getsourcefile(sys.modules[module])
     return fingerprint_of(Path(file).read_text(encoding="utf-8") if file else module)
+
+
+class Sample(BaseModel):
+    """The input of a task: the section, and those of its settings that matter to the task.
+
+    ``files`` are fingerprints of the files that these settings name. ``folder`` keeps what a long task continues from
+    after a stop; it is no part of the input.
+    """
+
+    model_config = ConfigDict(frozen=True)
+
+    data: dict[str, Any]
+    files: dict[str, str] = {}
+    folder: str = Field(default="", exclude=True)
+
+
+class Numbers(BaseModel):
+    """What a task found, by the names of columns; words say how it ended.
+
+    ``errors`` are half the 95 % intervals of numbers that are means over several packings.
+    """
+
+    numbers: dict[str, float | None]
+    words: dict[str, str] = {}
+    errors: dict[str, float] = {}

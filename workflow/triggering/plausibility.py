@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from meshes.borings.plausible import implausible_tests
-from meshes.section.ranges import Range, sentence, within
+from meshes.section.plausibility import Range, sentence, within
 from meshes.section.section import Section
 from workflow.earthquake.settings import EarthquakeSettings
 from workflow.triggering.settings import TriggeringSettings

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workflow.study.convergence import RADII, fit
+from workflow.study.converge import RADII, fit
 
 SIZES = [0.8 * share for share in RADII]
 

@@ -18,9 +18,9 @@ from workflow.after_triggering import config_after_triggering
 from workflow.results.study import StudyAnswer
 from workflow.run.store import Store
 from workflow.study.parts import PARTS
-from workflow.study.sample import Numbers
 from workflow.study.study import Study, task_of, told
 from workflow.study.table import SampleRow, Table
+from workflow.study.task import Numbers
 from workflow.uncertain.sampling import samples
 
 FRICTION = {"strata.loose.friction_angle": {"normal": ["32 deg", "2 deg"]}}

@@ -19,9 +19,9 @@ from workflow.report.study import _strongest as strongest
 from workflow.report.study import _where as where
 from workflow.results.cases import Spread
 from workflow.results.study import Effect, Result
-from workflow.study import continuum, sample
+from workflow.study import continuum, task
 from workflow.study.ensemble import Ensemble
-from workflow.study.lognormal_fragility import curve, fit
+from workflow.study.fragility import curve, fit
 from workflow.study.statistics import effects, probability
 from workflow.study.table import SampleRow, Table
 from workflow.study.task import Task
@@ -65,7 +65,7 @@ def test_sobol_indices_of_the_ishigami_function() -> None:
     rows = []
     for point in points:
         values = tuple(float(value) for value in point)
-        found = sample.Numbers(numbers={"y": ishigami(Numbers(values=values)).value})
+        found = task.Numbers(numbers={"y": ishigami(Numbers(values=values)).value})
         rows.append(SampleRow(dict(zip(("x1", "x2", "x3"), values, strict=True)), found))
     found = {one.path: one for one in effects(Table({"x1": "", "x2": "", "x3": ""}, rows), "y", (), indices=True)}
     assert [found[x].first for x in ("x1", "x2", "x3")] == pytest.approx([0.3139, 0.4424, 0.0], abs=0.01)
@@ -78,7 +78,7 @@ def test_sobol_indices_of_the_ishigami_function() -> None:
 
 def table_of(values: list[float | None], **drawn: list[object]) -> Table:
     rows = [
-        SampleRow({path: column[k] for path, column in drawn.items()}, sample.Numbers(numbers={"kc": value}),
+        SampleRow({path: column[k] for path, column in drawn.items()}, task.Numbers(numbers={"kc": value}),
                   "" if value is not None else "no answer")
         for k, value in enumerate(values)
     ]  # fmt: skip
@@ -139,7 +139,7 @@ def test_a_path_without_equilibrium_is_no_answer_and_not_a_critical_kh_of_0(
         raise error("it ended")
 
     monkeypatch.setattr(continuum, "_critical", ended)
-    given = sample.Sample(data={**slope(), "mesh": {"size": 10}})
+    given = task.Sample(data={**slope(), "mesh": {"size": 10}})
     if error is UnstableError:
         assert continuum.continuum(given).numbers == {"kc": 0.0}
     else:

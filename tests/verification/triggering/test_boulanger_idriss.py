@@ -18,7 +18,7 @@ from workflow.triggering.boulanger_idriss import (
     resistance_ratio,
     why_not,
 )
-from workflow.triggering.strains import limiting_shear_strain
+from workflow.triggering.consequences import limiting_shear_strain
 
 # liquepy 0.6.34, boulanger_and_idriss_2014.run_bi2014 with u2 = 0, pga 0.25 g, M 7, water at 1.5 m and p_a 101.325 kPa
 # (K_σ by its calc_k_sigma with that p_a): depth (m), qc and fs, σv and σ'v (kPa), Ic, qc1N, qc1Ncs, CSR, CRR.

@@ -12,6 +12,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from workflow.triggering.consequences import (
+    limiting_factor,
+    pore_pressure_ratio,
+    shear_strain,
+    volumetric_strain,
+)
 from workflow.triggering.residual import (
     IDRISS_BOULANGER,
     KRAMER_WANG,
@@ -19,12 +25,6 @@ from workflow.triggering.residual import (
     RELATIONS,
     Penetration,
     fines_addition,
-)
-from workflow.triggering.strains import (
-    limiting_factor,
-    pore_pressure_ratio,
-    shear_strain,
-    volumetric_strain,
 )
 
 
