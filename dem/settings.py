@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, StrictBool, model_validator
 
 from meshes.section.cutting import value_of_stratum
+from meshes.section.liquefies import Remains
 from meshes.section.motion_units import RecordComponent, RecordUnit
 from meshes.section.quantity import Length, Quantity, Strength
 from meshes.section.recorded_kh import RecordedKh
@@ -205,19 +206,17 @@ class Case(Model):
         default=0.0,
         ge=0.0,
         le=1.0,
-        description="factor on the friction; soil discs keep this share of tan phi where that is more than residual",
+        description="factor on the friction; of other discs and of the continuum on tan phi",
     )
-    cohesion: float = Field(
-        default=0.0, ge=0.0, le=1.0, description="share of their soil's cohesion that soil discs keep"
-    )
+    cohesion: float = Field(default=0.0, ge=0.0, le=1.0, description="share of its cohesion that the soil keeps")
     residual: Share | dict[str, Share] = Field(
         default=0.0,
-        description="residual strength of soil discs over their vertical effective stress; one for all, or one for "
-        "each by the name of the stratum",
+        description="residual strength over the vertical effective stress before shaking; one for all, or one for "
+        "each by the name of the stratum; what friction and cohesion leave counts in its place where that is more",
     )
     residual_strength: ResidualStrength | dict[str, ResidualStrength] = Field(
         default=0.0,
-        description='residual strength of soil discs, the same all over a stratum, such as "4 kPa"; one for all, or '
+        description='residual strength, the same all over a stratum, such as "4 kPa"; one for all, or '
         "one for each by the name of the stratum; in place of residual",
     )
     volumetric_strain: float = Field(
@@ -237,6 +236,20 @@ class Case(Model):
         """The residual strength (Pa) of a stratum by its name, where it is given as such."""
         kept = self.residual_strength
         return value_of_stratum(kept, stratum) or 0.0 if isinstance(kept, dict) else kept
+
+    def remains_of(self, section: Section, number: int) -> Remains:
+        """What a stratum of a section keeps: its residual strength, or the shares of its cohesion and friction where
+        these are more at its mean effective stress. Back-calculated residual strengths are all that slides had left,
+        so that the two do not add up.
+        """
+        stratum, field = section.strata[number], section.cohesion_field
+        residual = Remains(0.0, 0.0, self.residual_of(stratum.name), self.strength_of(stratum.name))
+        shares = Remains(self.cohesion, self.friction, 0.0)
+        if not (self.cohesion or self.friction):
+            return residual
+        stress, cohesion = field.mean_effective_stress(number), field.means()[number].cohesion
+        kept = self.cohesion * cohesion + self.friction * np.tan(stratum.friction_angle) * stress
+        return shares if kept > residual.residual * stress + residual.strength else residual
 
     @model_validator(mode="after")
     def _one_residual(self) -> Self:

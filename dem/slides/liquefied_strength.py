@@ -12,6 +12,7 @@ from dem.settings import Case
 from dem.slides.overburden import effective_overburden
 from dem.slides.volume import area_per_disc
 from dem.springs import Law, LayerSprings
+from meshes.section.liquefies import Remains
 
 NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go through each other
 NOTHING = 1e-6  # Pa
@@ -41,16 +42,24 @@ def liquefied(
 def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> Onset:
     """State of soil discs at the onset of liquefaction: overburden, and residual strength of the case.
 
-    The strength asked for, as a ratio of the vertical effective stress there and then or as such; or, where more, the
-    shares of friction and cohesion that the case leaves the soil. It is reached at the shear strain that belongs to the
-    shear modulus which the case leaves, s/G in small ones, and never beyond `MOST_STRAIN`.
+    The strength asked for, as a ratio of the vertical effective stress there and then, or as such; or the shares of
+    friction and cohesion that the case leaves the soil (`Case.remains_of`). It is reached at the shear strain that
+    belongs to the shear modulus which the case leaves, s/G in small ones, and never beyond `MOST_STRAIN`.
     """
-    pressure = effective_overburden(model)
+    pressure, section = effective_overburden(model), ground.section
+    consolidated = pressure - _not_consolidated(model, ground)
     strength, strain = np.zeros(len(model)), np.full(len(model), LEAST_STRAIN)
     for k in strata:
         here, layer = model.layer == k, model.springs.layers[k]
-        kept = np.maximum(case.residual_of(layer.name) * pressure[here], case.strength_of(layer.name))
-        strength[here] = np.maximum(kept, _left_of_soil(ground, k, case, pressure[here]))
+        if section is None:
+            kept = Remains(0.0, 0.0, case.residual_of(layer.name), case.strength_of(layer.name))
+        else:
+            kept = case.remains_of(section, k)
+            soil = section.cohesion_field.means()[k]
+            strength[here] = (
+                kept.friction * np.tan(soil.friction_angle) * pressure[here] + kept.cohesion * soil.cohesion
+            )
+        strength[here] += kept.residual * np.maximum(consolidated[here], 0.0) + kept.strength
         modulus = case.stiffness * SHEAR_MODULUS * layer.kn
         strain[here] = np.maximum(
             1.0 / (modulus / np.maximum(strength[here], NOTHING) + 1.0 / MOST_STRAIN), LEAST_STRAIN
@@ -61,10 +70,9 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
     return Onset(np.isin(model.layer, strata) & ~model.fixed, area, pressure, strength, strain)
 
 
-def _left_of_soil(ground: Ground, stratum: int, case: Case, pressure: np.ndarray) -> np.ndarray:
-    """The shares of friction and cohesion of a stratum that the case leaves it, at these vertical stresses (Pa)."""
+def _not_consolidated(model: DiscModel, ground: Ground) -> np.ndarray:
+    """The share (n,) in Pa of the surcharges above discs under which the ground has not consolidated."""
     if ground.section is None:
-        return np.zeros(len(pressure))
-    soil = ground.section.strata[stratum]
-    cohesion = ground.section.cohesion_field.means()[stratum].cohesion
-    return np.asarray(case.friction * np.tan(soil.friction_angle) * pressure + case.cohesion * cohesion)
+        return np.zeros(len(model))
+    loads, x = ground.section.surface_loads, ground.to_section(model.x, model.z)[0]
+    return loads.pressure(x, x) - loads.consolidated(x, x)

@@ -50,6 +50,8 @@ class PointGround:
         Numbers of the points that are the surface, from left to right, in the order of ``points`` as they are here.
     effective : ndarray (n,)
         Vertical effective stress of each point before the earthquake (Pa), compression positive.
+    consolidated : ndarray (n,)
+        The same with that share alone of surcharges to which the ground has consolidated: residual strength is over it.
     softened : tuple of str
         Strata that had to be made less stiff, see ``FASTEST``.
     room : float
@@ -62,6 +64,7 @@ class PointGround:
     offset: np.ndarray
     surface: np.ndarray
     effective: np.ndarray
+    consolidated: np.ndarray
     softened: tuple[str, ...]
     room: float = 0.0
 
@@ -94,7 +97,7 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
     margin = 0 if periodic else BORDER + room + 2
     offset = np.array([left - margin * cell, np.floor(low[1] / cell) * cell - 2.0 * cell])
     shape = (round(width / cell) + (0 if periodic else 2 * margin + 1), int((high[1] - offset[1]) / cell) + HEADROOM)
-    effective = _effective(section, places, owners)
+    effective, consolidated = _effective(section, places, owners)
     soil, softened = _soil(section, places, owners, inside)
     number = np.where(inside, owners, -1)
     points = MaterialPoints.of(places - offset, volumes, soil, number)
@@ -104,7 +107,7 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
     points.stress[:, 1] = -effective
     points.stress[:, 0] = -effective * poisson / (1.0 - poisson)
     grid = _grid(section, cell, shape, offset, "periodic" if periodic else "fixed")
-    return PointGround(section, points, grid, offset, surface, effective, softened, room * cell)
+    return PointGround(section, points, grid, offset, surface, effective, consolidated, softened, room * cell)
 
 
 def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
@@ -129,6 +132,7 @@ def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
         grid=_grid(section, cell, ground.grid.shape, ground.offset, "free-field"),
         surface=(np.cumsum(kept) - 1)[ground.surface[free]],
         effective=ground.effective[kept],
+        consolidated=ground.consolidated[kept],
     )
 
 
@@ -171,17 +175,18 @@ def _fill(
     return np.vstack(places), np.concatenate(volumes), np.concatenate(owners), np.concatenate(is_top)
 
 
-def _effective(section: Section, places: np.ndarray, owners: np.ndarray) -> np.ndarray:
-    """Vertical effective stress (n,) of the column above each point (Pa); below the base that at the base."""
+def _effective(section: Section, places: np.ndarray, owners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Vertical effective stress (n,) of the column above each point (Pa), with all of the surcharges and with the share
+    to which the ground has consolidated; below the base those at the base."""
     left, right = section.extent
     tiny = 1e-9 * (right - left)
     at = np.column_stack([np.clip(places[:, 0], left + tiny, right - tiny), places[:, 1]])
     at[:, 1] = np.maximum(at[:, 1], section.layering.interfaces(at[:, 0])[:, -1])
     water, stratum = section.water_pressure, np.maximum(owners, 0)
     stratum = np.where(owners < 0, section.layering.strata - 1, stratum)
-    total = water.overburden(at, at) + water.ponded(water.after, at, at)
-    loads = sum((load.at(at[:, 0], at[:, 0]) for load in section.surcharges), np.zeros(len(at)))
-    return np.maximum(total + loads - water.at_rest(at, at, stratum), 0.0)
+    load = section.surface_loads.pressure(at[:, 0], at[:, 0])
+    all_of_it = water.vertical_effective(at, at, stratum, load=load)
+    return all_of_it, section.cohesion_field.effective_stress(at, at, stratum)
 
 
 def _load(section: Section, points: MaterialPoints, places: np.ndarray, surface: np.ndarray, spacing: float) -> None:

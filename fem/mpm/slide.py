@@ -13,7 +13,8 @@ from fem.mpm.engine import MaterialPointEngine, Push
 from fem.mpm.ground import FAR, PointGround, with_free_sides
 from fem.mpm.points import UNLIMITED
 from fem.mpm.slide_record import PointSlide
-from fem.search.liquefied_ground import LEAST, UNDRAINED, Remains
+from fem.search.liquefied_ground import LEAST, UNDRAINED
+from meshes.section.liquefies import Remains
 
 DAMPING = 0.7  # with which the ground comes to rest under its weight
 SETTLE, LONGEST_SETTLING = 0.5, 30.0  # s between two looks at that, and after which it is given up
@@ -167,10 +168,10 @@ class PointSlider:
         after, stratum = before.copy(), original(points.stratum)
         for k, kept in programme.remains.items():
             mine, soil = stratum == k, self.ground.section.strata[k]
-            stress = self.ground.effective[mine]
+            stress, consolidated = self.ground.effective[mine], self.ground.consolidated[mine]
             friction = np.arctan(kept.friction * np.tan(soil.friction_angle))
             intact = before[mine, 0] / np.cos(soil.friction_angle)
-            cohesion = kept.cohesion * intact + kept.residual * stress + kept.strength
+            cohesion = kept.cohesion * intact + kept.residual * consolidated + kept.strength
             if friction == 0.0:
                 cohesion = np.maximum(cohesion, LEAST * stress)
             after[mine, 0], after[mine, 1] = cohesion * np.cos(friction), np.sin(friction)

@@ -2,14 +2,13 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from fem.limit_load.conic_limit_load import conic_limit_load
 from fem.path.gravity import under_weight
 from fem.settings import FemSettings
 from meshes.quad_mesh import QuadMesh
-from meshes.section.overburden import mean_effective_stress
+from meshes.section.liquefies import Remains
 from meshes.section.section import Section
 
 # Water does not flow off while the ground fails, so that liquefied ground keeps its volume and presses on the sides
@@ -20,26 +19,14 @@ LEAST = 1e-3
 LITTLE = 1e-3  # of the weight, that is there before the rest is brought on: limit loads are measured by it
 
 
-@dataclass(frozen=True)
-class Remains:
-    """What a stratum keeps: factors on cohesion and tan φ, a strength over the vertical effective stress before it
-    liquefied, and one in Pa."""
-
-    cohesion: float
-    friction: float
-    residual: float
-    strength: float = 0.0
-
-
 def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Section:
     """The section with the strata of these numbers liquefied; ψ = 0 in them, and ν = 0.49."""
     strata = list(section.strata)
     for k, kept in remains.items():
-        stress = mean_effective_stress(section, k)
         friction = math.atan(kept.friction * math.tan(strata[k].friction_angle))
         cohesion = kept.cohesion * strata[k].cohesion + kept.strength
         if friction == 0.0 and not kept.residual:
-            cohesion = max(cohesion, LEAST * stress)
+            cohesion = max(cohesion, LEAST * section.cohesion_field.mean_effective_stress(k))
         change: dict[str, float | None] = {
             "cohesion": cohesion,
             "cohesion_increase": kept.cohesion * strata[k].cohesion_increase,
@@ -49,11 +36,9 @@ def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Secti
             "dilation_angle": 0.0,
             "poissons_ratio": max(UNDRAINED, strata[k].poissons_ratio),
         }
-        if kept.residual and not change["strength_ratio"]:
+        if kept.residual:
             one = dict.fromkeys(("ocr", "ocr_exponent", "pre_overburden_pressure", "consolidated_below"))
             change |= {**one, "strength_ratio": kept.residual}
-        elif kept.residual:  # beside what is left of a SHANSEP strength: over the mean stress
-            change["cohesion"] = cohesion + kept.residual * stress
         strata[k] = strata[k].model_copy(update=change)
     return section.with_strata(strata)
 

@@ -209,7 +209,7 @@ def _consolidate(data: dict[str, Any], yields: Sequence[YieldStress | None], pat
     for given, stratum in zip(yields, strata, strict=True):
         if given is not None and "strength_ratio" in stratum:
             at = np.array([[given.x, given.z]])
-            effective = float(section.water_pressure.vertical_effective(at, at, section.stratum_at(*at.T))[0])
+            effective = float(section.cohesion_field.effective_stress(at, at, section.stratum_at(*at.T))[0])
             stratum["pre_overburden_pressure"] = f"{max(given.stress - effective, 0.0) / 1e3:.4g} kPa"
 
 

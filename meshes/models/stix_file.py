@@ -2,7 +2,7 @@
 
 import json
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -94,10 +94,12 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
             stress = YieldStress(x, z, 1e3 * float(state["YieldStress"]))
         layers.append(Layer(soil["Name"], points, {**_weights(soil), **level}, dry, wet, stress))
     loads = part("loads", "LoadsId")
+    undrained = {number for number, soil in of_layer.items() if "Su" in (soil[ABOVE], soil[BELOW])}
     surcharges = [
-        {"from": load["Start"], "to": load["End"], "pressure": _kPa(load["Magnitude"])}
+        {"from": load["Start"], "to": load["End"], "pressure": _kPa(load["Magnitude"]),
+         "consolidated": _consolidated(load, undrained, notices)}
         for load in loads["UniformLoads"]
-    ]
+    ]  # fmt: skip
     notices += _not_taken(loads, part("reinforcements", "ReinforcementsId"))
     return ForeignModel(
         layers,
@@ -211,6 +213,14 @@ def _preconsolidation(state: Json) -> dict[str, Any]:
     return {}
 
 
+def _consolidated(load: Json, layers: Collection[str], told: list[str]) -> float:
+    """The share of a load under which these layers have consolidated, the least where they differ; 0 without any."""
+    degrees = [float(pair["Degree"]) for pair in load["Consolidations"] if pair["LayerId"] in layers]
+    if len(set(degrees)) > 1:
+        told.append("not taken: degrees of consolidation that differ from layer to layer; a load has the least of them")
+    return min(degrees, default=0.0) / 100.0
+
+
 def _not_taken(loads: Json, reinforcements: Json) -> Iterator[str]:
     """One sentence for each kind of thing that a section has not."""
     for what, items in (("line loads", loads["LineLoads"]), ("trees", loads["Trees"])):
@@ -218,12 +228,9 @@ def _not_taken(loads: Json, reinforcements: Json) -> Iterator[str]:
             yield f"not taken: {what}, {len(items)}"
     if loads["UniformLoads"]:
         yield "loads take all of their mass along when the ground shakes, unless seismic_share says less"
-    partial = [
-        pair for load in (*loads["LayerLoads"], *loads["UniformLoads"]) for pair in load["Consolidations"]
-        if pair["Degree"] < 100.0
-    ]  # fmt: skip
+    partial = [pair for load in loads["LayerLoads"] for pair in load["Consolidations"] if pair["Degree"] < 100.0]
     if partial:
-        yield "not taken: degrees of consolidation below 100 %; see consolidated_below"
+        yield "not taken: degrees of consolidation of layers below 100 %; see consolidated_below"
     quake = loads["Earthquake"]
     if quake["IsEnabled"]:
         yield f"not taken: the earthquake, Kh = {quake['HorizontalFactor']:g}; see safety_factor_at in [fem]"

@@ -2,9 +2,10 @@
 
 c = max(c_min, c0 + k max(0, z_from - z) + S σ'v OCR^m), where the last term is SHANSEP (Ladd & Foott 1974) and OCR =
 σ'p / σ'v is a number, or follows from a pre-overburden pressure: σ'p = σ'v + POP. σ'v is the vertical effective
-stress before shaking: the weight of the ground above and of the water on it, less the pore pressure; loads on the
-ground are not in it. Points are (n, 2), x and elevation in m, each with its stratum and with a point ``near`` it that
-says on which side of a step of the ground it is meant; cohesions are in Pa.
+stress before shaking to which the ground has consolidated: the weight of the ground above, of the water on it and of
+the consolidated share of surcharges, undiminished with depth, less the pore pressure. Points are (n, 2), x and
+elevation in m, each with its stratum and with a point ``near`` it that says on which side of a step of the ground or of
+a surcharge it is meant; cohesions are in Pa.
 """
 
 from collections.abc import Callable
@@ -16,6 +17,7 @@ import numpy as np
 
 from meshes.section.polyline import Line, level_at
 from meshes.section.stratum import Stratum
+from meshes.section.surcharge import SurfaceLoads
 from meshes.section.water_pressure import ON_GROUND, WaterPressure, crossings
 
 ROUNDING = 1e-9
@@ -28,27 +30,54 @@ class CohesionField:
 
     Attributes
     ----------
-    water : WaterPressure
-        The water of the section, with its layers and strata.
+    loads : SurfaceLoads
+        The surcharges and the water of the section, with its layers and strata.
     starts : tuple of (n, 2) or None
         The line (m) below which the cohesion of each stratum grows with depth.
     consolidated : tuple of (n, 2) or None
         The line (m) above which nothing has consolidated each stratum; None for all that lies above it.
     """
 
-    water: WaterPressure
+    loads: SurfaceLoads
     starts: tuple[np.ndarray | None, ...]
     consolidated: tuple[np.ndarray | None, ...]
 
     @classmethod
-    def of(cls, water: WaterPressure, elevations_of: Callable[[Line], np.ndarray]) -> Self:
-        """The cohesions of the strata of ``water``; ``elevations_of`` a line are (n, 2) from side to side (m)."""
+    def of(cls, loads: SurfaceLoads, elevations_of: Callable[[Line], np.ndarray]) -> Self:
+        """The cohesions of the strata below ``loads``; ``elevations_of`` a line are (n, 2) from side to side (m)."""
 
         def lines(key: str) -> tuple[np.ndarray | None, ...]:
-            given = [getattr(soil, key) for soil in water.strata]
+            given = [getattr(soil, key) for soil in loads.water.strata]
             return tuple(None if line is None else elevations_of(line) for line in given)
 
-        return cls(water, lines("cohesion_from"), lines("consolidated_below"))
+        return cls(loads, lines("cohesion_from"), lines("consolidated_below"))
+
+    @property
+    def water(self) -> WaterPressure:
+        """The water of the section, with its layers and strata."""
+        return self.loads.water
+
+    def effective_stress(
+        self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, top: np.ndarray | None = None
+    ) -> np.ndarray:
+        """The vertical effective stress (n,) in Pa to which the ground has consolidated, that ratios of strength
+        multiply; of what is above the line ``top`` (k, 2) nothing counts."""
+        load = self.loads.consolidated(points[:, 0], near[:, 0])
+        return self.water.vertical_effective(points, near, stratum, top, load)
+
+    def mean_effective_stress(self, stratum: int) -> float:
+        """Mean of that stress (Pa) over the area of a stratum; 0 where it has none."""
+        thick, middle = self._columns(stratum)
+        stress = self.effective_stress(middle, middle, np.full(len(middle), stratum))
+        return float(np.average(stress, weights=thick)) if len(middle) else 0.0
+
+    def _columns(self, stratum: int) -> tuple[np.ndarray, np.ndarray]:
+        """Thickness (m) and middle (n, 2) of a stratum on the vertical lines that cross it."""
+        layers = self.water.layers
+        x = layers.x[0] + (layers.x[-1] - layers.x[0]) * (np.arange(COLUMNS) + 0.5) / COLUMNS
+        top, bottom = layers.interfaces(x)[:, stratum : stratum + 2].T
+        there = top > bottom
+        return (top - bottom)[there], np.column_stack([x, 0.5 * (top + bottom)])[there]
 
     @cached_property
     def varies(self) -> np.ndarray:
@@ -128,15 +157,11 @@ class CohesionField:
         """The strata with one cohesion each: where it varies, its mean over the area of the stratum."""
         if not self.varies.any():
             return self.water.strata
-        layers = self.water.layers
-        x = layers.x[0] + (layers.x[-1] - layers.x[0]) * (np.arange(COLUMNS) + 0.5) / COLUMNS
-        levels = layers.interfaces(x)
         strata = list(self.water.strata)
         for k in np.flatnonzero(self.varies):
-            thick = levels[:, k] - levels[:, k + 1]
-            middle = np.column_stack([x, 0.5 * (levels[:, k] + levels[:, k + 1])])[thick > 0.0]
+            thick, middle = self._columns(k)
             cohesion = self.at(middle, middle, np.full(len(middle), k))
-            mean = float(np.average(cohesion, weights=thick[thick > 0.0])) if len(middle) else strata[k].cohesion
+            mean = float(np.average(cohesion, weights=thick)) if len(middle) else strata[k].cohesion
             strata[k] = strata[k].with_cohesion(mean)
         return tuple(strata)
 
@@ -158,7 +183,7 @@ class CohesionField:
             depth = np.zeros(len(place)) if start is None else level_at(start, place[:, 0], beside[:, 0]) - place[:, 1]
             stress = np.zeros(len(place))
             if soil.strength_ratio:
-                stress = self.water.vertical_effective(place, beside, np.full(len(place), k), self.consolidated[k])
+                stress = self.effective_stress(place, beside, np.full(len(place), k), self.consolidated[k])
             cohesion[here] = law(soil, depth, stress)
         return cohesion
 

@@ -1,6 +1,8 @@
-"""The cases that a stratum liquefies in: given by their numbers, or left to blow counts and an earthquake."""
+"""The cases that a stratum liquefies in, given by their numbers or left to blow counts and an earthquake, and what it
+keeps of its strength in them."""
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Annotated, Any, Self
 
 from pydantic import PlainSerializer, PlainValidator
@@ -43,3 +45,23 @@ def read(value: Any) -> Cases:
 
 
 CaseNumbers = Annotated[Cases, PlainValidator(read), PlainSerializer(lambda cases: cases.written)]
+
+
+@dataclass(frozen=True)
+class Remains:
+    """What a stratum keeps once it has liquefied.
+
+    Attributes
+    ----------
+    cohesion, friction : float
+        Factors on its cohesion and on tan φ.
+    residual : float
+        A strength over the vertical effective stress to which the ground has consolidated before.
+    strength : float
+        A strength in Pa.
+    """
+
+    cohesion: float
+    friction: float
+    residual: float
+    strength: float = 0.0

@@ -96,16 +96,3 @@ def reaches_water(section: Section, stratum: int) -> bool:
 def _columns(section: Section, number: int = 200) -> np.ndarray:
     left, right = section.given_extent
     return left + (right - left) * (np.arange(number) + 0.5) / number
-
-
-def mean_effective_stress(section: Section, stratum: int) -> float:
-    """Mean vertical effective stress (Pa) in a stratum, over its area; 0 where it has none."""
-    total = area = 0.0
-    for x in _columns(section):
-        levels = section.layering.interfaces(np.array([x]))[0]
-        thickness = float(levels[stratum] - levels[stratum + 1])
-        if thickness > 0.0:
-            middle = float(levels[0]) - 0.5 * float(levels[stratum] + levels[stratum + 1])
-            total += thickness * overburden(section, float(x), middle).effective
-            area += thickness
-    return total / area if area > 0.0 else 0.0

@@ -257,7 +257,7 @@ class Section(Model):
     @cached_property
     def cohesion_field(self) -> CohesionField:
         """The cohesion at any point of the ground."""
-        return CohesionField.of(self.water_pressure, self.elevations_of)
+        return CohesionField.of(self.surface_loads, self.elevations_of)
 
     @cached_property
     def uplift(self) -> Uplift | None:

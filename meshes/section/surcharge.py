@@ -42,6 +42,13 @@ class Surcharge(Model):
         le=1.0,
         description="the share of its mass that shakes with the ground, from 0 to 1",
     )
+    consolidated: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=1.0,
+        description="the share under which the ground has consolidated, from 0 (traffic, a new load) to 1 (a load of "
+        "years); it counts in the vertical effective stress that ratios of strength multiply",
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -77,8 +84,16 @@ class SurfaceLoads:
 
     def dead(self, points: np.ndarray, near: np.ndarray, normal: np.ndarray) -> np.ndarray:
         """The weight of the surcharges; they press on the ground by its horizontal area."""
-        load = sum((s.at(points[:, 0], near[:, 0]) for s in self.surcharges), np.zeros(len(points)))
+        load = self.pressure(points[:, 0], near[:, 0])
         return np.column_stack([np.zeros(len(points)), -load * np.abs(normal[:, 1])])
+
+    def pressure(self, x: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """The surcharges (n,) in Pa of horizontal area at ``x`` (n,), on the stretch in which ``near`` (n,) lies."""
+        return sum((s.at(x, near) for s in self.surcharges), np.zeros(len(x)))
+
+    def consolidated(self, x: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """The shares (n,) of the surcharges, in Pa, under which the ground has consolidated before shaking."""
+        return sum((s.consolidated * s.at(x, near) for s in self.surcharges), np.zeros(len(x)))
 
     def shaken(self, sign: int, points: np.ndarray, near: np.ndarray, normal: np.ndarray) -> np.ndarray:
         """What Kh = 1 adds, the inertia force on the ground being to the right (``sign`` 1) or to the left (-1).

@@ -101,13 +101,23 @@ class WaterPressure:
         return ratio * self.vertical_effective(points, near, stratum)
 
     def vertical_effective(
-        self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, top: np.ndarray | None = None
+        self,
+        points: np.ndarray,
+        near: np.ndarray,
+        stratum: np.ndarray,
+        top: np.ndarray | None = None,
+        load: np.ndarray | float = 0.0,
     ) -> np.ndarray:
-        """Vertical effective stress (n,) without shaking, nowhere below zero: the weight of the soil above, and of the
-        water on it, less the pore pressure. Of soil above the line ``top`` (k, 2) nothing counts."""
+        """Vertical effective stress (n,) without shaking, nowhere below zero: the weight of the soil above, of the
+        water on it and of a ``load`` (n,) in Pa on the ground, less the pore pressure. Of what is above the line
+        ``top`` (k, 2) nothing counts."""
         ground = self._top(points, near, top)
+        if top is not None:
+            cut = self._top(near, near, top)[:, 1] < self._top(near, near)[:, 1] - self.layers.tolerance
+            load = np.where(cut, 0.0, load)
         free = 0.0 if self.after is None else self.hydrostatic(self.after, ground, near)
-        return np.maximum(self.overburden(points, near, top) + free - self.at_rest(points, near, stratum), 0.0)
+        total = self.overburden(points, near, top) + free + load
+        return np.maximum(total - self.at_rest(points, near, stratum), 0.0)
 
     def inside(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, shaken: bool) -> np.ndarray:
         """Pore pressure (n,), with what shaking adds if the ground is ``shaken``."""

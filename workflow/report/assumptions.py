@@ -45,7 +45,11 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
     )
     yield "Water", _water(config.section)
     if config.section.surcharges:
-        yield "Loads", "Surcharges are vertical; so much of their mass as is given shakes with the ground."
+        yield (
+            "Loads",
+            "Surcharges are vertical; so much of their mass as is given shakes with the ground. Ratios of strength to "
+            "effective stress count the share of them under which the ground has consolidated.",
+        )
     yield "Sides and base", f"{SIDES[config.fem.sides]} The base does not move."
     yield "Sliding blocks", BLOCKS[flow_of(config.section.strata, config.fem.flow)]
     if config.section.liquefies:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from fem.errors import UnstableError
 from fem.settings import WITHOUT_EFFECT
 from meshes.errors import InputError, NoAnswerError
-from meshes.section.overburden import mean_effective_stress
+from meshes.section.liquefies import Remains
 from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from fem.limit.directions import SmallerKhBounds
     from fem.limit_load.limit_load import LimitLoadResult
     from fem.search.critical import CriticalResult
-    from fem.search.liquefied_ground import Remains
     from meshes.quad_mesh import QuadMesh
 
 # Triangles and gap of the bounds: enough to tell standing from flowing, in seconds, as a rule; by how much finer they
@@ -44,14 +43,12 @@ def work(job: Job) -> None:
     ).write(job.store)
 
 
-def _different(config: Config) -> dict[tuple[tuple[int, "Remains"], ...], list[int]]:
+def _different(config: Config) -> dict[tuple[tuple[int, Remains], ...], list[int]]:
     """The numbers of the cases, by what is left of the strata that liquefy in them."""
-    from fem.search.liquefied_ground import Remains
-
     groups: dict[tuple[tuple[int, Remains], ...], list[int]] = {}
     for number, case in enumerate(config.cases, start=1):
         kept = tuple(
-            (k, Remains(case.cohesion, case.friction, case.residual_of(stratum.name), case.strength_of(stratum.name)))
+            (k, case.remains_of(config.section, k))
             for k, stratum in enumerate(config.section.strata)
             if number in stratum.liquefies_in
         )
@@ -60,7 +57,7 @@ def _different(config: Config) -> dict[tuple[tuple[int, "Remains"], ...], list[i
     return groups
 
 
-def _case(config: Config, mesh: "QuadMesh", remains: dict[int, "Remains"], numbers: list[int]) -> LiquefiedCase:
+def _case(config: Config, mesh: "QuadMesh", remains: dict[int, Remains], numbers: list[int]) -> LiquefiedCase:
     """Stability of the ground in cases of equal residual strengths."""
     from fem.search.liquefied_ground import liquefied_section
 
@@ -81,7 +78,7 @@ def _case(config: Config, mesh: "QuadMesh", remains: dict[int, "Remains"], numbe
                 name=section.strata[k].name,
                 cohesion_kPa=mean[k].cohesion / 1e3,
                 friction_deg=math.degrees(section.strata[k].friction_angle),
-                over_effective=mean[k].cohesion / mean_effective_stress(config.section, k),
+                over_effective=mean[k].cohesion / config.section.cohesion_field.mean_effective_stress(k),
             )
             for k in remains
         ),

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from meshes.executor import Tell
-from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.answer import SectionLabel, line
 from workflow.results.material_points import WARNING, PointCase, PointSlidesAnswer
@@ -20,9 +19,7 @@ from workflow.stages.liquefaction import liquefying, taken
 from workflow.stages.slide import files, of_the_record
 
 if TYPE_CHECKING:
-    from dem.settings import Case
     from fem.mpm import PointGround, PointSlide, PointSlider, SlideProgramme
-    from fem.search.liquefied_ground import Remains
 
 FOLDER = "mpm"  # of its files
 LEAD = 2.0  # s in which Kh comes on before anything liquefies, as for the discs
@@ -189,13 +186,6 @@ def _slid(run: PointRun, tell: Tell) -> "PointSlide":
     return followed
 
 
-def _remains(section: Section, case: "Case", stratum: int) -> "Remains":
-    from fem.search.liquefied_ground import Remains
-
-    name = section.strata[stratum].name
-    return Remains(case.cohesion, case.friction, case.residual_of(name), case.strength_of(name))
-
-
 def programme_of(config: Config, number: int) -> "SlideProgramme":
     """Loading of the ground and onset of liquefaction: a constant Kh, or a record, as for the discs."""
     from fem.mpm.slide import SlideProgramme
@@ -204,7 +194,7 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
 
     settings, onset = config.slide, config.slide.onset_of("soil")
     case, strata = config.cases[number - 1], liquefying(config)[number]
-    remains = {k: _remains(config.section, case, k) for k in strata}
+    remains = {k: case.remains_of(config.section, k) for k in strata}
     shaking = shaking_of(config, strata)
     if shaking is not None:
         time, push = shaking.time - shaking.time[0], shaking.push

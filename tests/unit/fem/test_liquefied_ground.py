@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem.search.liquefied_ground import LEAST, Remains, liquefied_section, weight_borne
+from fem.search.liquefied_ground import LEAST, liquefied_section, weight_borne
 from meshes import generate
-from meshes.section.overburden import mean_effective_stress
+from meshes.section.liquefies import Remains
 from meshes.section.quantity import GRAVITY
 from tests.support import SECTIONS
 from tests.support.borings import bored
@@ -21,8 +21,8 @@ def test_what_is_left_of_a_stratum() -> None:
     """Loose sand from 0 to 6 m, water at 1 m: at its middle 1.9 t/m³ over 3 m less 2 m of water, 36.28 kPa. What is
     left in a place is a share of the stress there; gravity acts on 0.9 t/m³, 26.48 kPa in the middle."""
     section = analysed(bored())
-    stress = mean_effective_stress(section.section, 0)
-    assert stress == pytest.approx(GRAVITY * (3.0 * 1900.0 - 2.0 * 1000.0))
+    stress = section.section.cohesion_field.mean_effective_stress(0)
+    assert stress == pytest.approx(GRAVITY * 3.0 * 900.0)
     residual = liquefied_section(section.section, {0: Remains(0.0, 0.0, 0.1)})
     kept = residual.strata[0]
     assert (kept.cohesion, kept.strength_ratio, kept.friction_angle, kept.poissons_ratio) == (0.0, 0.1, 0.0, 0.49)

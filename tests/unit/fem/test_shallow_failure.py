@@ -7,8 +7,9 @@ import pytest
 
 from fem.continuum.shallow_failure import faces_at, shallow_failures, strengthened
 from fem.limit.bounds import DirectionGround, kh_bounds
-from fem.search.liquefied_ground import Remains, liquefied_section
+from fem.search.liquefied_ground import liquefied_section
 from fem.settings import BoundsSettings, FemSettings
+from meshes.section.liquefies import Remains
 from meshes.section.section import Section
 from tests.support import SECTIONS
 from tests.support.sections import layer

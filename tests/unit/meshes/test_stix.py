@@ -84,7 +84,9 @@ def model() -> dict[str, Any]:
         },
         "loads/load": {
             "Id": "5", "LineLoads": [{}], "Trees": [], "LayerLoads": [],
-            "UniformLoads": [{"Start": 9.0, "End": 11.0, "Magnitude": 13.0, "Consolidations": [{"Degree": 0.0}]}],
+            "UniformLoads": [{"Start": 9.0, "End": 11.0, "Magnitude": 13.0, "Consolidations": [
+                {"LayerId": "11", "Degree": 100.0}, {"LayerId": "12", "Degree": 30.0},
+                {"LayerId": "13", "Degree": 0.0}]}],
             "Earthquake": {"IsEnabled": True, "HorizontalFactor": 0.1},
         },
         "reinforcements/reinforcement": {"Id": "6", "Nails": [{}, {}], "Geotextiles": []},
@@ -100,12 +102,12 @@ def written(folder: Path, data: dict[str, Any]) -> Path:
 
 
 def test_a_dike_is_a_section(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Above water the dike has c and φ, below it S σ'v OCR^m: at (10, 1) σ'v is 2 x 18 + 19 - 9.81 = 45.19 kPa, and
-    the yield stress there 80 kPa."""
+    """Above water the dike has c and φ, below it S σ'v OCR^m: at (10, 1) σ'v is 2 x 18 + 19 - 9.81 + 0.3 x 13 = 49.09
+    kPa with the least consolidated share of the load, and the yield stress there 80 kPa."""
     assert run("section", written(tmp_path, model()), "-o", tmp_path / "dike.toml") == 0
     told = capsys.readouterr().out
     assert "It is sound." in told
-    for text in ("line loads, 1", "earthquake, Kh = 0.1", "nails, 2", "consolidation below 100 %", "stiffness"):
+    for text in ("line loads, 1", "earthquake, Kh = 0.1", "nails, 2", "consolidation that differ", "stiffness"):
         assert text in told
     section = Section.read(tmp_path / "dike.toml")
     assert [s.name for s in section.strata] == ["Dike", "Dike, wet", "Clay", "Clay, below water", "Sand"]
@@ -113,12 +115,12 @@ def test_a_dike_is_a_section(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     dry, wet, clay, _, sand = section.strata
     assert (dry.cohesion, dry.density_ordinary, wet.density_ordinary) == pytest.approx((7e3, 1835.5, 1937.5), rel=1e-4)
     assert (wet.cohesion, wet.strength_ratio, wet.ocr_exponent) == (0.0, 0.25, 0.9)
-    assert wet.pre_overburden_pressure == pytest.approx(80e3 - 45.19e3, rel=1e-3)
+    assert wet.pre_overburden_pressure == pytest.approx(80e3 - 49.09e3, rel=1e-3)
     assert clay.pre_overburden_pressure == 12e3
     assert sand.piezometric_level is not None
     at = np.array([[10.0, 1.0]])
     su = section.cohesion_field.at(at, at, np.array([1]))[0]
-    assert su == pytest.approx(0.25 * 45.19e3 * (80.0 / 45.19) ** 0.9, rel=1e-3)
+    assert su == pytest.approx(0.25 * 49.09e3 * (80.0 / 49.09) ** 0.9, rel=1e-3)
     assert section.surcharges[0].pressure == (13e3, 13e3)
 
 
