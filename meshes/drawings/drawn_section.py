@@ -131,9 +131,7 @@ def _of_lines(
             "expected one for each stratum, on a layer of its name, or a line for the ground and one for each bottom"
         )
         raise InputError(str(path), [f"holds no closed polylines; {expected}", *notices])
-    ordered = [(line.layer, line.points if line.points[0, 0] <= line.points[-1, 0] else line.points[::-1])
-               for line in sorted(lines, key=lambda line: -float(_mean(line.points)))]  # fmt: skip
-    (top, ground), *below = ordered
+    (top, ground), *below = _from_the_ground_down(lines, notices := list(notices))
     table, remarks = water_table(lines_of_water, float(ground[0, 0]), float(ground[-1, 0]))
     has = "the drawing has no outlines" if not outlines else "lines of the drawing go on past its outlines, its zones"
     notices = [
@@ -152,10 +150,41 @@ def _of_lines(
     return Drawn(_text(name, notices, _thinned(ground), strata[-1][1], table, strata, zones), notices)
 
 
-def _mean(points: np.ndarray) -> float:
-    """Mean elevation (m) of a line."""
-    width = np.abs(np.diff(points[:, 0]))
-    return float((0.5 * (points[1:, 1] + points[:-1, 1]) * width).sum() / max(float(width.sum()), 1e-12))
+def _from_the_ground_down(lines: Sequence[Shape], notices: list[str]) -> list[tuple[str, np.ndarray]]:
+    """Layers and points of lines, from the left to the right: the ground, the highest line, and what lies below it.
+
+    Lines that go on past the ground end with it. Those that end inside of it continue level, and it is told.
+    """
+    rising = [(line.layer, line.points if line.points[0, 0] <= line.points[-1, 0] else line.points[::-1])
+              for line in lines]  # fmt: skip
+    depth = [sum(_is_above(other, points) for _, other in rising) for _, points in rising]
+    order = sorted(range(len(rising)), key=lambda k: (depth[k], -np.ptp(rising[k][1][:, 0])))
+    (top, ground), *below = [rising[k] for k in order]
+    left, right = float(ground[0, 0]), float(ground[-1, 0])
+    result = [(top, ground)]
+    for layer, points in below:
+        first, last = max(left, points[0, 0]), min(right, points[-1, 0])
+        if first >= last:
+            notices.append(f'not used: the line on layer "{layer}", which lies beside the ground on layer "{top}"')
+            continue
+        ends = np.array([(x, np.interp(x, *points.T)) for x in (left, right)])
+        loose = [f"x = {x:.6g} m" for x in (first, last) if left + JOINED < x < right - JOINED
+                 and abs(np.interp(x, *points.T) - np.interp(x, *ground.T)) > JOINED]  # fmt: skip
+        if loose:
+            notices.append(f'the line on layer "{layer}" ends inside the ground at {" and ".join(loose)}, and '
+                           "continues level")  # fmt: skip
+        inside = (points[:, 0] > left) & (points[:, 0] < right)
+        result.append((layer, np.vstack([ends[:1], points[inside], ends[1:]])))
+    return result
+
+
+def _is_above(line: np.ndarray, other: np.ndarray) -> bool:
+    """Whether a line is higher than another on the mean, over the x that both have, or each over its own."""
+    start, end = max(line[0, 0], other[0, 0]), min(line[-1, 0], other[-1, 0])
+    spans = [(start, end)] * 2 if end > start else [(points[0, 0], points[-1, 0]) for points in (line, other)]
+    first, second = (np.interp(np.linspace(*span, 201), *points.T).mean()
+                     for points, span in zip((line, other), spans, strict=True))  # fmt: skip
+    return bool(first > second)
 
 
 def _text(

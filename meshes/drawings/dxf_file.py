@@ -1,6 +1,7 @@
 """Sections as DXF drawings: every stratum a closed polyline on a layer of its name, and the water an open one."""
 
 import importlib.util
+import logging
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,7 @@ def _ezdxf(path: Path) -> Any:
         raise InputError(str(path), ["drawings need the package ezdxf: pip install noshiro[drawings]"])
     import ezdxf
 
+    logging.getLogger("ezdxf").setLevel(logging.CRITICAL + 1)  # what it mends of a broken file is no news here
     return ezdxf
 
 
@@ -92,7 +94,9 @@ def read_dxf(path: Path, name: str, unit: float | None = None) -> Drawn:
     from ezdxf import recover
 
     try:
-        drawing, _ = recover.readfile(path)
+        # What mends broken files reads none that are binary.
+        binary = path.read_bytes().startswith(b"AutoCAD Binary DXF")
+        drawing = ezdxf.readfile(path) if binary else recover.readfile(path)[0]
     except (OSError, ezdxf.DXFError, ValueError) as error:
         raise InputError(str(path), [f"is no DXF drawing: {error}"]) from None
     return drawn_section(shapes_of(drawing, _names(drawing), unit), path, name)

@@ -14,6 +14,7 @@ from meshes.section.columns import JOINED
 SAGITTA, SHARE_OF_HEIGHT = 0.01, 1.0 / 2000.0
 CURVES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE", "HELIX", "SOLID", "TRACE", "3DFACE"}
 FILLED = {"HATCH", "MPOLYGON"}
+CHORDS = 32  # of a span between knots of a spline without an end
 WIDEST = 5e3  # m of a section of a slope
 # Length (m) of a unit by $INSUNITS; feet, inches, yards and miles of the US survey from 21.
 METRE, UNITS = 6, {
@@ -142,22 +143,33 @@ def _flattened(drawing: Any, sagitta: float, unused: Counter[str]) -> Iterator[_
             unused[f"{kind} on layer {layer}, which is off or frozen"] += 1
             continue
         try:
-            if kind in CURVES:
-                paths = [path.make_path(entity)]
-            elif kind in FILLED:
-                paths = [chain_path for chain_path in path.from_hatch(entity)]
-            else:
+            if kind not in CURVES | FILLED:
                 raise TypeError(kind)
-            chains = [
-                (np.array([tuple(p) for p in chain_path.flattening(sagitta)]), chain_path.is_closed)
-                for chain_path in paths
-            ]
+            if kind == "SPLINE" and not entity.construction_tool().is_clamped:
+                chains = [_unclamped(entity.construction_tool())]
+            else:
+                paths = [path.make_path(entity)] if kind in CURVES else path.from_hatch(entity)
+                chains = [
+                    (np.array([tuple(p) for p in chain_path.flattening(sagitta)]), chain_path.is_closed)
+                    for chain_path in paths
+                ]
         except (TypeError, ValueError, ArithmeticError):
             unused[f"{kind} on layer {layer}"] += 1
             continue
         for points, closed in chains:
             if len(points) > 1:
                 yield _Found(layer, points, bool(closed), kind)
+
+
+def _unclamped(spline: Any) -> tuple[np.ndarray, bool]:
+    """Points (n, 3) of a spline whose knots are not repeated at its ends, as those of closed ones, and if it is closed.
+
+    It is defined between the knots t_p and t_n of n points and degree p; ezdxf's own chords go on outside of these.
+    """
+    knots, degree, count = spline.knots(), spline.degree, spline.count
+    parameters = np.linspace(knots[degree], knots[count], CHORDS * (count - degree) + 1)
+    points = np.array([tuple(point) for point in spline.points(parameters)])
+    return points, bool(np.allclose(points[0], points[-1]))
 
 
 def _entities(space: Any, unused: Counter[str]) -> Iterator[Any]:

@@ -15,8 +15,8 @@ OF_WATER = re.compile(
     re.IGNORECASE,
 )
 OF_POND = re.compile(
-    r"((free|open|surface|pond|river|lake|sea)[ _-]?)?(water|pond|river|lake|reservoir|wasser|水|池|川)"
-    r"([ _-]?(table|level|body|\d+))?",
+    r"((free|open|surface|pond|river|lake|sea|ground|grund)[ _-]?)?(water|pond|river|lake|reservoir|wasser|gwl|gwt|"
+    r"水|池|川|地下水)([ _-]?(table|level|body|\d+))?",
     re.IGNORECASE,
 )
 

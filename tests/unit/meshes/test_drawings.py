@@ -275,6 +275,14 @@ def test_lines_with_a_closed_lens_are_strata_with_a_zone(tmp_path: Path) -> None
     assert "not used: 1 upright LINE on layer Side" in told
 
 
+def test_an_outline_of_groundwater_is_its_table(tmp_path: Path) -> None:
+    """Drawn round all that is wet, it would be ground above the ground."""
+    wet = [(0, 9), (52.5, 7), (100, 7), (100, -6), (0, -6)]
+    made, _ = section(drawn(tmp_path, lambda s: outlines(s, Groundwater=wet)))
+    assert sum(areas(made).values()) == pytest.approx(1400.0)
+    assert np.allclose(made.water_points(), wet[:3])
+
+
 def test_an_outline_of_water_is_no_ground(tmp_path: Path) -> None:
     pond = [(52, 7), (100, 7), (100, 4), (60, 4)]
     made, told = section(drawn(tmp_path, lambda s: outlines(s, Pond=pond)))

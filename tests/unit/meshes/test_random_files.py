@@ -24,7 +24,8 @@ from meshes.section.section import Section
 SOIL = {"density": "18 kN/m^3", "youngs_modulus": "20 MPa", "poissons_ratio": 0.3, "cohesion": "10 kPa",
         "friction_angle": "30 deg"}  # fmt: skip
 UNITS = {1: 0.0254, 2: 0.3048, 4: 0.001, 5: 0.01, 6: 1.0, 10: 0.9144, 14: 0.1, 21: 1200 / 3937}  # m, by $INSUNITS
-WAYS = ("closed", "bulged", "lines", "open", "unclosed", "space", "spline")
+WAYS = ("closed", "bulged", "lines", "open", "unclosed", "space", "spline", "periodic", "block")
+ONLY_LENSES = ("bulged", "spline", "periodic", "unclosed")
 WIDE = 60.0
 
 
@@ -51,7 +52,7 @@ def drawing(seed: int, path: Path) -> Drawn:
     areas: dict[str, float] = {}
     for k, (top, bottom) in enumerate(pairwise(lines)):
         ring = np.vstack([np.column_stack([x, top]), np.column_stack([x, bottom])[::-1]])
-        name, way = f"Layer {k}", str(rng.choice([way for way in WAYS if way not in ("bulged", "spline", "unclosed")]))
+        name, way = f"Layer {k}", str(rng.choice([way for way in WAYS if way not in ONLY_LENSES]))
         draw(space, ring * metre, name, way)
         areas[name] = area(ring)
         if rng.random() < 0.6:
@@ -67,7 +68,7 @@ def drawing(seed: int, path: Path) -> Drawn:
         space.add_line(
             (0, ends[0] * metre), ((WIDE - 20.0 * number) * metre, ends[1] * metre), dxfattribs={"layer": "WATER"}
         )
-    document.saveas(path)
+    document.saveas(path, fmt=str(rng.choice(["asc", "bin"])))
     return Drawn(path, areas, loose, water)
 
 
@@ -93,11 +94,16 @@ def draw_lens(space: Any, rng: np.random.Generator, x: np.ndarray, top: np.ndarr
         size += float((0.5 * (0.5 * chords / math.sin(0.5 * angle)) ** 2 * (angle - math.sin(angle))).sum())
     elif way == "spline":
         size = math.pi * half * rise
+    elif way == "periodic":
+        size *= PERIODIC
     areas[name] = areas.get(name, 0.0) + size
     return size
 
 
 BULGE = 0.1
+PERIODIC = (
+    61 / 90
+)  # area of a closed cubic B-spline of four points in a rhombus over that of the rhombus, by integration
 
 
 def draw(space: Any, ring: np.ndarray, layer: str, way: str) -> None:
@@ -118,6 +124,12 @@ def draw(space: Any, ring: np.ndarray, layer: str, way: str) -> None:
         angles = np.linspace(0.0, 2.0 * math.pi, 49)
         a, b = 0.5 * (right - left), high - z
         space.add_spline([(left + a + a * math.cos(t), z + b * math.sin(t), 0) for t in angles], dxfattribs=on)
+    elif way == "periodic":  # its knots are not repeated, so that it has no ends
+        space.add_spline(dxfattribs=on).set_closed([(px, pz, 0.0) for px, pz in ring])
+    elif way == "block":  # mirrored, at half of its size, on the layer on which it is inserted
+        block = space.doc.blocks.new_anonymous_block()
+        block.add_lwpolyline([(-0.5 * px, 0.5 * pz) for px, pz in ring], close=True, dxfattribs={"layer": "0"})
+        space.add_blockref(block.name, (0, 0), dxfattribs={**on, "xscale": -2.0, "yscale": 2.0})
     else:
         space.add_lwpolyline([*map(tuple, ring)], close=True, dxfattribs=on)
 
@@ -146,6 +158,38 @@ def test_random_drawings_come_back(seed: int, tmp_path_factory: pytest.TempPathF
     assert told.count('on layer "Hatching"') == (1 if made.loose else 0) or told.count('"Hatching"') == made.loose
     assert ("water" in data) == (made.water > 0)
     assert told.count('on layer "WATER"') == max(made.water - 1, 0)
+
+
+@given(seed=st.integers(0, 100_000))
+@settings(max_examples=15, deadline=None)
+def test_random_lines_come_back(seed: int, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """A slope of lines alone, in any order and direction: some go on past the ground, and one of fill ends at it."""
+    rng = np.random.default_rng(seed)
+    document = ezdxf.new(units=6)
+    crest, toe, levels = rng.uniform(14.0, 20.0), rng.uniform(6.0, 9.0), 4.0 - np.cumsum(rng.uniform(0.5, 4.0, 3))
+    shoulder, foot = rng.uniform(10.0, 25.0), rng.uniform(30.0, 50.0)
+    level = rng.uniform(toe + 1.0, crest - 1.0)  # of the bottom of the fill
+    end = shoulder + (foot - shoulder) * (crest - level) / (crest - toe)
+    past = rng.choice([0.0, 3.0], (3, 2))
+    lines = [
+        ("Ground", [(0.0, crest), (shoulder, crest), (foot, toe), (WIDE, toe)]),
+        ("Fill", [(0, level), (end, level)]),
+    ]
+    lines += [(f"Layer {k}", [(-past[k, 0], z), (WIDE + past[k, 1], z)]) for k, z in enumerate(levels)]
+    for k in rng.permutation(len(lines)):
+        name, points = lines[k]
+        document.modelspace().add_lwpolyline(points[:: int(rng.choice([1, -1]))], dxfattribs={"layer": name})
+    document.saveas(path := tmp_path_factory.mktemp("dxf") / "lines.dxf")
+    read = read_dxf(path, "made")
+    data = tomllib.loads(read.text)
+    made = Section.model_validate({**data, "strata": [stratum | SOIL for stratum in data["strata"]]})
+    fill = (crest - level) * 0.5 * (shoulder + end)
+    above = (crest - levels[0]) * shoulder + (0.5 * (crest + toe) - levels[0]) * (foot - shoulder)
+    above += (toe - levels[0]) * (WIDE - foot) - fill
+    expected = [fill, above, *(-np.diff(levels) * WIDE)]
+    assert [stratum.name for stratum in made.strata] == ["Fill", "Layer 0", "Layer 1", "Layer 2"]
+    assert made.layering.areas() == pytest.approx(expected, abs=0.01)
+    assert not any("ends inside" in text for text in read.notices)
 
 
 FEET = {"m": 1.0, "ft": 0.3048, "cm": 0.01}
