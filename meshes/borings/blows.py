@@ -9,7 +9,7 @@ from pydantic import PlainSerializer, PlainValidator
 from meshes.section.quantity import Quantity
 
 # What counts as a refusal (ASTM D1586: 50 blows for less than 15 cm), and how far a counted drive goes (mm).
-REFUSAL, DRIVE = 50.0, 300.0
+REFUSAL, DRIVE, QUARTER, SEATED = 50.0, 300.0, 75.0, 25.0
 HIGHEST = 500.0
 EXPECTED = (
     f"expected the blow count for 30 cm as measured, from 0 to {HIGHEST:g}, or a refusal such as "
@@ -19,12 +19,17 @@ MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "inch": 25.4, "in
                "foot": 304.8, "feet": 304.8, "'": 304.8, "": 1.0}  # fmt: skip
 NUMBER = r"(\d+(?:\.\d+)?)"
 AT_LEAST = re.compile(rf"(?:N\s*)?(?:>=?|≥|=>)\s*{NUMBER}|{NUMBER}\s*\+", re.IGNORECASE)
-# Which tool was driven, "S" the split spoon and "C" a solid cone, and a mark of a footnote say nothing of the count.
-BESIDE = re.compile(r"^\(?[SC]\)?(?=[\s\d(N])\s*|\s*\(?\b[SC]\)?$|\s*\*+$|^(?:N\s*[=:]\s*)?\*+", re.IGNORECASE)
-# Blows of seating and of four quarters before the count, as AGS4 has them: "1,2/3,4,5,6 N=18".
-INCREMENTS = re.compile(r"^[\d\s,]+/[\d\s,]+(?=N\s*[=:])", re.IGNORECASE)
+# Which tool was driven, "S" the split spoon and "C" a solid cone, that it was stopped, and a mark of a footnote say
+# nothing of the count.
+BESIDE = re.compile(r"^\(?[SC]\)?(?=[\s\d(N])\s*|\s*\(?\b[SC]\)?$|\*+|\s*-\s*abandoned$", re.IGNORECASE)
+# Blows of seating and of four quarters before the count, as AGS has them: "1,2/3,4,5,6 N=18", "9,16/50 SPT =50/75".
+INCREMENTS = re.compile(r"^[\d\s,/]+(?:[SC]PT\s*(?:N\s*)?=(?:\d+/\d+=)?|(?=N\s*[=:]))", re.IGNORECASE)
 # A count that is told before how it came about, as in "N=50 (25 for 5mm/50 for 15mm)".
-TOLD = re.compile(rf"N\s*[=:]\s*>?\s*{NUMBER}(.*)|{NUMBER}\s*(\(.*\))", re.IGNORECASE)
+TOLD = re.compile(rf"N\s*[=:>]+\s*{NUMBER}(.*)|{NUMBER}\s*(\(.*\)?)", re.IGNORECASE)
+# The quarters of a drive, the last one with what it went in, where that is less than 75 mm: "10,15,20,5 for 30mm".
+QUARTERS = re.compile(
+    rf"(?:^|[/(\s])(?P<whole>[\d\s,-]*,)?\s*{NUMBER}\s*(?:for|in)\s*{NUMBER}\s*mm\s*\)?$", re.IGNORECASE
+)
 # Blows for a depth with its unit, "50/75mm" or "12 blows/ft"; without one only where nothing else is written.
 LENGTH = "mm|cm|m|inches|inch|in|feet|foot|ft|\"|'"
 DRIVEN = re.compile(
@@ -88,34 +93,55 @@ def _counted(text: str) -> tuple[float, bool]:
         return float(refused[1] or refused[2] or REFUSAL), True
     if UNDER_ITS_WEIGHT.fullmatch(text):
         return 0.0, False
-    text = INCREMENTS.sub("", BESIDE.sub("", text))
+    text = INCREMENTS.sub("", BESIDE.sub("", text)).strip()
     if text.replace(".", "", 1).isdecimal():
         return float(text), False
     if least := AT_LEAST.fullmatch(text):
         return float(least[1] or least[2]), True
-    if match := TOLD.fullmatch(text):
-        driven, blows = list(DRIVEN.finditer(text)), float(match[1] or match[3])
-        return _driven(blows, driven[-1]) if driven else (blows, False)
-    driven = list(DRIVEN.finditer(text))
-    if driven and driven[-1].end() == len(text):
-        return _driven(float(driven[-1][1]), driven[-1])
-    if (bare := BARE.fullmatch(text) or BARE.search(text)) and bare.end() == len(text):
-        return _without_unit(float(bare[1]), float(bare[2]))
-    return math.nan, False
+    return _of_drives(text)
+
+
+def _of_drives(text: str) -> tuple[float, bool]:
+    """The count of a text that says how far the sampler was driven, and whether it was refused; see `_counted`."""
+    told, driven = TOLD.fullmatch(text), list(DRIVEN.finditer(text))
+    count = float(told[1] or told[3]) if told else math.nan
+    if driven and driven[0].start() == 0 and text[driven[0].end() :].lstrip().startswith("("):  # "50/75mm (20,5,50)"
+        return _driven(float(driven[0][1]), _depth(driven[0]))
+    if quarters := QUARTERS.search(text):
+        # Without a slash, what comes before the last drive may be its seating.
+        whole = [float(blows) for blows in re.findall(r"\d+", quarters["whole"] or "") if told or "/" in text]
+        count = count if told else sum(whole) + float(quarters[2])
+        return _driven(count, QUARTER * len(whole) + float(quarters[3]))
+    bare = next((match for match in BARE.finditer(text) if match.end() == len(text)), None)
+    if bare and not driven:
+        found = _without_unit(count if told else float(bare[1]), float(bare[2]))
+        return found if found[1] or not told else (count, False)
+    if driven and driven[-1].end() == len(text.rstrip(") ")):
+        return _driven(count if told else float(driven[-1][1]), _depth(driven[-1]))
+    if count == 0.0 and any(float(drive[1]) >= SEATED for drive in driven):  # it was stopped while it was seated
+        return REFUSAL, True
+    return count, bool(told) and ">" in text
+
+
+def _depth(drive: re.Match[str]) -> float:
+    """The penetration (mm) of a drive."""
+    return float(drive[2] or 1.0) * MILLIMETRES[drive[3].lower()]
 
 
 def _without_unit(blows: float, depth: float) -> tuple[float, bool]:
-    """The count and refusal of "12/30" or "50/75", whose penetration is in cm, as Japanese logs have it, or in mm."""
+    """The count of "12/30", "50/75" or "47/0.29", whose penetration is in cm, as Japanese logs have it, in mm or in m.
+
+    Not a number where cm and mm make a difference.
+    """
     if depth in (30.0, DRIVE):
         return blows, False
-    if blows >= REFUSAL:
-        return blows, True
-    return (min(REFUSAL, blows * DRIVE / depth), True) if 100.0 <= depth < DRIVE else (math.nan, False)
+    if 0.0 < depth < 1.0:
+        return _driven(blows, 1000.0 * depth)
+    return _driven(blows, depth) if blows >= REFUSAL or depth == 0.0 or depth > 45.0 else (math.nan, False)
 
 
-def _driven(blows: float, drive: re.Match[str]) -> tuple[float, bool]:
-    """The count of ``blows`` of which the last drive may have ended early, and whether it did."""
-    depth = float(drive[2] or 1.0) * MILLIMETRES[drive[3].lower()]
+def _driven(blows: float, depth: float) -> tuple[float, bool]:
+    """The count of ``blows`` for a ``depth`` (mm) of the drive, which may have ended early, and whether it did."""
     if depth >= 0.98 * DRIVE:  # 30 cm or a foot: it went in
         return blows, False
     if blows >= REFUSAL:
