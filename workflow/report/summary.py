@@ -54,9 +54,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
         mesh=_mesh(results),
         fem=_fem(results),
         fem_variants=_variants(results),
-        bounds=None
-        if results.bounds is None
-        else BoundsSummary(lower=results.bounds.lower, upper=results.bounds.upper),
+        bounds=None if results.bounds is None else BoundsSummary.model_validate(results.bounds),
         slices=None if results.slices is None else CircleSummary.of(results.slices) or None,
         structures=tuple(_faces(results)) or None,
         crests=tuple(crest_parts(results.config, results.cases, results.mpm)) or None,
@@ -76,7 +74,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
         ),
         paper=paper or None,
         no_answer={
-            stage: NoAnswer(reason=entry.reason, remedy=entry.remedy)
+            stage: NoAnswer.model_validate(entry)
             for stage in results.ends
             if (entry := results.no_answer(stage)) is not None
         },
@@ -93,10 +91,8 @@ def _paper_model(results: Results, cases: dict[int, CaseAnswer]) -> PaperModel |
 
 def _faces(results: Results) -> Iterator[FaceSummary]:
     for row in face_rows(results.config, results.slices) if results.slices is not None else ():
-        yield FaceSummary(
-            structure=row.face.structure,
-            kind=row.face.kind,
-            towards=row.face.towards,
+        yield FaceSummary.taken(
+            row.face,
             factors={kh: value for kh, value in row.factors if value is not None},
             kc=row.kc,
             block_slide_m=None if row.block is None else (row.block.low, row.block.high),
@@ -134,19 +130,15 @@ def _fem(results: Results) -> FemSummary | None:
     if answer is None:
         return None
     has_kc = results.kc is not None
-    return FemSummary(
+    return FemSummary.taken(
+        answer,
         kc=answer.kc if has_kc else None,
-        kc_lower=answer.kc_lower,
         kc_upper=answer.kc_upper if has_kc else None,
-        verdict=answer.verdict,
-        reason=answer.reason,
         dilation="psi = phi" if answer.flow == "associated" else answer.dilation_deg,
-        flow=answer.flow,
         kc_davis=answer.davis.kc if has_kc and answer.davis is not None else None,
         kc_associated=answer.associated.kc if has_kc and answer.associated is not None else None,
-        safety_factors=tuple(SafetySummary.of(factor) for factor in answer.safety_factors),
+        safety_factors=tuple(map(SafetySummary.model_validate, answer.safety_factors)),
         sides=answer.settings.sides,
-        element=answer.element,
     )
 
 
@@ -165,7 +157,8 @@ def _dem(results: Results) -> DemSummary | None:
     like = results.dem_counterpart if discs.model.discs == "soil" else None
     strength = calibration is not None and calibration.parameter == "strength"
     fem = results.fem
-    return DemSummary(
+    return DemSummary.taken(
+        discs.after,
         model=discs.model.discs,
         sides="" if fem is None else like.sides if like else fem.settings.sides,
         kc_uncalibrated=discs.before.kc,
@@ -176,9 +169,6 @@ def _dem(results: Results) -> DemSummary | None:
         elements=discs.model.elements,
         boundary_elements=discs.model.boundary_elements,
         kc_table2=discs.kc_table2,
-        kc=discs.after.kc,
-        kc_lower=discs.after.kc_lower,
-        kc_upper=discs.after.kc_upper,
         calibrated=calibrated,
         verdict=discs.after.verdict if calibration is None else calibration.verdict,
     )

@@ -55,6 +55,20 @@ class Part(BaseModel):
         required = {name for name, field in type(self).model_fields.items() if field.is_required()}
         return {name: value for name, value in written.items() if value is not None or name in required}
 
+    @classmethod
+    def taken(cls, source: object, /, **more: Any) -> Self:
+        """A part with the fields that ``source`` has as attributes of the same names, but for those given in ``more``.
+
+        Parameters
+        ----------
+        source
+            The result of a library, or another part.
+        **more
+            Fields that ``source`` does not have, or has with another meaning.
+        """
+        same = {name: getattr(source, name) for name in cls.model_fields if name not in more and hasattr(source, name)}
+        return cls.model_validate({**same, **more})
+
 
 class Answer(Part):
     """The content of the JSON file of a stage.

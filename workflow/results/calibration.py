@@ -31,11 +31,6 @@ class FactorTrial(SearchBracket):
 
     value: float
 
-    @classmethod
-    def of(cls, value: float, search: "Search", **more: Any) -> Self:
-        """The bracket of a search; ``more`` are fields beyond it."""
-        return cls(value=value, **dict(SearchBracket.model_validate(search)), **more)
-
 
 class Sensitivity(FactorTrial):
     """The critical Kh with a factor on one parameter, all others as they were."""
@@ -155,15 +150,13 @@ class CalibrationAnswer(Answer):
         """The calibration as an answer holds it, sensitivities by parameter, then by factor; without any the discs as
         they are, with the critical Kh of the search ``base``. ``more`` are fields that neither knows."""
         if calibration is None:
-            return cls(
+            return cls.taken(
+                base,
                 target_kc=None,
                 tolerance=tolerance,
                 parameter="none",
                 value=1.0,
                 range=None,
-                kc=base.kc,
-                kc_lower=base.kc_lower,
-                kc_upper=base.kc_upper,
                 verdict="not asked for",
                 reason='dem.parameter = "none"',
                 sensitivity=(),
@@ -172,23 +165,18 @@ class CalibrationAnswer(Answer):
             )
         parameters = dict.fromkeys(name for name, _, _ in calibration.sensitivity if name)
         by_factor = sorted(calibration.sensitivity, key=lambda row: row[1])
-        return cls(
+        return cls.taken(
+            calibration,
             target_kc=calibration.target,
-            tolerance=calibration.tolerance,
-            parameter=calibration.parameter,
-            value=calibration.value,
-            range=calibration.range,
             kc=calibration.search.kc,
             kc_lower=calibration.search.kc_lower,
             kc_upper=calibration.search.kc_upper,
-            verdict=calibration.verdict,
-            reason=calibration.reason,
             sensitivity=tuple(
-                Sensitivity.of(factor, search, parameter=name)
+                Sensitivity.taken(search, value=factor, parameter=name)
                 for name in parameters
                 for changed, factor, search in by_factor
                 if changed in ("", name)
             ),
-            trials=tuple(FactorTrial.of(factor, search) for factor, search in calibration.trials),
+            trials=tuple(FactorTrial.taken(search, value=factor) for factor, search in calibration.trials),
             **more,
         )

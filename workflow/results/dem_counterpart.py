@@ -40,17 +40,13 @@ class DemCounterpart(Answer):
         source: RigidBox | FemAnswer = box or fem
         end = fem.last_in_equilibrium()
         line = box.slip_surface if box else end.slip_surface if end else ()
-        return cls(
-            kc=source.kc,
-            kc_upper=source.kc_upper,
-            verdict=source.verdict,
-            reason=source.reason,
+        return cls.taken(
+            source,
             sides="fixed" if box else fem.settings.sides,
             flow=box.flow if box else fem.flow,
             deeper_than_m=box.deeper_than_m if box else None,
             instead=instead,
             yielding_m=displacement_at(source.curve, source.kc, YIELDED),
-            curve=source.curve,
             slip_surface=line,
         )
 

@@ -1,14 +1,10 @@
 """dem/critical.json: the critical seismic coefficient of the discs, before and after calibration."""
 
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
 from workflow.results.answer import Answer, Known, Line, Part, Point, SectionLabel
-
-if TYPE_CHECKING:
-    from dem.search.critical import Search
-    from dem.search.equilibrium import Trial
 
 TrialVerdict = Literal["stands", "fails", "undecided"]
 SearchVerdict = Literal["bracketed", "stands everywhere", "fails under its own weight", "undecided"]
@@ -78,11 +74,6 @@ class DiscSearch(Part):
     trials: tuple[KhTrial, ...]
     curve: tuple[Point, ...] = Field(description="[Kh, displacement in m] of the states that stood")
 
-    @classmethod
-    def of(cls, search: "Search", parameters: Parameters | None = None) -> Self:
-        """A search as an answer holds it."""
-        return cls.model_validate(search).model_copy(update={"parameters": parameters})
-
 
 class DiscState(KhTrial):
     """The discs at one Kh whose state was kept, before or after calibration."""
@@ -92,11 +83,6 @@ class DiscState(KhTrial):
     cracked_share_by_stratum: dict[str, float] = Field(description="share of the pore springs that are cracked")
     slip_surface: Line = Field(description="points [x, elevation] in the middle of the shear (m)")
     largest_displacement_m: float = Field(description="of any disc, since rest under its weight")
-
-    @classmethod
-    def of(cls, trial: "Trial", **more: Any) -> Self:
-        """The state that a trial ended in; ``more`` are the fields that a trial does not have."""
-        return cls(**dict(KhTrial.model_validate(trial)), **more)
 
 
 class SlipSurfaces(Part):

@@ -57,6 +57,6 @@ class Journal:
     def add(self, parameter: str, factor: float, search: Search) -> None:
         """Add a search."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        line = Entry(parameter=parameter, factor=factor, search=DiscSearch.of(search)).model_dump_json()
+        line = Entry(parameter=parameter, factor=factor, search=DiscSearch.model_validate(search)).model_dump_json()
         with self.path.open("a", encoding="utf-8") as file:
             file.write("\n" + line)

@@ -11,7 +11,7 @@ from fem.settings import Element, Sides
 from meshes.section.structure import Kind
 from workflow.results.answer import Answer, Part, SectionLabel
 from workflow.results.cases import CaseNumbers, CaseSummary, RandomPackings
-from workflow.results.continuum import FactorOfSafety, MeshCount, PathVerdict
+from workflow.results.continuum import MeshCount, PathVerdict
 from workflow.results.liquefied import LiquefiedCase
 from workflow.results.material_points import PointCase
 from workflow.results.slices import SlicesAnswer
@@ -26,11 +26,6 @@ class SafetySummary(Part):
     factor: float
     davis: float | None = Field(description="Davis's estimate where the factor is with ψ = φ, a low one and no bound")
     associated: float | None = Field(description="with ψ = φ, where the factor is by Davis's estimate")
-
-    @classmethod
-    def of(cls, factor: FactorOfSafety) -> Self:
-        """The summary of a factor of safety."""
-        return cls(kh=factor.kh, factor=factor.factor, davis=factor.davis, associated=factor.associated)
 
 
 class FemSummary(Part):
@@ -81,11 +76,7 @@ class CircleSummary(Part):
     def of(cls, answer: SlicesAnswer) -> tuple[Self, ...]:
         """The summary of all circles."""
         groups = [(group.kh, group.circles) for group in answer.factors] + [(None, answer.critical)]
-        return tuple(
-            cls(kh=kh, towards=circle.towards, bishop=circle.bishop, spencer=circle.spencer)
-            for kh, circles in groups
-            for circle in circles
-        )
+        return tuple(cls.taken(circle, kh=kh) for kh, circles in groups for circle in circles)
 
 
 class FaceSummary(Part):

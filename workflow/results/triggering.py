@@ -6,9 +6,9 @@ from pydantic import Field
 
 from meshes.borings.boring import Cone, Sample
 from workflow.config import Config
-from workflow.earthquake.attenuation import GAL, Motion
+from workflow.earthquake.attenuation import GAL
 from workflow.results.answer import Answer, Known, Part, SectionLabel
-from workflow.triggering.assessment import Assessment, Judged, OfStratum
+from workflow.triggering.assessment import Assessment, Judged
 from workflow.triggering.consequences import (
     ISHIHARA_YOSHIMINE,
     PRESSURE_VALIDITY,
@@ -31,19 +31,6 @@ class MotionPart(Part):
     relation: str
     source: str
     validity: str
-
-    @classmethod
-    def of(cls, motion: Motion) -> Self:
-        """The motion as an answer holds it."""
-        return cls(
-            median_gal=motion.median / GAL,
-            low_gal=motion.low / GAL,
-            high_gal=motion.high / GAL,
-            sigma=motion.sigma,
-            relation=motion.relation,
-            source=motion.source,
-            validity=motion.validity,
-        )
 
 
 class TestPart(Part):
@@ -72,9 +59,9 @@ class TestPart(Part):
     @classmethod
     def of(cls, test: Judged, stratum: str) -> Self:
         """A test as an answer holds it."""
-        resistance = test.found
-        return cls(
-            boring=test.boring,
+        found = vars(test.found) if test.found else dict.fromkeys(("normalised", "corrected", "load", "resistance"))
+        return cls.taken(
+            test,
             x_m=test.x,
             depth_m=test.sample.depth,
             top_m=test.top,
@@ -85,12 +72,7 @@ class TestPart(Part):
             fines_percent=test.sample.fines,
             total_Pa=test.where.total,
             effective_Pa=test.where.effective,
-            normalised=resistance.normalised if resistance else None,
-            corrected=resistance.corrected if resistance else None,
-            load=resistance.load if resistance else None,
-            resistance=resistance.resistance if resistance else None,
-            factor=test.factor,
-            reason=test.reason,
+            **found,
         )
 
 
@@ -113,20 +95,6 @@ class StratumPart(Part):
             return f"not judged: {self.reason}"
         rest = f" ({self.judged} of {self.tests} tests judged)" if self.judged < self.tests else ""
         return f"{'yes' if self.liquefies else 'no'}{rest}"
-
-    @classmethod
-    def of(cls, stratum: OfStratum, pore_pressure: float) -> Self:
-        """A stratum as an answer holds it."""
-        return cls(
-            name=stratum.name,
-            tests=stratum.tests,
-            judged=stratum.judged,
-            share=stratum.share,
-            lowest_factor=stratum.lowest,
-            liquefies=stratum.liquefies,
-            reason=stratum.reason,
-            pore_pressure=pore_pressure,
-        )
 
 
 class BoringPart(Part):
@@ -177,15 +145,20 @@ class TriggeringAnswer(Answer):
     def of(cls, config: Config, assessment: Assessment) -> Self:
         """An assessment as an answer holds it."""
         pressures = pore_pressures(assessment, len(config.section.strata))
+        motion, relation = assessment.motion, assessment.relation
+        gal = {f"{name}_gal": getattr(motion, name) / GAL for name in ("median", "low", "high")}
         return cls(
             section=SectionLabel.of(config.section),
-            motion=MotionPart.of(assessment.motion),
+            motion=MotionPart.taken(motion, **gal),
             magnitude=assessment.magnitude,
-            method=assessment.relation.title,
-            source=assessment.relation.source,
-            validity=assessment.relation.validity,
+            method=relation.title,
+            source=relation.source,
+            validity=relation.validity,
             share=config.triggering.share,
-            strata=tuple(map(StratumPart.of, assessment.strata, pressures)),
+            strata=tuple(
+                StratumPart.taken(stratum, lowest_factor=stratum.lowest, pore_pressure=pressure)
+                for stratum, pressure in zip(assessment.strata, pressures, strict=True)
+            ),
             borings=tuple(
                 BoringPart(name=name, potential=value, risk=risk(value))
                 for name, value in assessment.potentials.items()

@@ -232,7 +232,8 @@ def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDi
     dem = config.dem.as_paper()
     discs = discs_at_rest(config.section, store, dem, PAPER, lambda _: None)
     answer = PaperDiscs(
-        model=_model_answer(config, dem, discs, discs.settled), search=DiscSearch.of(search, _parameters(dem, {}))
+        model=_model_answer(config, dem, discs, discs.settled),
+        search=DiscSearch.taken(search, parameters=_parameters(dem, {})),
     )
     return answer, Start(discs.settled, discs.ground, search, dem)
 
@@ -262,8 +263,8 @@ def discs_answer(
     return DiscsAnswer(
         section=SectionLabel.of(config.section),
         model=_model_answer(config, config.dem, discs, sliding),
-        before=DiscSearch.of(searched.base, _parameters(config.dem, {})),
-        after=DiscSearch.of(searched.after, _parameters(config.dem, searched.factor)),
+        before=DiscSearch.taken(searched.base, parameters=_parameters(config.dem, {})),
+        after=DiscSearch.taken(searched.after, parameters=_parameters(config.dem, searched.factor)),
         states=kept.states,
         slip_surface=surfaces,
         paper=paper,

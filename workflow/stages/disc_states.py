@@ -110,7 +110,7 @@ def _reached(goal: Goal, _: Tell) -> DiscState:
         trial = try_kh(model, before, ground, start.dem, Rise(0.0, goal.kh, start.search.flexibility_m))
         save(goal.store, file, model)
     far = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
-    return DiscState.of(
+    return DiscState.taken(
         trial,
         set=goal.which,
         file=file,

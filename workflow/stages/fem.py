@@ -110,34 +110,24 @@ def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
     rounds = adapted.rounds if adapted and len(adapted.rounds) > 1 else []
     surface = _slip_line(mesh, result.mechanism)
     angles = {s.name: round(float(np.degrees(s.dilation)), 6) for s in config.section.strata}
-    return FemAnswer(
+    return FemAnswer.taken(
+        result,
         section=SectionLabel.of(config.section),
-        kc=result.kc,
         kc_lower=result.lower,
         kc_upper=result.upper,
-        verdict=result.verdict,
-        reason=result.reason,
-        remedy=result.remedy,
         judgement="doubtful" if is_doubtful(assessment.warnings) else "sound",
         warnings=tuple(assessment.warnings),
-        direction=result.direction,
         towards="right" if result.sign > 0 else "left",
         at_sides=_at_sides(AdaptiveResult(result, mesh)),
         opposite=_other_way(assessment.opposite),
         associated=_other_way(assessment.associated),
         davis=_other_way(assessment.davis),
         shallow_failures=tuple(
-            ShallowFailurePart(
-                stratum=shallow_failure.stratum,
-                start_x_m=shallow_failure.start,
-                end_x_m=shallow_failure.end,
-                angle_deg=float(np.degrees(shallow_failure.angle)),
-                kh=shallow_failure.kh,
+            ShallowFailurePart.taken(
+                face, start_x_m=face.start, end_x_m=face.end, angle_deg=float(np.degrees(face.angle))
             )
-            for shallow_failure in result.shallow_failures
+            for face in result.shallow_failures
         ),
-        flow=result.flow,
-        element=result.element,
         settings=config.fem,
         dilation_deg=angles,
         mesh=MeshCount.of(mesh),
@@ -157,14 +147,7 @@ def _other_way(adapted: "AdaptiveResult[Any] | None") -> OtherWay | None:
     if adapted is None:
         return None
     result = adapted.result
-    return OtherWay(
-        kc=result.kc,
-        kc_upper=result.upper,
-        verdict=result.verdict,
-        reason=result.reason,
-        direction=result.direction,
-        at_sides=_at_sides(adapted),
-    )
+    return OtherWay.taken(result, kc_upper=result.upper, at_sides=_at_sides(adapted))
 
 
 def _at_sides(adapted: "AdaptiveResult[Any]") -> tuple[str, ...]:
@@ -178,10 +161,8 @@ def _fails(state: "State", result: "CriticalResult") -> bool:
 
 
 def _kept(mesh: "QuadMesh", state: "State", surface: Line) -> KeptState:
-    return KeptState(
-        label=state.label,
-        kh=state.kh,
-        past_equilibrium=state.past_equilibrium,
+    return KeptState.taken(
+        state,
         largest_displacement_m=float(np.hypot(*state.displacement.T).max()),
         failed_share_by_stratum=failed_shares(mesh, state),
         slip_surface=surface,
@@ -190,14 +171,9 @@ def _kept(mesh: "QuadMesh", state: "State", surface: Line) -> KeptState:
 
 def _factor_of_safety(adapted: "AdaptiveResult[SafetyFactor]", flow: Flow) -> FactorOfSafety:
     result, rest = adapted.result, adapted.rounds[-1].rest if adapted.rounds else np.inf
-    return FactorOfSafety(
-        kh=result.kh,
-        factor=result.factor,
-        upper=result.upper,
-        verdict=result.verdict,
-        reason=result.reason,
+    return FactorOfSafety.taken(
+        result,
         curve=tuple(result.steps),
-        shallow_failure=result.shallow_failure,
         davis=result.beside if flow == "associated" else None,
         associated=result.beside if flow == "davis" else None,
         rest=float(rest) if np.isfinite(rest) else None,
@@ -233,12 +209,9 @@ def write_fields(section: Section, mesh: "QuadMesh", states: list["State"], stor
 
 def rigid_box_of(adapted: "AdaptiveResult[CriticalResult]", depth: float | None = None) -> RigidBox:
     """The answer with fixed sides; ``depth`` (m): shallower failures of cohesionless faces were left out."""
-    return RigidBox(
-        kc=adapted.result.kc,
+    return RigidBox.taken(
+        adapted.result,
         kc_upper=adapted.result.upper,
-        flow=adapted.result.flow,
-        verdict=adapted.result.verdict,
-        reason=adapted.result.reason,
         slip_surface=_slip_line(adapted.mesh, adapted.result.mechanism),
         curve=tuple(adapted.result.steps),
         deeper_than_m=depth,

@@ -33,7 +33,8 @@ def answer_of(section: Section, column: Column) -> SiteResponseAnswer:
     """A response as an answer holds it."""
     response = column.response
     layers = tuple(
-        ResponseLayer(
+        ResponseLayer.taken(
+            layer,
             stratum=column.strata[j],
             top_m=float(response.depth[j]),
             bottom_m=float(response.depth[j + 1]),
@@ -41,21 +42,17 @@ def answer_of(section: Section, column: Column) -> SiteResponseAnswer:
             acceleration_gal=float(response.acceleration[j]) / GAL,
             strain=float(response.strain[j]),
             stress_kPa=float(response.stress[j]) / 1e3,
-            stiffness=layer.stiffness,
-            damping=layer.damping,
             k_max=float(response.k_max[j]),
         )
         for j, layer in enumerate(response.layers)
     )
-    return SiteResponseAnswer(
+    return SiteResponseAnswer.taken(
+        response,
         section=SectionLabel.of(section),
         x_m=column.x,
         record=column.record,
         peak_rock_gal=float(np.abs(column.outcrop).max()) / GAL,
         peak_surface_gal=layers[0].acceleration_gal,
-        rounds=response.rounds,
-        change=response.change,
-        warning=response.warning,
         layers=layers,
         source=SOURCE,
         average_source=MAKDISI,

@@ -87,14 +87,7 @@ def draw(job: Job) -> None:
 
 def _parts(circles: "tuple[SlipCircle, ...]") -> tuple[CirclePart, ...]:
     return tuple(
-        CirclePart(
-            towards=circle.towards,
-            centre_m=circle.centre,
-            radius_m=circle.radius,
-            surface_m=line(circle.surface),
-            bishop=circle.bishop,
-            spencer=circle.spencer,
-        )
+        CirclePart.taken(circle, centre_m=circle.centre, radius_m=circle.radius, surface_m=line(circle.surface))
         for circle in circles
     )
 
