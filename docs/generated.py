@@ -7,9 +7,9 @@ from typing import Any
 
 import typer
 
+from docs.section_keys import markdown as keys
 from meshes.exports import homes
 from workflow.cli import app
-from workflow.report.reference import markdown as keys
 
 __all__ = ["closed_forms", "commands", "keys", "numbers", "python_interface", "s13", "speed"]
 

@@ -18,6 +18,7 @@ import matplotlib as mpl
 import pytest
 import typer
 
+from docs.section_keys import keys
 from meshes.section.polyline import Line
 from tests.support import TOP
 from tests.support.command_line import run
@@ -25,7 +26,6 @@ from tests.support.docs import DOCS, PACKAGES, blocks, commands, pages, program
 from workflow import stages
 from workflow.cli import app
 from workflow.config import Config
-from workflow.report.reference import keys
 
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
 EXAMPLES = sorted((DOCS / "examples").glob("*.py"))
