@@ -1,61 +1,66 @@
 """A run over a collection of cases; results are stored after each case."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Generic, Protocol, TypeVar
 
-from workflow.verify.answer import answer
-from workflow.verify.case import Case, read_cases
-from workflow.verify.record import FILE, PARTS, Answer, Part, read_answers, version_of, write_answers
-from workflow.verify.verdict import CaseVerdict, judge
+from workflow.verify.record import FILE, Kept, read_answers, version_of, write_answers
+
+
+class Case(Protocol):
+    """What is common to published slopes and known slides."""
+
+    @property
+    def name(self) -> str: ...
+
+
+CaseOf = TypeVar("CaseOf", bound=Case)
+Verdict = TypeVar("Verdict")
 
 
 @dataclass(frozen=True)
-class Row:
+class Row(Generic[CaseOf, Kept, Verdict]):
     """A case, its results, and the verdict."""
 
-    case: Case
-    found: Answer | None
-    verdict: CaseVerdict
-
-    def as_dict(self) -> dict[str, Any]:
-        """Name, verdict, numbers and seconds, for a file."""
-        known = self.found or Answer(self.case.name)
-        return {
-            "name": self.case.name,
-            "verdict": self.verdict.word,
-            "expected": self.case.published.expected,
-            "kh": self.case.published.kh,
-            "lower": known.lower,
-            "upper": known.upper,
-            "shallow_failure": known.shallow_failure,
-            "elements_associated": known.associated,
-            "elements_davis": known.davis,
-            "commit": known.commit,
-            "seconds": {"bounds": known.bounds_seconds, "elements_associated": known.associated_seconds}
-            | {"elements_davis": known.davis_seconds},
-            "published": [value.model_dump() for value in self.case.published.values],
-            "remarks": list(self.verdict.remarks),
-        }
+    case: CaseOf
+    found: Kept | None
+    verdict: Verdict
 
 
 def run(
-    folder: Path, names: Sequence[str] = (), parts: Collection[Part] = PARTS, tell: Callable[[Row], None] | None = None
-) -> list[Row]:
-    """Find the answers of the cases whose names begin with one of ``names``, all without any, and judge them.
+    folder: Path,
+    cases: Sequence[CaseOf],
+    kind: type[Kept],
+    judge: Callable[[CaseOf, Kept | None], Verdict],
+    find: Callable[[CaseOf, Kept | None], Kept] | None,
+    tell: Callable[[Row[CaseOf, Kept, Verdict]], None],
+) -> list[Row[CaseOf, Kept, Verdict]]:
+    """Find the answers of some cases, or take those that were found before, and judge them.
 
-    What was found is written beside the cases after each of them; parts that are not run keep what was found before.
+    Parameters
+    ----------
+    folder
+        Of the cases. Answers are written into it after each of them.
+    cases
+        The cases.
+    kind
+        Of their answers.
+    judge
+        The verdict on a case and its answer, None where it was not run.
+    find
+        The answer of a case, with what was found before; None to compute nothing.
+    tell
+        Called with every row.
     """
     record, version = folder / FILE, version_of(folder)
     rows = []
-    for case in read_cases(folder, names):
-        answers = read_answers(record, Answer)
-        if parts:
-            answers[case.name] = replace(answer(case, parts, answers.get(case.name)), commit=version)
-            write_answers(record, answers)
-        known = answers.get(case.name)
+    for case in cases:
+        if find is not None:
+            found = replace(find(case, read_answers(record, kind).get(case.name)), commit=version)
+            # others may have been at it meanwhile
+            write_answers(record, read_answers(record, kind) | {case.name: found})
+        known = read_answers(record, kind).get(case.name)
         rows.append(Row(case, known, judge(case, known)))
-        if tell:
-            tell(rows[-1])
+        tell(rows[-1])
     return rows

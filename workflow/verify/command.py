@@ -2,18 +2,12 @@
 
 from json import dumps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
 from meshes.errors import InputError
 from workflow.run.spelling import is_legible
-
-if TYPE_CHECKING:
-    from rich.console import Console
-    from rich.table import Table
-
-    from workflow.verify.collection import Row
 
 JSON_OPTION = typer.Option(
     help="Write the rows to this file as JSON, too; - for standard output, and nothing else there.",
@@ -47,9 +41,9 @@ def verify(
 
     from rich.console import Console
 
-    from workflow.verify.case import FOLDER
-    from workflow.verify.collection import run
     from workflow.verify.record import PARTS
+    from workflow.verify.slides.command import verify_slides
+    from workflow.verify.slopes import verify_slopes
 
     unknown = [part for part in only or () if part not in PARTS]
     if unknown:
@@ -60,62 +54,12 @@ def verify(
         raise InputError("--json", [f'"{json}": there is no folder "{json.parent}"'])
     out = Console(highlight=False, quiet=alone)
     if slides:
-        from workflow.verify.slides.command import verify_slides
-
-        slide_rows = verify_slides(out, folder, names or [], judge=judge, page=page, packings=packings)
-        if json is not None:
-            _write(json, slide_rows)
-        return
-    rows = run(folder or FOLDER, names or (), wanted, lambda row: _tell(out, row))
-    out.print(_count(rows))
-    if page:
-        out.print(str(_page(folder or FOLDER)), soft_wrap=True)
-    if json is not None:
-        _write(json, [row.as_dict() for row in rows])
-
-
-def _write(file: Path, rows: list[dict[str, Any]]) -> None:
-    text = dumps(rows, indent=1, ensure_ascii=False)
-    if str(file) == "-":
-        typer.echo(text if is_legible(text) else dumps(rows, indent=1))
+        rows = verify_slides(out, folder, names or [], judge_only=judge, page=page, packings=packings)
     else:
-        file.write_text(text + "\n", encoding="utf-8")
-
-
-def _page(folder: Path) -> Path:
-    from workflow.verify.case import FOLDER, read_cases
-    from workflow.verify.numbers import keep_numbers
-    from workflow.verify.page import counts, write_page
-    from workflow.verify.record import FILE, Answer, read_answers
-
-    cases, answers = read_cases(folder), read_answers(folder / FILE, Answer)
-    if folder == FOLDER:
-        commits = [answer.commit for answer in answers.values()]
-        keep_numbers(Path("docs"), "published", "noshiro verify --page", counts(cases, answers), commits)
-    return write_page(folder, cases, answers)
-
-
-def _tell(out: "Console", row: "Row") -> None:
-    """One line for a case, and one for each remark on a wrong one."""
-    from rich.markup import escape
-
-    from workflow.verify.page import elements, numbers, published
-
-    answer = f"bounds {numbers(row.found)}, elements {elements(row.found)}" if row.found else ""
-    line = f"{row.verdict.word:<9} {row.case.name:<26} {published(row.case)}; {answer}"
-    out.print(escape(line), soft_wrap=True)
-    if row.verdict.word == "wrong":
-        for remark in row.verdict.remarks:
-            out.print(escape(f"          {remark}"), soft_wrap=True)
-
-
-def _count(rows: "list[Row]") -> "Table":
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-
-    words = list(dict.fromkeys(row.verdict.word for row in rows))
-    table = Table(box=SIMPLE_HEAD, padding=(0, 2, 0, 0))
-    for word in words:
-        table.add_column(word, justify="right")
-    table.add_row(*(str(sum(row.verdict.word == word for row in rows)) for word in words))
-    return table
+        rows = verify_slopes(out, folder, names or [], parts=wanted, page=page)
+    if json is not None:
+        text = dumps(rows, indent=1, ensure_ascii=False)
+        if alone:
+            typer.echo(text if is_legible(text) else dumps(rows, indent=1))
+        else:
+            json.write_text(text + "\n", encoding="utf-8")

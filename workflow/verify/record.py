@@ -3,7 +3,7 @@
 import json
 import subprocess
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Literal, TypeVar
 
@@ -20,9 +20,10 @@ PARTS: tuple[Part, ...] = ("bounds", "associated", "davis")
 
 @dataclass(frozen=True)
 class Named:
-    """Results for the case of this name."""
+    """Results for the case of this name; ``commit`` is the version of the program that found the last."""
 
     name: str
+    commit: str = field(default="", kw_only=True)
 
 
 Kept = TypeVar("Kept", bound=Named)
@@ -34,8 +35,7 @@ class Answer(Named):
 
     ``associated`` and ``davis`` are of the finite elements with ψ = φ and with Davis's estimate for ψ < φ; each with
     its upper limit. ``lower`` and ``upper`` are strict bounds with ψ = φ. Where a face fails before, at
-    ``shallow_failure``, all of these are of the slope as a whole. ``commit`` is the version of the program that found
-    the last.
+    ``shallow_failure``, all of these are of the slope as a whole.
     """
 
     lower: float | None = None
@@ -48,7 +48,6 @@ class Answer(Named):
     bounds_seconds: float | None = None
     associated_seconds: float | None = None
     davis_seconds: float | None = None
-    commit: str = ""
     failures: tuple[str, ...] = ()
 
 

@@ -2,30 +2,32 @@
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from rich.console import Console
 from rich.markup import escape
 
 from workflow.estimates import slide_error
+from workflow.verify.collection import Row, run
 from workflow.verify.numbers import keep_numbers
 from workflow.verify.record import FILE, read_answers
-from workflow.verify.slides.case import FOLDER, read_cases
-from workflow.verify.slides.collection import run, write_errors
+from workflow.verify.slides.case import FOLDER, SlideCase, read_cases
+from workflow.verify.slides.collection import write_errors
 from workflow.verify.slides.page import counts, number, predicted, told, write_page
+from workflow.verify.slides.predict import predict
 from workflow.verify.slides.record import SlideAnswer
+from workflow.verify.slides.verdict import SlideVerdict, judge
 
-if TYPE_CHECKING:
-    from rich.console import Console
-
-    from workflow.verify.slides.collection import SlideRow
+SlideRow = Row[SlideCase, SlideAnswer, SlideVerdict]
 
 
 def verify_slides(
-    out: "Console", folder: Path | None, names: list[str], *, judge: bool, page: bool, packings: int | None
+    out: Console, folder: Path | None, names: list[str], *, judge_only: bool, page: bool, packings: int | None
 ) -> list[dict[str, Any]]:
     """Predict known slides and judge them; tells each, and returns the rows as JSON can hold them."""
     place = folder or FOLDER
-    rows = run(place, names, compute=not judge, seeds=packings, tell=lambda row: _tell(out, row))
+    find = None if judge_only else lambda case, _: predict(case, packings)
+    rows = run(place, read_cases(place, names), SlideAnswer, judge, find, lambda row: _tell(out, row))
     if page:
         cases, answers = read_cases(place), read_answers(place / FILE, SlideAnswer)
         out.print(str(write_page(place, cases, answers)), soft_wrap=True)
@@ -37,7 +39,7 @@ def verify_slides(
     return [_as_dict(row) for row in rows]
 
 
-def _as_dict(row: "SlideRow") -> dict[str, object]:
+def _as_dict(row: SlideRow) -> dict[str, object]:
     answer = {} if row.found is None else asdict(row.found)
     return answer | {
         "name": row.case.name,
@@ -49,7 +51,7 @@ def _as_dict(row: "SlideRow") -> dict[str, object]:
     }
 
 
-def _tell(out: "Console", row: "SlideRow") -> None:
+def _tell(out: Console, row: SlideRow) -> None:
     """One line for a case."""
     answer = row.found
     values = predicted(answer, row.verdict) if answer is not None else ""

@@ -23,8 +23,6 @@ class SlideAnswer(Named):
         Surface of the first packing (m).
     seconds : float
         Of processor time.
-    commit : str
-        Version of the program.
     failure : str
         Why there is no prediction; empty where there is one.
     points : float or None
@@ -37,6 +35,5 @@ class SlideAnswer(Named):
     before: Line = ()
     after: Line = ()
     seconds: float = 0.0
-    commit: str = ""
     failure: str = ""
     points: float | None = None

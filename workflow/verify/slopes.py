@@ -1,0 +1,73 @@
+"""The command `noshiro verify` without --slides: the collection of published slopes."""
+
+from collections.abc import Collection
+from pathlib import Path
+from typing import Any
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from workflow.verify.answer import answer
+from workflow.verify.case import FOLDER, Case, read_cases
+from workflow.verify.collection import Row, run
+from workflow.verify.numbers import keep_numbers
+from workflow.verify.page import counts, elements, numbers, published, write_page
+from workflow.verify.record import FILE, Answer, Part, read_answers
+from workflow.verify.verdict import CaseVerdict, judge
+
+SlopeRow = Row[Case, Answer, CaseVerdict]
+
+
+def verify_slopes(
+    out: Console, folder: Path | None, names: list[str], *, parts: Collection[Part], page: bool
+) -> list[dict[str, Any]]:
+    """Find ``parts`` of the answers of published slopes and judge them; tells each, and returns rows for JSON."""
+    place = folder or FOLDER
+    find = (lambda case, known: answer(case, parts, known)) if parts else None
+    rows = run(place, read_cases(place, names), Answer, judge, find, lambda row: _tell(out, row))
+    words = list(dict.fromkeys(row.verdict.word for row in rows))
+    table = Table(box=SIMPLE_HEAD, padding=(0, 2, 0, 0))
+    for word in words:
+        table.add_column(word, justify="right")
+    table.add_row(*(str(sum(row.verdict.word == word for row in rows)) for word in words))
+    out.print(table)
+    if page:
+        cases, answers = read_cases(place), read_answers(place / FILE, Answer)
+        if place == FOLDER:
+            commits = [answer.commit for answer in answers.values()]
+            keep_numbers(Path("docs"), "published", "noshiro verify --page", counts(cases, answers), commits)
+        out.print(str(write_page(place, cases, answers)), soft_wrap=True)
+    return [_as_dict(row) for row in rows]
+
+
+def _tell(out: Console, row: SlopeRow) -> None:
+    """One line for a case, and one for each remark on a wrong one."""
+    answer = f"bounds {numbers(row.found)}, elements {elements(row.found)}" if row.found else ""
+    line = f"{row.verdict.word:<9} {row.case.name:<26} {published(row.case)}; {answer}"
+    out.print(escape(line), soft_wrap=True)
+    if row.verdict.word == "wrong":
+        for remark in row.verdict.remarks:
+            out.print(escape(f"          {remark}"), soft_wrap=True)
+
+
+def _as_dict(row: SlopeRow) -> dict[str, Any]:
+    """Name, verdict, numbers and seconds, for a file."""
+    known = row.found or Answer(row.case.name)
+    return {
+        "name": row.case.name,
+        "verdict": row.verdict.word,
+        "expected": row.case.published.expected,
+        "kh": row.case.published.kh,
+        "lower": known.lower,
+        "upper": known.upper,
+        "shallow_failure": known.shallow_failure,
+        "elements_associated": known.associated,
+        "elements_davis": known.davis,
+        "commit": known.commit,
+        "seconds": {"bounds": known.bounds_seconds, "elements_associated": known.associated_seconds}
+        | {"elements_davis": known.davis_seconds},
+        "published": [value.model_dump() for value in row.case.published.values],
+        "remarks": list(row.verdict.remarks),
+    }
