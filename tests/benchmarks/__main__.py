@@ -17,8 +17,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+from docs.numbers_file import keep_numbers
 from tests.support import TOP
-from workflow.verify.numbers import keep_numbers
 
 FOLDER = Path(__file__).parent
 

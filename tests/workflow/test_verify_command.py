@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from docs.published_slopes import write_page
 from meshes.errors import InputError
 from tests.support.published import PUBLISHED
+from workflow.verify.case import read_cases
 from workflow.verify.command import verify
 from workflow.verify.record import Answer, read_answers, write_answers
 
@@ -22,7 +24,7 @@ def folder(tmp_path: Path) -> Path:
 
 def test_bounds_are_found_judged_kept_and_written(folder: Path, capsys: pytest.CaptureFixture[str]):
     """Taylor's circle of friction: c / γH = 0.097 at φ = 20° and 60°; log-spiral 0.0964."""
-    verify(names=["taylor_60_20"], folder=folder, only=["bounds"], page=True)
+    verify(names=["taylor_60_20"], folder=folder, only=["bounds"])
     found = read_answers(folder / "answers.json", Answer)["taylor_60_20"]
     assert 0.97 < found.lower < 1.006 < found.upper < 1.03
     assert "right     taylor_60_20" in capsys.readouterr().out
@@ -33,7 +35,8 @@ def test_bounds_are_found_judged_kept_and_written(folder: Path, capsys: pytest.C
     assert json.loads(capsys.readouterr().out) == list(by_name.values())
     assert by_name["taylor_60_20"]["verdict"] == "right"
     assert by_name["taylor_30_10"]["verdict"] == "not run"
-    page = (folder / "README.md").read_text(encoding="utf-8")
+    cases, answers = read_cases(folder), read_answers(folder / "answers.json", Answer)
+    page = write_page(folder, cases, answers).read_text(encoding="utf-8")
     assert "1 right, 1 not run" in page or "1 not run, 1 right" in page
     assert (folder / "pictures" / "taylor_60_20.png").stat().st_size < 5000
 

@@ -1,6 +1,6 @@
 """Error of predicted slides on known slides, for the report.
 
-The table beside this file is written by `noshiro verify --slides --page` from the answers of the collection.
+The table beside this file is written by `python -m docs.known_slides` from the answers of the collection.
 """
 
 import csv

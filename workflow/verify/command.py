@@ -33,7 +33,6 @@ def verify(
     ] = None,
     judge: Annotated[bool, typer.Option("--judge", help="Compute nothing; judge what was found before.")] = False,
     json: Annotated[Path | None, JSON_OPTION] = None,
-    page: Annotated[bool, typer.Option("--page", help="Make the page of the collection again.")] = False,
     slides: Annotated[bool, typer.Option("--slides", help="Known slides in the place of slopes: how far.")] = False,
     packings: Annotated[int | None, PACKINGS_OPTION] = None,
 ) -> None:
@@ -54,9 +53,9 @@ def verify(
         raise InputError("--json", [f'"{json}": there is no folder "{json.parent}"'])
     out = Console(highlight=False, quiet=alone)
     if slides:
-        rows = verify_slides(out, folder, names or [], judge_only=judge, page=page, packings=packings)
+        rows = verify_slides(out, folder, names or [], judge_only=judge, packings=packings)
     else:
-        rows = verify_slopes(out, folder, names or [], parts=wanted, page=page)
+        rows = verify_slopes(out, folder, names or [], parts=wanted)
     if json is not None:
         text = dumps(rows, indent=1, ensure_ascii=False)
         if alone:

@@ -12,16 +12,14 @@ from rich.table import Table
 from workflow.verify.answer import answer
 from workflow.verify.case import FOLDER, Case, read_cases
 from workflow.verify.collection import Row, run
-from workflow.verify.numbers import keep_numbers
-from workflow.verify.page import counts, elements, numbers, published, write_page
-from workflow.verify.record import FILE, Answer, Part, read_answers
+from workflow.verify.record import Answer, Part
 from workflow.verify.verdict import CaseVerdict, judge
 
 SlopeRow = Row[Case, Answer, CaseVerdict]
 
 
 def verify_slopes(
-    out: Console, folder: Path | None, names: list[str], *, parts: Collection[Part], page: bool
+    out: Console, folder: Path | None, names: list[str], *, parts: Collection[Part]
 ) -> list[dict[str, Any]]:
     """Find ``parts`` of the answers of published slopes and judge them; tells each, and returns rows for JSON."""
     place = folder or FOLDER
@@ -33,13 +31,28 @@ def verify_slopes(
         table.add_column(word, justify="right")
     table.add_row(*(str(sum(row.verdict.word == word for row in rows)) for word in words))
     out.print(table)
-    if page:
-        cases, answers = read_cases(place), read_answers(place / FILE, Answer)
-        if place == FOLDER:
-            commits = [answer.commit for answer in answers.values()]
-            keep_numbers(Path("docs"), "published", "noshiro verify --page", counts(cases, answers), commits)
-        out.print(str(write_page(place, cases, answers)), soft_wrap=True)
     return [_as_dict(row) for row in rows]
+
+
+def numbers(answer: Answer) -> str:
+    """The strict bounds as a range."""
+    if answer.lower is None and answer.upper is None:
+        return "-"
+    low = "?" if answer.lower is None else f"{answer.lower:.3f}"
+    high = "?" if answer.upper is None else f"{answer.upper:.3f}"
+    return f"{low} to {high}"
+
+
+def elements(answer: Answer) -> str:
+    """What the elements find with ψ = φ and with Davis's estimate."""
+    return " and ".join(f"{value:.3f}" if value is not None else "-" for value in (answer.associated, answer.davis))
+
+
+def published(case: Case) -> str:
+    """The smallest and the largest number published."""
+    ends = [end for value in case.published.values for end in value.ends]
+    low, high = min(ends), max(ends)
+    return f"published {low:g}" if low == high else f"published {low:g} to {high:g}"
 
 
 def _tell(out: Console, row: SlopeRow) -> None:

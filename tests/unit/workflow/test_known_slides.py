@@ -5,14 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from docs.known_slides import errors, text
 from meshes.errors import InputError
 from tests.support.newmark import G, newmark_shaken, newmark_slide
 from workflow.estimates.slide_error import SlideError, error_of
 from workflow.report import model_error
 from workflow.verify.record import read_answers, write_answers
 from workflow.verify.slides.case import FOLDER, Column, SlideCase, UniformSlope, read_case, read_cases
-from workflow.verify.slides.collection import errors
-from workflow.verify.slides.page import text
 from workflow.verify.slides.predict import shaking_of_slope
 from workflow.verify.slides.record import SlideAnswer
 from workflow.verify.slides.verdict import bias, judge, right

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from docs.published_slopes import text
 from meshes.errors import InputError, NoAnswerError
 from tests.support.log_spiral import critical_kh
 from tests.support.published import PUBLISHED, cases
 from workflow.verify import answer
 from workflow.verify.case import Value, read_case, read_cases
-from workflow.verify.page import text
 from workflow.verify.record import Answer, version_of
 from workflow.verify.verdict import judge, outside
 

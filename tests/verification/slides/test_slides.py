@@ -5,11 +5,11 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
+from docs.known_slides import errors
 from tests.support.published import PUBLISHED
 from workflow.estimates.slide_error import TABLE
 from workflow.verify.record import FILE, read_answers
 from workflow.verify.slides.case import read_cases
-from workflow.verify.slides.collection import errors
 from workflow.verify.slides.predict import predict
 from workflow.verify.slides.record import SlideAnswer
 from workflow.verify.slides.verdict import judge

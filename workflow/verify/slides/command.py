@@ -7,13 +7,8 @@ from typing import Any
 from rich.console import Console
 from rich.markup import escape
 
-from workflow.estimates import slide_error
 from workflow.verify.collection import Row, run
-from workflow.verify.numbers import keep_numbers
-from workflow.verify.record import FILE, read_answers
 from workflow.verify.slides.case import FOLDER, SlideCase, read_cases
-from workflow.verify.slides.collection import write_errors
-from workflow.verify.slides.page import counts, number, predicted, told, write_page
 from workflow.verify.slides.predict import predict
 from workflow.verify.slides.record import SlideAnswer
 from workflow.verify.slides.verdict import SlideVerdict, judge
@@ -22,21 +17,31 @@ SlideRow = Row[SlideCase, SlideAnswer, SlideVerdict]
 
 
 def verify_slides(
-    out: Console, folder: Path | None, names: list[str], *, judge_only: bool, page: bool, packings: int | None
+    out: Console, folder: Path | None, names: list[str], *, judge_only: bool, packings: int | None
 ) -> list[dict[str, Any]]:
     """Predict known slides and judge them; tells each, and returns the rows as JSON can hold them."""
     place = folder or FOLDER
     find = None if judge_only else lambda case, _: predict(case, packings)
     rows = run(place, read_cases(place, names), SlideAnswer, judge, find, lambda row: _tell(out, row))
-    if page:
-        cases, answers = read_cases(place), read_answers(place / FILE, SlideAnswer)
-        out.print(str(write_page(place, cases, answers)), soft_wrap=True)
-        if folder is None:
-            commits = [answer.commit for answer in answers.values()]
-            command = "noshiro verify --slides --page"
-            keep_numbers(Path("docs"), "slides", command, counts(cases, answers), commits)
-            out.print(str(write_errors(Path(slide_error.__file__).parent, cases, answers)), soft_wrap=True)
     return [_as_dict(row) for row in rows]
+
+
+def told(verdict: SlideVerdict) -> str:
+    """Ratio and its spread, in the digits that these allow."""
+    if verdict.ratio is None or verdict.spread is None:
+        return ""
+    low, high = verdict.spread
+    return f"{verdict.ratio:.2f}" if low == high else f"{verdict.ratio:.2f} ({low:.2f} to {high:.2f})"
+
+
+def predicted(answer: SlideAnswer, verdict: SlideVerdict) -> str:
+    """The numbers of all packings; of ground that flows there are none."""
+    return "no end" if verdict.word == "flows" else ", ".join(number(value) for value in answer.values)
+
+
+def number(value: float) -> str:
+    """A measured or a predicted number."""
+    return f"{value:.3g}"
 
 
 def _as_dict(row: SlideRow) -> dict[str, object]:

@@ -1,21 +1,34 @@
-"""The page of the known slides: a table of all cases, what was left out, and why."""
+"""The page of known slides: a table of all cases, what was left out, and why: python -m docs.known_slides."""
 
+import csv
+import io
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
+from matplotlib.figure import Figure
+
+from docs.numbers_file import keep_numbers
+from docs.published_slopes import DPI, PAGE, PICTURES, save_in_few_colours, with_remarks
+from workflow.estimates import slide_error
+from workflow.estimates.slide_error import TABLE
+from workflow.figures.canvas import INK
 from workflow.run.store import Store
-from workflow.verify.page import PAGE, PICTURES, with_remarks
-from workflow.verify.slides.case import SlideCase
+from workflow.verify.record import FILE, read_answers
+from workflow.verify.slides.case import FOLDER, Column, Ground, SlideCase, read_cases
+from workflow.verify.slides.command import number, predicted, told
 from workflow.verify.slides.record import SlideAnswer
 from workflow.verify.slides.verdict import CLOSE, FAR, SlideVerdict, bias, judge, judge_points, right
 
+SIZE = (3.2, 1.25)
+BEFORE, AFTER, MEASURED = "#9a9a9a", "#c0392b", "#1f6fb2"
 GROUPS = ("theory", "experiment", "field")
 
 HEAD = f"""# Known slides
 
 Slides whose run-out is known by theory, experiment or the field, with what the soil discs predict: nothing is tuned to
 them, strengths are those given, or what a triggering relation leaves. Every case is a file with a table `[known]`; one
-of the field is a section as users write it. Made by `noshiro verify --slides --page`; `noshiro verify --slides column`
+of the field is a section as users write it. Made by `python -m docs.known_slides`. `noshiro verify --slides column`
 runs those whose names begin so.
 
 The ratio is the mean prediction of the packings over the (geometric) middle of what was measured, in brackets that of
@@ -37,8 +50,6 @@ less scatter; discs move near the face only, though they do drift on shaken slop
 
 def write_page(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> Path:
     """Write the page and the pictures it shows into a folder of cases; returns where the page is."""
-    from workflow.verify.slides.picture import draw  # it brings a renderer, which the text does without
-
     pictures = folder / PICTURES
     pictures.mkdir(exist_ok=True)
     for case in cases:
@@ -56,24 +67,6 @@ def text(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAn
         if chosen:
             parts += [f"## {group.capitalize()}", _table(chosen, answers, verdicts)]
     return with_remarks(parts, {case.name: list(_remarks(case, answers.get(case.name))) for case in cases}, folder)
-
-
-def told(verdict: SlideVerdict) -> str:
-    """Ratio and its spread, in the digits that these allow."""
-    if verdict.ratio is None or verdict.spread is None:
-        return ""
-    low, high = verdict.spread
-    return f"{verdict.ratio:.2f}" if low == high else f"{verdict.ratio:.2f} ({low:.2f} to {high:.2f})"
-
-
-def predicted(answer: SlideAnswer, verdict: SlideVerdict) -> str:
-    """The numbers of all packings; of ground that flows there are none."""
-    return "no end" if verdict.word == "flows" else ", ".join(number(value) for value in answer.values)
-
-
-def number(value: float) -> str:
-    """A measured or a predicted number."""
-    return f"{value:.3g}"
 
 
 def _summary(
@@ -147,3 +140,67 @@ def _remarks(case: SlideCase, answer: SlideAnswer | None) -> Iterator[str]:
         yield f"no prediction: {answer.failure}"
     if answer is not None and answer.rested and not all(answer.rested):
         yield "it had not come to rest in every packing"
+
+
+def draw(case: SlideCase, answer: SlideAnswer, path: Path) -> None:
+    """Write the picture as a PNG of few colours: grey before, red after, a blue bar where the front was measured."""
+    figure = Figure(figsize=SIZE, dpi=DPI)
+    axes = figure.add_axes((0.02, 0.04, 0.96, 0.92))
+    before, after = np.array(answer.before).reshape(-1, 2), np.array(answer.after).reshape(-1, 2)
+    low = min((float(line[:, 1].min()) for line in (before, after) if len(line)), default=0.0)
+    if isinstance(case.known.problem, Column):
+        low = 0.0
+    for line, colour in ((before, BEFORE), (after, AFTER)):
+        if len(line):
+            axes.fill_between(line[:, 0], low, line[:, 1], color=colour, alpha=0.25, linewidth=0)
+            axes.plot(*line.T, color=colour, linewidth=1.0)
+    if isinstance(case.known.problem, Column):
+        problem = case.known.problem
+        size = problem.height if problem.weight_over_strength > 0.0 else problem.width
+        ends = [problem.width + size * end for end in case.measured]
+        axes.axvspan(ends[0] - 0.2 * problem.radius, ends[1] + 0.2 * problem.radius, color=MEASURED, alpha=0.6)
+    elif case.measured[1] > 0.0 and len(after):
+        start = float(after[len(after) // 2, 0])
+        top = float(np.max(before[:, 1])) if len(before) else 1.0
+        axes.plot([start, start + case.measured[1]], [top, top], color=MEASURED, linewidth=2.0)
+    axes.axhline(low, color=INK, linewidth=0.6)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.axis("off")
+    save_in_few_colours(figure, path)
+
+
+def errors(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> str:
+    """The table of errors on known slides for the report: every case that was run, as CSV."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(["name", "group", "kind", "method", "ratio"])
+    for case in cases:
+        answer = answers.get(case.name)
+        verdicts = {"discs": judge(case, answer), "mpm": judge_points(case, answer)}
+        problem = case.known.problem
+        kind: str = problem.kind
+        if case.known.group == "field":
+            kind = "flow" if isinstance(problem, Ground) and problem.flow else "spread"
+        for who, verdict in verdicts.items():
+            if verdict is not None and verdict.ratio is not None:
+                table.writerow([case.name, case.known.group, kind, who, f"{verdict.ratio:.3g}"])
+    return text.getvalue()
+
+
+def write_errors(package: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> Path:
+    """Write that table into the package, where reports find it."""
+    return Store(package).write_text(TABLE, errors(cases, answers))
+
+
+def main() -> None:
+    """Make the page of the checkout again, the numbers that the documentation quotes, and the errors for reports."""
+    cases, answers = read_cases(FOLDER), read_answers(FOLDER / FILE, SlideAnswer)
+    commits = [answer.commit for answer in answers.values()]
+    command = "noshiro verify --slides; python -m docs.known_slides"
+    keep_numbers(Path("docs"), "slides", command, counts(cases, answers), commits)
+    print(write_page(FOLDER, cases, answers))
+    print(write_errors(Path(slide_error.__file__).parent, cases, answers))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,16 +1,30 @@
-"""The page of the collection: a table of all cases, what was left out, and why."""
+"""The page of published slopes: a table of all cases, what was left out, and why: python -m docs.published_slopes."""
 
+import io
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from statistics import median
 
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from PIL import Image
+
+from docs.numbers_file import keep_numbers
+from meshes.section.section import Section
+from workflow.figures.canvas import INK, soil_colours
 from workflow.run.store import Store
-from workflow.verify.case import Case, Value
-from workflow.verify.record import Answer
+from workflow.verify.case import FOLDER, Case, Value, read_cases
+from workflow.verify.record import FILE, Answer, read_answers
+from workflow.verify.slopes import numbers
 from workflow.verify.verdict import ABOVE, BELOW, TOLERANCE, CaseVerdict, judge
 
 PAGE, PICTURES, LEFT_OUT = "README.md", "pictures", "left_out.md"
+
+# Small enough that a hundred and fifty of them weigh less than half a megabyte.
+WIDTH, DPI, COLOURS = 220, 72, 16
+TALLEST, FLATTEST = 0.6, 0.22
 
 HEAD = """# Published slopes
 
@@ -34,8 +48,6 @@ times stronger it would have to be; form A, about F cos φ, is 1 where form B is
 
 def write_page(folder: Path, cases: Sequence[Case], answers: Mapping[str, Answer]) -> Path:
     """Write the page and the pictures it shows into a folder of cases; returns where the page is."""
-    from workflow.verify.picture import draw  # it brings a renderer, which the text does without
-
     pictures = folder / PICTURES
     pictures.mkdir(exist_ok=True)
     for case in cases:
@@ -64,27 +76,6 @@ def with_remarks(parts: Sequence[str], remarks: Mapping[str, Sequence[str]], fol
     left_out = folder / LEFT_OUT
     last = ["## Left out", left_out.read_text(encoding="utf-8").strip()] if left_out.exists() else []
     return "\n\n".join([*parts, "## Remarks", "\n".join(lines), *last]) + "\n"
-
-
-def numbers(answer: Answer) -> str:
-    """The strict bounds as a range."""
-    if answer.lower is None and answer.upper is None:
-        return "-"
-    low = "?" if answer.lower is None else f"{answer.lower:.3f}"
-    high = "?" if answer.upper is None else f"{answer.upper:.3f}"
-    return f"{low} to {high}"
-
-
-def elements(answer: Answer) -> str:
-    """What the elements find with ψ = φ and with Davis's estimate."""
-    return " and ".join(f"{value:.3f}" if value is not None else "-" for value in (answer.associated, answer.davis))
-
-
-def published(case: Case) -> str:
-    """The smallest and the largest number published."""
-    ends = [end for value in case.published.values for end in value.ends]
-    low, high = min(ends), max(ends)
-    return f"published {low:g}" if low == high else f"published {low:g} to {high:g}"
 
 
 def _head() -> str:
@@ -182,3 +173,39 @@ def _published(values: Sequence[Value]) -> str:
 def _number(value: Value) -> str:
     low, high = value.ends
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
+def draw(section: Section, path: Path) -> None:
+    """Write the picture as a PNG of few colours."""
+    outline = section.outline()
+    wide, high = np.ptp(outline, axis=0)
+    shape = float(np.clip(high / wide, FLATTEST, TALLEST))
+    figure = Figure(figsize=(WIDTH / DPI, shape * WIDTH / DPI), dpi=DPI)
+    axes = figure.add_axes((0.01, 0.02, 0.98, 0.96))
+    for k, colour in enumerate(soil_colours([stratum.name for stratum in section.strata])):
+        for polygon in section.layering.polygons(k):
+            axes.fill(*np.transpose(polygon), facecolor=colour, edgecolor=INK, linewidth=0.5)
+    axes.set_aspect("equal")
+    axes.axis("off")
+    save_in_few_colours(figure, path)
+
+
+def save_in_few_colours(figure: Figure, path: Path) -> None:
+    """Write a figure as a small PNG."""
+    drawn = io.BytesIO()
+    FigureCanvasAgg(figure).print_png(drawn)
+    Image.open(drawn).convert("RGB").quantize(COLOURS).save(path, optimize=True)
+
+
+def main() -> None:
+    """Make the page of the checkout again, and the numbers that the documentation quotes."""
+    cases, answers = read_cases(FOLDER), read_answers(FOLDER / FILE, Answer)
+    commits = [answer.commit for answer in answers.values()]
+    keep_numbers(
+        Path("docs"), "published", "noshiro verify; python -m docs.published_slopes", counts(cases, answers), commits
+    )
+    print(write_page(FOLDER, cases, answers))
+
+
+if __name__ == "__main__":
+    main()
