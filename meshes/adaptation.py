@@ -38,6 +38,7 @@ def adapted(
     indicator: np.ndarray,
     cells: int,
     path: Path | str | None = None,
+    repeats: bool = False,
 ) -> QuadMesh:
     """Make a free mesh of a section with small cells where an indicator is large.
 
@@ -58,6 +59,8 @@ def adapted(
         About how many quadrilaterals.
     path : Path or str, optional
         Where to write the mesh as a gmsh file.
+    repeats : bool, optional
+        Whether the sides are periodic: where both have the same layers they get the same points.
 
     Returns
     -------
@@ -84,6 +87,7 @@ def adapted(
         {name: scale * size for name, size in settings.towards_in(section).items()},
         mesh.points[triangles],
         at_points[triangles],
+        repeats=repeats,
     )
     return free_mesh(section, settings, sizes, path)
 

@@ -1,7 +1,7 @@
 """Free meshes of any section, conforming to every interface: quadrilaterals of a wanted size, or triangles."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import pairwise
 
@@ -37,6 +37,8 @@ class Sizes:
     corners, at_corners : (k, 3, 2) triangles (m) that cover the section, and (k, 3) the sizes at their corners, linear
         in between; none if there is no such field
     far : how many times larger the ordinary ones are far beyond the ends of the section as it was given
+    repeats : whether the right side gets the points of the left one, as periodic sides need, where both have the same
+        layers
     """
 
     ordinary: float
@@ -45,6 +47,7 @@ class Sizes:
     corners: np.ndarray = field(default_factory=lambda: np.empty((0, 3, 2)))
     at_corners: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
     far: float = 1.0
+    repeats: bool = False
 
     @cached_property
     def _tree(self) -> KDTree:
@@ -60,13 +63,12 @@ class Sizes:
 
     def times(self, scale: float) -> "Sizes":
         """All sizes multiplied."""
-        return Sizes(
-            scale * self.ordinary,
-            {name: scale * size for name, size in self.strata.items()},
-            {name: scale * size for name, size in self.towards.items()},
-            self.corners,
-            scale * self.at_corners,
-            self.far,
+        return replace(
+            self,
+            ordinary=scale * self.ordinary,
+            strata={name: scale * size for name, size in self.strata.items()},
+            towards={name: scale * size for name, size in self.towards.items()},
+            at_corners=scale * self.at_corners,
         )
 
 
@@ -80,6 +82,8 @@ def build_free(section: Section, layers: Layering, sizes: Sizes, algorithm: int)
     before_division = sizes.times(2.0)
     surfaces, curves, steps = _geometry(section, layers, before_division)
     _size_field(section, surfaces, curves, before_division, steps)
+    if sizes.repeats and layers.repeats:
+        _match_sides()
     option = gmsh.option.setNumber
     option("Mesh.MeshSizeFromPoints", 0)
     option("Mesh.MeshSizeExtendFromBoundary", 0)

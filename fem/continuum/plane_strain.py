@@ -179,7 +179,8 @@ class PlaneStrain:
         )
         here, there = (grid.node_points[nodes, 1] - grid.node_points[nodes[0], 1] for nodes in (masters, slaves))
         if len(masters) != len(slaves) or not np.allclose(here, there, atol=1e-6 * here[-1], rtol=0.0):
-            wish = 'expected the same layers and the same height at both; use sides = "free-field" or "fixed"'
+            alike = "points of the mesh" if section.layering.repeats else "layers and the same height"
+            wish = f'expected the same {alike} at both; use sides = "free-field" or "fixed"'
             raise InputError(section.name, [f'fem, sides = "periodic": the {first} and {second} sides differ; {wish}'])
         self.tie_nodes(masters, slaves)
         self.repeats = True

@@ -60,21 +60,22 @@ def next_mesh(
     strain: np.ndarray,
     cells: int,
     strong: Section | None = None,
+    repeats: bool = False,
 ) -> QuadMesh:
     """A mesh of about so many ``cells`` for a mechanism of plastic shear ``strain`` (len(mesh.cells),).
 
     Where a mapped mesh was asked for, that one with more columns and rows where the mechanism is; else a free one. Its
     cells go by the shear displacement of the cells before: along a band of shear that is the same however narrow they
     were, where strains would draw all new cells to the narrowest. They follow the strips of the ``strong`` section,
-    too, which has its cohesionless faces strengthened: sand with half of its points in a strip would be neither.
-    Raises what ``adapted`` does.
+    too, which has its cohesionless faces strengthened: sand with half of its points in a strip would be neither. Sides
+    that are periodic (``repeats``) get the same points. Raises what ``adapted`` does.
     """
     if meshing.method == "mapped":
         return with_finer_strips(mesh, strain, cells)
     moved = strain * np.sqrt(areas(mesh.points, mesh.cells))
     if strong is None:
-        return adapted(section, meshing, mesh, moved, cells)
-    return without_strips(adapted(strong, meshing, mesh, moved, cells), section)
+        return adapted(section, meshing, mesh, moved, cells, repeats=repeats)
+    return without_strips(adapted(strong, meshing, mesh, moved, cells, repeats=repeats), section)
 
 
 def strong_below(section: Section, faces: Sequence[ShallowFailure], settings: FemSettings) -> Section | None:
@@ -157,7 +158,8 @@ class AdaptiveSearch:
     ) -> QuadMesh:
         """`next_mesh`, for ground that is strengthened below ``faces``."""
         strong = strong_below(self.section, faces, settings)
-        return next_mesh(self.section, self.meshing, mesh, strain, cells, strong)
+        repeats = settings.sides == "periodic"
+        return next_mesh(self.section, self.meshing, mesh, strain, cells, strong, repeats)
 
     def _most_cells(self, settings: FemSettings) -> int:
         """Cells of the finest mesh; 0 where none is made."""
