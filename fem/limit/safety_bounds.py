@@ -17,18 +17,17 @@ from typing import Literal
 from fem.continuum.loads import Direction
 from fem.continuum.shallow_failure import faces_at, least_rolling_factor, strengthened
 from fem.limit.bounds import COARSE_CELLS, first_mesh, strengths
-from fem.limit.factor_search import FactorSearch, FactorWork, Start, Trial, gap_of_factors
+from fem.limit.factor_search import LARGEST, SMALLEST, FactorSearch, FactorWork, Start, Trial, gap_of_factors
 from fem.settings import BoundsSettings, FemSettings
-from meshes.errors import NoAnswerError
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
 
 # Times that a factor at which shallow ground slips is narrowed down, from between half of a known one and that: to 4 %.
 HALVINGS = 4
 
-# Why no finer triangles were made: the factor is close enough, no more triangles or work are allowed, or the solver
-# fails.
-FactorEnd = Literal["gap", "triangles", "time", "solver"]
+# Why no finer triangles were made: the factor is close enough, or beyond those looked for; no more triangles or work
+# are allowed; the solver fails.
+FactorEnd = Literal["gap", "range", "triangles", "time", "solver"]
 
 
 @dataclass(frozen=True)
@@ -69,13 +68,13 @@ def safety_bounds(
 
     ``held`` sides move up and down alone, as in strength reduction without shaking, where others bear the K0 stress.
     ``guess`` is where to begin, and only costs time. Both directions of the push are looked at, within the work that
-    the ``settings`` allow. Raises InputError as ``kh_bounds`` does, NoAnswerError if no factor from 0.02 to 20 is
-    between safe and unsafe, BadMeshError if there are no triangles.
+    the ``settings`` allow, at factors from SMALLEST to LARGEST. Raises InputError as ``kh_bounds`` does, BadMeshError
+    if there are no triangles.
     """
     start, work = Start(kh, guess, held), FactorWork(settings.seconds)
     faces = faces_at(section, fem, kh)
     shallow = least_rolling_factor(section, faces, kh, strengths(section.strata)[1])
-    if shallow is not None:
+    if shallow is not None and shallow < LARGEST:
         whole = strengthened(section, faces, fem)
         if not _coarse(whole, fem, settings, start, work).fails_at(shallow):
             bounds = _bounds_of(whole, fem, settings, start, work)
@@ -136,22 +135,14 @@ def _bounds_of(
         searches.append(search(first_mesh(section, settings.max_cells, fem.sides), -1, start))
         searches[2].find()
     lower, upper = min(searches[0].lower, searches[-1].lower), min(search.upper for search in searches)
-    if lower <= 0.0 and not math.isfinite(upper):
-        raise _nothing_found(settings, work)
     trials = [trial for search in searches for trial in search.trials]
     ended: FactorEnd = "time" if work.ran_out else "triangles"
     ended = "solver" if any(search.solver_fails for search in searches) else ended
+    ended = "range" if lower >= LARGEST or upper <= SMALLEST else ended
     ended = "gap" if gap_of_factors(lower, upper) <= settings.gap else ended
     direction = _direction(fem, turned=searches[-1].upper < searches[0].upper) if start.kh else None
     cells = max(trial.cells for trial in trials)
     return SafetyBounds(start.kh, lower, upper, cells, trials, direction=direction, ended=ended)
-
-
-def _nothing_found(settings: BoundsSettings, work: FactorWork) -> NoAnswerError:
-    if not work.ran_out:
-        return NoAnswerError("no factor of safety from 0.02 to 20 could be bounded", "check strengths and densities")
-    message = f"no factor of safety could be bounded within the work allowed ({settings.seconds:g} s)"
-    return NoAnswerError(message, "allow more: seconds in the table [bounds]")
 
 
 def _direction(fem: FemSettings, turned: bool) -> Direction:

@@ -125,12 +125,13 @@ class SafetyPart(Part):
     @property
     def words(self) -> str:
         """The bracket as a person reads it."""
-        low = "no lower bound" if self.lower is None else f"{self.lower:.3f}"
-        high = "no upper bound" if self.upper is None else f"{self.upper:.3f}"
+        low = "" if self.lower is None else f"{self.lower:.3f} <= "
+        high = "" if self.upper is None else f" <= {self.upper:.3f}"
+        between = f"{low}FS{high}" if low or high else "none found of FS"
         at = self.shallow_failure
         rolling = "" if at is None else f"; a face fails before (shallow failure) at {at:.3f}"
         force = f", force {FORCE[self.direction]}" if self.direction else ""
-        return f"{low} <= FS <= {high} at Kh = {self.kh:g}{force}, {self.cells} triangles{rolling}"
+        return f"{between} at Kh = {self.kh:g}{force}, {self.cells} triangles{rolling}"
 
 
 class BoundsAnswer(BracketPart, Answer):

@@ -87,6 +87,8 @@ def _reason(bounds: "SafetyBounds", asked: BoundsSettings) -> str:
     match bounds.ended:
         case "gap":
             return ""
+        case "range":
+            return "The search ended there."
         case "triangles":
             why = f"{bounds.cells} triangles, {asked.max_cells} allowed"
         case "time":

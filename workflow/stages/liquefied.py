@@ -126,7 +126,7 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
         safety = _tried("finite elements", notes, lambda: safety_factor(section, mesh, fem, 0.0, MPI.COMM_SELF))
         guess = safety.factor if safety is not None else 1.0
         strict = _tried("strict bounds", notes, lambda: safety_bounds(section, fem, asked, 0.0, guess, held=True))
-        if strict is not None and strict.lower <= 1.0 <= strict.upper:
+        if strict is not None and strict.lower <= 1.0 <= strict.upper < math.inf:
             fine = asked.model_copy(update={"max_cells": FINER * CELLS, "gap": GAP / FINER})
             at = 0.5 * (strict.lower + strict.upper)
             finer = _tried("finer bounds", notes, lambda: safety_bounds(section, fem, fine, 0.0, at, held=True))
@@ -134,6 +134,8 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
     factor = safety.factor if safety is not None and safety.verdict != "undecided" else None
     lower = strict.lower if strict is not None and strict.lower > 0.0 else None
     upper = strict.upper if strict is not None and math.isfinite(strict.upper) else None
+    if strict is not None and lower is None and upper is None:
+        notes.append("strict bounds: none of the factor of safety within the work allowed")
     unstable: list[str] = []  # why ground that stands between held sides does not between its own
     if lower is not None and lower > 1.0:
 

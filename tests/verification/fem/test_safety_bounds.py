@@ -92,3 +92,11 @@ def test_beyond_what_is_looked_for_the_search_ends_at_once(cohesion, ends):
     found = safety_bounds(Section.parse(data), FIXED, BoundsSettings(gap=0.05, max_cells=600))
     assert (found.lower, found.upper) == ends
     assert len(found.trials) <= 20  # as long as it went on with finer triangles there were 45 and 88
+
+
+def test_bare_sand_that_hardly_falls_is_bounded_within_the_work_allowed() -> None:
+    """Its face rolls at tan φ / tan β = 3.6e5: no bounds are looked for at such a factor, and those up to 20 hold."""
+    sand = layer("sand", cohesion=0.0, friction_angle="31 deg")
+    ground = {"name": "flat", "surface": [[0.0, 0.1], [60.0, 0.1001]], "base": {"elevation": -12.0}, "strata": [sand]}
+    found = safety_bounds(Section.parse(ground), FIXED, BoundsSettings(max_cells=600, seconds=20.0), held=True)
+    assert (found.lower, found.ended) == (20.0, "range")
