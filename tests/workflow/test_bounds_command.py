@@ -106,7 +106,7 @@ def test_the_limit_of_cells_ends_with_a_wide_bracket(tmp_path: Path, capsys: pyt
     answer = json.loads((tmp_path / "out/fem/bounds.json").read_text())
     assert answer["verdict"] == "wide"
     assert "150 allowed" in answer["reason"]
-    assert "150 allowed; it is widest near x = " in " ".join(capsys.readouterr().out.split())
+    assert "150 allowed; the gap is widest near x = " in " ".join(capsys.readouterr().out.split())
 
 
 def test_settings_stand_in_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -64,8 +64,7 @@ class DirectionPart(Part):
     @property
     def words(self) -> str:
         """The bounds as a person reads them; where the other direction fails first they need not be close."""
-        to = f"{FORCE[self.direction]} (to the {self.towards})"
-        out = f", where the ground slides out at the {' and the '.join(self.leaves)} side" if self.leaves else ""
+        to, out = f"{FORCE[self.direction]} (to the {self.towards})", self.way_out
         match self.lower, self.upper:
             case None, None:
                 return f"{to} no bound was found{out}"
@@ -75,6 +74,11 @@ class DirectionPart(Part):
                 return f"{to} it stands up to {lower:.4f} at least{out}"
             case lower, upper:
                 return f"{to} it is {lower:.4f} to {upper:.4f}{out}"
+
+    @property
+    def way_out(self) -> str:
+        """The sides at which the ground slides out, as a clause; empty without any."""
+        return f", where the ground slides out at the {' and the '.join(self.leaves)} side" if self.leaves else ""
 
 
 class BracketPart(Part):

@@ -57,7 +57,8 @@ def work(job: Job) -> None:
     answer.write(job.store)
     draw_all(config, bounds, job.store)
     if answer.verdict == "no bracket":
-        raise NoAnswerError(answer.reason, "allow more triangles: max_cells in the table [bounds]")
+        more = "seconds" if bounds.ended == "time" else "max_cells"
+        raise NoAnswerError(answer.reason.rstrip("."), f"allow more: {more} in the table [bounds]")
 
 
 def _factors(job: Job, config: Config, asked: BoundsSettings) -> Iterator[SafetyPart]:
@@ -130,7 +131,7 @@ def bracket_part(bounds: "SmallerKhBounds", asked: BoundsSettings) -> BracketPar
         gap=bounds.gap if math.isfinite(bounds.gap) else None,
         verdict=verdict,
         reason=reason,
-        words="; ".join([in_words(bounds), *(direction.words for direction in directions[1:])]),
+        words="; ".join([in_words(bounds) + directions[0].way_out, *(direction.words for direction in directions[1:])]),
         cells=bounds.meshes[-1].cells,
         residuals=Residuals(
             lower=StressResiduals.model_validate(bounds.stress.check) if bounds.stress else None,
@@ -159,8 +160,8 @@ def _verdict(bracket: "Bracket", asked: BoundsSettings) -> tuple[Verdict, str]:
         return "unstable", f"It fails under its own weight: its Kh is at most {bracket.upper:.4f}."
     last = bracket.meshes[-1]
     x, z = bracket.open_at or (math.nan, math.nan)
-    why = f"{_why(bracket.ended, last.cells, asked)}; it is widest near x = {x:.1f} m, z = {z:.1f} m."
-    why += "".join(f" {note}." for note in last.notes)
+    why = f"{_why(bracket.ended, last.cells, asked)}; the gap is widest near x = {x:.1f} m, z = {z:.1f} m."
+    why += "".join(f" {note[0].upper()}{note[1:]}." for note in last.notes)
     if math.isfinite(bracket.gap):
         return "wide", f"{gap} is above the {_wanted(bracket, asked)} asked for: {why}"
     bounds = (("lower", bracket.stress), ("upper", bracket.mechanism))
@@ -202,6 +203,8 @@ def _why(ended: "OpenEnd | None", cells: int, asked: BoundsSettings) -> str:
 
 def in_words(bounds: "SmallerKhBounds") -> str:
     """The bracket as a person reads it."""
+    if bounds.mechanism and bounds.upper < -1.0:  # no seismic force of that size is meant
+        return f"it fails under its own weight, {bounds.meshes[-1].cells} triangles"
     low = f"{bounds.lower:.4f}" if bounds.stress else "no lower bound"
     high = f"{bounds.upper:.4f}" if bounds.mechanism else "no upper bound"
     gap = f", gap {_gap(bounds)}" if math.isfinite(bounds.gap) else ""

@@ -7,7 +7,7 @@ import pytest
 from fem.limit.bracket import EndReason, MeshBounds, OpenEnd
 from fem.limit.directions import DirectionBounds, SmallerKhBounds
 from fem.settings import BoundsSettings
-from workflow.stages.bounds import bracket_part
+from workflow.stages.bounds import bracket_part, in_words
 
 
 class Found(DirectionBounds):
@@ -22,10 +22,10 @@ class Smaller(SmallerKhBounds):
     gap = 2.0
 
 
-def found(ended):
+def found(ended, leaves=()):
     notes = ("lower bound: the solver ended early (NumericalError)",)
     meshes = [MeshBounds(900, -0.0733, 0.0608, notes, 1.0, ("lower",))]
-    one = Found(None, None, meshes, None, ended, (1.0, 2.0))
+    one = Found(None, None, meshes, None, ended, (1.0, 2.0), leaves=leaves)
     return Smaller(None, None, meshes, None, ended, (1.0, 2.0), directions=(one,))
 
 
@@ -52,3 +52,26 @@ def test_every_reason_has_its_words(ended):
     assert words[ended] in part.reason
     assert (part.verdict == "unstable") == (ended == "enough")
     assert ended in ("gap", "enough") or "The gap of 0.1341 in Kh is above the 0.0020 in Kh asked for" in part.reason
+
+
+def test_the_words_name_the_side_at_which_the_ground_slides_out_in_the_direction_that_counts():
+    """Until now only the other direction had it; free-field sides give 0.049 where an endless slope has 0.067."""
+    out = ", where the ground slides out at the left side"
+    assert bracket_part(found("triangles", ("left",)), BoundsSettings()).words.endswith(f"900 triangles{out}")
+    assert out not in bracket_part(found("triangles"), BoundsSettings()).words
+
+
+def test_notes_of_the_last_mesh_are_sentences():
+    reason = bracket_part(found("time"), BoundsSettings()).reason
+    assert reason.endswith(". Lower bound: the solver ended early (NumericalError).")
+
+
+def test_ground_that_no_force_could_hold_has_no_kh():
+    """An embankment of normally consolidated clay was told as "no lower bound <= Kh <= -9799.7651" on its way."""
+
+    class Sinking(SmallerKhBounds):
+        upper = -9799.7651
+
+    meshes = found("triangles").meshes
+    sinking = Sinking(None, object(), meshes, None, directions=(Found(None, None, meshes, None),))
+    assert in_words(sinking) == "it fails under its own weight, 900 triangles"
