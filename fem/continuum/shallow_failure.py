@@ -6,7 +6,7 @@ and where it governs, the ground down to ``least_depth`` below such a face is gi
 does not fail by itself; then any failure is one of the ground below, or cuts through it.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -133,6 +133,29 @@ def shallow_failures(
         else:
             faces.append(face)
     return faces
+
+
+def joined(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
+    """Shallow failures from left to right; neighbours of one stratum that fail at one Kh are one, whether water begins
+    below them or not.
+
+    Parameters
+    ----------
+    faces : iterable of ShallowFailure
+        As ``shallow_failures`` returns them.
+
+    Returns
+    -------
+    list of ShallowFailure
+    """
+    found: list[ShallowFailure] = []
+    for face in faces:
+        last = found[-1] if found else None
+        if last and (last.stratum, last.end) == (face.stratum, face.start) and abs(last.kh - face.kh) < SAME:
+            found[-1] = replace(last, end=face.end)
+        else:
+            found.append(face)
+    return found
 
 
 def faces_at(section: Section, settings: FemSettings, kh: float) -> list[ShallowFailure]:

@@ -104,12 +104,14 @@ def _reason(bounds: "SafetyBounds", asked: BoundsSettings) -> str:
 
 def answer_of(config: Config, bounds: "KhBounds", asked: BoundsSettings, seconds: float) -> BoundsAnswer:
     """The brackets of an input, how far each bound was checked, and every mesh; ``seconds`` it took to compute."""
+    from fem.continuum.shallow_failure import joined
+
     return BoundsAnswer(
         **vars(bracket_part(bounds, asked)),
         section=SectionLabel.of(config.section),
         flow="associated, ψ = φ",
         substitute=bracket_part(bounds.substitute, asked) if bounds.substitute else None,
-        shallow_failures=tuple(ShallowBoundPart.model_validate(face) for face in bounds.shallow_failures),
+        shallow_failures=tuple(ShallowBoundPart.model_validate(face) for face in joined(bounds.shallow_failures)),
         shallow=bounds.shallow,
         least_depth=config.fem.least_depth,
         sides=config.fem.sides,

@@ -104,6 +104,7 @@ def _slip_line(mesh: "QuadMesh", state: "State") -> Line:
 
 def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
     """The critical Kh with what it is compared with, the path to it, the states kept, and the factors of safety."""
+    from fem.continuum.shallow_failure import joined
     from fem.search.mesh_sequence import AdaptiveResult
 
     result, mesh, adapted = assessment.critical, assessment.mesh, assessment.adapted
@@ -126,7 +127,7 @@ def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
             ShallowFailurePart.taken(
                 face, start_x_m=face.start, end_x_m=face.end, angle_deg=float(np.degrees(face.angle))
             )
-            for face in result.shallow_failures
+            for face in joined(result.shallow_failures)
         ),
         settings=config.fem,
         dilation_deg=angles,

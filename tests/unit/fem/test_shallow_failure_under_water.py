@@ -8,7 +8,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fem.continuum.shallow_failure import ShallowFailure, faces_at, least_rolling_factor, shallow_failures, strengthened
+from fem.continuum.shallow_failure import (
+    ShallowFailure,
+    faces_at,
+    joined,
+    least_rolling_factor,
+    shallow_failures,
+    strengthened,
+)
 from fem.limit.bounds import first_mesh, kh_bounds
 from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings
@@ -43,6 +50,19 @@ def infinite_slope(phi: float, weight: float, pressure: float, driving: float = 
 
 BUOYANT = 20e3 - WATER
 ALONG = [[-30.0, 10.0], [25.0, 10.0], [50.0, 20.0], [90.0, 20.0]]
+
+
+def test_a_face_with_a_pore_pressure_ratio_above_a_pond_is_told_once() -> None:
+    """Water begins below its first metre, which fails at the same Kh: (cos² β - ru) tan φ - sin β cos β over
+    cos² β + sin β cos β tan φ, from u = ru γ z in the infinite slope."""
+    section = face_of_sand(water={"table": 7.5}, pore_pressure_ratio=0.15)
+    pieces = shallow_failures(section, FIXED)
+    (above,) = joined(pieces)
+    assert len(pieces) == 2
+    assert (above.start, above.end) == (18.75, 50.0)
+    beta = math.atan(SLOPE)
+    cos, both = math.cos(beta) ** 2, math.sin(beta) * math.cos(beta)
+    assert above.kh == pytest.approx((cos - 0.15 - both) / (cos + both), rel=1e-9)
 
 
 def test_a_face_that_meets_the_pond_part_way_has_two_shallow_failures() -> None:
