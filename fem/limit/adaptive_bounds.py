@@ -80,6 +80,9 @@ class BoundSearch:
             tuple(side for side, failed in missing if failed),
             tuple(side for side, solution in solutions if solution.fallback),
         )
+        if (mechanism and mechanism.multiplier < best.lower) or (stress and stress.multiplier > best.upper):
+            # Under seepage the pore pressure is linear in each triangle: finer triangles are other ground, and count.
+            best = replace(best, stress=None, mechanism=None)
         best = Bracket(
             stress if stress and stress.multiplier > best.lower else best.stress,
             mechanism if mechanism and mechanism.multiplier < best.upper else best.mechanism,

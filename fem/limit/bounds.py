@@ -38,6 +38,9 @@ FIRST_SHARE = 0.15
 WIDE_CORNER = 0.5
 # Cells allowed where a rough upper bound will do; the first mesh has a share of it.
 COARSE_CELLS = 8000
+# Where a section bears less than this share of what it bears with its faces strengthened, shallow ground slips: a
+# deeper failure has some per cent from the strength of the faces.
+SLIPS = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,9 +55,9 @@ class KhBounds(SmallerKhBounds):
         bounds are those of the slope as a whole: strict for the ground so strengthened. Without any they are strict for
         the ground as it is given.
     shallow : float or None
-        An upper bound of Kh of the ground as it is given, on coarse triangles, where that is below the Kh of all
-        ``shallow_failures``: ground above the least depth slips where faces of unlike water or slope meet. None
-        elsewhere.
+        An upper bound of Kh of the ground as it is given, where that is below the bounds and the Kh of all
+        ``shallow_failures``: ground above the least depth slips where faces of unlike water or slope meet, or water
+        comes out of one; it was strengthened, too. None elsewhere.
     section : Section
         What was analysed: the section, or that with its faces strengthened, for the direction that fails first.
     substitute : SmallerKhBounds or None
@@ -154,7 +157,7 @@ def kh_bounds(
     }
     searches = {direction: ground.search(limits) for direction, ground in grounds.items()}
     bounds = search_all(tuple(searches.values()), limits, observer)
-    dropped = 0.0
+    dropped, strong = 0.0, {direction: (ground, searches[direction]) for direction, ground in grounds.items()}
     for direction, ground in grounds.items():
         if ground.section is not section and not any(face.kh < bounds.upper for face in ground.shallow_failures):
             # What coarse triangles bore too much decided: no face needs strength.
@@ -163,6 +166,14 @@ def kh_bounds(
             left = replace(limits, seconds=limits.seconds - dropped)
             searches[direction] = grounds[direction].search(left)
     bounds = search_all(tuple(searches.values()), limits, observer)
+    least = {way: SLIPS * max(search.found.lower, 0.0) for way, (_, search) in strong.items()}
+    wet = [way for way, search in searches.items() if search.found.upper < least[way]]
+    for way in wet:  # shallow ground slips where water comes out of a face, before any face by itself
+        dropped += searches[way].work - strong[way][1].work
+        as_given = searches[way].found.upper
+        grounds[way], searches[way] = replace(strong[way][0], as_given=as_given), strong[way][1]
+    if wet:
+        bounds = search_all(tuple(searches.values()), limits, observer)
     if bounds.upper < 0.0:
         raise _unstable(section, bounds.upper)
     substitute = None
@@ -173,7 +184,8 @@ def kh_bounds(
         substitute = search_all(weaker, left, observer)
     govern = tuple(face for ground in grounds.values() for face in ground.shallow_failures if face.kh < bounds.upper)
     as_given = min(ground.as_given for ground in grounds.values())
-    shallow = as_given if govern and as_given < min(bounds.upper, *(face.kh for face in govern)) else None
+    some = bool(govern or wet)
+    shallow = as_given if some and as_given < min([bounds.upper, *(face.kh for face in govern)]) else None
     analysed = grounds[bounds.directions[0].direction].section.cut_at_films
     return KhBounds(**vars(bounds), shallow_failures=govern, shallow=shallow, section=analysed, substitute=substitute)
 

@@ -56,7 +56,7 @@ def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
     if strict is None:
         return meshes
     low, high = strict
-    bounds = proven_by(results.bounds is not None and bool(results.bounds.shallow_failures))
+    bounds = proven_by(results.bounds is not None and results.bounds.strengthened)
     if meshes is None or not meshes.sure or meshes.low > high or meshes.high < low:
         return Accuracy(low, high, bounds, True)
     return Accuracy(max(low, meshes.low), min(high, meshes.high), f"{bounds} and {meshes.method[3:]}", True)

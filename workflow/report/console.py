@@ -129,8 +129,11 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
         )
     if answer.shallow is not None:
         when = f"at Kh of {answer.shallow:.3f} or less" if answer.shallow > 0.0 else "by its own weight"
-        yield f"Where such faces meet, ground above that depth slips {when}: it needs cohesion, or protection."
-    yield f"{proven(bool(answer.shallow_failures))} with ψ = φ, the upper one for every ψ: {answer.words}."
+        ground = "such faces meet, ground above that depth"
+        if not answer.shallow_failures:
+            ground = f"water comes out of a bare face, ground less than {answer.least_depth:g} m deep"
+        yield f"Where {ground} slips {when}: it needs cohesion, or protection."
+    yield f"{proven(answer.strengthened)} with ψ = φ, the upper one for every ψ: {answer.words}."
     if answer.verdict != "bracketed":
         yield answer.reason
     for factor in answer.safety:
@@ -138,7 +141,7 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
         if factor.reason:
             yield factor.reason
     if answer.substitute:
-        yield f"{proven(bool(answer.shallow_failures))} of Davis's estimate for ψ < φ: {answer.substitute.words}."
+        yield f"{proven(answer.strengthened)} of Davis's estimate for ψ < φ: {answer.substitute.words}."
         if answer.substitute.verdict != "bracketed":
             yield answer.substitute.reason
 

@@ -69,7 +69,7 @@ def _bounds(results: Results, _: Texts) -> Iterator[Row]:
         return
     interval = _("{low} to {high}", low=_or_dash(bounds.lower, 3), high=_or_dash(bounds.upper, 3))
     conditions = f"{_sides(bounds.sides, _)}, {_flow('associated', _)}"
-    if bounds.shallow_failures:
+    if bounds.strengthened:
         conditions += _("; failures deeper than {depth} m", depth=f"{bounds.least_depth:g}")
     yield Row(_("critical Kh, strict bounds"), "", interval, conditions)
     for factor in bounds.safety:

@@ -158,3 +158,8 @@ class BoundsAnswer(BracketPart, Answer):
     vertical: float = Field(description="vertical seismic coefficient, positive upwards")
     seconds: float = Field(description="computing time")
     settings: BoundsSettings
+
+    @property
+    def strengthened(self) -> bool:
+        """Whether the bounds are of ground whose bare faces were given a cohesion."""
+        return bool(self.shallow_failures) or self.shallow is not None

@@ -264,3 +264,28 @@ def test_the_work_allowed_is_a_limit_of_all_bounds_together() -> None:
     work = sum(mesh.work for one in found.directions for mesh in one.meshes)
     assert work < 2.4
     assert found.ended == "time"
+
+
+def test_bare_sand_from_which_water_seeps_is_strengthened_where_it_slips_first() -> None:
+    """A dam with a core: its dry downstream face rolls at tan(36° - β) = 0.253, the slope fails upstream at 0.155, but
+    the wet tip at the downstream toe slips at 0.017. This was told as strict bounds, 0.109 <= Kh <= 0.017: no face
+    seemed to need strength, and pore pressures differ between coarse and fine triangles.
+    """
+    shell = soil("Shell", cohesion=0.0, friction_angle="36 deg", bottom={"elevation": 0.0}, permeability="1e-4 m/s")
+    ground = soil("Ground", cohesion="5 kPa", friction_angle="32 deg", permeability="1e-6 m/s")
+    core = soil("Core", cohesion="20 kPa", friction_angle="25 deg", permeability="1e-8 m/s")
+    dam = {
+        "name": "dam",
+        "surface": [[-20, 0], [0, 0], [20, 8], [26, 8], [46, 0], [70, 0]],
+        "base": {"elevation": -6.0},
+        "water": {"flow": True, "table": [[-20, 6], [15, 6], [46, 0], [70, 0]]},
+        "strata": [shell, ground],
+        "zones": [core | {"points": [[22, 0], [24, 8], [25, 8], [27, 0]]}],
+    }
+    section, fem = Section.parse(dam), FemSettings(sides="smooth")
+    bounds = kh_bounds(section, fem, BoundsSettings(gap=0.06, max_cells=1600))
+    assert 0.15 < bounds.lower < 0.155 < bounds.upper < 0.165
+    assert bounds.shallow is not None
+    assert bounds.shallow < 0.05
+    for direction in bounds.directions:
+        assert direction.lower <= direction.upper
