@@ -47,7 +47,7 @@ DRY = {
 
 
 def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:
-    """The borings of a file that have layers or a cone, in its order.
+    """The borings of a file that have layers or a cone, in its order; one with a fault is left out, and it is told.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
     Raises
     ------
     InputError
-        With all problems.
+        With all problems, where fewer than two borings with layers are without.
     """
     groups, columns = read_groups(path), columns or {}
     naming = (columns["layer"],) if "layer" in columns else ("GEOL_GEOL", "GEOL_LEG")
@@ -88,11 +88,12 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
     logs = [log for row in borings if (log := _log(row, axes, naming, groups)) is not None]
     if not logs and not groups.problems:
         groups.problems.append("no boring of LOCA has layers in GEOL, or a cone in SCPT")
-    if groups.problems:
+    if groups.problems and sum(bool(log.layers) for log in logs) < 2:
         raise InputError(str(path), folded(groups.problems))
+    groups.notices.extend(f"a boring is left out: {text}" for text in folded(groups.problems))
     if groups.rows.get("MOND"):
         groups.notices.append("readings of piezometers, MOND, are not used: the water table is that struck in borings")
-    return BoringFile(logs, [*groups.notices, *refusal_notices(logs)])
+    return BoringFile(logs, [*folded(groups.notices), *refusal_notices(logs)])
 
 
 def _log(row: Row, axes: tuple[str, str], naming: tuple[str, ...], groups: Groups) -> Log | None:
@@ -109,14 +110,14 @@ def _log(row: Row, axes: tuple[str, str], naming: tuple[str, ...], groups: Group
     ground = _number(row, level, name, groups) if mine else math.nan
     layers = []
     for group_row in mine:
-        label = next((group_row[key] for key in naming if group_row.get(key)), "")
+        label = next((group_row[key] for key in naming if group_row.get(key, "").lower() not in NOT_MEASURED), "")
         if not label:
             groups.problems.append(
                 f"boring {name}: the layer at {group_row.get('GEOL_TOP', '?')} m has no {naming[0]}, no name; "
                 "--layers GEOL_DESC takes another column"
             )
         top, bottom = _number(group_row, "GEOL_TOP", name, groups), _number(group_row, "GEOL_BASE", name, groups)
-        layers.append(LogLayer(label, top, bottom, "", group_row.get("GEOL_DESC", "")))
+        layers.append(LogLayer(groups.meaning(label), top, bottom, "", group_row.get("GEOL_DESC", "")))
     layers = joined(sorted(layers, key=lambda layer: layer.top))
     samples = _samples(name, groups)
     water = _water_level(name, ground, groups) if mine else None
@@ -164,7 +165,10 @@ def _count_of(count: str, report: str) -> str:
 def _sample(where: str, depth: float, count: str, energy: str, groups: Groups) -> Sample | None:
     data: dict[str, object] = {"depth": depth, "N": count}
     if energy:
-        data["energy_ratio"] = energy.removesuffix("%").strip()
+        try:
+            data["energy_ratio"] = Sample(depth=1.0, N=1.0, energy_ratio=float(energy.strip(" %"))).energy_ratio
+        except ValueError:
+            groups.notices.append(f"{where}ISPT_ERAT = {energy!r} is not used; expected percent, from 20 to 120")
     try:
         sample = Sample.model_validate(data)
     except ValidationError as error:

@@ -1,4 +1,4 @@
-"""The groups of an AGS4 file as python-ags4 reads them, with their units, and what that package says of its rules."""
+"""The groups of an AGS4 file as python-ags4 reads them, or of an AGS3 file, with units, and what is against rules."""
 
 import importlib.util
 import io
@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from meshes.borings.ags3_file import is_ags3, read_ags3
 from meshes.borings.table import DECIMAL_COMMA, with_unit
 from meshes.borings.text_file import read_text
 from meshes.errors import InputError
@@ -21,7 +22,6 @@ LENGTHS = (
     "SCPT_DPTH", "WSTG_DPTH", "WSTD_POST",
 )  # fmt: skip
 KINDS: dict[str, Kind] = {**dict.fromkeys(LENGTHS, COORDINATE), **dict.fromkeys(UNITS, STRENGTH)}
-AGS3 = re.compile(r'^\s*"?(\*\*\??\w+)', re.MULTILINE)
 
 Row = Mapping[str, str]
 
@@ -48,6 +48,11 @@ class Groups:
         """The rows of a group that belong to a boring."""
         return [row for row in self.rows.get(group, ()) if row.get("LOCA_ID") == boring]
 
+    def meaning(self, code: str) -> str:
+        """What group ABBR says of a code that is a number, as those of GEOL_LEG are; of others the code."""
+        named = (row.get("ABBR_DESC", "") for row in self.rows.get("ABBR", ()) if row.get("ABBR_CODE") == code)
+        return (next(named, "") if code.isdecimal() else "") or code
+
     def read(self, row: Row, key: str) -> float:
         """A length (m) or stress (Pa) by the unit of its heading; a stress may be below zero. Raises ValueError."""
         text, kind = DECIMAL_COMMA.sub(r"\1.\2\3", row.get(key, "")), KINDS[key]
@@ -57,26 +62,28 @@ class Groups:
 
 
 def read_groups(path: Path) -> Groups:
-    """The groups of a file. Raises InputError where it is no AGS4, or has units that are not understood."""
-    ags4 = _python_ags4(path)
+    """The groups of a file. Raises InputError where it is no AGS, or has units that are not understood."""
     text, notice = read_text(path)
-    if not re.search(r'^\s*"?GROUP', text, re.MULTILINE):
-        if line := AGS3.search(text):
-            fault = f'is AGS3, whose groups begin with a line such as "{line[1]}"; expected AGS4'
-            raise InputError(str(path), [f"{fault}, into which other programs convert it"])
-        raise InputError(str(path), ["holds no GROUP; expected AGS4, with a group LOCA of the borings"])
-    lines = "".join(line + "\n" for line in text.splitlines() if line.strip(' ,"'))  # a blank line ends no group
-    try:
-        tables, headings = ags4.AGS4_to_dict(io.StringIO(lines))
-    except (ags4.AGS4Error, IndexError, KeyError) as error:
-        raise InputError(str(path), [f"cannot be read as AGS4: {_reason(error)} (blank lines not counted)"]) from None
-    rows: dict[str, list[Row]] = {}
-    units: dict[str, str] = {}
-    for group, columns in tables.items():
-        names = [name.strip() for name in columns]
-        every = [dict(zip(names, map(str.strip, cells), strict=True)) for cells in zip(*columns.values(), strict=True)]
-        rows[group] = [row for row in every if row.get("HEADING") == "DATA"]
-        units |= {key: unit for row in every if row.get("HEADING") == "UNIT" for key, unit in row.items()}
+    notices = [notice] if notice else []
+    if is_ags3(text):
+        ags3 = read_ags3(text)
+        rows = {group: [{key: _stripped(cell) for key, cell in row.items()} for row in lines]
+                for group, lines in ags3.rows.items()}  # fmt: skip
+        headings, units = ags3.headings, ags3.units
+        notices.append(f"{path.name} is AGS3, and is read as AGS4: HOLE as LOCA, WSTK as WSTG, STCN as SCPT")
+    elif re.search(r'^\s*"?GROUP', text, re.MULTILINE):
+        ags4 = _python_ags4(path)
+        numbered = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line.strip(' ,"')]
+        lines = "".join(line + "\n" for _, line in numbered)  # a blank line ends no group
+        try:
+            tables, headings = ags4.AGS4_to_dict(io.StringIO(lines))
+        except (ags4.AGS4Error, IndexError, KeyError) as error:
+            reason = _reason(error, [number for number, _ in numbered])
+            raise InputError(str(path), [f"cannot be read as AGS4: {reason}"]) from None
+        rows, units = _rows(tables)
+        notices += _departures(ags4, path, lines)
+    else:
+        raise InputError(str(path), ["holds no GROUP; expected AGS4, with a group LOCA of the borings, or AGS3"])
     known = {key: units.get(key) or UNITS.get(key, "m") for key in KINDS}
     for key, unit in known.items():  # "M" and "FT" are no molars
         if _unit_problem(KINDS[key], unit) and not _unit_problem(KINDS[key], unit.lower()):
@@ -85,9 +92,23 @@ def read_groups(path: Path) -> Groups:
                 if (wrong := _unit_problem(KINDS[key], unit))]  # fmt: skip
     if problems:
         raise InputError(str(path), problems)
-    result = Groups(rows, {group: list(names) for group, names in headings.items()}, known)
-    result.notices.extend([*([notice] if notice else []), *_departures(ags4, path, lines)])
-    return result
+    return Groups(rows, {group: list(names) for group, names in headings.items()}, known, notices=notices)
+
+
+def _rows(tables: Mapping[str, Mapping[str, Sequence[str]]]) -> tuple[dict[str, list[dict[str, str]]], dict[str, str]]:
+    """The rows of data by group, and the units by heading, of what python-ags4 reads."""
+    rows: dict[str, list[dict[str, str]]] = {}
+    units: dict[str, str] = {}
+    for group, columns in tables.items():
+        names = [name.strip() for name in columns]
+        every = [dict(zip(names, map(_stripped, cells), strict=True)) for cells in zip(*columns.values(), strict=True)]
+        rows[group] = [row for row in every if row.get("HEADING") == "DATA"]
+        units |= {key: unit for row in every if row.get("HEADING") == "UNIT" for key, unit in row.items()}
+    return rows, units
+
+
+def _stripped(cell: str) -> str:
+    return "" if cell.strip().casefold() == "null" else cell.strip()
 
 
 def _python_ags4(path: Path) -> Any:
@@ -99,8 +120,11 @@ def _python_ags4(path: Path) -> Any:
     return AGS4
 
 
-def _reason(error: Exception) -> str:
-    return str(error) if not isinstance(error, IndexError | KeyError) else "a row stands outside of a group"
+def _reason(error: Exception, numbers: Sequence[int]) -> str:
+    """What python-ags4 says against a file, with the numbers that its lines have there."""
+    if isinstance(error, IndexError | KeyError):
+        return "a row stands outside of a group"
+    return re.sub(r"(?<=Line )\d+", lambda line: str(numbers[int(line[0]) - 1]), str(error)).rstrip(". ")
 
 
 def _unit_problem(kind: Kind, unit: str) -> str:

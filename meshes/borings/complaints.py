@@ -18,6 +18,6 @@ def folded(problems: Sequence[str]) -> list[str]:
         if len(same) <= MOST_ALIKE:
             messages += same
         else:
-            places = [re.split(r" = |: ", text, maxsplit=1)[0] for text in same[1:MOST_ALIKE]]
+            places = [re.split(r" = |: | is missing", text, maxsplit=1)[0] for text in same[1:MOST_ALIKE]]
             messages.append(f"{same[0]} (and {len(same) - 1} more alike: {'; '.join(places)}; ...)")
     return messages

@@ -8,10 +8,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from meshes.borings.complaints import folded
 from meshes.borings.log import Log, LogLayer
 from meshes.errors import InputError
 from meshes.section.numbering import Piece, Stack, stacked
 
+REMEDY = "--borings names those of the section"
 OFF_LINE = 20.0  # m, beside the line, beyond which a boring does not belong to the section
 
 
@@ -75,13 +77,14 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...
             raise InputError("borings", ["all borings stand at the same place"])
         way = (points[last] - points[first]) / apart[first, last]
         x, beside = (points - points[first]) @ way, (points - points[first]) @ [-way[1], way[0]]
-        problems = [f"boring {log.name}: {abs(away):.1f} m off the line of the section; expected at most {off_line:g} m"
+        problems = [f"boring {log.name}: {abs(away):.1f} m off the line of the section; {REMEDY}, --off allows more "
+                    f"than {off_line:g} m"
                     for log, away in zip(logs, beside, strict=True) if abs(away) > off_line]  # fmt: skip
         borings = [Placed(log, round(float(a), 3), float(b)) for log, a, b in zip(logs, x, beside, strict=True)]
     borings.sort(key=lambda at: at.x)
     layers = [at for at in borings if at.log.layers]
-    problems += [f"borings {a.log.name} and {b.log.name} stand at the same x = {a.x:g} m" for a, b in pairwise(layers)
-                 if b.x - a.x < 1e-3]  # fmt: skip
+    problems += [f"borings {a.log.name} and {b.log.name} stand at the same x = {a.x:g} m; {REMEDY}"
+                 for a, b in pairwise(layers) if b.x - a.x < 1e-3]  # fmt: skip
     ends = [at.x for at in layers]
     problems += [
         f"sounding {at.log.name}: at x = {at.x:g} m it stands beyond the borings with layers, "
@@ -90,7 +93,7 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...
         if not ends[0] <= at.x <= ends[-1]
     ]
     if problems:
-        raise InputError("borings", problems)
+        raise InputError("borings", folded(problems))
     return tuple(borings)
 
 

@@ -42,7 +42,10 @@ def _head(connected: Connected, name: str) -> Iterator[str]:
     water = [(boring.x, boring.log.water_level) for boring in connected.borings if boring.log.water_level is not None]
     yield "[water]"
     if len(water) > 1:
-        yield f"table = {_points(np.array([x for x, _ in water]), np.array([z for _, z in water]))}"
+        x, level = np.array(water).T
+        across = np.unique([connected.x[0], *x, connected.x[-1]])
+        beside = "     # continues level past the borings that say it" if len(across) > len(x) else ""
+        yield f"table = {_points(across, np.interp(across, x, level))}{beside}"
     elif water:
         yield f"table = {water[0][1]:g}"
     else:

@@ -102,6 +102,7 @@ def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes
     if shapes and not 1.0 <= width <= WIDEST:
         wide = f"{width:.3g}" if width < WIDEST else f"{width:,.0f}"
         notices.append(f"the drawing is {wide} m wide, its unit {size:g} m: --unit says if it is another")
+    shapes = _once(shapes, unused)
     joined = [item for layer in dict.fromkeys(shape.layer for shape in shapes)
               for item in _joined([shape for shape in shapes if shape.layer == layer])]  # fmt: skip
     outlines: list[Shape] = []
@@ -232,6 +233,20 @@ def _upright(points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     way = far / np.hypot(*far)
     across = np.abs((plan - first) @ np.array([-way[1], way[0]]))
     return (first, way) if across.max() <= JOINED else None
+
+
+def _once(shapes: Sequence[Shape], unused: Counter[str]) -> list[Shape]:
+    """Shapes without lines that lie on one of their layer: such a pair would meet at both ends and make an outline."""
+    seen: set[tuple[str, bytes]] = set()
+    kept = []
+    for shape in shapes:
+        ways = [(shape.layer, (points.round(6) + 0.0).tobytes()) for points in (shape.points, shape.points[::-1])]
+        if not shape.closed and ways[0] in seen:
+            unused[f"{shape.kind} on layer {shape.layer} that lies on another"] += 1
+            continue
+        seen.update(ways)
+        kept.append(shape)
+    return kept
 
 
 def _joined(shapes: Sequence[Shape]) -> list[Shape]:

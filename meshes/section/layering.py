@@ -270,13 +270,15 @@ def _crossings(x: np.ndarray, ground: np.ndarray, lines: list[np.ndarray], snap:
 
 
 def _above(line: np.ndarray, other: np.ndarray, x: np.ndarray, snap: float, what: str) -> list[str]:
-    """A sentence if ``line`` is above ``other`` by more than ``snap`` anywhere."""
+    """A sentence if ``line`` is above ``other`` anywhere by more than a shift by ``snap`` lifts it, aside or up."""
     excess = line - other
-    i, end = np.unravel_index(int(np.argmax(excess)), excess.shape)
-    worst = float(excess[i, end])
-    if worst <= snap:
+    steep = np.maximum(*(np.abs(values[:, 1] - values[:, 0]) for values in (line, other))) / np.diff(x)
+    too_much = excess > snap * (1.0 + steep[:, None])
+    if not too_much.any():
         return []
-    wrong = np.flatnonzero((excess > snap).any(axis=1))
+    i, end = np.unravel_index(int(np.argmax(np.where(too_much, excess, 0.0))), excess.shape)
+    worst = float(excess[i, end])
+    wrong = np.flatnonzero(too_much.any(axis=1))
     first, last = (_where_it_ends(excess[k], x[k : k + 2], end) for k, end in ((wrong[0], 0), (wrong[-1], 1)))
     return [f"{what} by {worst:.3g} m at x = {x[i + end]:g} m (wrong between x = {first:.4g} and {last:.4g} m)"]
 

@@ -15,6 +15,9 @@ LAYERS_OPTION = typer.Option(
     show_default=False,
 )
 
+BORINGS_OPTION = typer.Option(
+    help="The borings of the section, by name; repeatable, or with commas. [default: all]", show_default=False
+)
 PART_OPTION = typer.Option(help="The scenario or the analysis of a model. [default: its first]", show_default=False)
 
 
@@ -26,6 +29,7 @@ def section(
     off: Annotated[float, typer.Option(help="Largest distance (m) of a boring from the line.")] = 20.0,
     layers: Annotated[str | None, LAYERS_OPTION] = None,
     columns: Annotated[list[str] | None, COLUMNS_OPTION] = None,
+    borings: Annotated[list[str] | None, BORINGS_OPTION] = None,
     unit: Annotated[
         str | None, typer.Option(help="The unit of a drawing, such as mm. [default: what it says]", show_default=False)
     ] = None,
@@ -34,4 +38,4 @@ def section(
     """Make a section from borings, a drawing or a model of another program, or draw a section as DXF."""
     from workflow.section_import.section_from_files import Reading, make_section
 
-    make_section(files, to, Reading.of(off, layers, columns or (), unit, part))
+    make_section(files, to, Reading.of(off, layers, columns or (), unit, part, borings or ()))

@@ -1,5 +1,6 @@
 """Sections from files of borings and from drawings, and drawings of sections."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -7,7 +8,7 @@ from pathlib import Path
 from meshes.borings.ags4_file import read_ags4
 from meshes.borings.connect import OFF_LINE, Connected, connected
 from meshes.borings.csv_file import read_csv
-from meshes.borings.log import BoringFile
+from meshes.borings.log import BoringFile, Log
 from meshes.borings.section_text import text_of
 from meshes.drawings.dxf_file import read_dxf, write_dxf
 from meshes.errors import InputError
@@ -35,16 +36,24 @@ class Reading:
     columns : names of columns by ours, where they differ, such as {"layer": "GEOL_LEG"}
     unit : length (m) of one unit of a drawing; None for what the drawing says
     part : the scenario or analysis of a model of another program; None for its first one
+    borings : names of the borings of the section; none for all
     """
 
     off_line: float = OFF_LINE
     columns: Mapping[str, str] = field(default_factory=dict)
     unit: float | None = None
     part: str | None = None
+    borings: tuple[str, ...] = ()
 
     @classmethod
     def of(
-        cls, off_line: float, layers: str | None, columns: Sequence[str], unit: str | None, part: str | None = None
+        cls,
+        off_line: float,
+        layers: str | None,
+        columns: Sequence[str],
+        unit: str | None,
+        part: str | None = None,
+        borings: Sequence[str] = (),
     ) -> "Reading":
         """Reading options from the command line. Raises InputError with every one that cannot be understood."""
         pairs = [text.partition("=") for one in columns for text in one.split(",")]
@@ -58,7 +67,8 @@ class Reading:
             told.append(f"--unit {unit}: {error}")
         if told:
             raise InputError("--columns" if size is not None or unit is None else "--unit", told)
-        return cls(off_line, named, size, part)
+        names = tuple(name.strip() for text in borings for name in text.split(",") if name.strip())
+        return cls(off_line, named, size, part, names)
 
 
 def make_section(files: Sequence[Path], out: Path, reading: Reading | None = None) -> None:
@@ -91,20 +101,30 @@ def _made(files: Sequence[Path], out: Path, reading: Reading) -> list[str]:
         ]
     if out.exists():
         raise InputError(str(out), ["is there already; expected the name of a new file"])
+    name = re.sub(r"\W+", "_", out.stem, flags=re.ASCII).strip("_")[:80] or "section"
     if kinds <= set(MODELS):
-        model = MODELS[kinds.pop()](files[0], out.stem, reading.part)
+        model = MODELS[kinds.pop()](files[0], name, reading.part)
         out.write_text(model.text, encoding="utf-8")
         return [*_minded(model.notices), f"{out} has the strata of {files[0]}.", *to_be_given(out, "It is sound.")]
     if kinds == {DRAWING}:
-        drawn = read_dxf(files[0], out.stem, reading.unit)
+        drawn = read_dxf(files[0], name, reading.unit)
         out.write_text(drawn.text, encoding="utf-8")
         return [*_minded(drawn.notices), f"{out} has the strata of {files[0]}.", *to_be_given(out)]
     read = [READERS[file.suffix.lower()](file, reading.columns) for file in files]
-    found = connected([log for one in read for log in one.logs], reading.off_line)
-    out.write_text(text_of(found, out.stem), encoding="utf-8")
+    found = connected(_wanted([log for one in read for log in one.logs], reading.borings), reading.off_line)
+    out.write_text(text_of(found, name), encoding="utf-8")
     picture = draw_borings(found, out)
     minded = _minded([text for one in read for text in one.notices] + list(found.notices))
     return [*minded, *_told(found), f"{out} is the section.", f"Picture: {picture}", *to_be_given(out)]
+
+
+def _wanted(logs: Sequence[Log], names: Sequence[str]) -> list[Log]:
+    """The borings that were named, or all. Raises InputError where there is none of a name."""
+    unknown = [name for name in names if name not in {log.name for log in logs}]
+    if unknown:
+        there = ", ".join(log.name for log in logs)
+        raise InputError("--borings", [f"there is no boring {', '.join(unknown)} that can be used; there are {there}"])
+    return [log for log in logs if not names or log.name in names]
 
 
 def _minded(notices: Sequence[str]) -> list[str]:

@@ -211,11 +211,22 @@ def test_decimal_commas_between_commas_shift_no_cells(tmp_path: Path) -> None:
     assert "line 2: has 7 cells where the heading has 6" in told(tmp_path, table, "b.csv")[0]
 
 
-def test_ags3_is_called_so(tmp_path: Path) -> None:
-    [text] = told(tmp_path, '"**PROJ"\n"*PROJ_ID"\n"1"\n"**HOLE"\n"*HOLE_ID"\n"B1"\n', "old.ags")
-    assert "is AGS3" in text
-    [text] = told(tmp_path, ags(LOCA, GEOL) + '"DATA","B1","1"\n', "short.ags")
-    assert "does not have the same number of entries as the HEADING row in GEOL" in text
+def test_a_row_that_is_short_has_the_number_of_its_line(tmp_path: Path) -> None:
+    [text] = told(tmp_path, "\n\n" + ags(LOCA, GEOL) + '"DATA","B1","1"\n', "short.ags")
+    assert "Line 17 does not have the same number of entries as the HEADING row in GEOL" in text
+
+
+def test_the_borings_of_a_section_are_chosen(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """One far from the line is told with how to leave it out; the section has a name that a folder can have."""
+    loca = (*LOCA[:3], LOCA[3] + "; B3,120,290,9")
+    path = written(tmp_path, ags(loca, (*GEOL[:3], GEOL[3] + "; B3,0,7,SAND,2")), "site plan.ags")
+    made = tmp_path / "site plan (1).toml"
+    assert command_line.run("section", path, "-o", made) == 2
+    assert "off the line of the section; --borings names those of the section" in capsys.readouterr().err
+    assert command_line.run("section", path, "-o", made, "--borings", "B1,B9") == 2
+    assert "there is no boring B9 that can be used; there are B1, B2, B3" in capsys.readouterr().err
+    assert command_line.run("section", path, "-o", made, "--borings", "B1,B2") == 0
+    assert tomllib.loads(made.read_text(encoding="utf-8"))["name"] == "site_plan_1"
 
 
 def test_complaints_of_one_kind_are_told_once(tmp_path: Path) -> None:

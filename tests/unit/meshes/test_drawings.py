@@ -275,6 +275,18 @@ def test_lines_with_a_closed_lens_are_strata_with_a_zone(tmp_path: Path) -> None
     assert "not used: 1 upright LINE on layer Side" in told
 
 
+def test_a_line_that_is_drawn_twice_is_one(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        for way in (1, -1):
+            space.add_lwpolyline(SAND[:4][::way], dxfattribs={"layer": "Ground"})
+            space.add_lwpolyline([(0, 2), (100, 2)][::way], dxfattribs={"layer": "Sand"})
+        space.add_line((0, -6), (100, -6), dxfattribs={"layer": "Clay"})
+
+    made, told = section(drawn(tmp_path, draw))
+    assert areas(made) == {"Sand": pytest.approx(600.0), "Clay": pytest.approx(800.0)}
+    assert "not used: 1 LWPOLYLINE on layer Ground that lies on another" in told
+
+
 def test_an_outline_of_groundwater_is_its_table(tmp_path: Path) -> None:
     """Drawn round all that is wet, it would be ground above the ground."""
     wet = [(0, 9), (52.5, 7), (100, 7), (100, -6), (0, -6)]
