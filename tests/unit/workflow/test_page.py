@@ -16,9 +16,11 @@ from workflow.config import Config
 from workflow.report.console import run_lines
 from workflow.report.page import page
 from workflow.report.summary import summary
+from workflow.results.answer import SectionLabel
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import VariantsAnswer
 from workflow.results.results import Results
+from workflow.results.slices import FacePart, FactorCircles, SlicesAnswer
 from workflow.results.summary import Summary
 
 
@@ -48,6 +50,22 @@ def s13() -> Config:
 def test_a_report_without_answers(answers: dict[str, Any], s13: Config) -> None:
     text = html(results(s13, fem=fem(s13)) if answers else results(s13))
     assert "The slide after liquefaction is not known" in text
+    assert_refers_to_what_is_there(text)
+
+
+def test_a_face_that_fails_under_its_own_weight_has_a_row_and_no_block(s13: Config) -> None:
+    """An embankment of normally consolidated clay ended the report with "No first item, sequence was empty"."""
+    face = FacePart(
+        structure="Bank", kind="levee", start_m=0.0, end_m=46.0, crest_m=(20.0, 26.0), towards="left",
+        factors=(FactorCircles(kh=0.0, circles=()),), critical=None,
+    )  # fmt: skip
+    slices = SlicesAnswer(
+        section=SectionLabel.of(s13.section), factors=(), critical=(), faces=(face,), least_depth=0.5, reason="none",
+        source="",
+    )  # fmt: skip
+    text = html(results(s13, slices=slices))
+    assert "Bank" in text
+    assert "Block: " not in text
     assert_refers_to_what_is_there(text)
 
 
