@@ -23,10 +23,6 @@ from workflow.triggering.plausibility import implausible_triggering
 from workflow.uncertain.limits import Reach, reach_of
 from workflow.uncertain.path import changed, plain
 
-CRACKED = (
-    "tension_crack: slip circles alone end at it; elements, strict bounds, discs and material points have no crack but "
-    "where the tension of a stratum opens one"
-)
 # Options of the command line that take the place of other settings in the file.
 REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns", "rows")}
 
@@ -120,8 +116,8 @@ class Config(Tables):
     def notices(self) -> list[str]:
         """Notices on the section, its mesh and its records, one sentence each."""
         cut_off = [line for reach in self.reach.values() for line in reach.notice.splitlines()]
-        cracked = [] if self.tension_crack.bottom is None else [CRACKED]
-        return [*self.section.notices, *self.mesh.notices(self.section), *cracked, *cut_off, *self.notices_of_shaking]
+        cracks = self.tension_crack.notices(self.section)
+        return [*self.section.notices, *self.mesh.notices(self.section), *cracks, *cut_off, *self.notices_of_shaking]
 
     @property
     def notices_of_shaking(self) -> list[str]:
@@ -193,7 +189,7 @@ class Config(Tables):
             config = cls(section=section, **used)
         except ValidationError as error:
             raise InputError(source, sentences(error, data, cls)) from None
-        return config.analysed(section.thinned().cut_at_water(), config.slide, (), ())
+        return config.analysed(config.tension_crack.cut(section.thinned().cut_at_water()), config.slide, (), ())
 
     @property
     def cases(self) -> tuple[Case, ...]:

@@ -16,12 +16,15 @@ from meshes.section.stratum import Stratum
 # What is added to the name of a stratum for the part of it that lies below water, and for a pocket or a film of water
 # or of moist ground in it that meshes of elements leave out.
 BELOW_WATER, FILM_IN = ", below water", ", film"
-# The second, third, ... part of a soil that zones have parted.
-PART = re.compile(r", part \d+(?=$|, below water$)")
+# What is added for the part of it above the bottom of tension cracks.
+CRACKED = ", cracked"
+# The second, third, ... part of a soil that zones have parted, and the cracked part.
+PART = re.compile(r"(?:, part \d+|, cracked)+(?=$|, below water$)")
 # Pockets that water cuts off a stratum are left out up to this length and thickness, and of any length up to the
 # thickness of a film, all in cells of the default size.
 LONGEST_POCKET, THICKEST_POCKET, FILM = 15.0, 1.0 / 6.0, 1.0 / 12.0
 Value = TypeVar("Value")
+OfCrack = Callable[[int], Mapping[str, object]]  # changes of the part of stratum k that cracks cross
 Cutting = Callable[[Sequence[Stratum], Layering, Sequence[np.ndarray | None], tuple[float, float]], tuple[Stratum, ...]]
 
 
@@ -55,9 +58,14 @@ def soil_numbers(names: Sequence[str]) -> list[int]:
 
 def key_in_file(strata: Sequence[Stratum], k: int) -> str:
     """Stratum k as a person finds it in the file: its number there, before water and zones cut it, and its name."""
+    return f"{place_in_file(strata, k)} {shown_name(soil_of(strata[k].name))}"
+
+
+def place_in_file(strata: Sequence[Stratum], k: int) -> str:
+    """The table of stratum k in the file, such as "strata 2", before water and zones cut it."""
     names = [stratum.name for stratum in strata[: k + 1]]
     parts = [names[i] == names[i - 1] + BELOW_WATER for i in range(1, k + 1)]
-    return f"{strata[k].place or f'strata {k + 1 - sum(parts)}'} {shown_name(soil_of(names[k]))}"
+    return strata[k].place or f"strata {k + 1 - sum(parts)}"
 
 
 def layers_in_file(names: Sequence[str], layers: Layering) -> tuple[list[str], Layering]:
@@ -191,7 +199,7 @@ def cut_strata(
     pressures know nothing of that.
     """
     found: list[Stratum] = []
-    cell = CELL * float(layers.areas().sum() / (layers.x[-1] - layers.x[0]))
+    cell = _cell(layers)
     divided = [None if level is None else divided_by_water(layers, k, level) for k, level in enumerate(levels)]
     kept = [None if exact is None else without_pockets(exact, cell) for exact in divided]
     dry_soils = {whole_soil(s.name) for s, parts in zip(strata, kept, strict=True) if parts is None or parts.has(0)}
@@ -209,6 +217,32 @@ def cut_strata(
             moist = (stratum.density or stratum.density_ordinary) if film else stratum.density_saturated
             stratum = _with_density(stratum, stratum.density_saturated, name=name, density=moist)
         found.append(stratum)
+    return tuple(found)
+
+
+def _cell(layers: Layering) -> float:
+    """The size (m) of cells by default."""
+    return CELL * float(layers.areas().sum() / (layers.x[-1] - layers.x[0]))
+
+
+def cut_at_cracks(
+    strata: Sequence[Stratum], layers: Layering, bottom: np.ndarray, given: tuple[float, float], of_crack: OfCrack
+) -> tuple[Stratum, ...]:
+    """The strata, those with a cohesion that the ``bottom`` (n, 2) of tension cracks crosses in two; what is above it
+    has no tensile strength, the name of the soil with ``CRACKED``, and what ``of_crack`` changes in it."""
+    found: list[Stratum] = []
+    for k, stratum in enumerate(strata):
+        parts = without_pockets(divided_by_water(layers, k, bottom), _cell(layers))
+        placed = stratum.placed(place_in_file(strata, k))
+        is_cracked = parts.has(0) and stratum.has_cohesion
+        if is_cracked:
+            changes: dict[str, object] = {"tension": 0.0, **of_crack(k)}
+            if parts.has(1):
+                soil, water, _ = stratum.name.partition(BELOW_WATER)
+                changes |= {"name": soil + CRACKED + water, "bottom": parts.line(*given)}
+            found.append(placed.model_copy(update=changes))
+        if parts.has(1) or not is_cracked:
+            found.append(placed)
     return tuple(found)
 
 

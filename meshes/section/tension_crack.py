@@ -1,14 +1,26 @@
-"""The table [tension_crack] of an input: a vertical crack at the head of slip surfaces, and the water in it."""
+"""The table [tension_crack] of an input: vertical cracks down to a line, and the water in them.
 
+Slip circles end at a crack that is there before (Terzaghi 1943, art. 57). Elements, strict bounds and material points
+have ground without tensile strength above that line, which cracks where a mechanism opens it (the truncated envelope of
+Michalowski 2013, Géotechnique 63, 1187): what shears beside an opening crack resists there, so that steep slopes bear
+more than beside a crack that is there before. The water of a crack that opens presses on its faces with u: the total
+major stress is at most -u. That is a cut-off of the effective stress at zero with u as the pore pressure, and in ground
+without friction changes nothing else; where there is friction it would take strength away, and is left out.
+"""
+
+from collections.abc import Iterator
 from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, PlainSerializer, PlainValidator, model_validator
 
+from meshes.section.cutting import cut_at_cracks
 from meshes.section.model import Model
-from meshes.section.polyline import ElevationOrLine, written
+from meshes.section.polyline import ElevationOrLine, Line, level_at, written
 from meshes.section.quantity import HEIGHT
 from meshes.section.section import Section
+
+STEEP = 10.0  # rise over run
 
 
 def _read_water(value: Any) -> str | float:
@@ -40,6 +52,23 @@ class TensionCrack(Model):
             raise ValueError("water without bottom: expected bottom, such as { depth = 2.0 }, where cracks end")
         return self
 
+    def notices(self, section: Section) -> Iterator[str]:
+        """What methods make of the cracks of a section that is cut at them, one sentence each."""
+        if self.bottom is None:
+            return
+        yield (
+            "tension_crack: slip circles end at cracks that are there before; elements, strict bounds and material "
+            "points have ground without tensile strength above their bottom, which bears more where it shears as it "
+            "opens; discs have no cracks"
+        )
+        torn = [s for s in section.strata if s.tension == 0.0 and s.has_cohesion]
+        if self.water != "dry" and (any(s.friction_angle for s in torn) or section.water_pressure.flow is not None):
+            yield (
+                "tension_crack, water: in ground with a friction angle, and where water flows, it presses on slip "
+                "circles alone; cracks of elements, strict bounds and material points have the pore pressure of the "
+                "ground there"
+            )
+
     @property
     def words(self) -> str:
         """A sentence on the cracks; empty where there are none."""
@@ -60,3 +89,69 @@ class TensionCrack(Model):
     def water_depth(self, depth: np.ndarray) -> np.ndarray:
         """Depth (m) of the water in cracks of a ``depth`` (m)."""
         return depth if self.water == "full" else np.minimum(0.0 if self.water == "dry" else float(self.water), depth)
+
+    def cut(self, section: Section) -> Section:
+        """The section with strata cut at the bottom of the cracks; those above it have no tensile strength, and the
+        pressure of the water in the cracks where they have no friction."""
+        if self.bottom is None:
+            return section
+        bottom = _beside_faces(section.elevations_of(self.bottom))
+        pressure = section.water_pressure
+        filled = self.water != "dry" and pressure.flow is None
+
+        def of_crack(k: int) -> dict[str, object]:
+            stratum = section.strata[k]
+            if not filled or stratum.friction_angle or stratum.pore_pressure_ratio:
+                return {}
+            own = None if stratum.pore_pressure_ratio is not None else pressure.levels[k]
+            level = self._water_level(section, bottom, own)
+            weight = {"density_saturated": stratum.density_ordinary}  # the water of cracks does not soak the ground
+            return {"piezometric_level": Line(elevation=level.tolist()), "pore_pressure_ratio": None, **weight}
+
+        strata = cut_at_cracks(section.strata, section.layering, bottom, section.given_extent, of_crack)
+        return section.with_strata(strata)
+
+    def _water_level(self, section: Section, bottom: np.ndarray, own: np.ndarray | None) -> np.ndarray:
+        """Level (n, 2) of the water in cracks, or the ``own`` one of the ground where that is higher.
+
+        Water stands in a crack no higher than the lowest ground within the depth of the deepest crack to either side,
+        where it would run out.
+        """
+        ground, depth = section.ground, float(self.depth(section, np.unique(bottom[:, 0])).max())
+        bends = np.concatenate([ground[:, 0], bottom[:, 0], *([] if own is None else [own[:, 0]])])
+        x = np.unique(np.concatenate([bends, ground[:, 0] - depth, ground[:, 0] + depth]))
+        x = x[(x >= ground[0, 0]) & (x <= ground[-1, 0])]
+        middle = 0.5 * (x[1:] + x[:-1])
+
+        def level(at: np.ndarray) -> np.ndarray:
+            top, end = (level_at(line, at, middle) for line in (ground, bottom))
+            deep = np.maximum(top - end, 0.0)
+            beside = [level_at(ground, at + step, middle + step) for step in (-depth, depth)]
+            lowest = np.where(np.abs(ground[:, 0] - middle[:, None]) < depth, ground[:, 1], np.inf).min(axis=1)
+            water = np.minimum.reduce([top - deep + self.water_depth(deep), *beside, lowest])
+            return water if own is None else np.maximum(water, level_at(own, at, middle))
+
+        points = np.column_stack([np.repeat(x, 2)[1:-1], np.column_stack([level(x[:-1]), level(x[1:])]).ravel()])
+        return _without_steps(points)
+
+
+def _beside_faces(line: np.ndarray) -> np.ndarray:
+    """A line (n, 2) that steps where it is steeper than ``STEEP``, at the lower end: cracks beside a face that is
+    nearly upright reach down from the ground above it, not from the face."""
+    width, rise = np.diff(line, axis=0).T
+    steep = np.flatnonzero((np.abs(rise) > STEEP * width) & (width > 0.0))
+    lower = steep + (rise[steep] < 0.0)
+    new = np.column_stack([line[lower, 0], np.maximum(line[steep, 1], line[steep + 1, 1])])
+    return np.insert(line, steep + 1, new, axis=0)
+
+
+def _without_steps(level: np.ndarray) -> np.ndarray:
+    """The highest level (k, 2) nowhere above ``level`` (n, 2) and nowhere steeper than ``STEEP``: a level of water may
+    not step."""
+    width, rise = np.diff(level, axis=0).T
+    steep = np.flatnonzero(np.abs(rise) > STEEP * width)
+    foot = level[steep + (rise[steep] < 0.0), 0] + rise[steep] / STEEP
+    x = np.unique(np.concatenate([level[:, 0], foot]))
+    x = x[(x >= level[0, 0]) & (x <= level[-1, 0])]
+    z = np.minimum.reduce([level_at(level, x, x + 1.0), level_at(level, x, x - 1.0)])
+    return np.column_stack([x, np.minimum(z, (level[:, 1] + STEEP * np.abs(x[:, None] - level[:, 0])).min(axis=1))])
