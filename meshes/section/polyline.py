@@ -45,6 +45,9 @@ def pairs_of(value: Sequence[Any]) -> list[tuple[float, float]]:
     return points
 
 
+MOST_ALIKE = 3  # points that are told one by one
+
+
 def _order_problems(points: Sequence[tuple[float, float]]) -> list[str]:
     problems = []
     x = [point[0] for point in points]
@@ -55,6 +58,8 @@ def _order_problems(points: Sequence[tuple[float, float]]) -> list[str]:
             )
         if i > 1 and x[i] == x[i - 1] == x[i - 2]:
             problems.append(f"three points at x = {x[i]:g} m: expected at most two, which make a vertical step")
+    if (more := len(problems) - MOST_ALIKE) > 0:
+        problems[MOST_ALIKE:] = [f"and {more:,} more points that lie so"]
     if not problems and x[0] == x[-1]:
         problems.append(f"all points at x = {x[0]:g} m: expected a line from left to right")
     if not problems and (x[0] == x[1] or x[-1] == x[-2]):
