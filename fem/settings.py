@@ -42,7 +42,7 @@ class FemSettings(Model):
     )
     rigid_box: StrictBool = Field(
         default=True,
-        description="true to find the critical Kh with fixed sides as well, with which the discs are compared",
+        description="true to calibrate discs to the critical Kh between fixed sides, false to that of these settings",
     )
     direction: DirectionSetting = Field(
         default="both",

@@ -126,7 +126,7 @@ class PlaneStrain:
         """Set up solver and work arrays for a discretisation."""
         self.grid = grid
         self.exchange = Exchange(grid)
-        self._solver = LinearSolver(grid, self.exchange, symmetric=self.flow != "section")
+        self._solver: LinearSolver | None = None  # limit analysis needs none
         self._forces = np.zeros(len(grid.global_dofs))
         shear = self._elastic[:, 3, 3]
         self._hourglass = HOURGLASS_SHARE * shear[grid.stratum[: len(grid.hourglass)], None, None] * grid.hourglass
@@ -233,10 +233,13 @@ class PlaneStrain:
         """Factorise the stiffness of the last ``internal_force``. Raises SingularMatrixError."""
         if self.overstress < ELASTIC_SHARE:
             self._tangent += ELASTIC_SHARE * self._elastic[self.material]
+        if self._solver is None:
+            self._solver = LinearSolver(self.grid, self.exchange, symmetric=self.flow != "section")
         self._solver.factorise(self._tangent, self._hourglass, self._free_local, self._held_owned)
 
     def solve(self, force: np.ndarray) -> np.ndarray:
         """Displacement under nodal forces by the last factorised stiffness, zero where it is held."""
+        assert self._solver is not None
         return self._solver.solve(np.where(self.free, force, 0.0))
 
     def part(self, cells: np.ndarray) -> Part:

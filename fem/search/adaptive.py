@@ -166,30 +166,14 @@ class AdaptiveSearch:
         return settings.max_cells if is_adapted(self.section, self.meshing, self.first, settings) else 0
 
     def beside(self, base: AdaptiveResult[LimitLoadResult], other: FemSettings) -> AdaptiveResult[LimitLoadResult]:
-        """The limit load with ``other`` settings under the same forces: on the mesh of ``base``, and on a mesh with as
-        many cells adapted to its mechanism. Both are in the sequence, the smaller one is the result. Raises
-        NoAnswerError if the solver leaves none on the mesh of ``base``.
+        """The limit load with ``other`` settings under the same forces, on the mesh of ``base``; where that does not
+        resolve the mechanism also on one of as many cells that does. Both are in the sequence, the smaller one is the
+        result. Raises NoAnswerError if the solver leaves none on the mesh of ``base``.
         """
         self.tell(f"limit load of {len(base.mesh.cells)} cells")
-        return self._or_on_its_own(base, asked_again(base.result, self.section, base.mesh, other), other)
-
-    def between_sides(
-        self, base: AdaptiveResult[LimitLoadResult], fixed: FemSettings
-    ) -> AdaptiveResult[LimitLoadResult]:
-        """The limit load between ``fixed`` sides, which carry no prescribed force; the ground of ``base`` is not
-        changed.
-        """
-        mesh = base.mesh
-        self.tell(f"limit load of {len(mesh.cells)} cells")
-        faces = self._rough_faces(mesh, fixed) if len(base.rounds) < 2 else base.result.ground.faces
-        return self._or_on_its_own(base, critical_limit_load(self.section, mesh, fixed, self.comm, faces), fixed)
-
-    def _or_on_its_own(
-        self, base: AdaptiveResult[LimitLoadResult], same: LimitLoadResult, other: FemSettings
-    ) -> AdaptiveResult[LimitLoadResult]:
-        """The limit load ``same``, or that on a mesh adapted to its mechanism with ``other`` settings, if less."""
+        same = asked_again(base.result, self.section, base.mesh, other)
         first = AdaptiveResult(same, base.mesh, [MeshRound(len(base.mesh.cells), same.kc, math.inf, math.inf)])
-        if same.mechanism is None or len(base.rounds) < 2:  # there is one mesh for all
+        if same.mechanism is None or base.resolves(same.mechanism):
             return first
         faces, strain = base.result.ground.faces, same.mechanism.plastic_shear_strain
         try:
@@ -258,14 +242,15 @@ class AdaptiveSearch:
         )
 
     def safety_beside(self, base: AdaptiveResult[SafetyFactor], other: FemSettings, kh: float) -> float:
-        """The factor of safety by the flow rule of ``other`` settings on the mesh of ``base``, or on one of as many
-        cells that is made for its mechanism, if that is less; no less than ``base`` where that is Davis's estimate.
+        """The factor of safety by the flow rule of ``other`` settings on the mesh of ``base``; where that does not
+        resolve the mechanism, on one of as many cells that does, if it is less there. It is no less than ``base`` where
+        that is Davis's estimate.
 
         Raises what ``limit_load_safety_factor`` does.
         """
         same = limit_load_safety_factor(self.section, base.mesh, other, kh, self.comm, base.result.factor)
         factor = same.factor
-        if same.mechanism is not None and len(base.rounds) > 1:
+        if same.mechanism is not None and not base.resolves(same.mechanism):
             strain = same.mechanism.plastic_shear_strain
             try:
                 faces = faces_at(self.section, other, kh)

@@ -54,9 +54,6 @@ class Assessment:
     davis : AdaptiveResult or None
         Davis's estimate for the same direction, 0 where such ground fails by itself; None where ``critical`` is by it
         or by a path, or where ψ = φ is given.
-    rigid_box : AdaptiveResult or None
-        Between fixed sides, pushed the same way, on meshes of its own, by Davis's estimate where ``critical`` is with
-        ψ = φ, since discs hardly dilate; None where it was not asked for.
     safety : list of AdaptiveResult
         Factors of safety at the Kh asked for, the first without shaking, each on meshes of its own.
     warnings : list of ResultWarning
@@ -69,7 +66,6 @@ class Assessment:
     opposite: AdaptiveResult[LimitLoadResult] | AdaptiveResult[CriticalResult] | None
     associated: AdaptiveResult[LimitLoadResult] | None
     davis: AdaptiveResult[LimitLoadResult] | None
-    rigid_box: AdaptiveResult[CriticalResult] | None
     safety: list[AdaptiveResult[SafetyFactor]]
     warnings: list[ResultWarning]
 
@@ -92,7 +88,7 @@ def assess(
         return _Search(section, meshing, first, comm, listener, executor).assessed(settings)
 
 
-def box_below_faces(
+def box_between_fixed_sides(
     section: Section,
     meshing: MeshSettings,
     first: QuadMesh,
@@ -100,15 +96,22 @@ def box_below_faces(
     comm: Any,
     listener: AssessmentListener,
 ) -> AdaptiveResult[CriticalResult]:
-    """The critical Kh between fixed sides, in one direction, for failures deeper than ``settings.least_depth`` below
-    cohesionless faces, on meshes of its own.
+    """The critical Kh between fixed sides in one direction, as discs are held, on meshes of its own; for failures
+    deeper than ``settings.least_depth`` below cohesionless faces.
 
-    Raises InputError, NoEquilibriumError, UnstableError.
+    By Davis's estimate in place of ψ = φ, where such ground stands: discs hardly dilate. Raises InputError,
+    NoEquilibriumError, UnstableError.
     """
-    settings = settings.model_copy(update={"flow": flow_of(section.strata, settings.flow)})
+    flow = flow_of(section.strata, settings.flow)
+    fixed = settings.model_copy(update={"flow": flow, "sides": "fixed", "kh": ()})
     with one_more_thread(comm.size == 1) as executor:
         search = _Search(section, meshing, first, comm, listener, executor)
-        return search.rigid_box(settings, None, first, below_faces=True)
+        if search.dilates_more(fixed):
+            try:
+                return search.between_fixed_sides(fixed.model_copy(update={"flow": "davis"}))
+            except NoAnswerError:
+                pass
+        return search.between_fixed_sides(fixed)
 
 
 def _together(
@@ -117,7 +120,6 @@ def _together(
     adapted: AdaptiveResult[LimitLoadResult] | None,
     opposite: AdaptiveResult[LimitLoadResult] | AdaptiveResult[CriticalResult] | None,
     beside: AdaptiveResult[LimitLoadResult] | None,
-    box: "Future[AdaptiveResult[CriticalResult]] | None",
     safety: list[Safety],
 ) -> Assessment:
     """Collect all results, waiting for those still computed; ``beside`` is the critical Kh by the other flow rule."""
@@ -128,9 +130,7 @@ def _together(
         davis = failing_by_itself(davis)
     warnings = warnings_of(critical, mesh, associated.result if associated else None)
     warnings += [each for each in outcomes if isinstance(each, ResultWarning)]
-    return Assessment(
-        critical, mesh, adapted, opposite, associated, davis, box.result() if box else None, factors, warnings
-    )  # fmt: skip
+    return Assessment(critical, mesh, adapted, opposite, associated, davis, factors, warnings)
 
 
 def _fails(factor: float | None) -> bool:
@@ -173,19 +173,17 @@ class _Search:
     ) -> Assessment:
         """The answers that limit loads are compared with, factors of ``safety`` begun or not; raises UnstableError.
 
-        With Davis's estimate, the path and the search with fixed sides start before it is known whether the mesh for ψ
-        = φ is better, which it hardly ever is.
+        With Davis's estimate, the path starts before it is known whether the mesh for ψ = φ is better, which it hardly
+        ever is.
         """
         one_way = settings.model_copy(update={"direction": adapted.result.direction})
-        box = self.begin_box(one_way, adapted, adapted.mesh)
         safety = self.begin_safety(one_way) if safety is None else safety
         beside = self.executor.submit(partial(self.beside_limit_loads, adapted, one_way))
         critical = self.path_to(adapted, one_way)
         better, other = beside.result()
         if better is not adapted:
-            box = self.begin_box(one_way, better, better.mesh)
             critical = self.path_to(better, one_way)
-        return _together(critical, better.mesh, better, better.other, other, box, safety)
+        return _together(critical, better.mesh, better, better.other, other, safety)
 
     def path_to(self, limit: AdaptiveResult[LimitLoadResult], settings: FemSettings) -> CriticalResult:
         """The path to a limit load, on its mesh; raises UnstableError."""
@@ -200,24 +198,12 @@ class _Search:
         opposite = AdaptiveResult(critical.other, mesh) if critical.other is not None else None
         if not is_dilating_fully(self.section.strata):
             beside = self.by_other_flow(one_way)
-        box = None
-        if critical.verdict != "undecided":
-            box = self.begin_box(one_way, None, mesh)
         safety = self.begin_safety(one_way) if safety is None else safety
-        return _together(critical, mesh, None, opposite, beside, box, safety)
+        return _together(critical, mesh, None, opposite, beside, safety)
 
     def begin_safety(self, settings: FemSettings) -> list[Safety]:
         """Start the searches for the factors of safety that are asked for."""
         return [self.executor.submit(partial(self.or_warning, settings, kh)) for kh in settings.safety_factor_at]
-
-    def begin_box(
-        self, settings: FemSettings, adapted: AdaptiveResult[LimitLoadResult] | None, mesh: QuadMesh
-    ) -> "Future[AdaptiveResult[CriticalResult]] | None":
-        """Start the search with fixed sides, if it is asked for and differs from the main one."""
-        same = settings.sides == "fixed" and not self.dilates_more(settings)
-        if not settings.rigid_box or same:
-            return None
-        return self.executor.submit(partial(self.rigid_box, settings, adapted, mesh))
 
     def told(self, what: str) -> Callable[[EquilibriumPath], None]:
         """A listener to the progress of a path."""
@@ -280,38 +266,13 @@ class _Search:
 
         return AdaptiveSearch(self.section, self.meshing, self.first, self.comm, told, self.executor)
 
-    def rigid_box(
-        self,
-        settings: FemSettings,
-        adapted: AdaptiveResult[LimitLoadResult] | None,
-        mesh: QuadMesh,
-        below_faces: bool = False,
-    ) -> AdaptiveResult[CriticalResult]:
-        """The critical Kh between fixed sides in the direction in which the ground fails, as for the discs. By Davis's
-        estimate in place of ψ = φ, where such ground stands. ``below_faces``: as in `box_below_faces`.
-        """
-        if self.dilates_more(settings):
-            try:
-                low = settings.model_copy(update={"flow": "davis"})
-                return self.between_fixed_sides(low, adapted, mesh, below_faces)
-            except NoAnswerError:
-                pass
-        return self.between_fixed_sides(settings, adapted, mesh, below_faces)
-
-    def between_fixed_sides(
-        self, settings: FemSettings, adapted: AdaptiveResult[LimitLoadResult] | None, mesh: QuadMesh, below_faces: bool
-    ) -> AdaptiveResult[CriticalResult]:
-        """The answer between fixed sides, by the flow rule of the ``settings``."""
-        fixed = settings.model_copy(update={"sides": "fixed", "kh": ()})
-        start, limit = None, None
-        if below_faces:
-            if is_associated(self.section.strata, fixed.flow):
-                limit = self.on_meshes("Kh, fixed sides").critical(fixed)
-        elif adapted and settings.sides != "periodic":
-            limit = self.on_meshes("Kh, fixed sides").between_sides(adapted, fixed)
-        if limit is not None:
+    def between_fixed_sides(self, fixed: FemSettings) -> AdaptiveResult[CriticalResult]:
+        """The answer between fixed sides, by the flow rule of the settings."""
+        mesh, start = self.first, None
+        if is_associated(self.section.strata, fixed.flow):
+            limit = self.on_meshes("Kh, fixed sides").critical(fixed)
             mesh, ground = limit.mesh, limit.result.ground
-            start = ground if ground.settings.sides == "fixed" and settings.element in ("auto", "reduced") else None
+            start = ground if fixed.element in ("auto", "reduced") else None
         result = critical_coefficient(self.section, mesh, fixed, self.comm, self.told("fixed sides: Kh"), start)
         return AdaptiveResult(result, mesh)
 

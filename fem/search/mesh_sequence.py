@@ -15,8 +15,10 @@ import numpy as np
 from fem.continuum.fields import State, touched_sides
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
+from meshes.quality import areas
 
-# The next mesh has this many times the cells of the last one.
+# The first mesh made for a mechanism has as many cells as the one before, every later one this many times as many: what
+# cells gain by lying where the mechanism is tells nothing of what more of them gain, and is had for their number.
 MORE_CELLS = 2.0
 # or fewer, if these are as many as are allowed, but not fewer than so many times.
 FEWER_CELLS = 1.25
@@ -32,6 +34,8 @@ SMALLEST_KH = 0.05
 # What may be left of the error, as a share of kc, where it is asked whether a direction can matter: that of a first
 # mesh, and of later ones as a multiple of what two meshes tell.
 FIRST_REST, REST_TIMES = 0.3, 2.0
+# Bands of shear through cells whose sizes differ by no more than this factor leave errors of about one size.
+ALIKE = 1.25
 
 
 @dataclass(frozen=True)
@@ -112,6 +116,19 @@ class AdaptiveResult(Generic[F]):
         """The sides of the section, "left" and "right", that the mechanism reaches."""
         return () if self.result.mechanism is None else touched_sides(self.mesh, self.result.mechanism)
 
+    def resolves(self, other: State) -> bool:
+        """Whether another mechanism shears through cells of ``mesh`` as small as those of its own, so that as little is
+        left of the error of its load; also where one mesh is for all.
+        """
+        own = self.result.mechanism
+        return len(self.rounds) < 2 or (own is not None and self._band(other) <= ALIKE * self._band(own))
+
+    def _band(self, mechanism: State) -> float:
+        """Mean size (m) of the cells that a mechanism shears through, by how much it shears them."""
+        area = areas(self.mesh.points, self.mesh.cells)
+        shear = area * mechanism.plastic_shear_strain
+        return float(shear @ np.sqrt(area)) / max(float(shear.sum()), 1e-300)
+
 
 def left_of_error(before: MeshRound, cells: int, value: float) -> float:
     """By how much ``value`` (-) on so many ``cells`` is still too large, by one mesh ``before``."""
@@ -166,7 +183,7 @@ def solve_adaptively(
     rounds = [MeshRound(len(mesh.cells), result.value, math.inf, math.inf)]
     while True:
         cells = len(mesh.cells)
-        wanted = max(math.ceil(MORE_CELLS * cells), FEWEST_CELLS)
+        wanted = max(math.ceil((MORE_CELLS if len(rounds) > 1 else 1.0) * cells), FEWEST_CELLS)
         if wanted > wish.max_cells >= FEWER_CELLS * cells:
             wanted = wish.max_cells
         reason = _reason_to_stop(rounds, result, wanted, wish)
@@ -194,7 +211,7 @@ def _reason_to_stop(rounds: list[MeshRound], result: MeshResult, wanted: int, wi
         return f"the last mesh changed it by {100 * last.change:.1f} % and about {100 * last.rest:.1f} % are left"
     if result.mechanism is None:
         return f"there is no mechanism to refine: {result.reason}"
-    rest = FIRST_REST if len(rounds) == 1 else REST_TIMES * last.rest
+    rest = min(FIRST_REST, REST_TIMES * last.rest)
     if last.value * (1.0 - rest) > wish.other():
         return "the other direction governs"
     if wanted > wish.max_cells:

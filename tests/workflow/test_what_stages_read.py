@@ -142,7 +142,7 @@ def test_what_no_stage_reads_makes_none_run_again(of_the_papers: tuple[Config, R
         ("dem.resolution", set()),  # of the paper's discs, which are not asked for
         ("fem.threads", set()),
         ("fem.safety_factor_at", {"fem", "slices"}),
-        ("fem.rigid_box", {"fem", "calibrate", "slide"}),
+        ("fem.rigid_box", {"calibrate", "slide"}),
         ("bounds.gap", {"bounds"}),
         ("earthquake.magnitude", {"triggering"}),
         ("site_response.base_velocity", {"response"}),

@@ -88,26 +88,6 @@ class ShallowFailurePart(Part):
     kh: float = Field(description="Kh at which they do; below 0 if they do by their own weight")
 
 
-class RigidBox(Part):
-    """The answer for the section between fixed sides, as the box of the discs has them."""
-
-    kc: float = Field(description="the largest Kh at which an equilibrium was found")
-    kc_upper: float = Field(description="what the critical Kh may be at most")
-    flow: Flow = Field(description="Davis's estimate where the critical Kh is with ψ = φ: discs hardly dilate")
-    verdict: PathVerdict
-    reason: str
-    slip_surface: Line = Field(description="points [x, elevation] in the middle of the shear (m)")
-    curve: tuple[PathStep, ...]
-    deeper_than_m: float | None = Field(
-        default=None, description="where cohesionless faces fail before: failures less deep, such as discs cannot show"
-    )
-
-    @property
-    def has_kc(self) -> bool:
-        """Whether the path came to a plateau or a peak."""
-        return self.verdict in ("plateau", "peak")
-
-
 class MeshStep(Part):
     """One mesh of the sequence that was adapted to the mechanism."""
 
@@ -137,7 +117,7 @@ class FemAnswer(Answer):
     """The largest Kh at which an equilibrium was found, with its bracket, verdict and record."""
 
     FILE: ClassVar[str] = "fem/critical.json"
-    VERSION: ClassVar[int] = 4
+    VERSION: ClassVar[int] = 5
 
     section: SectionLabel
     kc: float = Field(description="the largest Kh at which an equilibrium was found")
@@ -174,9 +154,6 @@ class FemAnswer(Answer):
     curve: tuple[PathStep, ...]
     states: tuple[KeptState, ...]
     safety_factors: tuple[FactorOfSafety, ...]
-    rigid_box: RigidBox | None = Field(
-        default=None, description="with fixed sides, where those of the answer are others and discs are to be compared"
-    )
 
     @property
     def estimate(self) -> str:

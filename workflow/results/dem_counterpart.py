@@ -9,7 +9,7 @@ from fem.continuum.strength import Flow
 from fem.path.path_step import PathStep
 from fem.settings import YIELDED, Sides
 from workflow.results.answer import Answer, Line
-from workflow.results.continuum import FemAnswer, PathVerdict, RigidBox, displacement_at
+from workflow.results.continuum import FemAnswer, PathVerdict, displacement_at
 
 FLOWS: Mapping[Flow, str] = {"davis": "Davis's estimate", "associated": "ψ = φ", "section": "ψ as given"}
 
@@ -34,20 +34,15 @@ class DemCounterpart(Answer):
     slip_surface: Line = Field(description="points [x, elevation] in m")
 
     @classmethod
-    def of(cls, fem: FemAnswer, instead: str = "") -> Self:
-        """The result of the stage `fem` with the sides of the DEM box, or else with its own sides."""
-        box = fem.rigid_box if fem.rigid_box is not None and fem.rigid_box.has_kc else None
-        source: RigidBox | FemAnswer = box or fem
+    def of(cls, fem: FemAnswer) -> Self:
+        """The result of the stage `fem` with its own sides."""
         end = fem.last_in_equilibrium()
-        line = box.slip_surface if box else end.slip_surface if end else ()
         return cls.taken(
-            source,
-            sides="fixed" if box else fem.settings.sides,
-            flow=box.flow if box else fem.flow,
-            deeper_than_m=box.deeper_than_m if box else None,
-            instead=instead,
-            yielding_m=displacement_at(source.curve, source.kc, YIELDED),
-            slip_surface=line,
+            fem,
+            sides=fem.settings.sides,
+            instead="",
+            yielding_m=displacement_at(fem.curve, fem.kc, YIELDED),
+            slip_surface=end.slip_surface if end else (),
         )
 
     @property

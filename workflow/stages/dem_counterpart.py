@@ -14,7 +14,6 @@ from workflow.results.continuum import FemAnswer, displacement_at
 from workflow.results.dem_counterpart import DemCounterpart
 from workflow.results.stored_mesh import stored_mesh
 from workflow.run.store import Store
-from workflow.stages.fem import rigid_box_of
 
 if TYPE_CHECKING:
     from fem.path.equilibrium_path import EquilibriumPath
@@ -50,8 +49,8 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
 
     from fem.search.dem_counterpart import associated_rigid_box_kc
 
-    fem = _in_the_box_of_discs(config, store, FemAnswer.read(store), tell)
-    known = DemCounterpart.of(fem)
+    fem = FemAnswer.read(store)
+    known = _in_the_box_of_discs(config, store, fem, tell) or DemCounterpart.of(fem)
     if known.sides != "fixed" or known.flow == "section" or is_dilating_fully(config.section.strata):
         return known
     mesh = stored_mesh(config.section, store)
@@ -68,7 +67,7 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
             if isinstance(path, str):
                 path += f"; with ψ = φ there is no answer ({error.reason}): how much more it bears is not known"
     if isinstance(path, str):
-        return DemCounterpart.of(fem, path).model_copy(update={"kc_upper": max(known.kc_upper, most)})
+        return known.model_copy(update={"instead": path, "kc_upper": max(known.kc_upper, most)})
     curve = tuple(path.steps)
     return known.model_copy(
         update={
@@ -79,28 +78,46 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
     )  # fmt: skip
 
 
-def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tell) -> FemAnswer:
-    """The answer of the stage `fem` with a rigid box in which faces fail no less deep than discs can; as it is where no
-    face fails before the ground, or where there is no answer below the faces."""
+def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tell) -> DemCounterpart | None:
+    """The answer between fixed sides, where faces that fail before the ground fail no less deep than discs can. None
+    where it is not asked for, is that of the stage `fem`, or does not exist.
+    """
     from mpi4py import MPI
 
-    from fem.search.assessment import box_below_faces
+    from fem.search.assessment import box_between_fixed_sides
+    from fem.search.slip_surface import slip_surface
 
-    depth = DISCS_DEEP * config.dem.mean_radius(config.section)
-    if not config.fem.rigid_box or not fem.shallow_failures or depth <= config.fem.least_depth:
-        return fem
-    settings = config.fem.model_copy(update={"direction": fem.direction, "least_depth": depth})
+    dilates_more = fem.flow == "associated" and not is_dilating_fully(config.section.strata)
+    if not config.fem.rigid_box or (config.fem.sides == "fixed" and not dilates_more):
+        return None
+    deep = DISCS_DEEP * config.dem.mean_radius(config.section)
+    depth = deep if fem.shallow_failures and deep > config.fem.least_depth else None
+    settings = config.fem.model_copy(
+        update={"direction": fem.direction, "least_depth": depth or config.fem.least_depth}
+    )
 
     def told(what: str, path: "EquilibriumPath | None") -> None:
         tell((f"the continuum: {what}" + (f" = {path.factor:.4f}" if path is not None else ""), None))
 
     try:
-        box = box_below_faces(
+        box = box_between_fixed_sides(
             config.section, config.mesh, stored_mesh(config.section, store), settings, MPI.COMM_SELF, told
         )
     except NoAnswerError:
-        return fem
-    return fem.model_copy(update={"rigid_box": rigid_box_of(box, depth)})
+        return None
+    result = box.result
+    if result.verdict not in ("plateau", "peak"):
+        return None
+    return DemCounterpart.taken(
+        result,
+        kc_upper=result.upper,
+        sides="fixed",
+        deeper_than_m=depth,
+        instead="",
+        yielding_m=displacement_at(result.steps, result.kc, YIELDED),
+        curve=tuple(result.steps),
+        slip_surface=line(slip_surface(box.mesh, result.mechanism)),
+    )
 
 
 def _with_psi_as_given(

@@ -18,7 +18,6 @@ from workflow.results.continuum import (
     MeshCount,
     MeshStep,
     OtherWay,
-    RigidBox,
     ShallowFailurePart,
 )
 from workflow.results.stored_mesh import FEM_FILE
@@ -140,7 +139,6 @@ def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
         curve=tuple(result.steps),
         states=tuple(_kept(mesh, state, surface if _fails(state, result) else ()) for state in result.states),
         safety_factors=tuple(_factor_of_safety(factor, result.flow) for factor in assessment.safety),
-        rigid_box=rigid_box_of(assessment.rigid_box) if assessment.rigid_box else None,
     )
 
 
@@ -208,17 +206,6 @@ def write_fields(section: Section, mesh: "QuadMesh", states: list["State"], stor
     store.remove(sorted(set(store.matching(["fem/fields_*.vtu"])) - kept))
 
 
-def rigid_box_of(adapted: "AdaptiveResult[CriticalResult]", depth: float | None = None) -> RigidBox:
-    """The answer with fixed sides; ``depth`` (m): shallower failures of cohesionless faces were left out."""
-    return RigidBox.taken(
-        adapted.result,
-        kc_upper=adapted.result.upper,
-        slip_surface=_slip_line(adapted.mesh, adapted.result.mechanism),
-        curve=tuple(adapted.result.steps),
-        deeper_than_m=depth,
-    )
-
-
 STAGE = Stage(
     name="fem",
     what="critical Kh by finite elements",
@@ -227,7 +214,7 @@ STAGE = Stage(
     drawn_after=True,
     needs=("mesh",),
     reads=("fem",),
-    ignores=lambda config: ("fem.threads",),
+    ignores=lambda config: ("fem.threads", "fem.rigid_box"),
     results=(FemAnswer.FILE, FEM_FILE, "fem/fields.pvd", "fem/fields_*.vtu"),
     read=FemAnswer.read,
     pictures=("figures/fem_*.png",),
