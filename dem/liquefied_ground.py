@@ -17,10 +17,12 @@ from dem.kernels.liquefied_pairs import (
     FORCE_X,
     FORCE_Z,
     FRESH,
+    KNEE,
     MEMORY,
     NOW,
     PRESSURE,
     SHARE,
+    SOFT_TO,
     STIFFNESS,
     STRAIN,
     STRENGTH,
@@ -63,6 +65,8 @@ class Onset(NamedTuple):
         Residual strength (Pa).
     strain : (n,)
         Shear strain at which it is reached.
+    knee, soft_to : (n,)
+        Share of the strength that is there at the strain potential, and share of that strain by then; 0 without one.
     """
 
     discs: np.ndarray
@@ -70,6 +74,8 @@ class Onset(NamedTuple):
     pressure: np.ndarray
     strength: np.ndarray
     strain: np.ndarray
+    knee: np.ndarray | float = 0.0
+    soft_to: np.ndarray | float = 0.0
 
 
 def list_liquefied(state: DiscState, in_ranges: Ranges = serial) -> None:
@@ -157,6 +163,8 @@ def liquefy(model: DiscState, onset: Onset) -> None:
     wet[new, PRESSURE] = onset.pressure[new]
     wet[new, STRENGTH] = onset.strength[new]
     wet[new, STRAIN] = onset.strain[new]
+    wet[new, KNEE] = np.broadcast_to(onset.knee, len(wet))[new]
+    wet[new, SOFT_TO] = np.broadcast_to(onset.soft_to, len(wet))[new]
     wet[:, AT_X], wet[:, AT_Z] = model.x, model.z
     for k in np.unique(model.layer[new]):
         here = new & (model.layer == k)
@@ -183,7 +191,8 @@ def longest_look(model: DiscState) -> tuple[float, int]:
     if not len(which):
         return np.inf, -1
     wet = model.liquefied[which]
-    bonds = 2.4 * np.pi * FITTED * wet[:, STRENGTH] / wet[:, STRAIN]
+    steepest = (1.0 - wet[:, KNEE]) / (1.0 - wet[:, SOFT_TO])
+    bonds = 2.4 * np.pi * FITTED * steepest * wet[:, STRENGTH] / wet[:, STRAIN]
     square = 2.0 * (bonds + 3.0 * wet[:, STIFFNESS]) * wet[:, AREA] / (model.mass[which] * model.reach**2)
     highest = int(np.argmax(square))
     return float(SOFTEST / np.sqrt(square[highest])), int(which[highest])

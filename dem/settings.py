@@ -219,6 +219,11 @@ class Case(Model):
         description='residual strength, the same all over a stratum, such as "4 kPa"; one for all, or '
         "one for each by the name of the stratum; in place of residual",
     )
+    strain_potential: Share | dict[str, Share] = Field(
+        default=0.0,
+        description="shear strain that liquefied ground goes through before it holds, such as 0.4, with next to no "
+        "stiffness; one for all, or one for each by the name of the stratum",
+    )
     volumetric_strain: float = Field(
         default=0.0, ge=0.0, le=0.2, description="volume that drains away over the onset, such as 0.03; discs shrink"
     )
@@ -237,13 +242,23 @@ class Case(Model):
         kept = self.residual_strength
         return value_of_stratum(kept, stratum) or 0.0 if isinstance(kept, dict) else kept
 
+    def strain_potential_of(self, stratum: str) -> float:
+        """The shear strain that a stratum, by its name, goes through before it holds."""
+        potential = self.strain_potential
+        return value_of_stratum(potential, stratum) or 0.0 if isinstance(potential, dict) else potential
+
+    def residual_remains(self, stratum: str) -> Remains:
+        """What a stratum, by its name, keeps by its residual strength alone."""
+        kept = self.residual_of(stratum), self.strength_of(stratum), self.strain_potential_of(stratum)
+        return Remains(0.0, 0.0, *kept)
+
     def remains_of(self, section: Section, number: int) -> Remains:
         """What a stratum of a section keeps: its residual strength, or the shares of its cohesion and friction where
         these are more at its mean effective stress. Back-calculated residual strengths are all that slides had left,
         so that the two do not add up.
         """
         stratum, field = section.strata[number], section.cohesion_field
-        residual = Remains(0.0, 0.0, self.residual_of(stratum.name), self.strength_of(stratum.name))
+        residual = self.residual_remains(stratum.name)
         shares = Remains(self.cohesion, self.friction, 0.0)
         if not (self.cohesion or self.friction):
             return residual

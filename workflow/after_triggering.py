@@ -117,6 +117,7 @@ def cases_after_triggering(section: Section, assessment: Assessment, settings: T
     strata = section.strata
     remains = [layer for layer in left(assessment, settings) if strata[layer.stratum].liquefies_in]
     drained = min(0.2, max((layer.volumetric_strain for layer in remains), default=0.0))
+    potential = {strata[layer.stratum].name: layer.strain_potential for layer in remains}
     cases = []
     for name in settings.cases:
         try:
@@ -128,7 +129,7 @@ def cases_after_triggering(section: Section, assessment: Assessment, settings: T
                 kept = {"residual_strength": {strata[layer.stratum].name: layer.strength(name) for layer in remains}}
         except ValueError as error:
             raise InputError(section.name, [f'triggering, cases, "{name}": {error}']) from None
-        cases.append(Case(name=name, volumetric_strain=drained, **kept))
+        cases.append(Case(name=name, volumetric_strain=drained, strain_potential=potential, **kept))
     return cases
 
 

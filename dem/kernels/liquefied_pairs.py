@@ -10,6 +10,8 @@ Two laws of pairs, for every pair with a liquefied disc that is nearer than the 
 2. Residual strength. An elastic-plastic bond between the centres resists both parts of their relative motion, no more
    together than c_ij = (pi/2) FITTED (s_i V_i/S_i + s_j V_j/S_j) w(r), S_i = sum_j w r. Then sum_j c_ij r_ij is the
    same whatever the packing, and so is the shear stress of ground that slips: s. Its stiffness is c_ij/(gamma r).
+   Ground with a strain potential is soft at first: the force is the larger of two straight lines of the way that the
+   bond has gone, both through the limit's or the origin's corner (`force_share`), with a dashpot beside the first one.
    Bonds that are there from the onset hold 1 + FIRST times as much until they have slipped: discs which lose their
    contacts find other places, and until the slip has turned all bonds its way those at their limit add up to 0.77 s.
 
@@ -26,6 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.kernels.bond_law import CREEP, energy_share, force_share, mobilised, slopes
 from dem.kernels.inner import inner
 from dem.kernels.losses import both
 from dem.kernels.period import Period, image
@@ -34,10 +37,12 @@ from dem.kernels.prefetch import wide_vectors
 # What a disc has, in a record of its own: how far it has liquefied (0 to 1), area with voids (m2); pressure u0 (Pa) and
 # density rho0 (-) at that time, stiffness K_w (Pa) and viscosity zeta (Pa s) of the pore water; residual strength (Pa)
 # and the shear strain at which it is reached. What was found when pairs were last looked at: place (m), density, push
-# u/rho^2 (Pa) and the part of it by viscosity, V/S (1/m), force (N).
+# u/rho^2 (Pa) and the part of it by viscosity, V/S (1/m), force (N). What is left of strength, and of the strain
+# at which it is reached, at the strain potential (-); both 0 without one.
 SHARE, AREA, PRESSURE, DENSITY, STIFFNESS, VISCOSITY, STRENGTH, STRAIN = range(8)
 AT_X, AT_Z, NOW, PUSH, DRAG, BOND, FORCE_X, FORCE_Z = range(8, 16)
-FIELDS = 16
+KNEE, SOFT_TO = 16, 17
+FIELDS = 18
 ONE, TWO, THREE = (np.uint64(k) for k in (1, 2, 3))  # z, vx, vz in the record of a disc that all share
 
 # Pairs lie in blocks of 64 lanes, as contacts do; a field of a block is 64 doubles in a row. What a pair remembers: how
@@ -60,7 +65,7 @@ DX, DZ, UX, UZ, OX, OZ, EDGE, AREA_1, AREA_2, SLOPE, WIDTH_1, WIDTH_2, RATE_1, R
     np.uint64(k * LANES) for k in range(WORKING)
 )
 NX, NZ, SPEED, TURN, STRETCH, SLIP, APART = DX, DZ, UX, UZ, OX, OZ, EDGE
-PUSHED, HELD, ROOM, TWICE = WIDTH_1, WIDTH_2, RATE_1, RATE_2
+PUSHED, HELD, ROOM, TWICE, KNEES, ENDS = WIDTH_1, WIDTH_2, RATE_1, RATE_2, LEVER_1, LEVER_2
 FORCE_X1, FORCE_X2, FORCE_Z1, FORCE_Z2 = WIDTH_1, WIDTH_2, RATE_1, RATE_2
 WORKED = np.uint64(WORKING * LANES)
 TO_RATE, TO_LEVER = RATE_1 - WIDTH_1, LEVER_1 - WIDTH_1  # from where a member's density lies; its forces, likewise
@@ -249,14 +254,6 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahea
     return lost
 
 
-@inner(forceinline=True)
-def mobilised(along: float, across: float) -> tuple[float, float]:
-    """Both parts of a bond's force over its limit, scaled back to the limit."""
-    square = along * along + across * across
-    scale = 1.0 / math.sqrt(square if square > 1.0 else 1.0)
-    return along * scale, across * scale
-
-
 @inner(nogil=True, _nrt=False)
 def fetch_strength(block: int, wet: Liquefied) -> None:
     """Pressure and strength of the pairs of a block, as sums of both discs; only liquefied discs add to them."""
@@ -268,6 +265,7 @@ def fetch_strength(block: int, wet: Liquefied) -> None:
         w[q + PUSHED] = discs[i, PUSH] + discs[j, PUSH]
         w[q + HELD] = discs[i, BOND] + discs[j, BOND]
         w[q + ROOM] = discs[i, STRAIN] + discs[j, STRAIN]
+        w[q + KNEES], w[q + ENDS] = discs[i, KNEE] + discs[j, KNEE], discs[i, SOFT_TO] + discs[j, SOFT_TO]
         w[q + TWICE] = 1.0 if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0 else 2.0
 
 
@@ -294,6 +292,8 @@ def press_pairs(
         push = -factor * w[q + PUSHED] * w[q + AREA_1] * w[q + AREA_2] * w[q + SLOPE]
         strength = 0.5 * math.pi * FITTED * factor * w[q + HELD] * bond_kernel(inside, reach)
         room = 0.5 * factor * w[q + ROOM] * inside + LESS * reach  # way (m) at which the bond slips
+        soft_to = 0.5 * factor * w[q + ENDS]
+        soft, steep = slopes(0.5 * factor * w[q + KNEES], soft_to)
         stretch, slip = w[q + STRETCH], w[q + SLIP]
         fresh = memory[r + LEFT]
         more = 1.0 + FIRST * fresh
@@ -306,24 +306,29 @@ def press_pairs(
         left = here * fresh * math.exp(-past * room / (SOON * inside))
         gain = more / (1.0 + FIRST * left)  # the limit falls, and what is mobilised of it grows
         here_along, here_across = mobilised(here * gain * new_along, here * gain * new_across)
+        held_share = force_share(new_along, new_across, soft, steep)
         if with_losses:
             dashed = memory[r + DASH_ALONG] * stretch + memory[r + DASH_ACROSS] * slip
             damped = both(damped, (1.0 - part) * dashed)
             work = both(work, (factor - 1.0) * 0.5 * part * push * stretch)
             energy = strength * room
-            weaker = 0.5 * (memory[r + YIELD] - energy) * (along * along + across * across)
-            cut = (along + new_along) * (tried_along - new_along) + (across + new_across) * (tried_across - new_across)
+            weaker = 0.5 * (memory[r + YIELD] - energy) * energy_share(along, across, soft, steep, soft_to)
+            was = force_share(along, across, soft, steep)
+            cut = (was * along + held_share * new_along) * (tried_along - new_along)
+            cut += (was * across + held_share * new_across) * (tried_across - new_across)
             slid = both(slid, weaker + 0.5 * energy * cut)
             yields = energy / (gain * gain)
-            held = energy * (new_along * new_along + new_across * new_across)
-            slid = both(slid, 0.5 * (held - yields * (here_along * here_along + here_across * here_across)))
+            held = energy * energy_share(new_along, new_across, soft, steep, soft_to)
+            left_over = yields * energy_share(here_along, here_across, soft, steep, soft_to)
+            slid = both(slid, 0.5 * (held - left_over))
             memory[r + YIELD] = yields
         memory[r + LEFT] = left
         late_along, late_across = mobilised(
             kept * (memory[r + LATE_ALONG] + BEHIND * stretch * inverse),
             kept * (memory[r + LATE_ACROSS] + BEHIND * slip * inverse),
         )
-        ahead = damping_time * inverse
+        ahead = (damping_time + CREEP * soft) * inverse
+        new_along, new_across = held_share * new_along, held_share * new_across
         soon_along, soon_across = mobilised(
             new_along + late_along + w[q + SPEED] * ahead, new_across + late_across + w[q + TURN] * ahead
         )
@@ -377,6 +382,10 @@ def liquefied_energy(wet: Liquefied, shared: np.ndarray, force: np.ndarray) -> t
     for block in range(wet.start[-1]):
         for lane in range(LANES):
             r = np.uint64(block) * REMEMBERED + np.uint64(lane)
-            along, across = wet.memory[r + ALONG], wet.memory[r + ACROSS]
-            bonds += 0.5 * wet.memory[r + YIELD] * (along * along + across * across)
+            i, j = np.int64(wet.first[block * LANES + lane]), np.int64(wet.second[block * LANES + lane])
+            half = 0.5 if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0 else 1.0
+            soft_to = half * (discs[i, SOFT_TO] + discs[j, SOFT_TO])
+            soft, steep = slopes(half * (discs[i, KNEE] + discs[j, KNEE]), soft_to)
+            stored = energy_share(wet.memory[r + ALONG], wet.memory[r + ACROSS], soft, steep, soft_to)
+            bonds += 0.5 * wet.memory[r + YIELD] * stored
     return water, bonds

@@ -25,6 +25,7 @@ from dem.tied_packing import TiedPacking, tied_packing
 from meshes.section.quantity import GRAVITY
 
 G = 9.81  # m/s2
+UNIT_WEIGHT = 9.81e3  # of water, N/m3
 SETTLES, TILTS, RESTS = 6.0, 5, 3.0  # s on the level, steps of a second in which it is tilted, s after that
 LATER = 60.0  # s after a push, until which a slope is followed
 STILL = 5e-3  # m in `LOOK` s: a crust goes on swinging by less for a while
@@ -50,6 +51,9 @@ class UniformSlope:
         The period along the slope (m).
     seed
         Of the packing.
+    water
+        Depth below the surface from which on the ground is saturated, its water flowing along the slope (m); dry if
+        None.
 
     Attributes
     ----------
@@ -73,6 +77,7 @@ class UniformSlope:
         *,
         length: float = 40.0,
         seed: int = 0,
+        water: float | None = None,
     ) -> None:
         self.angle, self.radius = angle, radius
         columns, rows = (round(way / (2.0 * radius)) for way in (length, sum(thickness)))
@@ -88,6 +93,10 @@ class UniformSlope:
         # what has settled is as heavy as the soil, and divided into layers where these are to lie
         settled = replace(bare, x=self.model.x, z=self.model.z)
         self.model = _discs(settled, layers_of(void_ratio), thickness)
+        if water is not None:
+            wet = ~self.model.fixed & (self.model.z < top - water)
+            area = (1.0 + void_ratio) * np.pi * self.model.radius**2
+            self.model.pore_acceleration_z[wet] = (UNIT_WEIGHT * np.cos(angle) * area / self.model.mass)[wet]
         self._settle()
         packing = Packing(self.model.x, self.model.z, self.model.radius, self.model.layer, self.model.lines)
         self.ground = Ground(packing, "random", radius, 0, angle, (0.0, 0.0), 1)

@@ -6,16 +6,20 @@ from dataclasses import replace
 import numpy as np
 
 from dem.ground import Ground
+from dem.kernels.liquefied_pairs import FITTED
 from dem.liquefied_ground import LEAST_STRAIN, MOST_STRAIN, Onset
 from dem.model import DiscModel
 from dem.settings import Case
 from dem.slides.overburden import effective_overburden
 from dem.slides.volume import area_per_disc
 from dem.springs import Law, LayerSprings
-from meshes.section.liquefies import Remains
+from meshes.section.strain_potential import BEYOND, stress_at_potential
 
 NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go through each other
 NOTHING = 1e-6  # Pa
+HELD_BY_WATER = 0.004  # of the effective overburden: shear stress that the pressure of discs which are sheared bears
+# Shear modulus of elastic bonds in simple shear over the strength at their limit, over the strain of a bond there.
+ELASTIC = 0.25 * np.pi * FITTED
 SHEAR_MODULUS = 0.23  # of patches of soil discs, over kn: their E is 0.6 kn, with a Poisson's ratio of 0.3
 
 
@@ -44,15 +48,17 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
 
     The strength asked for, as a ratio of the vertical effective stress there and then, or as such; or the shares of
     friction and cohesion that the case leaves the soil (`Case.remains_of`). It is reached at the shear strain that
-    belongs to the shear modulus which the case leaves, s/G in small ones, and never beyond `MOST_STRAIN`.
+    belongs to the shear modulus which the case leaves, s/G in small ones, and never beyond `MOST_STRAIN`; with a
+    strain potential of the case past that (`meshes.section.strain_potential`).
     """
     pressure, section = effective_overburden(model), ground.section
     consolidated = pressure - _not_consolidated(model, ground)
     strength, strain = np.zeros(len(model)), np.full(len(model), LEAST_STRAIN)
+    knee, soft_to = np.zeros(len(model)), np.zeros(len(model))
     for k in strata:
         here, layer = model.layer == k, model.springs.layers[k]
         if section is None:
-            kept = Remains(0.0, 0.0, case.residual_of(layer.name), case.strength_of(layer.name))
+            kept = case.residual_remains(layer.name)
         else:
             kept = case.remains_of(section, k)
             soil = section.cohesion_field.means()[k]
@@ -64,10 +70,16 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
         strain[here] = np.maximum(
             1.0 / (modulus / np.maximum(strength[here], NOTHING) + 1.0 / MOST_STRAIN), LEAST_STRAIN
         )
+        if kept.strain_potential > 0.0:
+            asked = np.maximum(strength[here], NOTHING)
+            strain[here] = ELASTIC * (kept.strain_potential + BEYOND)
+            of_bonds = np.maximum(stress_at_potential(pressure[here], asked) - HELD_BY_WATER * pressure[here], 0.0)
+            knee[here] = of_bonds / asked
+            soft_to[here] = kept.strain_potential / (kept.strain_potential + BEYOND)
     ratio = area_per_disc(model, model)
     with_voids = np.append(np.where(np.isfinite(ratio), ratio, np.nanmean(ratio)), np.nanmean(ratio))
     area = with_voids[model.layer] * np.pi * model.radius**2
-    return Onset(np.isin(model.layer, strata) & ~model.fixed, area, pressure, strength, strain)
+    return Onset(np.isin(model.layer, strata) & ~model.fixed, area, pressure, strength, strain, knee, soft_to)
 
 
 def _not_consolidated(model: DiscModel, ground: Ground) -> np.ndarray:

@@ -29,11 +29,14 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 # Of a point: Lamé's λ + G (Pa), shear modulus (Pa), c cos φ (Pa), sin φ, largest mean tension (Pa), share α of its own
-# velocity that it keeps, volume that drains in a unit of time (1/s, shrinking positive), weight over seismic mass.
-BULK, SHEAR, STRENGTH, SIN_PHI, LIMIT, KEEP, DRAINS, HEAVY = range(8)
-PROPERTIES = 8
-# Of a point: volume (m²), mass (kg/m), opened volumetric strain, plastic shear strain.
-VOLUME, MASS, OPENED, SHEARED = range(4)
+# velocity that it keeps, volume that drains in a unit of time (1/s, shrinking positive), weight over seismic mass;
+# shear modulus (Pa) below a radius of Mohr's circle (Pa), where it is less, and viscosity (Pa s) besides.
+BULK, SHEAR, STRENGTH, SIN_PHI, LIMIT, KEEP, DRAINS, HEAVY, SOFT, KNEE, VISCOUS = range(11)
+PROPERTIES = 11
+# Of a point: volume (m²), mass (kg/m), opened volumetric strain, plastic shear strain; of its stress, half the
+# difference of the normal ones and the shear stress (Pa) that are viscous.
+VOLUME, MASS, OPENED, SHEARED, VISCOUS_HALF, VISCOUS_CROSS = range(6)
+STATE = 6
 # Of a node: mass, momentum, force, volume, what is above 0 where it is held vertically; then velocity before and after
 # the step.
 NODE = 7
@@ -133,20 +136,51 @@ def move_grid(
         gained[i, BUOYED] += buoyed
 
 
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _strain_of(radius: float, shear: float, soft: float, knee: float) -> float:
+    """Elastic shear strain at a radius of Mohr's circle (Pa)."""
+    return radius / soft if radius < knee else (knee / soft if knee > 0.0 else 0.0) + (radius - knee) / shear
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _radius_of(strain: float, shear: float, soft: float, knee: float) -> float:
+    """Radius of Mohr's circle (Pa) at an elastic shear strain; the inverse of `_strain_of`."""
+    begun = knee / soft if knee > 0.0 else 0.0
+    return soft * strain if strain < begun else knee + shear * (strain - begun)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _shear_energy(radius: float, shear: float, soft: float, knee: float) -> float:
+    """Elastic energy of shear in a unit of volume (J/m³)."""
+    below = min(radius, knee)
+    return (0.5 * below * below / soft if knee > 0.0 else 0.0) + 0.5 * (radius * radius - below * below) / shear
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def _update_stress(
     stress: Floats, state: Floats, properties: Floats, p: int, xx: float, zz: float, xz: float, spin: float,
-    drained: float,
+    drained: float, dt: float,
 ) -> float:  # fmt: skip
     """Stress of a point after a strain increment (tensor components) and a rotation; the energy dissipated (J/m)."""
-    bulk, shear = properties[p, BULK], properties[p, SHEAR]
+    bulk, shear, soft, knee = properties[p, BULK], properties[p, SHEAR], properties[p, SOFT], properties[p, KNEE]
     mean, half, cross = 0.5 * (stress[p, 0] + stress[p, 1]), 0.5 * (stress[p, 0] - stress[p, 1]), stress[p, 2]
+    # dissipated (slip, viscosity, opening, drainage, softening): work at the mean of both stresses less elastic energy
     cos, sin = math.cos(2.0 * spin), math.sin(2.0 * spin)
     half, cross = half * cos + cross * sin, cross * cos - half * sin
-    # dissipated (slip, opening, drainage, softening): work at the mean of both stresses less elastic energy
     lost = 0.5 * (mean * (xx + zz) + half * (xx - zz)) + cross * xz + 0.5 * mean * mean / bulk
-    lost += 0.5 * (half * half + cross * cross) / shear
-    half, cross = half + shear * (xx - zz), cross + 2.0 * shear * xz
+    if knee > 0.0:
+        late_half, late_cross = state[p, VISCOUS_HALF], state[p, VISCOUS_CROSS]
+        half, cross = half - (late_half * cos + late_cross * sin), cross - (late_cross * cos - late_half * sin)
+        radius = math.sqrt(half * half + cross * cross)
+        lost += _shear_energy(radius, shear, soft, knee)
+        compliance = _strain_of(radius, shear, soft, knee) / radius if radius > 0.0 else 0.0
+        half, cross = half * compliance + (xx - zz), cross * compliance + 2.0 * xz
+        strain = math.sqrt(half * half + cross * cross)
+        stiffness = _radius_of(strain, shear, soft, knee) / strain if strain > 0.0 else 0.0
+        half, cross = half * stiffness, cross * stiffness
+    else:
+        lost += 0.5 * (half * half + cross * cross) / shear
+        half, cross = half + shear * (xx - zz), cross + 2.0 * shear * xz
     volumetric = xx + zz + drained
     opened = state[p, OPENED]
     if opened > 0.0:
@@ -162,11 +196,19 @@ def _update_stress(
     radius = math.sqrt(half * half + cross * cross)
     strength = max(properties[p, STRENGTH] - mean * properties[p, SIN_PHI], 0.0)
     if radius > strength:
-        state[p, SHEARED] += (radius - strength) / shear
-        half, cross = half * strength / radius, cross * strength / radius
+        state[p, SHEARED] += _strain_of(radius, shear, soft, knee) - _strain_of(strength, shear, soft, knee)
+        half, cross, radius = half * strength / radius, cross * strength / radius, strength
+    lost -= 0.5 * mean * mean / bulk + _shear_energy(radius, shear, soft, knee)
+    if knee > 0.0:
+        late_half = half + properties[p, VISCOUS] * (xx - zz) / dt
+        late_cross = cross + 2.0 * properties[p, VISCOUS] * xz / dt
+        total = math.sqrt(late_half * late_half + late_cross * late_cross)
+        scale = strength / total if total > strength else 1.0
+        late_half, late_cross = scale * late_half, scale * late_cross
+        state[p, VISCOUS_HALF], state[p, VISCOUS_CROSS] = late_half - half, late_cross - cross
+        half, cross = late_half, late_cross
     stress[p, 0], stress[p, 1], stress[p, 2] = mean + half, mean - half, cross
-    lost += 0.5 * (mean * (xx + zz) + half * (xx - zz)) + cross * xz - 0.5 * mean * mean / bulk
-    lost -= 0.5 * (half * half + cross * cross) / shear
+    lost += 0.5 * (mean * (xx + zz) + half * (xx - zz)) + cross * xz
     lost *= state[p, VOLUME]
     state[p, VOLUME] *= 1.0 + xx + zz
     return lost
@@ -225,7 +267,7 @@ def gather(
             drained = dt * properties[p, DRAINS]
             dissipated += _update_stress(
                 stress, state, properties, p, dt * cxx, dt * czz, 0.5 * dt * (cxz + czx), 0.5 * dt * (cxz - czx),
-                drained,
+                drained, dt,
             )  # fmt: skip
         sums[stripe, EXTERNAL] += external
         sums[stripe, DISSIPATED] += dissipated

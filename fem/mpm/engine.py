@@ -147,6 +147,10 @@ class MaterialPointEngine:
         self._gained[:], self._sums[:] = 0.0, 0.0
         self._began = self.points.kinetic(self.grid.cell), self.points.elastic()
 
+    def dissipate(self, energy: float) -> None:
+        """Count elastic energy (J/m) that the ground lost as its stiffness changed."""
+        self._sums[0, kernel.DISSIPATED] += energy
+
     def as_it_is(self) -> dict[str, np.ndarray]:
         """The state of the engine as arrays by name, for `go_on_from`."""
         state = {name: getattr(self.points, name) for name in ARRAYS}

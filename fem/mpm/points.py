@@ -55,9 +55,10 @@ class MaterialPoints:
         Velocity gradient [xx, xz, zx, zz] of a point's own field (1/s).
     stress : ndarray (n, 3)
         Effective stress [xx, zz, xz] (Pa).
-    state : ndarray (n, 4)
-        Volume (m²), mass (kg/m), opened volumetric strain (-), plastic shear strain (-).
-    properties : ndarray (n, 8)
+    state : ndarray (n, 6)
+        Volume (m²), mass (kg/m), opened volumetric strain (-), plastic shear strain (-), viscous part of the stress
+        (Pa), as `fem.kernels.material_points` lists them.
+    properties : ndarray (n, 11)
         As `fem.kernels.material_points` lists them; the share of velocity kept is in 1/s until the step is known.
     start : ndarray (n, 2)
         Place at the beginning (m).
@@ -101,12 +102,15 @@ class MaterialPoints:
         properties[:, kernel.SHEAR] = shear
         properties[:, kernel.BULK] = shear / (1.0 - 2.0 * np.asarray(soil.poissons_ratio))
         properties[:, kernel.HEAVY] = soil.weight_ratio
+        state = np.zeros((n, kernel.STATE))
+        state[:, kernel.VOLUME] = volume
+        state[:, kernel.MASS] = soil.density * state[:, kernel.VOLUME]
         points = cls(
             x=np.array(x, dtype=float),
             v=np.zeros((n, 2)),
             affine=np.zeros((n, 4)),
             stress=np.zeros((n, 3)),
-            state=np.column_stack([volume, np.broadcast_to(soil.density, n) * volume, np.zeros(n), np.zeros(n)]),
+            state=state,
             properties=properties,
             start=np.array(x, dtype=float),
             stratum=np.zeros(n, dtype=np.int64) if stratum is None else np.array(stratum, dtype=np.int64),
@@ -135,6 +139,13 @@ class MaterialPoints:
         self.properties[where, kernel.SIN_PHI] = np.sin(phi)
         self.properties[where, kernel.LIMIT] = np.minimum(np.minimum(limit, apex), UNLIMITED)
 
+    def scale_shear(self, where: np.ndarray, factor: float) -> None:
+        """Multiply the shear of points ``where``, but for its viscous part, by a factor; their mean stress stays."""
+        late = self.state[where, kernel.VISCOUS_HALF], self.state[where, kernel.VISCOUS_CROSS]
+        xx, zz, xz = self.stress[where].T
+        half, mean = late[0] + factor * (0.5 * (xx - zz) - late[0]), 0.5 * (xx + zz)
+        self.stress[where] = np.column_stack([mean + half, mean - half, late[1] + factor * (xz - late[1])])
+
     @property
     def mass(self) -> np.ndarray:
         """Masses (n,) in kg/m."""
@@ -159,6 +170,10 @@ class MaterialPoints:
     def elastic(self) -> float:
         """Elastic energy (J/m) of the stress in the plane."""
         mean = 0.5 * (self.stress[:, 0] + self.stress[:, 1])
-        radius2 = (0.5 * (self.stress[:, 0] - self.stress[:, 1])) ** 2 + self.stress[:, 2] ** 2
-        density = mean**2 / (2.0 * self.properties[:, kernel.BULK]) + radius2 / (2.0 * self.properties[:, kernel.SHEAR])
+        half = 0.5 * (self.stress[:, 0] - self.stress[:, 1]) - self.state[:, kernel.VISCOUS_HALF]
+        radius = np.hypot(half, self.stress[:, 2] - self.state[:, kernel.VISCOUS_CROSS])
+        bulk, shear, soft, knee = (self.properties[:, k] for k in (kernel.BULK, kernel.SHEAR, kernel.SOFT, kernel.KNEE))
+        below = np.minimum(radius, knee)
+        softly = np.divide(below**2, soft, out=np.zeros(len(soft)), where=knee > 0.0)
+        density = 0.5 * (mean**2 / bulk + softly + (radius**2 - below**2) / shear)
         return float(np.sum(self.state[:, kernel.VOLUME] * density))

@@ -15,6 +15,7 @@ from fem.mpm.points import UNLIMITED
 from fem.mpm.slide_record import PointSlide
 from fem.search.liquefied_ground import LEAST, UNDRAINED
 from meshes.section.liquefies import Remains
+from meshes.section.strain_potential import BEYOND, stress_at_potential
 
 DAMPING = 0.7  # with which the ground comes to rest under its weight
 SETTLE, LONGEST_SETTLING = 0.5, 30.0  # s between two looks at that, and after which it is given up
@@ -24,8 +25,15 @@ ONSET_STEPS = 20  # in which strength changes as ground liquefies
 # 1/s: with which points give velocities of their own, which the grid cannot resolve, up to it. The smaller one keeps
 # more noise, and slides further; both are computed, and their difference is the method's interval.
 DECAYS = (10.0, 1.0)
+# s: viscosity over stiffness of liquefied ground that has not strained by its potential. With it ground comes to rest
+# where it would if its stiffness were lost slowly, and does not swing for minutes; the loops of sand take that energy.
+CREEP = 5.0
 KEEP = 10.0  # s of the clock between two checkpoints
 LOSS = 0.02  # of the energy turned over that may be out of balance before a slide is doubted
+# properties that change as ground liquefies
+CHANGED = (
+    kernel.STRENGTH, kernel.SIN_PHI, kernel.LIMIT, kernel.SHEAR, kernel.BULK, kernel.SOFT, kernel.KNEE, kernel.VISCOUS,
+)  # fmt: skip
 SMOOTH = 2.0  # m of the surface over which movement is averaged, and three points at least
 
 
@@ -160,10 +168,9 @@ class PointSlider:
         return slide
 
     def _remember(self, programme: SlideProgramme) -> None:
-        """Keep the strength of every point before and after liquefaction."""
+        """Keep strength and shear stiffness of every point before and after liquefaction."""
         points, original = self.ground.points, self.engine.original
-        strength = points.properties[:, [kernel.STRENGTH, kernel.SIN_PHI, kernel.LIMIT]]
-        before = original(np.column_stack([strength, points.side]))
+        before = original(np.column_stack([points.properties[:, CHANGED], points.side]))
         height = original(points.state[:, kernel.VOLUME]) / (0.5 * self.ground.grid.cell)
         after, stratum = before.copy(), original(points.stratum)
         for k, kept in programme.remains.items():
@@ -176,8 +183,15 @@ class PointSlider:
                 cohesion = np.maximum(cohesion, LEAST * stress)
             after[mine, 0], after[mine, 1] = cohesion * np.cos(friction), np.sin(friction)
             after[mine, 2] = UNLIMITED if friction == 0.0 else cohesion / np.tan(friction)
+            if friction == 0.0 and kept.strain_potential > 0.0:
+                knee = stress_at_potential(np.maximum(stress, 1.0), cohesion)
+                stiff = np.minimum((cohesion - knee) / BEYOND, before[mine, 3])
+                soft = np.minimum(knee / kept.strain_potential, stiff)
+                after[mine, 3], after[mine, 4] = stiff, before[mine, 4] + (stiff - before[mine, 3]) / 3.0
+                after[mine, 5], after[mine, 6], after[mine, 7] = soft, knee, CREEP * soft
+                before[mine, 5] = before[mine, 3]
             undrained = UNDRAINED / (1.0 - UNDRAINED) * stress * height[mine]
-            after[mine, 3] = np.sign(before[mine, 3]) * np.maximum(undrained, np.abs(before[mine, 3]))
+            after[mine, -1] = np.sign(before[mine, -1]) * np.maximum(undrained, np.abs(before[mine, -1]))
         self.began = {"before": before, "after": after}
 
     def _under_way(self, programme: SlideProgramme, time: float) -> bool:
@@ -185,22 +199,29 @@ class PointSlider:
         return any(-1e-9 <= time - start < programme.onset for start in programme.starts.values())
 
     def _liquefy(self, programme: SlideProgramme, shares: dict[int, float]) -> None:
-        """Set the strength, and the drained volume, of the current time."""
+        """Set strength, stiffness and the drained volume of the current time."""
         points, order = self.ground.points, self.engine.order
-        columns = [kernel.STRENGTH, kernel.SIN_PHI, kernel.LIMIT]
+        stored = points.elastic()
+        changed = False
         for k, start in programme.starts.items():
             share = _share(self.engine.time - start, programme.onset)
             if share == shares[k]:
                 continue
             mine = points.stratum == k
             before, after = (self.began[name][order][mine] for name in ("before", "after"))
-            strength, sine, _, points.side[mine] = (before + share * (after - before)).T
-            apex = np.divide(strength, sine, out=np.full(len(sine), UNLIMITED), where=sine > 0.0)
-            limit = np.minimum(np.maximum(before[:, 2], after[:, 2]), apex)
-            points.properties[np.ix_(mine, columns)] = np.column_stack([strength, sine, limit])
+            now = before + share * (after - before)
+            apex = np.divide(now[:, 0], now[:, 1], out=np.full(len(now), UNLIMITED), where=now[:, 1] > 0.0)
+            now[:, 2] = np.minimum(np.maximum(before[:, 2], after[:, 2]), apex)
+            if programme.remains[k].strain_potential > 0.0 and after[:, 6].any():
+                now[:, 3:6] = before[:, 3:6] * (after[:, 3:6] / before[:, 3:6]) ** share
+                now[:, 6] = after[:, 6]
+                points.scale_shear(mine, (1.0 - share) / (1.0 - shares[k]))
+            points.properties[np.ix_(mine, CHANGED)], points.side[mine] = now[:, :-1], now[:, -1]
             draining = programme.drained / programme.onset if 0.0 < share < 1.0 else 0.0
             points.properties[mine, kernel.DRAINS] = draining
-            shares[k] = share
+            shares[k], changed = share, True
+        if changed:
+            self.engine.dissipate(stored - points.elastic())
 
     def _look(self, slide: PointSlide) -> None:
         moved = self.engine.original(self.ground.points.displacement)[self.ground.surface]

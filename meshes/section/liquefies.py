@@ -59,9 +59,12 @@ class Remains:
         A strength over the vertical effective stress to which the ground has consolidated before.
     strength : float
         A strength in Pa.
+    strain_potential : float
+        Shear strain that it goes through before it holds, see `meshes.section.strain_potential`.
     """
 
     cohesion: float
     friction: float
     residual: float
     strength: float = 0.0
+    strain_potential: float = 0.0

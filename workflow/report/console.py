@@ -216,6 +216,8 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
         phrases = [f"{pascals / 1e3:.1f} kPa or {stratum.residual[title]:.2f} σ'v ({title})"
                 for title, pascals in stratum.strength_Pa.items()]  # fmt: skip
         drains = f"{100.0 * stratum.volumetric_strain:.1f} % of its volume drains away"
+        if stratum.strain_potential > 0.0:
+            drains = f"it shears by {100.0 * stratum.strain_potential:.0f} % before it holds, and {drains}"
         keeps = (
             f"keeps a strength of {', '.join(phrases)}" if phrases else "is outside all relations of residual strength"
         )

@@ -210,6 +210,7 @@ def moved_lately(cases: Sequence[CaseNumbers]) -> str:
 APART = {
     "residual": "a residual strength of {} of the vertical effective stress",
     "residual_strength": "a residual strength of {}",
+    "strain_potential": "a shear strain of {} before it holds",
     "volumetric_strain": "{} less of {whose} volume",
 }
 

@@ -106,7 +106,7 @@ def texts(section: Section) -> list[str]:
 
 
 # What a case need not have: a column where one has it.
-OPTIONAL = ("name", "residual", "residual_strength", "volumetric_strain")
+OPTIONAL = ("name", "residual", "residual_strength", "strain_potential", "volumetric_strain")
 
 
 def case_heads(config: Config) -> list[tuple[str, str]]:
@@ -135,14 +135,14 @@ def _of_one(value: Any, names: list[str]) -> Any:
 
 
 def factor(value: Any, name: str = "") -> str:
-    """A factor of a case in three digits, a strength in kPa, a volume in %, by stratum where they differ."""
+    """A factor of a case in three digits, a strength in kPa, a strain in %, by stratum where they differ."""
     if isinstance(value, dict):
         return "; ".join(
             f"{stratum} {factor(factors_of_stratum, name)}" for stratum, factors_of_stratum in value.items()
         )
     if name == "residual_strength" and value:
         return f"{round(value / 1e3, 1):.3g} kPa"
-    if name == "volumetric_strain" and value:
+    if name in ("strain_potential", "volumetric_strain") and value:
         return f"{100.0 * value:.2g} %"
     return f"{value:.3g}" if isinstance(value, float) else str(value) or "–"
 

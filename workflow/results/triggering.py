@@ -112,6 +112,7 @@ class LeftPart(Part):
     residual: dict[str, float] = Field(description="residual strength over the vertical effective stress, by relation")
     strength_Pa: dict[str, float] = Field(description="residual strength where it was tested, by relation")  # noqa: N815
     volumetric_strain: float = Field(description="what drains away after the earthquake")
+    strain_potential: float = Field(default=0.0, description="shear strain that it goes through before it holds")
 
 
 class RelationPart(Part):
@@ -170,6 +171,7 @@ class TriggeringAnswer(Answer):
                     residual=layer.ratios,
                     strength_Pa=layer.strengths,
                     volumetric_strain=layer.volumetric_strain,
+                    strain_potential=layer.strain_potential,
                 )
                 for layer in left(assessment, config.triggering)
             ),

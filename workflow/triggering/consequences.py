@@ -1,4 +1,4 @@
-"""Consequences of liquefaction: residual strength, volumetric strain by drainage, and cases made of both."""
+"""Consequences of liquefaction: residual strength, strain potential, and volumetric strain by drainage."""
 
 import math
 import statistics
@@ -75,12 +75,14 @@ class Left:
     ratios, strengths : residual strength over σ'v, and in Pa, by relation; a relation that holds for none of the tests
         is left out, tests that are denser than its cases count as dense as these
     volumetric_strain : what drains away, without a unit
+    strain_potential : shear strain that it goes through before it holds, without a unit
     """
 
     stratum: int
     ratios: dict[str, float]
     strengths: dict[str, float]
     volumetric_strain: float
+    strain_potential: float
 
     def ratio(self, case: CaseName) -> float:
         """The residual strength over σ'v of a case by name; ValueError where no relation holds."""
@@ -127,11 +129,12 @@ def _of_stratum(number: int, assessment: Assessment, settings: TriggeringSetting
         ratios[relation.title] = _mean(tests, least)
         kept = [KPA * soil.effective * ratio for soil, ratio in zip(soils, least, strict=True)]
         strengths[relation.title] = _mean(tests, kept)
-    strains = [
-        volumetric_strain(test.factor, clean) if test.factor is not None else 0.0
-        for test, (_, clean) in zip(tests, counts, strict=True)
-    ]
-    return Left(number, ratios, strengths, _mean(tests, strains))
+    pairs = [(test.factor, clean) for test, (_, clean) in zip(tests, counts, strict=True)]
+    drained, sheared = (
+        _mean(tests, [0.0 if factor is None else strain(factor, clean) for factor, clean in pairs])
+        for strain in (volumetric_strain, shear_strain)
+    )
+    return Left(number, ratios, strengths, drained, sheared)
 
 
 def _mean(tests: Sequence[Judged], values: Sequence[float]) -> float:

@@ -97,7 +97,7 @@ def test_stress_is_that_of_the_return_mapping_without_dilation(
     limit = cohesion / np.tan(friction)
     points = MaterialPoints.of(np.zeros((1, 2)), np.ones(1), PointSoil(DENSITY, young, poisson, cohesion, friction))
     points.stress[:] = stress
-    kernel._update_stress(points.stress, points.state, points.properties, 0, *strain, 0.0, 0.0)
+    kernel._update_stress(points.stress, points.state, points.properties, 0, *strain, 0.0, 0.0, 1.0)
     table = mohr_coulomb.table(young, poisson, cohesion, friction, 0.0)
     out, mean = np.empty((1, 4)), 0.5 * (xx + zz)
     # an out-of-plane stress that lies between the others after the elastic step, too

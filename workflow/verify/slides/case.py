@@ -68,6 +68,7 @@ class UniformSlope(Model):
     cycles: float | None = Field(default=None, gt=0.0)
     period: float = Field(default=1.0, gt=0.0, description="of these cycles (s)")
     record: str = Field(default="", description="a file beside the case")
+    water: Length | None = Field(default=None, description="depth of the water table below the surface")
     left: Case = Field(description="what the layer keeps")
 
 

@@ -116,16 +116,20 @@ def _uniform_slope(case: SlideCase, wanted: UniformSlope, seed: int) -> Found:
         return [sand.discs(name, wanted.density, wanted.radius, voids) for name in ("liquefies", "crust")]
 
     slope = uniform_slope.UniformSlope(
-        wanted.angle, wanted.thickness, wanted.radius, layers, length=wanted.length, seed=seed
+        wanted.angle, wanted.thickness, wanted.radius, layers, length=wanted.length, seed=seed, water=wanted.water
     )
     before = deposit_profile(slope.model)
+    crust, start = slope.above(0), slope.model.x.copy()
     slope.liquefy([0], wanted.left)
+    if not wanted.left.strain_potential:
+        start = slope.model.x.copy()
     if wanted.seconds is not None:
         push = slope.push(wanted.kh, wanted.seconds)
     else:
         push = slope.shake(*shaking_of_slope(wanted, case.folder))
     after = deposit_profile(slope.model)
-    return float(push.slide[-1]), loose_share(slope.model), push.rest.rested, _thinned(before), _thinned(after)
+    slid = float((slope.model.x - start)[crust].mean())
+    return slid, loose_share(slope.model), push.rest.rested, _thinned(before), _thinned(after)
 
 
 def shaking_of_slope(wanted: UniformSlope, folder: Path) -> tuple[np.ndarray, np.ndarray]:

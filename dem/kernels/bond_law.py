@@ -1,0 +1,46 @@
+"""Kernel: the law of a bond between liquefied discs, of the share of the way to its limit that it has gone.
+
+Two straight lines: soft up to the strain potential, steep from there to the limit; without a potential they are one.
+"""
+
+import math
+
+from dem.kernels.inner import inner
+
+# s: dashpot over stiffness of bonds that are soft. With it ground comes to rest where it would if its stiffness were
+# lost slowly, and does not swing for minutes; the loops of sand take that energy.
+CREEP = 5.0
+LEAST_WAY = 1e-12  # of the way to the limit
+
+
+@inner(forceinline=True)
+def mobilised(along: float, across: float) -> tuple[float, float]:
+    """Both parts of a bond's force over its limit, scaled back to the limit."""
+    square = along * along + across * across
+    scale = 1.0 / math.sqrt(square if square > 1.0 else 1.0)
+    return along * scale, across * scale
+
+
+@inner(forceinline=True)
+def slopes(knee: float, soft_to: float) -> tuple[float, float]:
+    """Slopes of both lines of a bond: share of the limit over share of the way to it."""
+    return knee / (soft_to + LEAST_WAY), (1.0 - knee) / (1.0 - soft_to)
+
+
+@inner(forceinline=True)
+def force_share(along: float, across: float, soft: float, steep: float) -> float:
+    """Force over limit, over the share of the way to it that a bond has gone; 1 without a strain potential."""
+    way = math.sqrt(along * along + across * across) + LEAST_WAY
+    second = steep - (steep - 1.0) / way
+    return second if second > soft else soft
+
+
+@inner(forceinline=True)
+def energy_share(along: float, across: float, soft: float, steep: float, soft_to: float) -> float:
+    """Energy stored over that at the limit of a bond without a strain potential; the square of its way for that."""
+    square = along * along + across * across
+    way = math.sqrt(square)
+    past = way - soft_to
+    first = soft * square
+    second = soft * soft_to * soft_to + 2.0 * (1.0 - steep) * past + steep * (square - soft_to * soft_to)
+    return second if past > 0.0 else first

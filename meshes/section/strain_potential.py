@@ -1,0 +1,33 @@
+"""Shear of ground that has liquefied by cyclic mobility: it strains by its strain potential before it holds.
+
+Sand that liquefies in an earthquake, and is not so loose that it flows, has next to no stiffness until it has strained
+by its strain potential γ_max; then it dilates, and its residual strength is there (Yasuda, Yoshida, Adachi et al. 1999,
+J. Japan Soc. Civ. Eng. III-49, 71-89: two straight lines). The slope of the first line follows from what gently sloping
+ground does, whose displacement is (S + 0.2) ∫ γ_max dz (Zhang, Robertson & Brachman 2004, J. Geotech. Geoenviron. Eng.
+130, 861-871, Eq. 5; S the slope in %): driven by a shear stress of S/100 of the total vertical stress it strains by
+γ_max at 0.8 % of that, which below shallow water is 1.4 % of the vertical effective stress before the earthquake.
+"""
+
+import numpy as np
+
+HOLDS = 0.014  # of the vertical effective stress: shear stress at γ_max
+LARGEST_SHARE = 0.5  # of the residual strength: that stress at most
+BEYOND = 0.1  # shear strain past γ_max at which the residual strength is reached
+
+
+def stress_at_potential(effective: np.ndarray, strength: np.ndarray) -> np.ndarray:
+    """Shear stress at which liquefied ground has strained by its strain potential.
+
+    Parameters
+    ----------
+    effective : ndarray (n,)
+        Vertical effective stress before the earthquake (Pa), compression positive.
+    strength : ndarray (n,)
+        Residual strength (Pa).
+
+    Returns
+    -------
+    ndarray (n,)
+        In Pa.
+    """
+    return np.minimum(HOLDS * np.maximum(effective, 0.0), LARGEST_SHARE * strength)
