@@ -43,9 +43,9 @@ endless slope: of each earthquake in the data base of Youd et al. the row in the
 two largest the quartiles. Behind a free face the ground is level and its water falls to the toe; quays have a caisson
 and the sea. Predictions of others for the same ground are given for comparison.
 
-Behind a face in level ground the two models contradict each other: material points drift towards the face with every
-cycle, as a rigid block does that slides both ways and is pulled one way, by about a third of what was measured and with
-less scatter; discs move near the face only, though they do drift on shaken slopes. Why is not known."""
+Spreads move by the strain potential of the sand, which blow counts give. Behind a face discs are of the size of the
+crust, which sinks and drifts with the liquefied ground below it, by packing more than by anything else; material points
+hardly depend on that. Where the two contradict each other behind a face, the points are nearer to what was measured."""
 
 
 def write_page(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> Path:

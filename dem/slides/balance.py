@@ -96,7 +96,9 @@ class AtSide(NamedTuple):
 
 
 def both_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[AtSide]:
-    """What happens at each side of the box in a slide from `start` to `model`."""
+    """What happens at each side of the box in a slide from `start` to `model`; periodic ground has none."""
+    if model.period is not None:
+        return []
     before, after = (Surface.of(m, ground).points(m, ground) for m in (start, model))
     surface = Surface.of(start, ground)
     slide = np.abs(surface.movement(model, ground)[0])
