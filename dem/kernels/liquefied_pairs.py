@@ -10,8 +10,8 @@ Two laws of pairs, for every pair with a liquefied disc that is nearer than the 
 2. Residual strength. An elastic-plastic bond between the centres resists both parts of their relative motion, no more
    together than c_ij = (pi/2) FITTED (s_i V_i/S_i + s_j V_j/S_j) w(r), S_i = sum_j w r. Then sum_j c_ij r_ij is the
    same whatever the packing, and so is the shear stress of ground that slips: s. Its stiffness is c_ij/(gamma r).
-   Ground with a strain potential is soft at first: the force is the larger of two straight lines of the way that the
-   bond has gone, both through the limit's or the origin's corner (`force_share`), with a dashpot beside the first one.
+   Ground with a strain potential is soft at first: force over way follows one straight line up to the potential, with a
+   dashpot beside it, and a steep one from there to the limit (`kernels.bond_law`).
    Bonds that are there from the onset hold 1 + FIRST times as much until they have slipped: discs which lose their
    contacts find other places, and until the slip has turned all bonds its way those at their limit add up to 0.77 s.
 
@@ -254,6 +254,15 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahea
     return lost
 
 
+@inner(forceinline=True)
+def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
+    """Slopes of both lines of the bond of two discs, and the share of its way at which they meet."""
+    half = 0.5 if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0 else 1.0
+    soft_to = half * (discs[i, SOFT_TO] + discs[j, SOFT_TO])
+    soft, steep = slopes(half * (discs[i, KNEE] + discs[j, KNEE]), soft_to)
+    return soft, steep, soft_to
+
+
 @inner(nogil=True, _nrt=False)
 def fetch_strength(block: int, wet: Liquefied) -> None:
     """Pressure and strength of the pairs of a block, as sums of both discs; only liquefied discs add to them."""
@@ -383,9 +392,7 @@ def liquefied_energy(wet: Liquefied, shared: np.ndarray, force: np.ndarray) -> t
         for lane in range(LANES):
             r = np.uint64(block) * REMEMBERED + np.uint64(lane)
             i, j = np.int64(wet.first[block * LANES + lane]), np.int64(wet.second[block * LANES + lane])
-            half = 0.5 if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0 else 1.0
-            soft_to = half * (discs[i, SOFT_TO] + discs[j, SOFT_TO])
-            soft, steep = slopes(half * (discs[i, KNEE] + discs[j, KNEE]), soft_to)
+            soft, steep, soft_to = bond_lines(discs, i, j)
             stored = energy_share(wet.memory[r + ALONG], wet.memory[r + ACROSS], soft, steep, soft_to)
             bonds += 0.5 * wet.memory[r + YIELD] * stored
     return water, bonds

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numba import njit
 
-from dem.kernels.bond_law import force_share, slopes
+from dem.kernels.bond_law import force_share
 from dem.kernels.liquefied_pairs import (
     ACROSS,
     ALONG,
@@ -25,12 +25,11 @@ from dem.kernels.liquefied_pairs import (
     FIRST,
     FITTED,
     FRESH,
-    KNEE,
     LANES,
     PUSH,
     SHARE,
-    SOFT_TO,
     bond_kernel,
+    bond_lines,
     density_kernel,
 )
 from dem.kernels.period import Period, image
@@ -98,9 +97,7 @@ def _sums(
         limit = 0.5 * math.pi * FITTED * twice * (discs[i, BOND] + discs[j, BOND]) * bond_kernel(apart, reach)
         limit *= 1.0 + FIRST * memory[c, FRESH]
         along, across = memory[c, ALONG_AT], memory[c, ACROSS_AT]
-        soft, steep = slopes(
-            0.5 * twice * (discs[i, KNEE] + discs[j, KNEE]), 0.5 * twice * (discs[i, SOFT_TO] + discs[j, SOFT_TO])
-        )
+        soft, steep, _ = bond_lines(discs, i, j)
         share = force_share(along, across, soft, steep)
         along, across = share * along, share * across
         normal = push - limit * along - memory[c, DASH_ALONG_AT]

@@ -30,10 +30,12 @@ DECAYS = (10.0, 1.0)
 CREEP = 5.0
 KEEP = 10.0  # s of the clock between two checkpoints
 LOSS = 0.02  # of the energy turned over that may be out of balance before a slide is doubted
-# properties that change as ground liquefies
+# Properties that change as ground liquefies, and their columns, and that of the force at free-field sides, in what is
+# remembered of them.
 CHANGED = (
     kernel.STRENGTH, kernel.SIN_PHI, kernel.LIMIT, kernel.SHEAR, kernel.BULK, kernel.SOFT, kernel.KNEE, kernel.VISCOUS,
 )  # fmt: skip
+STRENGTH, SINE, LIMIT, SHEAR, BULK, SOFT, KNEE, VISCOUS, SIDE = range(9)
 SMOOTH = 2.0  # m of the surface over which movement is averaged, and three points at least
 
 
@@ -177,21 +179,22 @@ class PointSlider:
             mine, soil = stratum == k, self.ground.section.strata[k]
             stress, consolidated = self.ground.effective[mine], self.ground.consolidated[mine]
             friction = np.arctan(kept.friction * np.tan(soil.friction_angle))
-            intact = before[mine, 0] / np.cos(soil.friction_angle)
+            intact = before[mine, STRENGTH] / np.cos(soil.friction_angle)
             cohesion = kept.cohesion * intact + kept.residual * consolidated + kept.strength
             if friction == 0.0:
                 cohesion = np.maximum(cohesion, LEAST * stress)
-            after[mine, 0], after[mine, 1] = cohesion * np.cos(friction), np.sin(friction)
-            after[mine, 2] = UNLIMITED if friction == 0.0 else cohesion / np.tan(friction)
+            after[mine, STRENGTH], after[mine, SINE] = cohesion * np.cos(friction), np.sin(friction)
+            after[mine, LIMIT] = UNLIMITED if friction == 0.0 else cohesion / np.tan(friction)
             if friction == 0.0 and kept.strain_potential > 0.0:
                 knee = stress_at_potential(np.maximum(stress, 1.0), cohesion)
-                stiff = np.minimum((cohesion - knee) / BEYOND, before[mine, 3])
+                stiff = np.minimum((cohesion - knee) / BEYOND, before[mine, SHEAR])
                 soft = np.minimum(knee / kept.strain_potential, stiff)
-                after[mine, 3], after[mine, 4] = stiff, before[mine, 4] + (stiff - before[mine, 3]) / 3.0
-                after[mine, 5], after[mine, 6], after[mine, 7] = soft, knee, CREEP * soft
-                before[mine, 5] = before[mine, 3]
+                after[mine, SHEAR] = stiff
+                after[mine, BULK] += (stiff - before[mine, SHEAR]) / 3.0  # λ + G at the same bulk modulus λ + 2 G / 3
+                after[mine, SOFT], after[mine, KNEE], after[mine, VISCOUS] = soft, knee, CREEP * soft
+                before[mine, SOFT] = before[mine, SHEAR]
             undrained = UNDRAINED / (1.0 - UNDRAINED) * stress * height[mine]
-            after[mine, -1] = np.sign(before[mine, -1]) * np.maximum(undrained, np.abs(before[mine, -1]))
+            after[mine, SIDE] = np.sign(before[mine, SIDE]) * np.maximum(undrained, np.abs(before[mine, SIDE]))
         self.began = {"before": before, "after": after}
 
     def _under_way(self, programme: SlideProgramme, time: float) -> bool:
@@ -201,27 +204,27 @@ class PointSlider:
     def _liquefy(self, programme: SlideProgramme, shares: dict[int, float]) -> None:
         """Set strength, stiffness and the drained volume of the current time."""
         points, order = self.ground.points, self.engine.order
+        now_at = {k: _share(self.engine.time - start, programme.onset) for k, start in programme.starts.items()}
+        changes = {k: share for k, share in now_at.items() if share != shares[k]}
+        if not changes:
+            return
         stored = points.elastic()
-        changed = False
-        for k, start in programme.starts.items():
-            share = _share(self.engine.time - start, programme.onset)
-            if share == shares[k]:
-                continue
+        for k, share in changes.items():
             mine = points.stratum == k
             before, after = (self.began[name][order][mine] for name in ("before", "after"))
             now = before + share * (after - before)
-            apex = np.divide(now[:, 0], now[:, 1], out=np.full(len(now), UNLIMITED), where=now[:, 1] > 0.0)
-            now[:, 2] = np.minimum(np.maximum(before[:, 2], after[:, 2]), apex)
-            if programme.remains[k].strain_potential > 0.0 and after[:, 6].any():
-                now[:, 3:6] = before[:, 3:6] * (after[:, 3:6] / before[:, 3:6]) ** share
-                now[:, 6] = after[:, 6]
+            apex = np.divide(now[:, STRENGTH], now[:, SINE], out=np.full(len(now), UNLIMITED), where=now[:, SINE] > 0.0)
+            now[:, LIMIT] = np.minimum(np.maximum(before[:, LIMIT], after[:, LIMIT]), apex)
+            if after[:, KNEE].any():
+                moduli = [SHEAR, BULK, SOFT]
+                now[:, moduli] = before[:, moduli] * (after[:, moduli] / before[:, moduli]) ** share
+                now[:, KNEE] = after[:, KNEE]
                 points.scale_shear(mine, (1.0 - share) / (1.0 - shares[k]))
-            points.properties[np.ix_(mine, CHANGED)], points.side[mine] = now[:, :-1], now[:, -1]
+            points.properties[np.ix_(mine, CHANGED)], points.side[mine] = now[:, :SIDE], now[:, SIDE]
             draining = programme.drained / programme.onset if 0.0 < share < 1.0 else 0.0
             points.properties[mine, kernel.DRAINS] = draining
-            shares[k], changed = share, True
-        if changed:
-            self.engine.dissipate(stored - points.elastic())
+            shares[k] = share
+        self.engine.dissipate(stored - points.elastic())
 
     def _look(self, slide: PointSlide) -> None:
         moved = self.engine.original(self.ground.points.displacement)[self.ground.surface]
