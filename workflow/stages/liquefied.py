@@ -101,7 +101,7 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
     from fem.search.strength_reduction import safety_factor
 
     flow = flow_of(config.section.strata, config.fem.flow)
-    change = {"kh": (), "rigid_box": False, "flow": flow, "max_cells": 0}  # the mesh of the stage, and no other
+    change = {"kh": (), "flow": flow, "max_cells": 0}  # the mesh of the stage, and no other
     fem = config.fem.model_copy(update=change)
     asked = config.bounds.model_copy(update={"max_cells": CELLS, "gap": GAP, "seconds": SECONDS, "davis": False})
     notes: list[str] = []

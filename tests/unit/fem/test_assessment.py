@@ -46,7 +46,7 @@ def test_ground_whose_factor_of_safety_is_below_one_has_no_critical_kh():
     rock |= {"density_ordinary": "2.2 t/m^3", "density_seismic": "2.2 t/m^3"}
     surface = [[0.0, 20.0], [30.0, 20.0], [38.0, 30.0], [75.0, 31.0]]
     cut = Section.parse({"name": "cut", "surface": surface, "base": {"elevation": 8.0}, "strata": [loam, rock]})
-    settings = FemSettings(direction="downhill", rigid_box=False, max_cells=3000)
+    settings = FemSettings(direction="downhill", max_cells=3000)
     with pytest.raises(UnstableError, match=r"its factor of safety is 0\.9\d by Davis.*, and 1\.\d\d with ψ = φ"):
         assess(cut, MeshSettings(), generate(cut), settings, MPI.COMM_SELF, lambda *_: None)
 
@@ -57,7 +57,7 @@ def slope_with(**soil: object) -> Section:
 
 
 def assessed(section: Section, **settings: object) -> assessment.Assessment:
-    wish = FemSettings(accuracy=0.0, direction="downhill", rigid_box=False, **settings)
+    wish = FemSettings(accuracy=0.0, direction="downhill", **settings)
     mesh = generate(section, MeshSettings(size=1.5))
     return assess(section, MeshSettings(size=1.5), mesh, wish, MPI.COMM_SELF, lambda *_: None)
 

@@ -17,7 +17,7 @@ from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from tests.support.water import WATER, section, soil
 
-FIXED = FemSettings(sides="fixed", flow="associated", rigid_box=False)
+FIXED = FemSettings(sides="fixed", flow="associated")
 
 
 def above_a_lens(half_width: float, level: float, cohesion: float) -> Section:
