@@ -151,7 +151,7 @@ def _state_sheet(config: Config, results: FemResults, state: State, views: Views
         1,
         views.safety,
         window,
-        "mobilised share of strength τ / (c + N tan φ) on the worst plane (the paper: local safety factor)",
+        "mobilised share of strength τ / (c + N tan φ) on the worst plane",
     )
     if len(slip):
         axes.plot(*slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))

@@ -20,6 +20,8 @@ from workflow.figures.ground import borders, draw_loads, foot, pressure_of, room
 FINE = 1.0 / 15.0
 WEIGHTS, PRESSURES = "YlOrBr", "Blues"
 EQUIPOTENTIALS = 15  # lines of equal head, about
+SHARE = 0.93  # of the width of a view without its scale of colours
+APART = 0.06  # of the scale: weights that lie closer together share a tick
 
 
 def draw_weights(section: Section, path: Path) -> None:
@@ -36,7 +38,7 @@ def draw_weights(section: Section, path: Path) -> None:
     grid["pressure"] = corner_pressure(mesh, section.water_pressure.at_rest).ravel() / 1e3
     views = ["weight", *(["pressure"] if section.water_pressure.present else [])]
     title = f"{section.heading}: unit weight" + (" and pore pressure" if len(views) > 1 else "")
-    heights = [much * window.proportion for much in window.exaggerations()[-1:]] * len(views)
+    heights = [SHARE * much * window.proportion for much in window.exaggerations()[-1:]] * len(views)
     sheet = Sheet(title, heights, "\n".join(text for text in (_said(section), foot(section)) if text))
     for number, name in enumerate(views):
         _show(sheet, number, section, window, grid, name)
@@ -52,7 +54,7 @@ def _window(section: Section) -> Window:
 
 def _show(sheet: Sheet, view: int, section: Section, window: Window, grid: pv.PolyData, name: str) -> None:
     most = float(grid[name].max())
-    limits = (0.0, most) if name == "pressure" else (0.8 * float(grid[name].min()), most)
+    limits = (0.0, most) if name == "pressure" else (0.8 * float(grid[name].min()), most + 0.05)  # room for its tick
     colours = PRESSURES if name == "pressure" else WEIGHTS
     exaggeration = window.exaggerations()[-1]
 
@@ -61,6 +63,8 @@ def _show(sheet: Sheet, view: int, section: Section, window: Window, grid: pv.Po
 
     words = "unit weight on which gravity acts (kN/m³)" if name == "weight" else "pore pressure at rest (kPa)"
     much = "" if exaggeration == 1 else f", heights exaggerated {exaggeration} times"
+    left, low, wide, high = sheet.views[view].get_position().bounds
+    sheet.views[view].set_position((left, low, SHARE * wide, high))
     axes = sheet.show(view, render(window, draw, exaggeration=exaggeration), window, words + much, exaggeration)
     axes.add_collection(LineCollection(borders(section), colors=INK, linewidths=0.5))
     if (water := section.water_points()) is not None:
@@ -79,9 +83,19 @@ def _show(sheet: Sheet, view: int, section: Section, window: Window, grid: pv.Po
         axes.tricontour(
             *flow.grid.points.T, flow.grid.cells[wet], flow.head, EQUIPOTENTIALS, colors=INK, linewidths=0.6
         )
-    sheet.figure.colorbar(
-        ScalarMappable(Normalize(*limits), colours), ax=axes, location="right", fraction=0.03, pad=0.01
-    ).ax.tick_params(labelsize=7, colors=INK)
+    ticks = None if name == "pressure" else _ticks(grid["weight"], APART * (limits[1] - limits[0]))
+    scale = axes.inset_axes((1.012, 0.0, 0.015, 1.0))
+    sheet.figure.colorbar(ScalarMappable(Normalize(*limits), colours), cax=scale, ticks=ticks)
+    scale.tick_params(labelsize=7, colors=INK, length=2)
+
+
+def _ticks(weights: np.ndarray, apart: float) -> list[float]:
+    """The unit weights of the layers (kN/m³) to one digit, the heaviest first, at least ``apart``."""
+    ticks: list[float] = []
+    for weight in sorted({round(float(weight), 1) for weight in weights}, reverse=True):
+        if not ticks or ticks[-1] - weight >= apart:
+            ticks.append(weight)
+    return ticks
 
 
 def _said(section: Section) -> str:
