@@ -24,10 +24,10 @@ from dem.kernels.arguments import Clock, Entries, Law, Loads, Springs, Team
 from dem.kernels.barrier import new_barrier
 from dem.kernels.contact import KPN
 from dem.kernels.layout import Layout
-from dem.kernels.records import CONSTANT_RECORD
-from dem.kernels.scratch import new_scratch
 from dem.kernels.stable_step import Bodies, LineContacts, Pairs, stable_step
 from dem.kernels.stepping import DONE, MOVED, OVERLAP, take_steps
+from dem.kernels.transpose import CONSTANT_RECORD
+from dem.kernels.work_buffers import new_buffer
 from dem.liquefied_ground import longest_look, steps_held
 from dem.model import DiscModel
 from dem.ranges import threaded
@@ -354,7 +354,7 @@ class EngineRun:
         return [
             (
                 Team(thread, threads, barrier, stops), clock, layout, self.springs, self.law, loads, entries,
-                model.leeway**2, *needs(thread, threads, layout), new_scratch(),
+                model.leeway**2, *needs(thread, threads, layout), new_buffer(),
             )
             for thread in range(threads)
         ]  # fmt: skip

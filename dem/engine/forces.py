@@ -10,8 +10,8 @@ from dem.engine.sharing import needs
 from dem.kernels.arguments import ENERGY_COLUMNS, Clock, Entries, Loads, Team
 from dem.kernels.barrier import new_barrier
 from dem.kernels.layout import LANES, LINK_FIELDS, ROLL_FIELDS, Layout, count_slots
-from dem.kernels.scratch import new_scratch
 from dem.kernels.stepping import take_steps
+from dem.kernels.work_buffers import new_buffer
 from dem.model import DiscModel
 
 
@@ -78,7 +78,7 @@ def _evaluated(model: DiscModel) -> Layout:
     take_steps(
         Team(0, 1, new_barrier(1), np.zeros((2, 1), np.int64)), Clock(0, 0.0, model.last_dt, model.time, model.steps),
         layout, springs_of(model), law_of(model), loads, entries, 0.0, *needs(0, 1, layout),
-        new_scratch(),
+        new_buffer(),
     )  # fmt: skip
     return layout
 

@@ -24,7 +24,7 @@ from dem.kernels.liquefied_lists import members_of, place_pairs
 from dem.kernels.liquefied_pairs import FIELDS, WORKING, Liquefied
 from dem.kernels.liquefied_pairs import MEMORY as BOND_MEMORY
 from dem.kernels.motion import list_motion, place_fields, place_motion
-from dem.kernels.records import SHARED
+from dem.kernels.transpose import SHARED
 from dem.model import DiscModel
 from dem.ranges import Ranges, serial
 from dem.state import MEMORY, ROLLING_MEMORY

@@ -1,10 +1,10 @@
 """Kernel: added mass of surcharges and free water on discs (`Layout.added_mass`), which shakes with the ground."""
 
-from dem.kernels.inner import inner
+from dem.kernels.device_function import device_function
 from dem.kernels.layout import INVMASS, PULL_X, PULL_Z, VX, VZ, Layout, entry, place
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def pull_added_mass(p: int, layout: Layout, level: float) -> None:
     """Adds its force to the discs of slice p, at an acceleration of the frame perpendicular to gravity (m/s2)."""
     for k in range(layout.added_mass_start[p], layout.added_mass_start[p + 1]):
@@ -13,7 +13,7 @@ def pull_added_mass(p: int, layout: Layout, level: float) -> None:
         layout.discs[place(disc, PULL_Z)] = layout.added_mass[k, 1] + layout.added_mass[k, 3] * level
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def added_momentum(p: int, layout: Layout) -> float:
     """Momentum (kg/s) of the added mass in slice p: its power over the acceleration of the frame across gravity."""
     momentum = 0.0

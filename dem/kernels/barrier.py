@@ -13,7 +13,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from dem.kernels.inner import inner
+from dem.kernels.device_function import device_function
 
 ARRIVED, ROUND, PROGRESS = 0, 16, 32  # counters, two cache lines apart; of progress, one for each thread
 APART = 16
@@ -34,7 +34,10 @@ def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 @intrinsic
 def fetch_add(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
-    """Adds to an entry of an int64 array, and returns what was there before; indivisible."""
+    """Adds to an entry of an int64 array, and returns what was there before; indivisible.
+
+    typing_context: Numba's; array: of int64; index: of the entry; value: added to it.
+    """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         place = _place(context, builder, signature, arguments)
@@ -64,7 +67,7 @@ def give_way(typing_context: Any) -> Any:
     return types.int32(), generate
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def wait(barrier: np.ndarray, threads: int) -> None:
     """Returns when all `threads` have called it."""
     turn = load(barrier, ROUND)
@@ -79,13 +82,13 @@ def wait(barrier: np.ndarray, threads: int) -> None:
             give_way()
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def report(barrier: np.ndarray, thread: int) -> None:
     """Counts one more piece of work of this thread as done; all it wrote before can be seen by who reads the count."""
     fetch_add(barrier, PROGRESS + APART * thread, 1)
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def wait_for(barrier: np.ndarray, thread: int, count: int) -> None:
     """Returns when `thread` has reported `count` pieces of work."""
     spins = 0
@@ -95,7 +98,7 @@ def wait_for(barrier: np.ndarray, thread: int, count: int) -> None:
             give_way()
 
 
-@inner(nogil=True, _nrt=False)
+@device_function(nogil=True, _nrt=False)
 def slices_of(thread: int, threads: int, slices: int) -> tuple[int, int]:
     """First slice of a thread, and the one after its last."""
     return slices * thread // threads, slices * (thread + 1) // threads

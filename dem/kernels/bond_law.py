@@ -5,7 +5,7 @@ Two straight lines: soft up to the strain potential, steep from there to the lim
 
 import math
 
-from dem.kernels.inner import inner
+from dem.kernels.device_function import device_function
 
 # s: dashpot over stiffness of bonds that are soft. With it ground comes to rest where it would if its stiffness were
 # lost slowly, and does not swing for minutes; the loops of sand take that energy.
@@ -13,7 +13,7 @@ CREEP = 5.0
 LEAST_WAY = 1e-12  # of the way to the limit
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def mobilised(along: float, across: float) -> tuple[float, float]:
     """Both parts of a bond's force over its limit, scaled back to the limit."""
     square = along * along + across * across
@@ -21,23 +21,30 @@ def mobilised(along: float, across: float) -> tuple[float, float]:
     return along * scale, across * scale
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def slopes(knee: float, soft_to: float) -> tuple[float, float]:
     """Slopes of both lines of a bond: share of the limit over share of the way to it."""
     return knee / (soft_to + LEAST_WAY), (1.0 - knee) / (1.0 - soft_to)
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def force_share(along: float, across: float, soft: float, steep: float) -> float:
-    """Force over limit, over the share of the way to it that a bond has gone; 1 without a strain potential."""
+    """Force over limit, over the share of the way to the limit that a bond has gone; 1 without a strain potential.
+
+    along, across: the way along and across the bond, over the way to its limit (-); soft, steep: see `slopes`.
+    """
     way = math.sqrt(along * along + across * across) + LEAST_WAY
     second = steep - (steep - 1.0) / way
     return second if second > soft else soft
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def energy_share(along: float, across: float, soft: float, steep: float, soft_to: float) -> float:
-    """Energy stored over that at the limit of a bond without a strain potential; the square of its way for that."""
+    """Energy that a bond stores, over that at its limit without a strain potential (there the square of its way).
+
+    along, across: the way along and across the bond, over the way to its limit (-); soft, steep: see `slopes`;
+    soft_to: share of the way at which the steep line begins (-).
+    """
     square = along * along + across * across
     way = math.sqrt(square)
     past = way - soft_to

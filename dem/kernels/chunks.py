@@ -4,8 +4,8 @@ import numpy as np
 
 from dem.kernels.arguments import Law, Springs, State
 from dem.kernels.contact import ALLOWED
-from dem.kernels.inner import inner
-from dem.kernels.interaction import at_line, between_discs, face, line_lane
+from dem.kernels.device_function import device_function
+from dem.kernels.interaction import at_line, between_discs, contact_geometry, line_lane
 from dem.kernels.layout import (
     FR,
     FX,
@@ -24,27 +24,31 @@ from dem.kernels.layout import (
 )
 from dem.kernels.losses import ANY_ORDER
 from dem.kernels.prefetch import wide_vectors
-from dem.kernels.scratch import BLOCK, constant, load_partners
+from dem.kernels.work_buffers import BLOCK, constant, load_partners
 
 
-@inner(forceinline=True, fastmath=ANY_ORDER)
+@device_function(forceinline=True, fastmath=ANY_ORDER)
 def add(total: float, value: float) -> float:
     """A sum whose order the compiler may choose; for the energy balance, never for the motion."""
     return total + value
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def contact(
-    d: int, q: int, w: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, soil: bool,
+    d: int, q: int, w: int, state: State, buffer: np.ndarray, slip_time: float, law: Law, soil: bool,
     pores: bool, with_losses: bool,
 ) -> tuple[bool, float, float, float, float]:  # fmt: skip
-    """The contact in lane q: writes forces and memory.
+    """Computes the contact in lane q of a chunk, and writes its forces and memory.
 
-    Returns whether it is too deep, and twice what dashpots, sliding, cracks and rolling took since the last step (J).
+    d, w: where the chunk begins in `state.links` and `state.rolling`; state: arrays of discs and contacts; buffer: rows
+    that `load_geometry` filled; slip_time: length of the last step (s); law: law of the contacts; soil, pores,
+    with_losses: see `between_discs`.
+    Returns whether the overlap is too large, and twice what dashpots, sliding, cracks and rolling dissipated since the
+    last step (J).
     """
     links = state.links
-    m, now = between_discs(d, q, w, state, scratch, slip_time, law, soil, pores, with_losses)
-    deep = now.over > scratch[constant(ALLOWED) + q] * links[d + RADII + q]
+    m, now = between_discs(d, q, w, state, buffer, slip_time, law, soil, pores, with_losses)
+    deep = now.over > buffer[constant(ALLOWED) + q] * links[d + RADII + q]
     if pores:
         cracked = now.length != links[d + LENGTH + q]
         links[d + PORE + q] = now.pore
@@ -62,30 +66,37 @@ def contact(
     return deep, now.damped, now.slid, now.cracked, now.rolled_off
 
 
-@inner(forceinline=True)
-def face_partners(chunk: int, state: State, scratch: np.ndarray, law: Law, soil: bool) -> None:
-    """Fetches the partners of one chunk into the scratch rows, with directions and distances."""
+@device_function(forceinline=True)
+def load_geometry(chunk: int, state: State, buffer: np.ndarray, law: Law, soil: bool) -> None:
+    """Loads the partners of one chunk into the rows of `buffer`, with directions and distances.
+
+    state: arrays of discs and contacts; law: holds the period of the ground; soil: whether the discs are soil discs.
+    """
     wide_vectors()
     for begin in range(0, LANES, BLOCK):
-        load_partners(chunk, begin, state, scratch, soil)
+        load_partners(chunk, begin, state, buffer, soil)
         for lane in range(begin, begin + BLOCK):
-            face(np.uint64(chunk) * LINK, np.uint64(lane), state, scratch, law, soil)
+            contact_geometry(np.uint64(chunk) * LINK, np.uint64(lane), state, buffer, law, soil)
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def all_lanes(
-    chunk: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, soil: bool, pores: bool,
+    chunk: int, state: State, buffer: np.ndarray, slip_time: float, law: Law, soil: bool, pores: bool,
     with_losses: bool,
 ) -> tuple[bool, float, float, float, float]:  # fmt: skip
-    """The contacts of one chunk, and the sums of their losses."""
+    """Computes the contacts of one chunk.
+
+    state, buffer, slip_time, law, soil, pores, with_losses: as in `contact`.
+    Returns whether an overlap is too large, and the sums of what dashpots, sliding, cracks and rolling dissipated (J).
+    """
     wide_vectors()
     too_deep = False
     damping, sliding, cracks, rolling = 0.0, 0.0, 0.0, 0.0
     d, w = np.uint64(chunk) * LINK, np.uint64(chunk) * ROLL_LINK
-    face_partners(chunk, state, scratch, law, soil)
+    load_geometry(chunk, state, buffer, law, soil)
     for lane in range(LANES):
         deep, damped, slid, cracked, rolled = contact(
-            d, np.uint64(lane), w, state, scratch, slip_time, law, soil, pores, with_losses
+            d, np.uint64(lane), w, state, buffer, slip_time, law, soil, pores, with_losses
         )
         too_deep |= deep
         if with_losses:
@@ -96,35 +107,43 @@ def all_lanes(
     return too_deep, 0.5 * damping, 0.5 * sliding, 0.5 * cracks, 0.5 * rolling
 
 
-@inner(nogil=True)
-def contacts(chunk: int, state: State, scratch: np.ndarray, slip_time: float, law: Law) -> bool:
-    """Forces and memory of one chunk of contacts; True if an overlap is larger than allowed."""
+@device_function(nogil=True)
+def contacts(chunk: int, state: State, buffer: np.ndarray, slip_time: float, law: Law) -> bool:
+    """Computes forces and memory of one chunk of contacts; True if an overlap is larger than allowed.
+
+    state, buffer, slip_time, law: as in `contact`.
+    """
     if not law.soil:
-        return all_lanes(chunk, state, scratch, slip_time, law, False, True, False)[0]
+        return all_lanes(chunk, state, buffer, slip_time, law, False, True, False)[0]
     if law.pores:
-        return all_lanes(chunk, state, scratch, slip_time, law, True, True, False)[0]
-    return all_lanes(chunk, state, scratch, slip_time, law, True, False, False)[0]
+        return all_lanes(chunk, state, buffer, slip_time, law, True, True, False)[0]
+    return all_lanes(chunk, state, buffer, slip_time, law, True, False, False)[0]
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def contacts_with_losses(
-    chunk: int, state: State, scratch: np.ndarray, slip_time: float, law: Law
+    chunk: int, state: State, buffer: np.ndarray, slip_time: float, law: Law
 ) -> tuple[bool, float, float, float, float]:
-    """Forces and memory of one chunk, and the losses by dashpots, sliding, cracks and rolling in the last step (J)."""
+    """Computes forces and memory of one chunk as `contacts`, and the losses since the last step.
+
+    state, buffer, slip_time, law: as in `contact`.
+    Returns whether an overlap is too large, and the losses by dashpots, sliding, cracks and rolling (J).
+    """
     if not law.soil:
-        return all_lanes(chunk, state, scratch, slip_time, law, False, True, True)
+        return all_lanes(chunk, state, buffer, slip_time, law, False, True, True)
     if law.pores:
-        return all_lanes(chunk, state, scratch, slip_time, law, True, True, True)
-    return all_lanes(chunk, state, scratch, slip_time, law, True, False, True)
+        return all_lanes(chunk, state, buffer, slip_time, law, True, True, True)
+    return all_lanes(chunk, state, buffer, slip_time, law, True, False, True)
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def line_contact(
     e: int, layout: Layout, springs: Springs, slip_time: float, law: Law
 ) -> tuple[bool, float, float, float]:
-    """Forces of a rigid line on one disc.
+    """Computes the contact e of a disc with a rigid line, and writes its forces and memory.
 
-    Returns whether it is too deep, and what dashpots, sliding and rolling took since the last step (J).
+    layout: discs and contacts; springs: constants; slip_time: length of the last step (s); law: law of the contacts.
+    Returns whether the overlap is too large, and what dashpots, sliding and rolling dissipated since the last step (J).
     """
     links = layout.links
     at, w = line_lane(e, layout)

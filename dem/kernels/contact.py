@@ -7,7 +7,7 @@ contact does not know which disc was named first; rolling alone changes its sign
 plane.
 """
 
-from dem.kernels.inner import inner
+from dem.kernels.device_function import device_function
 
 # Rows of the table of pair constants (see pair_table.PairTable), one column per kind of pair: those of pore springs,
 # those of all discs, then those that soil discs have besides.
@@ -17,14 +17,14 @@ COHESION, MU_OTHER, COHESION_OTHER, MU_ROLLING, STOP, DEPTH, GAP = range(13, 20)
 CONSTANTS = 20
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def clamp(value: float, limit: float) -> float:
     """`value` brought into [-limit, limit]."""
     value = value if value < limit else limit
     return value if value > -limit else -limit
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def spring(over: float, kn: float, gap: float) -> float:
     """Push (N) of the element's normal spring at an overlap (m).
 
@@ -34,7 +34,7 @@ def spring(over: float, kn: float, gap: float) -> float:
     return kn * over if over > -gap else 0.0
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def spring_energy(over: float, kn: float, gap: float) -> tuple[float, float]:
     """Energy (J) of that spring, and the energy of the bond, which is negative: it takes as much to part discs that
     attract each other from where the spring carries nothing."""
@@ -42,7 +42,7 @@ def spring_energy(over: float, kn: float, gap: float) -> tuple[float, float]:
     return 0.5 * kn * over * over if touch else 0.0, -0.5 * kn * gap * gap if touch else 0.0
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def stop(over: float, stiffness: float, depth: float) -> float:
     """Push (N) that joins the spring's in soil discs where the overlap exceeds `depth` (m): both stiffen the contact.
 
@@ -52,11 +52,12 @@ def stop(over: float, stiffness: float, depth: float) -> float:
     return stiffness * deep if deep > 0.0 else 0.0
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def normal_force(over: float, vn: float, floor: float, spring: float, cn: float, gap: float) -> float:
     """Element spring and dashpot, eqs. (1)-(2): normal force (N), nothing where the discs do not touch.
 
-    over: overlap (m); vn: speed of separation (m/s); spring: push of the springs there (N); gap: see `spring` (m).
+    over: overlap (m); vn: speed of separation (m/s); spring: push of the springs there (N); cn: dashpot (N s/m);
+    gap: see `spring` (m).
     floor: least total normal force (N), 0 for contacts that never pull, -inf for dashpots that may.
     """
     normal = spring - cn * vn
@@ -64,19 +65,20 @@ def normal_force(over: float, vn: float, floor: float, spring: float, cn: float,
     return normal if over > -gap else 0.0
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def friction_limit(normal: float, mu: float) -> float:
     """Largest tangential force of an element contact in the paper's discs (N): Coulomb's, with Table 2's friction."""
     limit = mu * normal
     return limit if limit > 0.0 else 0.0
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def strength(over: float, normal: float, mu: float, c: float, mu_other: float, c_other: float, gap: float) -> float:
-    """Largest tangential force of a contact of soil discs (N), as long as they touch: mu Fn + C of the weaker material.
+    """Largest tangential force of a contact of soil discs (N) while they touch: mu Fn + C of the weaker material.
 
-    The cohesion C (N) is there again when discs touch again: clay that has been sheared is clay still. Its mu may be
-    negative, see `dem.springs.Strength`.
+    over: overlap (m); normal: normal force (N); mu, c, mu_other, c_other: friction (-) and cohesion (N) of both
+    materials; gap: see `spring` (m). A contact that opens and closes again has its whole cohesion, since clay that has
+    been sheared is still clay. Friction may be negative, see `dem.springs.Strength`.
     """
     limit = mu * normal + c
     other = mu_other * normal + c_other
@@ -85,14 +87,15 @@ def strength(over: float, normal: float, mu: float, c: float, mu_other: float, c
     return limit if over > -gap else 0.0
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def held(
     kept: float, way: float, speed: float, stiffness: float, dashpot: float, limit: float
 ) -> tuple[float, float, float]:
     """Spring and dashpot in parallel whose force has a limit, eqs. (3)-(4): of slip or of rolling.
 
-    kept: force of the spring in the last step (N); way: slip since (m); speed: of slip (m/s).
-    The spring's force is cut at the limit, and so is the sum of spring and dashpot: sliding then costs exactly the
+    kept: force of the spring in the last step (N); way: slip since (m); speed: of slip (m/s); stiffness: of the spring
+    (N/m); dashpot: (N s/m); limit: of the force (N).
+    The spring's force is cut at the limit, and so is the sum of spring and dashpot: sliding then dissipates exactly the
     limit per metre, and neither part can feed energy back.
     Returns (force, force of the spring before the limit, force of the spring kept).
     """
@@ -101,7 +104,7 @@ def held(
     return clamp(cut + dashpot * speed, limit), trial, cut
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def pore(
     length: float,
     distance: float,
@@ -117,6 +120,8 @@ def pore(
     """Pore spring, eqs. (11)-(17): state 1 pulls, pushes and shears; state 2 works only while compressed.
 
     length: distance L at which the spring was set (m), negative once cracked, 0 where there is none.
+    distance: D of the centres (m); slip: since the last step (m); kpn, kps: normal and tangential stiffness (N/m); tan:
+    tan(theta) of eq. (16); bc: b C of eq. (16) (N); beta: of eq. (15).
     contact_normal: what the element spring adds to Fn of eq. (16) (N); shear: tangential force kept (N).
     Cracks where D >= beta L (eq. 15) or |Ft| > max(Fn tan(theta) + bC, 0) (eq. 16), and obeys state 2 from that
     very step: no cohesion is left, so its shear is held by friction on its own compression.

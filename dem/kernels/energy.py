@@ -10,8 +10,8 @@ from numba import njit
 
 from dem.kernels.added_mass import pull_added_mass
 from dem.kernels.arguments import Law, Loads, Springs, State
-from dem.kernels.chunks import add, face_partners
-from dem.kernels.inner import inner
+from dem.kernels.chunks import add, load_geometry
+from dem.kernels.device_function import device_function
 from dem.kernels.interaction import Contact, at_line, between_discs, line_lane
 from dem.kernels.layout import (
     DISC,
@@ -32,7 +32,7 @@ from dem.kernels.layout import (
 from dem.kernels.liquefied_pairs import liquefied_energy
 from dem.kernels.losses import along
 from dem.kernels.prefetch import wide_vectors
-from dem.kernels.scratch import OWN, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_own, new_scratch
+from dem.kernels.work_buffers import OWN, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_own, new_buffer
 
 # Entries of what `energies` returns (J per metre out of plane); LATE ones came about since the last step.
 TRANSLATION, ROTATION, ELEMENTS, PORES, ROLLING_SPRINGS, BONDS = range(6)
@@ -44,7 +44,7 @@ ENERGIES = 13
 PARTNER_X, PARTNER_Z, PARTNER_R = VX, VZ, VR
 
 
-@inner(nogil=True, forceinline=True)
+@device_function(nogil=True, forceinline=True)
 def book(now: Contact, out: np.ndarray) -> None:
     """Adds the energy stored in a contact, and its losses since the last step."""
     out[ELEMENTS] += now.elements
@@ -57,18 +57,22 @@ def book(now: Contact, out: np.ndarray) -> None:
     out[LATE_ROLLING] += 0.5 * now.rolled_off
 
 
-@inner(nogil=True, forceinline=True)
+@device_function(nogil=True, forceinline=True)
 def lanes_energy(
-    chunk: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, soil: bool, out: np.ndarray
+    chunk: int, state: State, buffer: np.ndarray, slip_time: float, law: Law, soil: bool, out: np.ndarray
 ) -> None:
-    """Adds the energies of one chunk of contacts; their forces go to the owners' sums, and into the partners' rows."""
+    """Adds the energies of one chunk of contacts to `out`; their forces go to the owners' sums and into the partners'
+    rows.
+
+    state, buffer, slip_time, law, soil: as in `chunks.contact`; out: (ENERGIES,) (J).
+    """
     wide_vectors()
     d, w = np.uint64(chunk) * LINK, np.uint64(chunk) * ROLL_LINK
     elements, bonds, pores, rolling = 0.0, 0.0, 0.0, 0.0
     damping, sliding, cracks, rolled_off = 0.0, 0.0, 0.0, 0.0
     for lane in range(LANES):
         q = np.uint64(lane)
-        m, now = between_discs(d, q, w, state, scratch, slip_time, law, soil, True, True)
+        m, now = between_discs(d, q, w, state, buffer, slip_time, law, soil, True, True)
         elements = add(elements, now.elements)
         bonds = add(bonds, now.bonds)
         pores = add(pores, now.pores)
@@ -81,10 +85,10 @@ def lanes_energy(
         rim = now.drag * m.lever
         if soil:
             rim -= state.rolling[w + SHARE + q] * now.torque
-        scratch[SUM_X + q] -= fx
-        scratch[SUM_Z + q] -= fz
-        scratch[SUM_R + q] += rim + now.torque
-        scratch[PARTNER_X + q], scratch[PARTNER_Z + q], scratch[PARTNER_R + q] = fx, fz, rim
+        buffer[SUM_X + q] -= fx
+        buffer[SUM_Z + q] -= fz
+        buffer[SUM_R + q] += rim + now.torque
+        buffer[PARTNER_X + q], buffer[PARTNER_Z + q], buffer[PARTNER_R + q] = fx, fz, rim
     out[ELEMENTS] += elements
     out[BONDS] += bonds
     out[PORES] += pores
@@ -95,61 +99,74 @@ def lanes_energy(
     out[LATE_ROLLING] += 0.5 * rolled_off
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def slice_energy(
-    p: int, layout: Layout, springs: Springs, scratch: np.ndarray, slip_time: float, law: Law, force: np.ndarray,
+    p: int, layout: Layout, springs: Springs, buffer: np.ndarray, slip_time: float, law: Law, force: np.ndarray,
     out: np.ndarray,
 ) -> None:  # fmt: skip
-    """Adds the energies of all contacts that slice p owns, and their forces and rim forces to those on the discs."""
+    """Adds the energies of all contacts that slice p owns to `out`, and their forces and rim forces to those on the
+    discs.
+
+    layout: discs and contacts; springs: constants; buffer: rows to work in; slip_time: length of the last step (s);
+    law: law of the contacts; force: (3, discs) force along x, z and at the rim (N); out: (ENERGIES,) (J).
+    """
     state = State(layout.discs, layout.links, layout.rolling, layout.shared, layout.partner)
-    load_own(p, layout.shared, scratch)
+    load_own(p, layout.shared, buffer)
     for row in range(3):
         for lane in range(LANES):
-            scratch[SUM_X + np.uint64(row) * ROW + np.uint64(lane)] = 0.0
+            buffer[SUM_X + np.uint64(row) * ROW + np.uint64(lane)] = 0.0
     for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
-        load_all_constants(np.uint64(chunk) * ROW, layout.kinds, springs.records, True, True, scratch)
-        face_partners(chunk, state, scratch, law, law.soil)
+        load_all_constants(np.uint64(chunk) * ROW, layout.kinds, springs.records, True, True, buffer)
+        load_geometry(chunk, state, buffer, law, law.soil)
         if law.soil:
-            lanes_energy(chunk, state, scratch, slip_time, law, True, out)
+            lanes_energy(chunk, state, buffer, slip_time, law, True, out)
         else:
-            lanes_energy(chunk, state, scratch, slip_time, law, False, out)
+            lanes_energy(chunk, state, buffer, slip_time, law, False, out)
         for lane in range(LANES):
             j, q = np.int64(layout.partner[chunk * LANES + lane]), np.uint64(lane)
-            force[0, j] += scratch[PARTNER_X + q]
-            force[1, j] += scratch[PARTNER_Z + q]
-            force[2, j] += scratch[PARTNER_R + q]
+            force[0, j] += buffer[PARTNER_X + q]
+            force[1, j] += buffer[PARTNER_Z + q]
+            force[2, j] += buffer[PARTNER_R + q]
     for row in range(3):
         for lane in range(LANES):
-            force[row, p * LANES + lane] += scratch[SUM_X + np.uint64(row) * ROW + np.uint64(lane)]
+            force[row, p * LANES + lane] += buffer[SUM_X + np.uint64(row) * ROW + np.uint64(lane)]
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def line_energy(
     e: int, layout: Layout, springs: Springs, slip_time: float, law: Law, out: np.ndarray
 ) -> tuple[float, float, float]:
-    """The energies of the contact of a disc with a rigid line; returns the force and the rim force on the disc."""
+    """Adds the energies of the contact e of a disc with a rigid line to `out`.
+
+    layout, springs, slip_time, law, out: as in `slice_energy`. Returns the force along x and z and the rim force on the
+    disc (N).
+    """
     at, w = line_lane(e, layout)
     m, now = at_line(e, at, w, layout, springs, slip_time, law)
     book(now, out)
     return now.push * m.nx + now.drag * m.nz, now.push * m.nz - now.drag * m.nx, now.drag + now.torque
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def kinetic(
-    p: int, layout: Layout, scratch: np.ndarray, force: np.ndarray, loads: Loads, dt: float, out: np.ndarray
+    p: int, layout: Layout, buffer: np.ndarray, force: np.ndarray, loads: Loads, dt: float, out: np.ndarray
 ) -> None:
-    """Adds the kinetic energy of the discs of slice p that can move, and the work on those that are moved."""
+    """Adds the kinetic energy of the free discs of slice p to `out`, and the work on the discs that are moved.
+
+    layout, buffer, out: as in `slice_energy`; force: (3, discs) on every disc (N); loads: acceleration of this instant;
+    dt: length of the last step (s).
+    """
     wide_vectors()
     discs = layout.discs
     ax, az = loads.acceleration[0, 0], loads.acceleration[1, 0]
     pull_added_mass(p, layout, loads.acceleration[2, 0])
-    load_own(p, layout.shared, scratch)
+    load_own(p, layout.shared, buffer)
     b, i = np.uint64(p) * DISC, np.uint64(p) * ROW
     translation, rotation, boundary = 0.0, 0.0, 0.0
     for lane in range(LANES):
         q = np.uint64(lane)
         fx, fz, fr = force[0, i + q], force[1, i + q], force[2, i + q]
-        vx, vz, vr = scratch[OWN + VX + q], scratch[OWN + VZ + q], scratch[OWN + VR + q]
+        vx, vz, vr = buffer[OWN + VX + q], buffer[OWN + VZ + q], buffer[OWN + VR + q]
         invmass, rim = discs[b + INVMASS + q], discs[b + RIM + q]
         next_x = vx + dt * (fx * invmass + discs[b + PULL_X + q] + ax)
         next_z = vz + dt * (fz * invmass + discs[b + PULL_Z + q] + az)
@@ -163,13 +180,17 @@ def kinetic(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def energies(layout: Layout, springs: Springs, law: Law, loads: Loads, last_dt: float) -> np.ndarray:
-    """The energies of all discs and contacts (ENERGIES,); loads: those of this instant alone."""
+    """Energies of all discs and contacts (ENERGIES,) in J.
+
+    layout: discs and contacts; springs: constants; law: law of the contacts; loads: acceleration of this instant alone;
+    last_dt: length of the last step (s).
+    """
     out = np.zeros(ENERGIES)
     slices = len(layout.chunk_start) - 1
-    scratch = new_scratch()
+    buffer = new_buffer()
     force = np.zeros((3, slices * LANES))
     for p in range(slices):
-        slice_energy(p, layout, springs, scratch, last_dt, law, force, out)
+        slice_energy(p, layout, springs, buffer, last_dt, law, force, out)
     for e in range(len(layout.line_disc)):
         fx, fz, rim = line_energy(e, layout, springs, last_dt, law, out)
         i = layout.line_disc[e]
@@ -179,5 +200,5 @@ def energies(layout: Layout, springs: Springs, law: Law, loads: Loads, last_dt: 
     if len(layout.liquefied.first) > 0:
         out[PORE_WATER], out[LIQUEFIED_BONDS] = liquefied_energy(layout.liquefied, layout.shared, force)
     for p in range(slices):
-        kinetic(p, layout, scratch, force, loads, last_dt, out)
+        kinetic(p, layout, buffer, force, loads, last_dt, out)
     return out

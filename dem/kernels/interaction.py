@@ -39,7 +39,7 @@ from dem.kernels.contact import (
     stop,
     strength,
 )
-from dem.kernels.inner import inner
+from dem.kernels.device_function import device_function
 from dem.kernels.layout import (
     FX,
     FZ,
@@ -75,7 +75,7 @@ from dem.kernels.losses import (
     spring_before,
 )
 from dem.kernels.period import image
-from dem.kernels.scratch import DISTANCE, LEVER, NORMAL_X, NORMAL_Z, OWN, constant
+from dem.kernels.work_buffers import DISTANCE, LEVER, NORMAL_X, NORMAL_Z, OWN, constant
 
 # Entries of a line (rigid wall): a point on it, its inward unit normal, and how far it reaches along
 # (-nz, nx) from that point.
@@ -150,60 +150,62 @@ class Contact(NamedTuple):
     rolled_off: float
 
 
-@inner(forceinline=True)
-def face(d: int, q: int, state: State, scratch: np.ndarray, law: Law, soil: bool) -> None:
-    """Write direction, distance and lever arms of the contact in lane q into the scratch rows.
+@device_function(forceinline=True)
+def contact_geometry(d: int, q: int, state: State, buffer: np.ndarray, law: Law, soil: bool) -> None:
+    """Writes direction, distance and lever arms of the contact in lane q into the rows of `buffer`.
 
-    One square root, one division. They take longer than all else in the law, which is why this is done apart, while
-    the records of the next partners are fetched.
+    d: where its chunk begins in `state.links`; law: holds the period of the ground, which only `soil` discs have.
+    One square root and one division: they take longer than all else in the law. So they are computed apart, while the
+    records of the next partners are fetched.
     """
     radii = state.links[d + RADII + q]
-    dx = scratch[X + q] - scratch[OWN + X + q]
-    dz = scratch[Z + q] - scratch[OWN + Z + q]
+    dx = buffer[X + q] - buffer[OWN + X + q]
+    dz = buffer[Z + q] - buffer[OWN + Z + q]
     if soil:
         dx, dz = image(dx, dz, law.period)
     square = dx * dx + dz * dz
     distance = math.sqrt(square)
     inverse = 1.0 / (distance * radii)
-    scratch[NORMAL_X + q] = dx * (inverse * radii)
-    scratch[NORMAL_Z + q] = dz * (inverse * radii)
-    scratch[DISTANCE + q] = distance
-    scratch[LEVER + q] = square * inverse
+    buffer[NORMAL_X + q] = dx * (inverse * radii)
+    buffer[NORMAL_Z + q] = dz * (inverse * radii)
+    buffer[DISTANCE + q] = distance
+    buffer[LEVER + q] = square * inverse
 
 
-@inner(forceinline=True)
-def motion(q: int, scratch: np.ndarray, slip_time: float) -> Motion:
-    """Slip and separation of the contact in lane q of a slice, after `face` has written its geometry."""
-    nx, nz = scratch[NORMAL_X + q], scratch[NORMAL_Z + q]
-    distance, lever = scratch[DISTANCE + q], scratch[LEVER + q]
-    ux = scratch[VXS + q] - scratch[OWN + VXS + q]
-    uz = scratch[VZS + q] - scratch[OWN + VZS + q]
-    hx = scratch[VX + q] - scratch[OWN + VX + q]
-    hz = scratch[VZ + q] - scratch[OWN + VZ + q]
+@device_function(forceinline=True)
+def motion(q: int, buffer: np.ndarray, slip_time: float) -> Motion:
+    """Slip and separation of the contact in lane q of a slice, after `contact_geometry` has written its geometry."""
+    nx, nz = buffer[NORMAL_X + q], buffer[NORMAL_Z + q]
+    distance, lever = buffer[DISTANCE + q], buffer[LEVER + q]
+    ux = buffer[VXS + q] - buffer[OWN + VXS + q]
+    uz = buffer[VZS + q] - buffer[OWN + VZS + q]
+    hx = buffer[VX + q] - buffer[OWN + VX + q]
+    hz = buffer[VZ + q] - buffer[OWN + VZ + q]
     vn = ux * nx + uz * nz
-    vt = (uz * nx - ux * nz) - lever * (scratch[VRS + q] + scratch[OWN + VRS + q])
-    slip = slip_time * ((hz * nx - hx * nz) - lever * (scratch[VR + q] + scratch[OWN + VR + q]))
+    vt = (uz * nx - ux * nz) - lever * (buffer[VRS + q] + buffer[OWN + VRS + q])
+    slip = slip_time * ((hz * nx - hx * nz) - lever * (buffer[VR + q] + buffer[OWN + VR + q]))
     return Motion(distance, nx, nz, lever, vn, vt, slip, slip_time * along(hx, hz, nx, nz))
 
 
-@inner(forceinline=True)
-def rolling_motion(q: int, scratch: np.ndarray, share: float, slip_time: float) -> tuple[float, float]:
-    """R times the turn of j less that of i since the last step (m), and its speed at the end of the step (m/s).
+@device_function(forceinline=True)
+def rolling_motion(q: int, buffer: np.ndarray, share: float, slip_time: float) -> tuple[float, float]:
+    """R times the rotation of j less that of i since the last step (m), and its speed at the end of the step (m/s).
 
+    q: lane of the contact; buffer: rows that `load_geometry` filled; slip_time: length of the last step (s);
     share: r_i/(r_i + r_j). With rim speeds r_i w_i, R (w_j - w_i) is share (r_i w_i + r_j w_j) - r_i w_i.
     """
-    rim, rim_end = scratch[OWN + VR + q], scratch[OWN + VRS + q]
-    roll = slip_time * (share * (rim + scratch[VR + q]) - rim)
-    return roll, share * (rim_end + scratch[VRS + q]) - rim_end
+    rim, rim_end = buffer[OWN + VR + q], buffer[OWN + VRS + q]
+    roll = slip_time * (share * (rim + buffer[VR + q]) - rim)
+    return roll, share * (rim_end + buffer[VRS + q]) - rim_end
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def between_discs(
     d: int,
     q: int,
     w: int,
     state: State,
-    scratch: np.ndarray,
+    buffer: np.ndarray,
     slip_time: float,
     law: Law,
     soil: bool,
@@ -212,30 +214,31 @@ def between_discs(
 ) -> tuple[Motion, Contact]:
     """The contact in lane q of the chunk at d (rolling memory at w); changes nothing.
 
-    soil, pores, with_losses: whether the law of soil discs holds, there are pore springs, and losses are wanted.
-    Callers write them out, so that the compiler leaves out what is not wanted.
+    state: arrays of discs and contacts; buffer: rows that `load_geometry` filled; slip_time: length of the last step
+    (s); law: law of the contacts; soil, pores, with_losses: whether the law of soil discs holds, there are pore
+    springs, and losses are wanted. Callers write these three out, so that the compiler leaves out what is not wanted.
     """
     links = state.links
     radii = links[d + RADII + q]
-    m = motion(q, scratch, slip_time)
+    m = motion(q, buffer, slip_time)
     over = radii - m.distance
-    kn, ks = scratch[constant(KN) + q], scratch[constant(KS) + q]
-    ct, fks = scratch[constant(CT) + q], scratch[constant(FKS) + q]
-    mu = scratch[constant(MU) + q]
-    gap = scratch[constant(GAP) + q] if soil else 0.0
+    kn, ks = buffer[constant(KN) + q], buffer[constant(KS) + q]
+    ct, fks = buffer[constant(CT) + q], buffer[constant(FKS) + q]
+    mu = buffer[constant(MU) + q]
+    gap = buffer[constant(GAP) + q] if soil else 0.0
     push = spring(over, kn, gap)
     elements, bonds = spring_energy(over, kn, gap)
     stiffness, depth = 0.0, 0.0
     if soil:
-        stiffness, depth = scratch[constant(STOP) + q], scratch[constant(DEPTH) + q] * radii
+        stiffness, depth = buffer[constant(STOP) + q], buffer[constant(DEPTH) + q] * radii
         more = stop(over, stiffness, depth)
         elements += 0.5 * more * (over - depth)
         push += more
-    normal = normal_force(over, m.vn, law.floor - kn * gap, push, scratch[constant(CN) + q], gap)
+    normal = normal_force(over, m.vn, law.floor - kn * gap, push, buffer[constant(CN) + q], gap)
     if soil:
         limit = strength(
-            over, normal, mu, scratch[constant(COHESION) + q], scratch[constant(MU_OTHER) + q],
-            scratch[constant(COHESION_OTHER) + q], gap,
+            over, normal, mu, buffer[constant(COHESION) + q], buffer[constant(MU_OTHER) + q],
+            buffer[constant(COHESION_OTHER) + q], gap,
         )  # fmt: skip
     else:
         limit = friction_limit(normal, mu)
@@ -245,18 +248,18 @@ def between_discs(
     kpn, fkps, length, old_pore = 0.0, 0.0, 0.0, 0.0
     pore_normal, pore_trial, pore_kept, new = 0.0, 0.0, 0.0, 0.0
     if pores:
-        kpn, fkps = scratch[constant(KPN) + q], scratch[constant(FKPS) + q]
+        kpn, fkps = buffer[constant(KPN) + q], buffer[constant(FKPS) + q]
         length, old_pore = links[d + LENGTH + q], links[d + PORE + q]
         pore_normal, pore_trial, pore_kept, new = pore(
-            length, m.distance, m.slip, old_pore, law.share * normal, kpn, scratch[constant(KPS) + q],
-            scratch[constant(TAN) + q], scratch[constant(BC) + q], scratch[constant(BETA) + q],
+            length, m.distance, m.slip, old_pore, law.share * normal, kpn, buffer[constant(KPS) + q],
+            buffer[constant(TAN) + q], buffer[constant(BC) + q], buffer[constant(BETA) + q],
         )  # fmt: skip
 
     torque, rolled, rolling, rolled_off = 0.0, 0.0, 0.0, 0.0
     if soil:
         before, whole = state.rolling[w + ROLLED + q], state.rolling[w + TORQUE + q]
-        roll, rate = rolling_motion(q, scratch, state.rolling[w + SHARE + q], slip_time)
-        most = friction_limit(normal, scratch[constant(MU_ROLLING) + q])
+        roll, rate = rolling_motion(q, buffer, state.rolling[w + SHARE + q], slip_time)
+        most = friction_limit(normal, buffer[constant(MU_ROLLING) + q])
         torque, tried, rolled = held(before, roll, rate, ks, ct, most)
         rolling = 0.5 * rolled * rolled * fks
         rolled_off = both(damping_loss(roll, torque - rolled, whole - before), sliding_loss(before, tried, rolled, fks))
@@ -288,9 +291,12 @@ def between_discs(
     )  # fmt: skip
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def line_motion(e: int, layout: Layout, walls: np.ndarray, slip_time: float) -> tuple[float, Motion]:
-    """Overlap of a disc with a rigid line, and how it moves there; the lever is the disc's radius."""
+    """Overlap (m) of a disc with a rigid line, and their relative motion; the lever is the disc's radius.
+
+    e: number of the contact; layout: discs and contacts; walls: see `Springs`; slip_time: length of the last step (s).
+    """
     disc, shared = layout.line_disc[e], layout.shared
     line = walls[layout.line_id[e]]
     nx, nz = line[LINE_NX], line[LINE_NZ]
@@ -307,11 +313,15 @@ def line_motion(e: int, layout: Layout, walls: np.ndarray, slip_time: float) -> 
     return over, Motion(distance, nx, nz, 1.0, vn, vt, slip, stretch)
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def at_line(
     e: int, at: np.uint64, w: np.uint64, layout: Layout, springs: Springs, slip_time: float, law: Law
 ) -> tuple[Motion, Contact]:
-    """The contact of a disc with a rigid line, whose forces lie in lane `at` (rolling memory at w); changes nothing."""
+    """The contact of a disc with a rigid line, whose forces lie in lane `at` (rolling memory at w); changes nothing.
+
+    e: number of the contact; layout: discs and contacts; springs: constants; slip_time: length of the last step (s);
+    law: law of the contacts.
+    """
     links = layout.links
     column = springs.lines[:, layout.line_kind[e]]
     over, m = line_motion(e, layout, springs.walls, slip_time)
@@ -342,7 +352,7 @@ def at_line(
     )  # fmt: skip
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def line_lane(e: int, layout: Layout) -> tuple[np.uint64, np.uint64]:
     """Where disc e at a rigid line has its place in links, and in rolling: behind the chunks and the silent lane."""
     place = np.uint64(layout.chunk_start[-1] + 1) + np.uint64(e // LANES)

@@ -14,12 +14,12 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from dem.kernels.inner import inner
+from dem.kernels.device_function import device_function
 from dem.kernels.liquefied_pairs import LANES, Liquefied
-from dem.kernels.records import EIGHT, SHARED
+from dem.kernels.transpose import EIGHT, SHARED
 
 # What partners read of a disc, eight doubles in a record of its own, a cache line; these are the offsets of the rows in
-# which they stand in the scratch. Rim speeds are radius times spin; *S are the velocities extrapolated to the end of
+# which they stand in the buffer. Rim speeds are radius times spin; *S are the velocities extrapolated to the end of
 # the step, the others stand half a step behind.
 X, Z, VX, VZ, VR, VXS, VZS, VRS = (np.uint64(k * LANES) for k in range(SHARED))
 
@@ -111,13 +111,13 @@ class Layout(NamedTuple):
     liquefied: Liquefied
 
 
-@inner(nogil=True, forceinline=True)
+@device_function(nogil=True, forceinline=True)
 def entry(disc: int, field: int) -> np.uint64:
     """Where in `shared` a field of this disc lies."""
     return np.uint64(disc) * np.uint64(SHARED) + field // np.uint64(LANES)
 
 
-@inner(nogil=True, forceinline=True)
+@device_function(nogil=True, forceinline=True)
 def place(disc: int, field: int) -> np.uint64:
     """Where in `discs` a field of this disc lies."""
     return np.uint64(disc // LANES) * DISC + np.uint64(disc % LANES) + field
@@ -156,9 +156,11 @@ def place_links(
     begin: int,
     end: int,
 ) -> None:
-    """Writes contacts begin to end into their lanes; links to kind come filled with those of no contact.
+    """Writes contacts begin to end into their lanes; `links` to `kind` come filled with the entries of no contact.
 
-    memory: of each contact, as named in `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty for the paper's discs).
+    owner, partner: discs of each contact; turn: its number among those of its owner; chunk_start: as in `Layout`;
+    radii: of the discs (m); kinds: column of the constants; memory: of each contact, as named in `state.MEMORY`, then
+    in `state.ROLLING_MEMORY` (empty for the paper's discs); links, rolling, where, kind: arrays of the layout to fill.
     """
     for c in range(begin, end):
         i = owner[c]
@@ -208,8 +210,9 @@ def place_incoming(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """For every disc, where the forces of the contacts lie that it does not own: partners first, then lines.
 
+    where: partner in every lane; chunk_start, line_disc: as in `Layout`; discs: how many there are.
     They come in the order of the lanes, so that a sum over them depends on the layout alone and not on the order in
-    which contacts were listed. Also the first and last slice owning a contact of each slice. discs: how many there are.
+    which contacts were listed. Also returns the first and last slice that owns a contact of each slice.
     """
     slices = len(chunk_start) - 1
     chunks = chunk_start[-1]
@@ -270,10 +273,11 @@ def list_links(
     other: np.ndarray,
     memory: tuple[np.ndarray, ...],
 ) -> None:
-    """The contacts of slices begin to end back from their lanes, slice by slice, slot by slot, lane by lane.
+    """Lists the contacts of slices begin to end from their lanes, slice by slice, slot by slot, lane by lane.
 
-    start: as `count_links` has it. Writes owner, partner (numbers of the user), and what they remember, as named in
-    `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty for the paper's discs).
+    start: as `count_links` has it; layout: discs and contacts; order: number of the user for every disc. Writes `owner`
+    and `other` (numbers of the user) and `memory`, as named in `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty
+    for the paper's discs).
     """
     discs = len(order)
     for p in range(begin, end):

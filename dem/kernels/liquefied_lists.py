@@ -5,7 +5,8 @@ import math
 import numpy as np
 from numba import njit
 
-from dem.kernels.liquefied_pairs import LANES, WIDTH_1, WIDTH_2, WORKING, density_kernel
+from dem.kernels.liquefied_laws import density_kernel
+from dem.kernels.liquefied_pairs import LANES, WIDTH_1, WIDTH_2, WORKING
 from dem.kernels.period import Period, image
 
 FIRST, SECOND = int(WIDTH_1), int(WIDTH_2)
@@ -30,7 +31,10 @@ def place_pairs(first: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def members_of(first: np.ndarray, second: np.ndarray, lane: np.ndarray, slots: int) -> tuple[np.ndarray, np.ndarray]:
-    """`member` and `members` of pairs in these lanes: of every disc its pairs, in the order of the list."""
+    """`member` and `members` of pairs: for every disc its pairs, in the order of the list.
+
+    first, second: discs of each pair; lane: where the pair lies; slots: number of discs with those that fill up.
+    """
     members = np.zeros(slots + 1, np.int64)
     for c in range(len(first)):
         members[first[c] + 1] += 1
@@ -52,7 +56,11 @@ def members_of(first: np.ndarray, second: np.ndarray, lane: np.ndarray, slots: i
 def densities(
     x: np.ndarray, z: np.ndarray, area: np.ndarray, first: np.ndarray, second: np.ndarray, reach: float, period: Period
 ) -> np.ndarray:
-    """Density of areas (m2) at all discs (n,), by the listed pairs."""
+    """Density of areas (m2) at all discs (n,), summed over the listed pairs.
+
+    x, z: places (m); area: of each disc (m2); first, second: discs of each pair; reach: of the kernel (m);
+    period: after how much the ground repeats itself.
+    """
     out = area * (7.0 / (math.pi * reach * reach))
     for c in range(len(first)):
         i, j = first[c], second[c]

@@ -29,7 +29,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.kernels.bond_law import CREEP, energy_share, force_share, mobilised, slopes
-from dem.kernels.inner import inner
+from dem.kernels.device_function import device_function
+from dem.kernels.liquefied_laws import bond_kernel, density_kernel, water_energy, water_pressure
 from dem.kernels.losses import both
 from dem.kernels.period import Period, image
 from dem.kernels.prefetch import wide_vectors
@@ -123,44 +124,12 @@ class Liquefied(NamedTuple):
     every: int
 
 
-@inner(forceinline=True)
-def density_kernel(r: float, reach: float) -> tuple[float, float]:
-    """W (1/m2) of Wendland's C2 at a distance r below the reach (m), and its slope (1/m3)."""
-    q = r / reach
-    scale = 7.0 / (math.pi * reach * reach)
-    rest = 1.0 - q
-    cube = rest * rest * rest
-    return scale * cube * rest * (1.0 + 4.0 * q), -20.0 * scale * q * cube / reach
-
-
-@inner(forceinline=True)
-def bond_kernel(r: float, reach: float) -> float:
-    """w: the share of strength that is left to a bond at a distance r below the reach (m)."""
-    q = r / reach
-    rest = 1.0 - q
-    return rest * rest * (1.0 + 2.0 * q)
-
-
-@inner(forceinline=True)
-def water_pressure(share: float, pressure: float, stiffness: float, compressed: float) -> float:
-    """Pore pressure (Pa) of ground that is denser by `compressed` than it was when it liquefied; never below zero."""
-    u = share * (pressure + stiffness * compressed)
-    return u if u > 0.0 else 0.0
-
-
-@inner(forceinline=True)
-def water_energy(share: float, area: float, pressure: float, stiffness: float, density: float, now: float) -> float:
-    """Energy (J) stored in the pore water of a disc: area times the integral of u/rho^2 from where u is nothing on."""
-    least = density * (1.0 - pressure / stiffness)
-    if now <= least:
-        return 0.0
-    fixed, rising = share * (pressure - stiffness), share * stiffness / density
-    return area * (fixed * (1.0 / least - 1.0 / now) + rising * math.log(now / least))
-
-
-@inner(nogil=True, _nrt=False)
+@device_function(nogil=True, _nrt=False)
 def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, ahead: float, with_losses: bool) -> None:
-    """Relative positions, in `ahead` seconds, and velocities of the discs of a block; shared: records of all discs."""
+    """Relative positions, in `ahead` seconds, and velocities of the discs of a block of pairs.
+
+    wet: liquefied pairs; shared: records of all discs; with_losses: whether work is summed.
+    """
     discs, w = wet.discs, wet.working
     at = np.uint64(block) * WORKED
     for lane in range(LANES):
@@ -182,11 +151,12 @@ def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, ahead: float, w
             w[q + EDGE] = area_i * area_j * (discs[i, PUSH] + discs[j, PUSH]) if alone else 0.0
 
 
-@inner(nogil=True, _nrt=False)
+@device_function(nogil=True, _nrt=False)
 def look_at_pairs(block: int, wet: Liquefied, period: Period, with_losses: bool) -> float:
-    """Densities, levers and speeds of a block, once `fetch_motion` has been there.
+    """Densities, levers and speeds of a block of `wet`, once `fetch_motion` has been there; `period`: of the ground.
 
-    Returns the work (J) of the half that stands in for discs which have not liquefied, since the last look.
+    Returns, `with_losses`, the work (J) of the half that stands in for discs which have not liquefied, since the last
+    look.
     """
     wide_vectors()
     w, reach = wet.working, wet.reach
@@ -220,9 +190,12 @@ def look_at_pairs(block: int, wet: Liquefied, period: Period, with_losses: bool)
     return (1.0 - 0.5 / wet.every) * work
 
 
-@inner(nogil=True, _nrt=False)
+@device_function(nogil=True, _nrt=False)
 def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahead: float, with_losses: bool) -> float:
-    """Density, pressure and share of strength of some discs near; what viscosity took since the last look (J)."""
+    """Density, pressure and share of strength of the discs near[begin:end]; returns the losses (J) by viscosity.
+
+    wet: liquefied pairs; shared: records of all discs; ahead: see `fetch_motion`; with_losses: whether work is summed.
+    """
     discs, w, reach = wet.discs, wet.working, wet.reach
     self_kernel = 7.0 / (math.pi * reach * reach)
     lost = 0.0
@@ -254,7 +227,7 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahea
     return lost
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
     """Slopes of both lines of the bond of two discs, and the share of its way at which they meet."""
     half = 0.5 if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0 else 1.0
@@ -263,7 +236,7 @@ def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
     return soft, steep, soft_to
 
 
-@inner(nogil=True, _nrt=False)
+@device_function(nogil=True, _nrt=False)
 def fetch_strength(block: int, wet: Liquefied) -> None:
     """Pressure and strength of the pairs of a block, as sums of both discs; only liquefied discs add to them."""
     discs, w = wet.discs, wet.working
@@ -278,7 +251,7 @@ def fetch_strength(block: int, wet: Liquefied) -> None:
         w[q + TWICE] = 1.0 if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0 else 2.0
 
 
-@inner(nogil=True, _nrt=False)
+@device_function(nogil=True, _nrt=False)
 def press_pairs(
     block: int, wet: Liquefied, damping_time: float, kept: float, with_losses: bool
 ) -> tuple[float, float, float]:
@@ -355,7 +328,7 @@ def press_pairs(
     return slid, damped, work
 
 
-@inner(nogil=True, _nrt=False)
+@device_function(nogil=True, _nrt=False)
 def sum_pairs(begin: int, end: int, wet: Liquefied) -> None:
     """Forces on some of the discs near."""
     discs, w = wet.discs, wet.working
@@ -369,7 +342,7 @@ def sum_pairs(begin: int, end: int, wet: Liquefied) -> None:
         discs[i, FORCE_X], discs[i, FORCE_Z] = fx, fz
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def liquefied_energy(wet: Liquefied, shared: np.ndarray, force: np.ndarray) -> tuple[float, float]:
     """Energy (J) stored in pore water and in bonds, and forces of the last look added to those on discs (3, slots).
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from dem.kernels.arguments import BONDS, STAND_IN, VISCOSITY, Entries, Law, Team
 from dem.kernels.barrier import slices_of, wait
-from dem.kernels.inner import inner
+from dem.kernels.device_function import device_function
 from dem.kernels.layout import LANES, Layout
 from dem.kernels.liquefied_pairs import (
     FORCE_X,
@@ -20,12 +20,15 @@ from dem.kernels.liquefied_pairs import (
     press_pairs,
     sum_pairs,
 )
-from dem.kernels.scratch import SUM_X, SUM_Z
+from dem.kernels.work_buffers import SUM_X, SUM_Z
 
 
-@inner(nogil=True, _nrt=False)
+@device_function(nogil=True, _nrt=False)
 def look_at_slice(p: int, layout: Layout, law: Law, entries: Entries, ahead: float) -> None:
-    """Densities, levers and speeds of the pairs of slice p, where discs will be in `ahead` seconds."""
+    """Densities, levers and speeds of the pairs of slice p, where discs will be in `ahead` seconds.
+
+    layout: discs and contacts; law: holds the period of the ground; entries: of the energy balance.
+    """
     wet = layout.liquefied
     for block in range(wet.start[p], wet.start[p + 1]):
         fetch_motion(block, wet, layout.shared, ahead, entries.kept)
@@ -34,9 +37,12 @@ def look_at_slice(p: int, layout: Layout, law: Law, entries: Entries, ahead: flo
             entries.sums[p, STAND_IN] += work
 
 
-@inner(nogil=True, _nrt=False)
+@device_function(nogil=True, _nrt=False)
 def press_slice(p: int, wet: Liquefied, entries: Entries, damping_time: float, kept: float) -> None:
-    """Forces of the pairs of slice p; damping_time, kept: see `press_pairs`."""
+    """Forces of the pairs of slice p; damping_time, kept: see `press_pairs`.
+
+    wet: liquefied pairs; entries: of the energy balance.
+    """
     for block in range(wet.start[p], wet.start[p + 1]):
         fetch_strength(block, wet)
         slid, damped, work = press_pairs(block, wet, damping_time, kept, entries.kept)
@@ -46,9 +52,13 @@ def press_slice(p: int, wet: Liquefied, entries: Entries, damping_time: float, k
             entries.sums[p, STAND_IN] += work
 
 
-@inner(nogil=True, _nrt=False)
+@device_function(nogil=True, _nrt=False)
 def press(team: Team, layout: Layout, law: Law, entries: Entries, dt: float) -> None:
-    """Looks at the pairs of liquefied ground: their forces are held from now on; threads meet three times."""
+    """Computes the forces of all pairs of liquefied ground, which then stay constant until the next call.
+
+    Threads of the `team` wait for each other three times. layout: discs and contacts; law: holds the period of the
+    ground; entries: of the energy balance; dt: time step (s).
+    """
     wet = layout.liquefied
     begin, end = slices_of(team.thread, team.threads, len(layout.chunk_start) - 1)
     ahead, held = 0.5 * (wet.every - 1) * dt, wet.every * dt
@@ -71,12 +81,12 @@ def press(team: Team, layout: Layout, law: Law, entries: Entries, dt: float) -> 
         sum_pairs(wet.near_start[p], wet.near_start[p + 1], wet)
 
 
-@inner(nogil=True, _nrt=False)
-def add_pressed(p: int, layout: Layout, scratch: np.ndarray) -> None:
+@device_function(nogil=True, _nrt=False)
+def add_pressed(p: int, layout: Layout, buffer: np.ndarray) -> None:
     """Adds the forces that liquefied ground holds to those on the discs of slice p."""
     wet = layout.liquefied
     for k in range(wet.near_start[p], wet.near_start[p + 1]):
         i = np.int64(wet.near[k])
         q = np.uint64(i % LANES)
-        scratch[SUM_X + q] += wet.discs[i, FORCE_X]
-        scratch[SUM_Z + q] += wet.discs[i, FORCE_Z]
+        buffer[SUM_X + q] += wet.discs[i, FORCE_X]
+        buffer[SUM_Z + q] += wet.discs[i, FORCE_Z]

@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 
 from dem.kernels.bond_law import force_share
+from dem.kernels.liquefied_laws import bond_kernel, density_kernel
 from dem.kernels.liquefied_pairs import (
     ACROSS,
     ALONG,
@@ -28,9 +29,7 @@ from dem.kernels.liquefied_pairs import (
     LANES,
     PUSH,
     SHARE,
-    bond_kernel,
     bond_lines,
-    density_kernel,
 )
 from dem.kernels.period import Period, image
 

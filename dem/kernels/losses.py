@@ -6,18 +6,18 @@ are summed.
 
 import math
 
-from dem.kernels.inner import inner
+from dem.kernels.device_function import device_function
 
 ANY_ORDER = {"reassoc", "contract"}
 
 
-@inner(forceinline=True, fastmath=ANY_ORDER)
+@device_function(forceinline=True, fastmath=ANY_ORDER)
 def along(ax: float, az: float, bx: float, bz: float) -> float:
-    """Scalar product of two vectors, for the energy balance alone."""
+    """Scalar product of the vectors (ax, az) and (bx, bz), for the energy balance alone."""
     return ax * bx + az * bz
 
 
-@inner(forceinline=True, fastmath=ANY_ORDER)
+@device_function(forceinline=True, fastmath=ANY_ORDER)
 def damping_loss(way: float, dashpot: float, dashpot_before: float) -> float:
     """Work of a dashpot since the last step, twice (J), from its forces (N) now and then.
 
@@ -28,7 +28,7 @@ def damping_loss(way: float, dashpot: float, dashpot_before: float) -> float:
     return (dashpot + dashpot_before) * way
 
 
-@inner(forceinline=True, fastmath=ANY_ORDER)
+@device_function(forceinline=True, fastmath=ANY_ORDER)
 def damping_losses(
     nx: float,
     nz: float,
@@ -41,45 +41,59 @@ def damping_losses(
     springs_t: float,
     springs_n: float,
 ) -> float:
-    """The same along and across a contact (see `interaction.Motion`), whose springs and dashpots held fx, fz (N) in the
-    last step, springs alone springs_t and springs_n."""
+    """Twice the energy (J) that the dashpots along and across a contact dissipated since the last step.
+
+    nx, nz, slip, stretch: see `interaction.Motion`; fx, fz: force of springs and dashpots in the last step (N);
+    springs_t, springs_n: that of the springs alone; dashpot_t, dashpot_n: force of the dashpots now (N).
+    """
     before_n = fx * nx + fz * nz - springs_n
     before_t = fx * nz - fz * nx - springs_t
     return (dashpot_t + before_t) * slip - (dashpot_n + before_n) * stretch
 
 
-@inner(forceinline=True, fastmath=ANY_ORDER)
+@device_function(forceinline=True, fastmath=ANY_ORDER)
 def sliding_loss(before: float, trial: float, kept: float, flexibility: float) -> float:
-    """Work that a spring whose force was cut from `trial` to `kept` (N) has lost since the last step, twice (J)."""
+    """Work that a spring whose force was cut from `trial` to `kept` (N) has lost since the last step, twice (J).
+
+    before: its force in the last step (N); flexibility: one over its stiffness (m/N).
+    """
     return (before + kept) * (trial - kept) * flexibility
 
 
-@inner(forceinline=True, fastmath=ANY_ORDER)
+@device_function(forceinline=True, fastmath=ANY_ORDER)
 def crack_loss(kpn: float, length: float, distance: float, stretch: float) -> float:
-    """Energy of its stretch that a pore spring sets free as it cracks, twice (J)."""
+    """Energy of its stretch that a pore spring sets free as it cracks, twice (J).
+
+    kpn: normal stiffness (N/m); length: of the spring (m); distance: of the centres (m); stretch: separation since the
+    last step (m).
+    """
     pressed = abs(length) - distance
     before = pressed + stretch
     return kpn * pressed * before if (pressed < 0.0) & (before < 0.0) else 0.0
 
 
-@inner(forceinline=True, fastmath=ANY_ORDER)
+@device_function(forceinline=True, fastmath=ANY_ORDER)
 def both(first: float, second: float) -> float:
     """The sum of two losses."""
     return first + second
 
 
-@inner(forceinline=True, fastmath=ANY_ORDER)
+@device_function(forceinline=True, fastmath=ANY_ORDER)
 def spring_before(over: float, stretch: float, kn: float, gap: float) -> float:
-    """Push (N) of a spring in the last step, from its overlap and the decrease of the overlap since (m); gap: see
-    `spring`.
+    """Push (N) of a spring in the last step.
+
+    over: overlap now (m); stretch: decrease of the overlap since (m); kn: stiffness (N/m); gap: see `contact.spring`.
     """
     over_then = over + stretch
     return kn * over_then if over_then > -gap else 0.0
 
 
-@inner(forceinline=True, fastmath=ANY_ORDER)
+@device_function(forceinline=True, fastmath=ANY_ORDER)
 def pore_before(length: float, distance: float, stretch: float, kpn: float) -> float:
-    """Normal force (N) of a pore spring in the last step, see `contact.pore`."""
+    """Normal force (N) of a pore spring in the last step; length, distance, kpn: see `contact.pore`.
+
+    stretch: separation since the last step (m).
+    """
     pressed = abs(length) - distance + stretch
     least = -math.inf if length > 0.0 else 0.0
     return kpn * (pressed if pressed > least else least)

@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 
 from dem.kernels.layout import DISC_FIELDS, LANES, ROLL, Layout, place
-from dem.kernels.records import SHARED
+from dem.kernels.transpose import SHARED
 
 FAR_BEHIND = 1e3  # radii behind a line, from which on a disc has nothing to do with it
 
@@ -29,7 +29,10 @@ def place_fields(order: np.ndarray, fields: tuple[np.ndarray, ...], discs: np.nd
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def list_motion(layout: Layout, order: np.ndarray, state: tuple[np.ndarray, ...], roll: np.ndarray) -> None:
-    """Writes the shared fields of every disc into the arrays of `state`, in their order, and how far it has rolled."""
+    """Writes the shared fields of every disc into the arrays of `state`, in their order, and how far it has rolled.
+
+    layout: discs and contacts; order: number of the user for every disc; roll: (n,) rolled way (m), filled here.
+    """
     for i in range(len(order)):
         disc = order[i]
         for field in range(SHARED):
@@ -39,7 +42,7 @@ def list_motion(layout: Layout, order: np.ndarray, state: tuple[np.ndarray, ...]
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def all_finite(x: np.ndarray, z: np.ndarray, vx: np.ndarray, vz: np.ndarray, vr: np.ndarray) -> bool:
-    """Whether all places and velocities are numbers."""
+    """Whether all places x, z and velocities vx, vz, vr are finite numbers."""
     fine = True
     for i in range(len(x)):
         fine &= np.isfinite(x[i]) & np.isfinite(z[i]) & np.isfinite(vx[i]) & np.isfinite(vz[i]) & np.isfinite(vr[i])
@@ -50,7 +53,11 @@ def all_finite(x: np.ndarray, z: np.ndarray, vx: np.ndarray, vz: np.ndarray, vr:
 def first_behind(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, lines: np.ndarray
 ) -> tuple[int, int]:
-    """(line, disc) of a free disc whose centre is behind a rigid line by a radius or more, (-1, -1) without one."""
+    """(line, disc) of a free disc whose centre is behind a rigid line by a radius or more, (-1, -1) without one.
+
+    x, z: places (m); radius: (m); fixed: whether the disc is held; lines: (k, 6) point, inward normal, begin and end
+    (m).
+    """
     for k in range(len(lines)):
         px, pz, nx, nz, begin, end = lines[k]
         for i in range(len(x)):

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from dem.kernels.inner import inner
+from dem.kernels.device_function import device_function
 from dem.kernels.period import ENDLESS, Period, folded, image
 
 PANEL = 192  # discs across a panel of the spatial order: two rows of it stay in a core's cache
@@ -152,7 +152,7 @@ def known_pairs(i: np.ndarray, j: np.ndarray, number: np.ndarray) -> Known:
     return Known(pair, higher, start)
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def longer(array: np.ndarray, size: int) -> np.ndarray:
     """A copy with room for `size` entries."""
     grown = np.empty(size, array.dtype)
@@ -161,10 +161,10 @@ def longer(array: np.ndarray, size: int) -> np.ndarray:
     return grown
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def sort_run(begin: int, end: int, key: np.ndarray, other: np.ndarray) -> None:
-    """Sorts a short stretch of `key`, and `other` with it, so that the slots of neighbouring discs hold contacts in the
-    same direction.
+    """Sorts `key` from begin to end, and `other` with it, so that slots of neighbouring discs hold contacts in one
+    direction.
     """
     for a in range(begin + 1, end):
         k, o = key[a], other[a]
@@ -175,9 +175,12 @@ def sort_run(begin: int, end: int, key: np.ndarray, other: np.ndarray) -> None:
         key[b], other[b] = k, o
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def near_pairs(begin: int, end: int, near: Near, grid: Grid) -> tuple[np.ndarray, np.ndarray]:
-    """The pairs i < j of `find_pairs` that are near: where those of each i begin, and all j."""
+    """The pairs i < j of `find_pairs` that are near: where those of each i begin, and all j.
+
+    begin, end: of the lower numbers; near: discs and distance of neighbours; grid: the discs sorted into cells.
+    """
     # by name: a field of a tuple of arrays is counted as referred to at every use
     x, z, radius, fixed, factor, skin, period = near
     column, row, columns, rows = grid.column, grid.row, grid.columns, grid.rows
@@ -222,7 +225,8 @@ def find_pairs(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """All pairs that are near, and the old ones with a pore spring.
 
-    begin, end: of the lower numbers that are looked at; old pairs by their numbers in spatial order. Returns
+    begin, end: of the lower numbers that are looked at; near: discs and distance of neighbours; grid: the discs sorted
+    into cells; known: old pairs, by their numbers in spatial order; old_length: of their pore springs (m). Returns
     (i, j, old) with i < j, sorted by both; old is the number of the old pair with the same discs, or -1.
     """
     listed, others = near_pairs(begin, end, near, grid)
@@ -252,7 +256,10 @@ def find_pairs(
 def pairs_within(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, skin: float, period: Period
 ) -> tuple[np.ndarray, np.ndarray]:
-    """All pairs (i, j), i < j, nearer than the sum of their radii and a skin (m), not both fixed."""
+    """All pairs (i, j), i < j, nearer than the sum of their radii and a skin (m), not both fixed.
+
+    x, z, radius: places and radii (m); fixed: whether a disc is held; period: after how much the ground repeats itself.
+    """
     none = np.zeros(0, np.int32)
     near = Near(x, z, radius, fixed, 1.0, skin, period)
     known = known_pairs(none, none, np.zeros(len(x), np.int32))
@@ -296,8 +303,10 @@ def carry_over(
     turns: np.ndarray,
     after: tuple[np.ndarray, ...],
 ) -> None:
-    """Memory of the pairs begin to end of a new list: that of the old list, with its sign changed where the pair is
-    turned; zero for new pairs.
+    """Copies the memory of the old list into the pairs begin to end of the new list; zero for new pairs.
+
+    before, after: arrays of the old and of the new list; old: number of each pair in the old list, or -1; sign: -1
+    where the discs of the pair have changed places; turns: whether an array changes its sign with them.
     """
     for k in range(len(before)):
         memory, values, turning = before[k], after[k], turns[k]
@@ -312,7 +321,11 @@ def carry_over(
 def find_lines(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, skin: float, lines: np.ndarray, depth: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(disc, line) of all discs that a rigid line can touch: less than r + skin before it, or behind it."""
+    """(disc, line) of all discs that a rigid line can touch: less than r + skin before the line, or behind it.
+
+    x, z, radius: places and radii (m); fixed: whether a disc is held; skin: (m); lines: (k, 6) point, inward normal,
+    begin and end (m); depth: how far behind a line a disc is still held by it (m).
+    """
     n = 0
     disc = np.empty(64, np.int32)
     which = np.empty(64, np.int32)

@@ -49,7 +49,8 @@ def share_inside(x: float, z: float, along_x: float, along_z: float, region: np.
 def pair_forces(layout: Layout, discs: int, back: np.ndarray, region: np.ndarray) -> tuple[np.ndarray, float, int]:
     """Mean stress in a patch by the contact forces of the last step, dashpots included.
 
-    discs: how many there are; back: (2, 2), the inverse of the deformation, so that `region` is that before any.
+    layout: discs and contacts; discs: how many there are; back: (2, 2), the inverse of the deformation, so that
+    `region` is that before any.
     Returns (sum of pair force times that part of the branch which lies in the region (N m, 2 x 2: tension positive),
     mean force that is left unbalanced on a free disc over the mean of the pair forces, number of cracked pore springs).
     """
@@ -119,7 +120,7 @@ def outside(layout: Layout, discs: int, back: np.ndarray) -> int:
 def turn(layout: Layout, radius: np.ndarray, change: np.ndarray, rates: np.ndarray) -> None:
     """Gives all discs the `change` of a velocity gradient (2, 2), and those of the frame exactly `rates` (1/s).
 
-    radius: of every disc (m), in spatial order.
+    layout: discs and contacts, changed here; radius: of every disc (m), in spatial order.
     """
     shared = layout.shared
     spin = 0.5 * (change[1, 0] - change[0, 1])

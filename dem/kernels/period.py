@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from dem.kernels.inner import inner
+from dem.kernels.device_function import device_function
 
 
 class Period(NamedTuple):
@@ -32,7 +32,7 @@ class Period(NamedTuple):
 ENDLESS = Period(1e100, 0.0)
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def image(dx: float, dz: float, period: Period) -> tuple[float, float]:
     """The way (m) to the image that is nearest along x."""
     n = math.floor(dx * (1.0 / period.length) + 0.5)

@@ -21,10 +21,10 @@ from numba import njit
 
 from dem.kernels.arguments import Springs
 from dem.kernels.contact import CN, CT, KN, KPN, KPS, KS, MU_ROLLING, STOP
-from dem.kernels.inner import inner
+from dem.kernels.device_function import device_function
 from dem.kernels.layout import INVMASS, LANES, LENGTH, LINK, RADII, RIM, ROLL_LINK, SHARE, Layout, X, Z, entry, place
 from dem.kernels.period import Period, image
-from dem.kernels.records import CONSTANT_RECORD
+from dem.kernels.transpose import CONSTANT_RECORD
 
 ONE, TWO, THREE, FOUR, FIVE = (np.uint64(k) for k in range(1, 6))
 DASHPOTS = np.uint64(8)  # behind the block of stiffness
@@ -82,13 +82,14 @@ class LineContacts(NamedTuple):
     kind: np.ndarray
 
 
-@inner(nogil=True, forceinline=True)
+@device_function(nogil=True, forceinline=True)
 def add_block(
     blocks: np.ndarray, at: np.uint64, sign: float, way: tuple[float, float, float], normal: float, tangential: float
 ) -> None:
-    """Adds a spring along a way and one across it to the six entries of a block; sign: -1 at the way's other end.
+    """Adds a spring along a direction and one across it to the six entries of a block.
 
-    way: its direction, and the lever at which the spring across it pulls, in radii.
+    blocks: of all discs; at: where the block begins; sign: -1 at the other end of the spring; way: unit direction, and
+    the lever at which the spring across it pulls, in radii; normal, tangential: stiffnesses (N/m).
     """
     nx, nz, lever = way
     blocks[at] += normal * nx * nx + tangential * nz * nz
@@ -99,9 +100,12 @@ def add_block(
     blocks[at + FIVE] += tangential * lever * lever
 
 
-@inner(nogil=True, forceinline=True)
+@device_function(nogil=True, forceinline=True)
 def bound(blocks: np.ndarray, at: np.uint64, invmass: float, rim: float) -> float:
-    """Gershgorin's bound of the largest eigenvalue of a block over mass; rim: r^2/I with levers in radii."""
+    """Gershgorin's bound of the largest eigenvalue (1/s2) of the block that begins at `at`, over mass.
+
+    blocks: of all discs; invmass: 1/m (1/kg); rim: r^2/I with levers in radii (1/kg).
+    """
     cross = np.sqrt(invmass * rim)
     across, moment_x, moment_z = abs(blocks[at + TWO]), abs(blocks[at + THREE]), abs(blocks[at + FOUR])
     first = (blocks[at] + across) * invmass + moment_x * cross
@@ -110,13 +114,13 @@ def bound(blocks: np.ndarray, at: np.uint64, invmass: float, rim: float) -> floa
     return max(first, second, third)
 
 
-@inner(nogil=True, forceinline=True)
+@device_function(nogil=True, forceinline=True)
 def blocks_of(disc: int) -> np.uint64:
     """Where the blocks of a disc begin: that of stiffness, then that of dashpots."""
     return np.uint64(disc) * np.uint64(BLOCKS)
 
 
-@inner(nogil=True, forceinline=True)
+@device_function(nogil=True, forceinline=True)
 def add_pair(
     blocks: np.ndarray,
     a: int,
@@ -131,7 +135,8 @@ def add_pair(
 ) -> None:
     """Adds a pair to the blocks of its discs a and b.
 
-    way: from a to b (m); radii: their sum (m), parts: the share of each in it; length: of the pore spring (m).
+    way: from a to b (m); radii: their sum (m), parts: the share of each in it; length: of the pore spring (m); kind:
+    column of the constants; skin: how much nearer the pair may come (m); records: see `Springs`.
     """
     dx, dz = way
     d = max(np.sqrt(dx * dx + dz * dz), 1e-300)
@@ -160,9 +165,9 @@ def add_pair(
         blocks[block_b + DASHPOTS + FIVE] += turns * parts[0] ** 2
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def add_line(blocks: np.ndarray, disc: int, line: int, kind: int, springs: Springs) -> None:
-    """Adds a rigid line to the blocks of a disc."""
+    """Adds a rigid line to the blocks of a disc; kind: column of the constants in `springs.lines`."""
     table, at = springs.lines, blocks_of(disc)
     against = (springs.walls[line, 2], springs.walls[line, 3], 1.0)
     add_block(blocks, at, -1.0, against, table[KN, kind], table[KS, kind])
@@ -172,9 +177,9 @@ def add_line(blocks: np.ndarray, disc: int, line: int, kind: int, springs: Sprin
         blocks[at + DASHPOTS + FIVE] += table[CT, kind]
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def step_of(blocks: np.ndarray, disc: int, invmass: float, rim: float) -> float:
-    """Largest stable time step (s) of a disc with its blocks; inf if it moves nothing."""
+    """Largest stable time step (s) of a disc with its blocks; inf if it moves nothing; invmass, rim: see `bound`."""
     k2 = 2.0 * bound(blocks, blocks_of(disc), invmass, rim)
     c2 = 2.0 * bound(blocks, blocks_of(disc) + DASHPOTS, invmass, rim)
     return 2.0 / (c2 + np.sqrt(c2 * c2 + k2)) if k2 > 0.0 else np.inf
@@ -186,7 +191,8 @@ def stable_step(
 ) -> tuple[float, int]:
     """Largest stable time step (s) and the disc that sets it; (inf, -1) without contacts.
 
-    skin (m): how much nearer a pair may come before the list is made anew.
+    bodies: the discs; pairs: listed pairs; skin: how much nearer a pair may come before the list is made anew (m);
+    at_lines: contacts with rigid lines; springs: constants; period: after how much the ground repeats itself.
     """
     x, z, radius = bodies.x, bodies.z, bodies.radius
     blocks = np.zeros(len(x) * BLOCKS)
@@ -210,7 +216,10 @@ def stable_step(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def stable_step_of_layout(layout: Layout, discs: int, skin: float, springs: Springs, period: Period) -> float:
-    """Stable time step (s) from the arrays of the kernels, as `stable_step` to rounding; discs: how many there are."""
+    """Stable time step (s) from the arrays of the kernels, as `stable_step` to rounding.
+
+    layout: discs and contacts; discs: how many there are; skin, springs, period: as in `stable_step`.
+    """
     blocks = np.zeros(discs * BLOCKS)
     shared, links = layout.shared, layout.links
     for p in range(len(layout.chunk_start) - 1):

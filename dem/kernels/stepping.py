@@ -34,7 +34,7 @@ from dem.kernels.arguments import (
 )
 from dem.kernels.barrier import report, slices_of, wait, wait_for
 from dem.kernels.chunks import add, contacts, contacts_with_losses, line_contact
-from dem.kernels.inner import inner
+from dem.kernels.device_function import device_function
 from dem.kernels.layout import (
     DISC,
     DISC_FIELDS,
@@ -66,8 +66,8 @@ from dem.kernels.layout import (
 from dem.kernels.liquefied_step import add_pressed, press
 from dem.kernels.losses import along
 from dem.kernels.prefetch import LINE, fetch, wide_vectors
-from dem.kernels.records import EIGHT, add_gathered, spread
-from dem.kernels.scratch import OWN, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_constants, load_own
+from dem.kernels.transpose import EIGHT, add_gathered, spread
+from dem.kernels.work_buffers import OWN, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_constants, load_own
 
 # Why a run of the kernel came to its end.
 DONE, MOVED, OVERLAP = 0, 1, 2
@@ -75,8 +75,8 @@ DONE, MOVED, OVERLAP = 0, 1, 2
 OWN_LINES = (DISC_FIELDS - 1) * LANES // 8  # cache lines of a slice that its neighbours do not read, MASS left out
 
 
-@inner(nogil=True, _nrt=False, forceinline=True)
-def sum_forces(p: int, layout: Layout, scratch: np.ndarray) -> None:
+@device_function(nogil=True, _nrt=False, forceinline=True)
+def sum_forces(p: int, layout: Layout, buffer: np.ndarray) -> None:
     """Forces and rim force on the 64 discs of slice p, from the contacts they own, then from the others."""
     wide_vectors()
     links = layout.links
@@ -86,34 +86,35 @@ def sum_forces(p: int, layout: Layout, scratch: np.ndarray) -> None:
     count = layout.incoming_start[p + 1] - layout.incoming_start[p]
     for lane in range(LANES):
         q = np.uint64(lane)
-        scratch[SUM_X + q] = 0.0
-        scratch[SUM_Z + q] = 0.0
-        scratch[SUM_R + q] = 0.0
+        buffer[SUM_X + q] = 0.0
+        buffer[SUM_Z + q] = 0.0
+        buffer[SUM_R + q] = 0.0
     for k in range(owned):
         at = (first + np.uint64(k)) * LINK
         for lane in range(LANES):
             q = np.uint64(lane)
-            scratch[SUM_X + q] -= links[at + FX + q]
-            scratch[SUM_Z + q] -= links[at + FZ + q]
-            scratch[SUM_R + q] += links[at + FR + q]
+            buffer[SUM_X + q] -= links[at + FX + q]
+            buffer[SUM_Z + q] -= links[at + FZ + q]
+            buffer[SUM_R + q] += links[at + FR + q]
         if len(layout.rolling) > 0:
             at = (first + np.uint64(k)) * ROLL_LINK
             for lane in range(LANES):
                 q = np.uint64(lane)
-                scratch[SUM_R + q] += layout.rolling[at + TORQUE + q]
+                buffer[SUM_R + q] += layout.rolling[at + TORQUE + q]
     for k in range(count):
         slot = (others + np.uint64(k)) * ROW
         for lane in range(0, LANES, EIGHT):
             q = np.uint64(lane)
-            add_gathered(links, layout.incoming, slot + q, scratch, SUM_X + q)
+            add_gathered(links, layout.incoming, slot + q, buffer, SUM_X + q)
 
 
-@inner(nogil=True, _nrt=False, forceinline=True)
+@device_function(nogil=True, _nrt=False, forceinline=True)
 def move_lanes(
-    p: int, discs: np.ndarray, shared: np.ndarray, scratch: np.ndarray, step: Step, with_losses: bool
+    p: int, discs: np.ndarray, shared: np.ndarray, buffer: np.ndarray, step: Step, with_losses: bool
 ) -> tuple[bool, float, float, float]:
-    """One step of the 64 discs of slice p.
+    """Moves the 64 discs of slice p by one step.
 
+    discs, shared: see `Layout`; buffer: rows with the sums of forces; step: the time step and its accelerations.
     Returns whether one has left the reach of the neighbour list and, where `with_losses`, the work of weight, external
     acceleration and moving boundaries on them (J).
     """
@@ -127,22 +128,22 @@ def move_lanes(
         invmass = discs[b + INVMASS + q]
         free = 1.0 if invmass > 0.0 else 0.0
         pull_x, pull_z = discs[b + PULL_X + q], discs[b + PULL_Z + q]
-        accel_x = scratch[SUM_X + q] * invmass + free * (pull_x + step.ax)
-        accel_z = scratch[SUM_Z + q] * invmass + free * (pull_z + step.az)
-        accel_r = scratch[SUM_R + q] * discs[b + RIM + q]
-        vx = scratch[OWN + VX + q] + step.kick * accel_x
-        vz = scratch[OWN + VZ + q] + step.kick * accel_z
-        vr = scratch[OWN + VR + q] + step.kick * accel_r
-        x = scratch[OWN + X + q] + step.dt * vx
-        z = scratch[OWN + Z + q] + step.dt * vz
-        scratch[OWN + VX + q] = vx
-        scratch[OWN + VZ + q] = vz
-        scratch[OWN + VR + q] = vr
-        scratch[OWN + VXS + q] = vx + half * accel_x
-        scratch[OWN + VZS + q] = vz + half * accel_z
-        scratch[OWN + VRS + q] = vr + half * accel_r
-        scratch[OWN + X + q] = x
-        scratch[OWN + Z + q] = z
+        accel_x = buffer[SUM_X + q] * invmass + free * (pull_x + step.ax)
+        accel_z = buffer[SUM_Z + q] * invmass + free * (pull_z + step.az)
+        accel_r = buffer[SUM_R + q] * discs[b + RIM + q]
+        vx = buffer[OWN + VX + q] + step.kick * accel_x
+        vz = buffer[OWN + VZ + q] + step.kick * accel_z
+        vr = buffer[OWN + VR + q] + step.kick * accel_r
+        x = buffer[OWN + X + q] + step.dt * vx
+        z = buffer[OWN + Z + q] + step.dt * vz
+        buffer[OWN + VX + q] = vx
+        buffer[OWN + VZ + q] = vz
+        buffer[OWN + VR + q] = vr
+        buffer[OWN + VXS + q] = vx + half * accel_x
+        buffer[OWN + VZS + q] = vz + half * accel_z
+        buffer[OWN + VRS + q] = vr + half * accel_r
+        buffer[OWN + X + q] = x
+        buffer[OWN + Z + q] = z
         discs[b + ROLL + q] += step.dt * vr
         dx = x - discs[b + X0 + q]
         dz = z - discs[b + Z0 + q]
@@ -151,45 +152,52 @@ def move_lanes(
             mass = discs[b + MASS + q]
             by_weight = add(by_weight, along(mass * pull_x, mass * pull_z, vx, vz))
             by_external = add(by_external, along(mass * step.mean_x, mass * step.mean_z, vx, vz))
-            driven = along(scratch[SUM_X + q], scratch[SUM_Z + q], vx, vz) + scratch[SUM_R + q] * vr
+            driven = along(buffer[SUM_X + q], buffer[SUM_Z + q], vx, vz) + buffer[SUM_R + q] * vr
             by_boundary = add(by_boundary, 0.0 if invmass > 0.0 else -driven)
     for lane in range(0, LANES, EIGHT):
         q = np.uint64(lane)
-        spread(scratch, OWN + q, shared, (np.uint64(p) * ROW + q) * LINE)
+        spread(buffer, OWN + q, shared, (np.uint64(p) * ROW + q) * LINE)
     return moved, by_weight * step.dt, by_external * step.dt, by_boundary * step.kick
 
 
-@inner(nogil=True, _nrt=False)
-def move(p: int, discs: np.ndarray, shared: np.ndarray, scratch: np.ndarray, step: Step) -> bool:
-    """One step of the 64 discs of slice p; True if one has left the reach of the neighbour list."""
-    return move_lanes(p, discs, shared, scratch, step, False)[0]
+@device_function(nogil=True, _nrt=False)
+def move(p: int, discs: np.ndarray, shared: np.ndarray, buffer: np.ndarray, step: Step) -> bool:
+    """Moves the 64 discs of slice p; True if one has left the reach of the list; discs, shared, buffer, step:
+    `move_lanes`.
+    """
+    return move_lanes(p, discs, shared, buffer, step, False)[0]
 
 
-@inner(nogil=True, _nrt=False)
+@device_function(nogil=True, _nrt=False)
 def move_with_work(
-    p: int, discs: np.ndarray, shared: np.ndarray, scratch: np.ndarray, step: Step
+    p: int, discs: np.ndarray, shared: np.ndarray, buffer: np.ndarray, step: Step
 ) -> tuple[bool, float, float, float]:
-    """One step of the discs of slice p, with the work of weight, external acceleration and moving boundaries (J)."""
-    return move_lanes(p, discs, shared, scratch, step, True)
+    """Moves the discs of slice p, and returns the work of weight, external acceleration and moving boundaries too (J).
+
+    discs, shared, buffer, step: as in `move_lanes`.
+    """
+    return move_lanes(p, discs, shared, buffer, step, True)
 
 
-@inner(nogil=True, _nrt=False)
+@device_function(nogil=True, _nrt=False)
 def contacts_of_slice(
     p: int,
     layout: Layout,
     springs: Springs,
-    scratch: np.ndarray,
+    buffer: np.ndarray,
     unknown: int,
     slip_time: float,
     law: Law,
     entries: Entries,
 ) -> bool:
-    """All contacts that slice p owns; True if one is too deep.
+    """Computes all contacts that slice p owns; True if an overlap is too large.
 
-    unknown: a chunk that finds in the scratch rows something else than the constants of the chunk before.
+    layout: discs and contacts; springs: constants; buffer: rows to work in; slip_time: length of the last step (s);
+    law: law of the contacts; entries: of the energy balance. unknown: a chunk for which the buffer does not hold the
+    constants of the chunk before.
     """
     too_deep = False
-    load_own(p, layout.shared, scratch)
+    load_own(p, layout.shared, buffer)
     state = State(layout.discs, layout.links, layout.rolling, layout.shared, layout.partner)
     pores = law.pores or not law.soil
     damping, sliding, cracks, rolling = 0.0, 0.0, 0.0, 0.0
@@ -197,18 +205,18 @@ def contacts_of_slice(
         fetch(layout.discs, np.uint64(p) * DISC + np.uint64(line) * LINE)
     for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
         if chunk == unknown:
-            load_all_constants(np.uint64(chunk) * ROW, layout.kinds, springs.records, law.soil, pores, scratch)
+            load_all_constants(np.uint64(chunk) * ROW, layout.kinds, springs.records, law.soil, pores, buffer)
         else:
             for k in range(layout.fresh_start[chunk], layout.fresh_start[chunk + 1]):
-                load_constants(np.uint64(layout.fresh[k]), layout.kinds, springs.records, law.soil, pores, scratch)
+                load_constants(np.uint64(layout.fresh[k]), layout.kinds, springs.records, law.soil, pores, buffer)
         if entries.kept:
-            deep, damped, slid, cracked, rolled = contacts_with_losses(chunk, state, scratch, slip_time, law)
+            deep, damped, slid, cracked, rolled = contacts_with_losses(chunk, state, buffer, slip_time, law)
             damping += damped
             sliding += slid
             cracks += cracked
             rolling += rolled
         else:
-            deep = contacts(chunk, state, scratch, slip_time, law)
+            deep = contacts(chunk, state, buffer, slip_time, law)
         too_deep |= deep
     for e in range(layout.line_start[p], layout.line_start[p + 1]):
         deep, damped, slid, rolled = line_contact(e, layout, springs, slip_time, law)
@@ -224,21 +232,22 @@ def contacts_of_slice(
     return too_deep
 
 
-@inner(nogil=True, _nrt=False)
-def move_slice(p: int, layout: Layout, scratch: np.ndarray, step: Step, entries: Entries, at_hand: int) -> bool:
+@device_function(nogil=True, _nrt=False)
+def move_slice(p: int, layout: Layout, buffer: np.ndarray, step: Step, entries: Entries, at_hand: int) -> bool:
     """Sums the forces on slice p and moves it; True if a disc has left the reach of the neighbour list.
 
-    at_hand: the slice whose own discs the scratch rows hold.
+    layout: discs and contacts; buffer: rows to work in; step: the time step; entries: of the energy balance; at_hand:
+    the slice whose own discs the buffer holds.
     """
-    sum_forces(p, layout, scratch)
+    sum_forces(p, layout, buffer)
     if len(layout.liquefied.near) > 0:
-        add_pressed(p, layout, scratch)
+        add_pressed(p, layout, buffer)
     pull_added_mass(p, layout, step.level)
     if p != at_hand:
-        load_own(p, layout.shared, scratch)
+        load_own(p, layout.shared, buffer)
     if not entries.kept:
-        return move(p, layout.discs, layout.shared, scratch, step)
-    moved, by_weight, by_external, by_boundary = move_with_work(p, layout.discs, layout.shared, scratch, step)
+        return move(p, layout.discs, layout.shared, buffer, step)
+    moved, by_weight, by_external, by_boundary = move_with_work(p, layout.discs, layout.shared, buffer, step)
     added = added_momentum(p, layout) * step.dt
     entries.sums[p, WORK_WEIGHT] += by_weight - added * step.level
     entries.sums[p, WORK_EXTERNAL] += by_external + added * step.mean_level
@@ -246,9 +255,12 @@ def move_slice(p: int, layout: Layout, scratch: np.ndarray, step: Step, entries:
     return moved
 
 
-@inner(nogil=True, _nrt=False)
+@device_function(nogil=True, _nrt=False)
 def interpolate(time: float, times: np.ndarray, values: np.ndarray, place: int) -> float:
-    """Linear interpolation of a series, constant outside it; `place`: an interval at or before that of `time`."""
+    """Linear interpolation at `time` of `values` given at `times` (s), constant outside.
+
+    place: an interval at or before that of `time`.
+    """
     if time <= times[0]:
         return values[0]
     if time >= times[-1]:
@@ -259,9 +271,13 @@ def interpolate(time: float, times: np.ndarray, values: np.ndarray, place: int) 
     return values[place] + (values[place + 1] - values[place]) * ((time - times[place]) / span)
 
 
-@inner(nogil=True, _nrt=False, forceinline=True)
+@device_function(nogil=True, _nrt=False, forceinline=True)
 def step_at(time: float, last_dt: float, dt: float, loads: Loads, place: int, reach: float) -> Step:
-    """The step that begins at `time`; a new length follows the old one without a jump of the velocities."""
+    """The step that begins at `time`; a new length follows the old one without a jump of the velocities.
+
+    last_dt, dt: length of the last step and of this one (s); loads: acceleration; place: see `interpolate`; reach:
+    square of the way after which a disc wants a new neighbour list (m2).
+    """
     ax = interpolate(time, loads.times, loads.acceleration[0], place)
     az = interpolate(time, loads.times, loads.acceleration[1], place)
     level = interpolate(time, loads.times, loads.acceleration[2], place)
@@ -271,18 +287,22 @@ def step_at(time: float, last_dt: float, dt: float, loads: Loads, place: int, re
     return Step(0.5 * (last_dt + dt), dt, last_dt, ax, az, level, mean_x, mean_z, mean_level, reach)
 
 
-@inner(nogil=True, _nrt=False)
+@device_function(nogil=True, _nrt=False)
 def move_shared(
     team: Team,
     taken: int,
     layout: Layout,
-    scratch: np.ndarray,
+    buffer: np.ndarray,
     step: Step,
     entries: Entries,
     shared: np.ndarray,
     need: np.ndarray,
 ) -> bool:
-    """Moves the slices that share contacts with other threads, each once those are through them; see `move_slice`."""
+    """Moves the slices that share contacts with other threads, each once those are through them; see `move_slice`.
+
+    team: the threads; taken: steps taken; layout, buffer, step, entries: as in `move_slice`; shared, need: see
+    `sharing.needs`.
+    """
     slices = len(layout.chunk_start) - 1
     nobody = np.int64(-1)
     moved = False
@@ -291,7 +311,7 @@ def move_shared(
             if need[k, t] > 0:
                 start, stop = slices_of(t, team.threads, slices)
                 wait_for(team.barrier, t, taken * (stop - start) + need[k, t])
-        moved |= move_slice(shared[k], layout, scratch, step, entries, nobody)
+        moved |= move_slice(shared[k], layout, buffer, step, entries, nobody)
     return moved
 
 
@@ -307,14 +327,16 @@ def take_steps(
     reach: float,
     shared: np.ndarray,
     need: np.ndarray,
-    scratch: np.ndarray,
+    buffer: np.ndarray,
 ) -> tuple[int, float, int]:
-    """Takes the clock's steps or fewer; each thread of the team calls it with its own number.
+    """Takes the steps of the clock or fewer; each thread of the team calls it with its own number.
 
-    No steps: looks at the contacts as they are, and moves nothing. reach: square of the way (m2) after which a disc
-    wants a new neighbour list; shared, need: see `sharing.needs`; scratch: see `new_scratch`.
-    Returns (steps taken, time, reason): MOVED if the neighbour list must be made anew before the next step,
-    OVERLAP if two discs are deeper in each other than allowed, DONE otherwise.
+    team: the threads; clock: steps to take and the time; layout: discs and contacts; springs: constants; law: law of
+    the contacts; loads: acceleration; entries: of the energy balance; reach: square of the way after which a disc wants
+    a new neighbour list (m2); shared, need: see `sharing.needs`; buffer: see `new_buffer`. With no steps to take it
+    computes the contacts as they are and moves nothing. Returns (steps taken, time, reason): MOVED if the neighbour
+    list must be made anew before the next step, OVERLAP if two discs are deeper in each other than allowed, DONE
+    otherwise.
     """
     thread, threads, barrier = team.thread, team.threads, team.barrier
     slices = len(layout.chunk_start) - 1
@@ -327,7 +349,7 @@ def take_steps(
     taken = 0
     if clock.steps == 0:
         for p in range(begin, end):
-            contacts_of_slice(p, layout, springs, scratch, unknown, last_dt, law, entries)
+            contacts_of_slice(p, layout, springs, buffer, unknown, last_dt, law, entries)
     while taken < clock.steps and reason == DONE:
         while place + 2 < len(loads.times) and loads.times[place + 1] < time:
             place += 1
@@ -338,16 +360,16 @@ def take_steps(
         moved = False
         ready = begin
         for p in range(begin, end):
-            too_deep |= contacts_of_slice(p, layout, springs, scratch, unknown, last_dt, law, entries)
+            too_deep |= contacts_of_slice(p, layout, springs, buffer, unknown, last_dt, law, entries)
             at_hand = p
             if threads > 1:
                 report(barrier, thread)
             while ready < end and (layout.last[ready] <= p or layout.last[ready] >= end):
                 if layout.first[ready] >= begin and layout.last[ready] < end:
-                    moved |= move_slice(ready, layout, scratch, step, entries, at_hand)
+                    moved |= move_slice(ready, layout, buffer, step, entries, at_hand)
                     at_hand = ready
                 ready += 1
-        moved |= move_shared(team, taken, layout, scratch, step, entries, shared, need)
+        moved |= move_shared(team, taken, layout, buffer, step, entries, shared, need)
         team.stops[taken % 2, thread] = OVERLAP if too_deep else (MOVED if moved else DONE)
         if threads > 1:
             wait(barrier, threads)

@@ -6,7 +6,10 @@ import numpy as np
 
 @nb.njit(cache=True, nogil=True)
 def strains(matrix: np.ndarray, dofs: np.ndarray, displacement: np.ndarray, out: np.ndarray) -> None:
-    """Strain (nc * nq, 4) at every point: B u, with ``matrix`` (nc, nq, 4, nd) and ``dofs`` (nc, nd)."""
+    """Strain at every point, B u, written to ``out`` (nc * nq, 4).
+
+    ``matrix``: B (nc, nq, 4, nd) (1/m); ``dofs``: (nc, nd); ``displacement``: of all degrees of freedom (m).
+    """
     cells, points, _, entries = matrix.shape
     for cell in range(cells):
         for point in range(points):
@@ -22,7 +25,11 @@ def strains(matrix: np.ndarray, dofs: np.ndarray, displacement: np.ndarray, out:
 def internal_forces(
     matrix: np.ndarray, weights: np.ndarray, dofs: np.ndarray, stress: np.ndarray, out: np.ndarray
 ) -> None:
-    """Nodal forces ∫ Bᵀσ dA (N/m), ``stress`` (nc * nq, 4) in Pa, added into ``out`` after it is set to zero."""
+    """Nodal forces ∫ Bᵀσ dA (N/m), added into ``out`` after it is set to zero.
+
+    ``matrix``: B (nc, nq, 4, nd) (1/m); ``weights``: area of every point (nc, nq) (m²); ``dofs``: (nc, nd); ``stress``:
+    (nc * nq, 4) in Pa, tension positive.
+    """
     cells, points, _, entries = matrix.shape
     out[:] = 0.0
     for cell in range(cells):
@@ -55,7 +62,11 @@ def element_stiffness(
     dofs: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    """Add ∫ BᵀCB dA of every cell to ``out`` (nc, nd, nd); rows and columns that are not ``free`` become zero."""
+    """Add ∫ BᵀCB dA of every cell to ``out`` (nc, nd, nd); rows and columns that are not ``free`` become zero.
+
+    ``matrix``: B (nc, nq, 4, nd) (1/m); ``weights``: area of every point (nc, nq) (m²); ``tangent``: C (nc * nq, 4, 4)
+    (Pa); ``dofs``: (nc, nd).
+    """
     cells, points, _, entries = matrix.shape
     product = np.empty((4, entries))
     for cell in range(cells):
@@ -79,7 +90,10 @@ def element_stiffness(
 
 @nb.njit(cache=True, nogil=True)
 def add_forces(stiffness: np.ndarray, dofs: np.ndarray, displacement: np.ndarray, out: np.ndarray) -> None:
-    """Add the nodal forces K u of element matrices ``stiffness`` (nc, nd, nd) to ``out``."""
+    """Add the nodal forces K u (N/m) to ``out``.
+
+    ``stiffness``: of every element (nc, nd, nd); ``dofs``: (nc, nd); ``displacement``: of all degrees of freedom (m).
+    """
     for cell in range(len(stiffness)):
         for a in range(dofs.shape[1]):
             total = 0.0

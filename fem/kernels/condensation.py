@@ -37,7 +37,11 @@ def condense(elements: np.ndarray, inverse: np.ndarray) -> None:
 def condense_force(
     elements: np.ndarray, inverse: np.ndarray, dofs: np.ndarray, force: np.ndarray, change: np.ndarray
 ) -> None:
-    """The ``change`` (needed,) of the force on the borders, -K_bi K_ii⁻¹ f_i, from the ``force`` (needed,)."""
+    """The ``change`` (needed,) of the force on the borders, -K_bi K_ii⁻¹ f_i, from the ``force`` (needed,).
+
+    ``elements``: stiffness of every cell (nc, nd, nd), borders first; ``inverse``: K_ii⁻¹ of every cell; ``dofs``:
+    (nc, nd).
+    """
     cells, entries, _ = elements.shape
     inside = inverse.shape[1]
     border = entries - inside
@@ -55,7 +59,10 @@ def condense_force(
 def expand(
     elements: np.ndarray, inverse: np.ndarray, dofs: np.ndarray, force: np.ndarray, displacement: np.ndarray
 ) -> None:
-    """Fill in the ``displacement`` (needed,) inside the cells from that of their borders and the ``force``."""
+    """Fill in the ``displacement`` (needed,) inside the cells from that of their borders and the ``force``.
+
+    ``elements``, ``inverse``, ``dofs``: as in `condense_force`.
+    """
     cells, entries, _ = elements.shape
     inside = inverse.shape[1]
     border = entries - inside

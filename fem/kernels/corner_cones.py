@@ -13,7 +13,10 @@ from numba import njit
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def scalings(s: np.ndarray, z: np.ndarray, axis: np.ndarray, size: np.ndarray, square: np.ndarray) -> bool:
-    """w (k, 3), η (k,) and W² (k, 3, 3) of slacks and multipliers (k, 3); False if one is outside its cone."""
+    """Scaling of slacks ``s`` and multipliers ``z`` (k, 3); False if one is outside its cone.
+
+    Writes w to ``axis`` (k, 3), η to ``size`` (k,) and W² to ``square`` (k, 3, 3).
+    """
     for k in range(len(s)):
         s0, s1, s2, z0, z1, z2 = s[k, 0], s[k, 1], s[k, 2], z[k, 0], z[k, 1], z[k, 2]
         far_s, far_z = math.sqrt(s1 * s1 + s2 * s2), math.sqrt(z1 * z1 + z2 * z2)
@@ -57,7 +60,11 @@ def _divided(l0: float, l1: float, l2: float, d0: float, d1: float, d2: float) -
 def corrections(
     axis: np.ndarray, size: np.ndarray, z: np.ndarray, ds: np.ndarray, dz: np.ndarray, aim: float, out: np.ndarray
 ) -> None:
-    """W (λ \\ (λ ∘ λ + (W⁻¹ ds) ∘ (W dz) - aim e)) (k, 3), the right-hand side of Mehrotra (1992)."""
+    """W (λ \\ (λ ∘ λ + (W⁻¹ ds) ∘ (W dz) - aim e)) (k, 3), the right-hand side of Mehrotra (1992).
+
+    ``axis``, ``size``: w and η of `scalings`; ``z``: multipliers; ``ds``, ``dz``: step of the predictor; ``aim``:
+    target of the products; ``out``: (k, 3).
+    """
     for k in range(len(z)):
         w, eta = axis[k], size[k]
         l0, l1, l2 = _scaled(w, eta, z[k, 0], z[k, 1], z[k, 2], 1.0)
@@ -74,9 +81,12 @@ def centrality(
     axis: np.ndarray, size: np.ndarray, z: np.ndarray, s_next: np.ndarray, z_next: np.ndarray,
     aim: float, low: float, high: float, out: np.ndarray,
 ) -> None:  # fmt: skip
-    """W (λ \\ t) (k, 3), t what leads the products of a longer step back to ``low`` to ``high`` times the ``aim``.
+    """W (λ \\ t) (k, 3) with the t that takes the products of a longer step back to ``low`` to ``high`` times the
+    ``aim``.
 
-    The eigenvalues of (W⁻¹ s) ∘ (W z) are meant, and none is led back by more than ``high`` times it (Gondzio 1996).
+    The products are the eigenvalues of (W⁻¹ s) ∘ (W z); none is taken back by more than ``high`` times the aim (Gondzio
+    1996). ``axis``, ``size``: w and η of `scalings`; ``z``: multipliers; ``s_next``, ``z_next``: after the longer step;
+    ``out``: (k, 3).
     """
     for k in range(len(z)):
         w, eta = axis[k], size[k]

@@ -24,8 +24,12 @@ def stiffnesses(
     axis: np.ndarray, size: np.ndarray, lone: np.ndarray, sine: np.ndarray, clay: np.ndarray, single: np.ndarray,
     triple: np.ndarray, torn_sine: float, soft: float, out: np.ndarray,
 ) -> None:  # fmt: skip
-    """C⁻¹ (k, 3, 3) of all corners; ``axis`` and ``size`` are w (cones, 3) and η (cones,), ``lone`` the w² (singles,)
-    of single openings, and δ is ``soft`` times η² of a corner."""
+    """C⁻¹ of all corners, written to ``out`` (k, 3, 3).
+
+    ``axis`` and ``size`` are w (cones, 3) and η (cones,), ``lone`` the w² (singles,) of single openings, and δ is
+    ``soft`` times η² of a corner. ``sine``, ``clay``, ``single``, ``triple``: see above; ``torn_sine``: sin φ of the
+    cones of tension cut-offs.
+    """
     corners = len(sine)
     c, low = np.empty((3, 3)), np.zeros((3, 3))
     for k in range(corners):
@@ -102,9 +106,11 @@ def condense(
     clay: np.ndarray, single: np.ndarray, triple: np.ndarray, torn_sine: float, velocities: int, clays: int,
     openings: int, g: np.ndarray, force: np.ndarray,
 ) -> None:  # fmt: skip
-    """g (k, 3) of the right-hand sides ``ry`` and ``rz``, and C⁻¹ g (k, 3), with which it acts on the velocities.
+    """``g`` (k, 3) of the right-hand sides ``ry`` and ``rz``, and ``force`` C⁻¹ g (k, 3), which acts on the velocities.
 
-    ``openings`` is the first column of openings in three ways.
+    ``stiffness``: C⁻¹ of `stiffnesses`; ``square``: W² of the cones; ``lone``, ``sine``, ``clay``, ``single``,
+    ``triple``, ``torn_sine``: as in `stiffnesses`; ``velocities``, ``clays``: how many there are; ``openings``: the
+    first column of openings in three ways.
     """
     corners, first = len(sine), 1 + clays
     tears, lones = first + 3 * corners, first + 3 * len(square)
@@ -138,8 +144,11 @@ def expand(
     lone: np.ndarray, sine: np.ndarray, clay: np.ndarray, single: np.ndarray, triple: np.ndarray, torn_sine: float,
     velocities: int, clays: int, openings: int, dy: np.ndarray, dz: np.ndarray,
 ) -> None:  # fmt: skip
-    """All of ``dy`` beyond the velocities, and of ``dz`` but the load's, where the velocities have strain ``rates``
-    (k, [volume, difference, shear])."""
+    """All of ``dy`` beyond the velocities, and of ``dz`` but the load's, from the strain rates of the velocities.
+
+    ``rates``: (k, [volume, difference, shear]); ``g``, ``ry``, ``rz``, ``stiffness``, ``square``, ``lone``, ``sine``,
+    ``clay``, ``single``, ``triple``, ``torn_sine``, ``velocities``, ``clays``, ``openings``: as in `condense`.
+    """
     corners, first = len(sine), 1 + clays
     tears, lones = first + 3 * corners, first + 3 * len(square)
     m = np.empty(3)
@@ -181,7 +190,7 @@ def add_stiffnesses(
     stiffness: np.ndarray, starts: np.ndarray, rows: np.ndarray, places: np.ndarray, first: np.ndarray,
     values: np.ndarray,
 ) -> None:  # fmt: skip
-    """Add Σ Bᵀ C⁻¹ B of all corners to the ``values`` of the lower triangle.
+    """Add Σ Bᵀ C⁻¹ B of all corners to the ``values`` of the lower triangle; ``stiffness``: their C⁻¹ (k, 3, 3).
 
     The columns of B of corner k are ``rows`` (entries, 3) from ``starts[k]`` on, in the order of their velocities;
     their products, row by row of a lower triangle, belong to ``places`` from ``first[k]`` on.

@@ -11,7 +11,8 @@ def find_places(
 ) -> None:  # fmt: skip
     """Where the entries of small matrices, row by row of their lower triangles, lie among those of a sorted csc matrix.
 
-    Matrix k has the unknowns ``columns`` from ``starts[k]`` on, and its ``places`` begin at ``first[k]``.
+    Matrix k has the unknowns ``columns`` from ``starts[k]`` on, and its ``places`` begin at ``first[k]``; ``pointers``
+    and ``indices`` are those of the csc matrix.
     """
     for k in range(len(starts) - 1):
         place = first[k]

@@ -35,9 +35,9 @@ def table(
 ) -> Floats:
     """Constants of m materials, as `update` wants them: shape (m, COLUMNS).
 
-    Arguments are numbers or arrays of shape (m,): Young's modulus (Pa), Poisson's ratio in [0, 0.5), cohesion
-    (Pa), friction angle in [0, pi/2) and dilation angle in [0, friction] (rad), tensile strength (Pa; NaN or
-    inf for none). A tensile strength beyond the apex c cot phi never acts.
+    Arguments are numbers or arrays of shape (m,): ``young`` modulus (Pa), ``poisson`` ratio in [0, 0.5), ``cohesion``
+    (Pa), ``friction`` angle in [0, pi/2) and ``dilation`` angle in [0, friction] (rad), ``tension``: tensile strength
+    (Pa; NaN or inf for none). A tensile strength beyond the apex c cot phi never acts.
 
     Raises ValueError that names every bad value of every material.
     """

@@ -216,7 +216,12 @@ def update_points(
     with_plastic: bool,
     with_regions: bool,
 ) -> None:
-    """The loop of `mohr_coulomb.update`; the flags say which of the last three arrays are to be filled."""
+    """The loop of `mohr_coulomb.update`, point by point.
+
+    ``strain``: increment (n, 4); ``stress_old``: (n, 4) in Pa; ``material``: (n,) row of ``table``. Fills ``stress``
+    (n, 4) and, where ``with_tangent``, ``with_plastic`` and ``with_regions`` say so, ``tangent`` (n, 4, 4), ``plastic``
+    strain increment (n, 4) and ``regions`` (n,).
+    """
     for i in range(strain.shape[0]):
         m = material[i]
         twice_shear = 2 * table[m, SHEAR]

@@ -22,7 +22,7 @@ def add_overstress(
     tangent: np.ndarray,
     plastic_strain_increment: np.ndarray,
 ) -> None:
-    """Mix the elastic answer into the inviscid one, in place.
+    """Mix the elastic answer into the inviscid one, in place; ``b``: the share of the elastic one.
 
     ``strain_increment``, ``stress_old``, ``stress`` and ``plastic_strain_increment`` are (n, 4), ``tangent`` is
     (n, 4, 4) or empty, ``material`` (n,) points into ``elastic`` (materials, 4, 4).

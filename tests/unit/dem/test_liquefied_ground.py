@@ -11,7 +11,8 @@ from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine
 from dem.ground import Ground
 from dem.kernels.contact import ALLOWED, CN, CT, KN, KS, MU
-from dem.kernels.liquefied_pairs import AREA, BOND, DENSITY, FITTED, NOW, STRAIN, STRENGTH, bond_kernel, density_kernel
+from dem.kernels.liquefied_laws import bond_kernel, density_kernel
+from dem.kernels.liquefied_pairs import AREA, BOND, DENSITY, FITTED, NOW, STRAIN, STRENGTH
 from dem.kernels.liquefied_stress import held_shear
 from dem.liquefied_ground import (
     ADJUSTS,

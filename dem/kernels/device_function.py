@@ -10,7 +10,7 @@ from typing import Any
 from numba import config, njit
 
 
-def inner(**options: Any) -> Callable[[Any], Any]:
+def device_function(**options: Any) -> Callable[[Any], Any]:
     """`njit` without wrappers, and without a file in the cache, since those of its callers hold it."""
 
     def compiled(function: Any) -> Any:

@@ -9,18 +9,18 @@ from numba import njit
 
 from dem.kernels.arguments import State
 from dem.kernels.contact import KN
-from dem.kernels.inner import inner
+from dem.kernels.device_function import device_function
 from dem.kernels.layout import LANES, LINK_FIELDS, ROLL_FIELDS
 from dem.kernels.prefetch import LINE, fetch
-from dem.kernels.records import CONSTANT_RECORD, EIGHT, SHARED, gather, unfold
+from dem.kernels.transpose import CONSTANT_RECORD, EIGHT, SHARED, gather, unfold
 
-# The partners' first eight fields, whose place soon gives way to the direction there, and two of `interaction.face`;
+# The partners' first eight fields, overwritten by the direction there, and two of `contact_geometry`;
 # the constants; three sums of forces.
 NORMAL_X, NORMAL_Z, DISTANCE, LEVER = (np.uint64(row * LANES) for row in (0, 1, 8, 9))
 CONSTANT = np.uint64(10 * LANES)
 SUM_X, SUM_Z, SUM_R = (np.uint64((10 + CONSTANT_RECORD + k) * LANES) for k in range(3))
 OWN = np.uint64((13 + CONSTANT_RECORD) * LANES)  # the shared fields of the slice's own discs
-SCRATCH = (13 + CONSTANT_RECORD + SHARED) * LANES
+BUFFER_SIZE = (13 + CONSTANT_RECORD + SHARED) * LANES
 FEWER, ALL = 14, 20  # constants of the paper's discs, or of soil discs without pore springs; of all: even numbers
 ROW = np.uint64(LANES)
 ONE = np.uint64(1)
@@ -29,54 +29,60 @@ AHEAD = 2  # chunks
 
 
 @njit(cache=True, nogil=True)
-def new_scratch() -> np.ndarray:
+def new_buffer() -> np.ndarray:
     """Rows of zeros aligned to cache lines, since access across lines or pages is slow."""
-    room = np.zeros(SCRATCH + 7)
+    room = np.zeros(BUFFER_SIZE + 7)
     begin = -room.ctypes.data % 64 // 8
-    return room[begin : begin + SCRATCH]
+    return room[begin : begin + BUFFER_SIZE]
 
 
-@inner(forceinline=True)
+@device_function(forceinline=True)
 def constant(row: int) -> np.uint64:
     """Where the row of a constant begins."""
     return CONSTANT + np.uint64(row) * ROW
 
 
-@inner(nogil=True, forceinline=True)
+@device_function(nogil=True, forceinline=True)
 def load_constants(
-    first: int, kinds: np.ndarray, records: np.ndarray, soil: bool, pores: bool, scratch: np.ndarray
+    first: int, kinds: np.ndarray, records: np.ndarray, soil: bool, pores: bool, buffer: np.ndarray
 ) -> None:
-    """The constants that the law of eight contacts needs, those from place `first` of `kinds` on, into their lanes."""
+    """Loads the constants of eight contacts, from place `first` of `kinds` on, into their lanes of `buffer`.
+
+    records: see `Springs`; soil, pores: whether the discs are soil discs, and whether there are pore springs.
+    """
     q = first % ROW
     if soil and pores:
-        gather(records, CONSTANT_RECORD, ALL, kinds, first, scratch, CONSTANT + q)
+        gather(records, CONSTANT_RECORD, ALL, kinds, first, buffer, CONSTANT + q)
     elif pores:
-        gather(records, CONSTANT_RECORD, FEWER, kinds, first, scratch, CONSTANT + q)
+        gather(records, CONSTANT_RECORD, FEWER, kinds, first, buffer, CONSTANT + q)
     else:
-        gather(records[KN:], CONSTANT_RECORD, FEWER, kinds, first, scratch, constant(KN) + q)
+        gather(records[KN:], CONSTANT_RECORD, FEWER, kinds, first, buffer, constant(KN) + q)
 
 
-@inner(nogil=True)
+@device_function(nogil=True)
 def load_all_constants(
-    first: int, kinds: np.ndarray, records: np.ndarray, soil: bool, pores: bool, scratch: np.ndarray
+    first: int, kinds: np.ndarray, records: np.ndarray, soil: bool, pores: bool, buffer: np.ndarray
 ) -> None:
-    """The constants that the law needs, for all contacts of a chunk."""
+    """Loads the constants of all contacts of a chunk; first, kinds, records, soil, pores, buffer: as in
+    `load_constants`.
+    """
     for lane in range(0, LANES, EIGHT):
-        load_constants(first + np.uint64(lane), kinds, records, soil, pores, scratch)
+        load_constants(first + np.uint64(lane), kinds, records, soil, pores, buffer)
 
 
-@inner(nogil=True, forceinline=True)
-def load_own(p: int, shared: np.ndarray, scratch: np.ndarray) -> None:
+@device_function(nogil=True, forceinline=True)
+def load_own(p: int, shared: np.ndarray, buffer: np.ndarray) -> None:
     """The shared fields of the 64 discs of slice p, in rows."""
     for lane in range(0, LANES, EIGHT):
         q = np.uint64(lane)
-        unfold(shared, (np.uint64(p) * ROW + q) * LINE, scratch, OWN + q)
+        unfold(shared, (np.uint64(p) * ROW + q) * LINE, buffer, OWN + q)
 
 
-@inner(nogil=True, forceinline=True)
-def load_partners(chunk: int, lane: int, state: State, scratch: np.ndarray, soil: bool) -> None:
-    """Position and velocities of 16 partners from `lane` on, in rows; the memory fetches what a later chunk will need.
+@device_function(nogil=True, forceinline=True)
+def load_partners(chunk: int, lane: int, state: State, buffer: np.ndarray, soil: bool) -> None:
+    """Loads position and velocities of 16 partners from `lane` on into rows of `buffer`, and prefetches a later chunk.
 
+    chunk: its number; state: arrays of discs and contacts; soil: whether contacts remember rolling.
     One line of its contacts and one of its partners at a time: a core waits once it has asked for a few dozen lines.
     """
     chunks = np.uint64(len(state.partner)) // ROW
@@ -90,4 +96,4 @@ def load_partners(chunk: int, lane: int, state: State, scratch: np.ndarray, soil
             fetch(state.rolling, later * np.uint64(ROLL_FIELDS) + np.uint64(k) * LINE)
     for k in range(lane, lane + BLOCK, EIGHT):
         q = np.uint64(k)
-        gather(state.shared, SHARED, SHARED, state.partner, np.uint64(chunk) * ROW + q, scratch, q)
+        gather(state.shared, SHARED, SHARED, state.partner, np.uint64(chunk) * ROW + q, buffer, q)

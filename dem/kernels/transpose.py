@@ -66,8 +66,8 @@ def _turn(builder: Any, source: Any, begin: list[Any], fields: int, target: Any,
 def gather(context: Any, records: Any, apart: Any, fields: Any, places: Any, first: Any, rows: Any, to: Any) -> Any:
     """The first `fields` of eight records into rows[to : to + 8], rows[to + 64 : to + 72] and so on.
 
-    They are those numbered places[first] to places[first + 7]; `apart` is from one record to the next. `apart` and
-    `fields`, an even number, are constants where this is called.
+    context: Numba's; records: array of records; they are those numbered places[first] to places[first + 7]; `apart` is
+    from one record to the next. `apart` and `fields`, an even number, are constants where this is called.
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -87,7 +87,10 @@ def gather(context: Any, records: Any, apart: Any, fields: Any, places: Any, fir
 
 @intrinsic
 def unfold(context: Any, records: Any, at: Any, rows: Any, to: Any) -> Any:
-    """The way back from `spread`: eight records of discs, one after the other from records[at] on, into eight rows."""
+    """The way back from `spread`: eight records of discs, one after the other from records[at] on, into eight rows.
+
+    context: Numba's; the rows begin at rows[to].
+    """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         source = _data(context, builder, signature.args[0], arguments[0])
@@ -102,7 +105,10 @@ def unfold(context: Any, records: Any, at: Any, rows: Any, to: Any) -> Any:
 
 @intrinsic
 def spread(context: Any, rows: Any, at: Any, records: Any, to: Any) -> Any:
-    """Eight rows of eight, rows[at : at + 8], rows[at + 64 : at + 72] and so on, into eight records at records[to]."""
+    """Eight rows of eight, rows[at : at + 8], rows[at + 64 : at + 72] and so on, into eight records at records[to].
+
+    context: Numba's.
+    """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         source = _data(context, builder, signature.args[0], arguments[0])
@@ -129,7 +135,7 @@ def add_gathered(context: Any, values: Any, places: Any, first: Any, rows: Any, 
     """Adds eight values from wherever they lie to each of three rows: rows[to : to + 8], rows[to + 64 : to + 72], ...
 
     The first row gets those at places[first] to places[first + 7], the others those 64 and 128 behind. LLVM decides
-    whether a processor gathers them with one instruction.
+    whether a processor gathers them with one instruction. context: Numba's.
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

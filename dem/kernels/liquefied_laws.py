@@ -1,0 +1,45 @@
+"""Kernel: laws of liquefied ground at one distance and of one disc; `liquefied_pairs` tells how they act together."""
+
+import math
+
+from dem.kernels.device_function import device_function
+
+
+@device_function(forceinline=True)
+def density_kernel(r: float, reach: float) -> tuple[float, float]:
+    """W (1/m2) of Wendland's C2 at a distance r below the reach (m), and its slope (1/m3)."""
+    q = r / reach
+    scale = 7.0 / (math.pi * reach * reach)
+    rest = 1.0 - q
+    cube = rest * rest * rest
+    return scale * cube * rest * (1.0 + 4.0 * q), -20.0 * scale * q * cube / reach
+
+
+@device_function(forceinline=True)
+def bond_kernel(r: float, reach: float) -> float:
+    """w: the share of strength that is left to a bond at a distance r below the reach (m)."""
+    q = r / reach
+    rest = 1.0 - q
+    return rest * rest * (1.0 + 2.0 * q)
+
+
+@device_function(forceinline=True)
+def water_pressure(share: float, pressure: float, stiffness: float, compressed: float) -> float:
+    """Pore pressure (Pa) of ground `compressed` since it liquefied, never below zero; share: liquefied; stiffness: K_w
+    (Pa).
+    """
+    u = share * (pressure + stiffness * compressed)
+    return u if u > 0.0 else 0.0
+
+
+@device_function(forceinline=True)
+def water_energy(share: float, area: float, pressure: float, stiffness: float, density: float, now: float) -> float:
+    """Energy (J) stored in the pore water of a disc: area times the integral of u/rho^2 from where u is zero to `now`.
+
+    share: liquefied; area (m2); pressure u0, stiffness K_w (Pa); density: rho0.
+    """
+    least = density * (1.0 - pressure / stiffness)
+    if now <= least:
+        return 0.0
+    fixed, rising = share * (pressure - stiffness), share * stiffness / density
+    return area * (fixed * (1.0 / least - 1.0 / now) + rising * math.log(now / least))
