@@ -360,7 +360,7 @@ def slide(
 
     invocation, cases = Invocation.of(section, folder, {}, settings), tuple(case) if case else None
     invocation.refuse_unknown(cases or ())
-    both = model is None and "mpm" in invocation.config.slide.methods and invocation.config.section.liquefies
+    both = model is None and "mpm" in invocation.config.slide.methods
     stage, beside = "mpm" if model == "mpm" else "slide", ("mpm",) if both else ()
     _up_to(stage, invocation, force, Verbosity.of(quiet, verbose, json), beside, cases=cases)
 

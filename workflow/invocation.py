@@ -71,10 +71,13 @@ class Invocation:
         return cls(read, store, mesh or carried, bool(carried), section, tables)
 
     def refuse_unknown(self, cases: Sequence[int]) -> None:
-        """Raise InputError for numbers of cases in which no stratum liquefies."""
+        """Raise InputError for numbers of cases in which no stratum liquefies, and where none liquefies in any."""
+        if not self.config.section.liquefies:
+            wanted = 'expected liquefies_in = [1] in one that liquefies, or "triggered" with blow counts'
+            raise InputError(str(self.section), [f"strata: no layer liquefies, so no slide can be computed; {wanted}"])
         possible = sorted({number for stratum in self.config.section.strata for number in stratum.liquefies_in})
         if unknown := sorted(set(cases) - set(possible)):
-            told = f"expected cases in which a stratum liquefies, of {', '.join(map(str, possible)) or 'which none is'}"
+            told = f"expected cases in which a stratum liquefies, of {', '.join(map(str, possible))}"
             raise InputError("--case", [f"{', '.join(map(str, unknown))}: {told}"])
 
     def job(self, **more: Any) -> Job:

@@ -24,7 +24,7 @@ class Choice:
     ----------
     chosen: the names of the stages that may run, in their order.
     forced: those of them that run whether anything has changed or not.
-    asked: those that were asked for by name, and run even where the settings do not want them.
+    asked: those that were asked for by name, and run even where the settings do not ask for them.
     """
 
     chosen: tuple[str, ...]
@@ -124,8 +124,8 @@ def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool
     why = changes(stage, made_from(stage, job, record), record)
     if stage.name not in choice.chosen:
         return Decision(stage, "off" if why else "reuse", why)
-    if not stage.wanted(job.config) and stage.name not in choice.asked:
-        return Decision(stage, "off" if why else "reuse", "not asked for")
+    if (unwanted := stage.unwanted(job.config)) and stage.name not in choice.asked:
+        return Decision(stage, "off" if why else "reuse", unwanted)
     if stage.name in choice.forced:
         return Decision(stage, "run", "asked for")
     if why or (stage.of_all and news):

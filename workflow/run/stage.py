@@ -14,6 +14,11 @@ if TYPE_CHECKING:
     from workflow.run.ranks import Ranks
 
 
+def unless_it_liquefies(config: Config) -> str:
+    """Why stages of liquefied ground are not wanted: no layer of the section liquefies."""
+    return "" if config.section.liquefies else "no layer liquefies"
+
+
 @dataclass(frozen=True)
 class Job:
     """Input of a stage.
@@ -68,8 +73,9 @@ class Stage:
     read: reads its answers; raises OtherVersionError where another version of the program wrote one.
     pictures: patterns of the pictures that it leaves.
     leftovers: patterns of files from which it continues after a stop; removed once they belong to other inputs.
-    wanted: whether the settings ask for it. Where they do not, it runs only if it is asked for by name, and what it
-        left before is used as long as it fits.
+    minutes: the time that it takes as a rule on two cores, from and to; slides for three cases.
+    unwanted: why the settings do not ask for it, empty where they do. Where they do not, it runs only if it is asked
+        for by name, and what it left before is used as long as it fits.
     partial: whether the job asks for a part of it only, so that the rest is still to come.
     beside: the stages that must have ended before it may run beside others, in another process; None where it
         runs in this process. Nobody but a stage ``of_all`` may need it.
@@ -91,7 +97,8 @@ class Stage:
     read: Callable[[Store], object] = lambda store: None
     pictures: tuple[str, ...] = ()
     leftovers: tuple[str, ...] = ()
-    wanted: Callable[[Config], bool] = lambda config: True
+    minutes: tuple[float, float] = (0.0, 0.1)
+    unwanted: Callable[[Config], str] = lambda config: ""
     partial: Callable[[Job], bool] = lambda job: False
     beside: tuple[str, ...] | None = None
     of_all: bool = False

@@ -227,5 +227,5 @@ STAGE = Stage(
     results=(BoundsAnswer.FILE,),
     read=BoundsAnswer.read,
     pictures=("figures/bounds_*.png",),
-    wanted=lambda config: config.bounds.run is not False,
+    unwanted=lambda config: "bounds.run is false" if config.bounds.run is False else "",
 )  # fmt: skip

@@ -13,7 +13,7 @@ from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum, Stands
-from workflow.run.stage import Job, Stage
+from workflow.run.stage import Job, Stage, unless_it_liquefies
 from workflow.stages.liquefaction import LOST, cases_as_data
 
 if TYPE_CHECKING:
@@ -217,5 +217,5 @@ STAGE = Stage(
     beside=("mesh",),
     results=(LiquefiedAnswer.FILE,),
     read=LiquefiedAnswer.read,
-    wanted=lambda config: config.section.liquefies,
+    unwanted=unless_it_liquefies,
 )

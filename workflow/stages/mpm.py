@@ -13,7 +13,7 @@ from meshes.executor import Tell
 from workflow.config import Config
 from workflow.results.answer import SectionLabel, line
 from workflow.results.material_points import WARNING, PointCase, PointSlidesAnswer
-from workflow.run.stage import Job, Stage
+from workflow.run.stage import Job, Stage, unless_it_liquefies
 from workflow.run.store import Store
 from workflow.stages.liquefaction import liquefying, taken
 from workflow.stages.slide import files, of_the_record
@@ -283,5 +283,5 @@ STAGE = Stage(
     pictures=("figures/mpm*.png", "figures/mpm*.webp"),
     leftovers=("mpm/checkpoint_*", "mpm/case*", "mpm/case*/*"),
     partial=lambda job: job.cases is not None,
-    wanted=lambda config: "mpm" in config.slide.methods and config.section.liquefies,
+    unwanted=lambda config: unless_it_liquefies(config) or ("" if "mpm" in config.slide.methods else "slide.methods"),
 )  # fmt: skip

@@ -77,5 +77,5 @@ STAGE = Stage(
     results=(SiteResponseAnswer.FILE,),
     read=SiteResponseAnswer.read,
     pictures=(PICTURE,),
-    wanted=lambda config: bool(config.site_response.record),
+    unwanted=lambda config: "" if config.site_response.record else "no record of the rock (site_response.record)",
 )

@@ -34,5 +34,5 @@ STAGE = Stage(
     results=(TriggeringAnswer.FILE,),
     read=TriggeringAnswer.read,
     pictures=(PICTURE,),
-    wanted=lambda config: bool(config.triggering.borings),
+    unwanted=lambda config: "" if config.triggering.borings else "no blow counts (triggering.borings)",
 )

@@ -169,5 +169,5 @@ STAGE = Stage(
     beside=("fem",),
     results=(VariantsAnswer.FILE,),
     read=VariantsAnswer.read,
-    wanted=lambda config: bool(config.variants.which),
+    unwanted=lambda config: "" if config.variants.which else "variants.which is empty",
 )
