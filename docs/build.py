@@ -68,6 +68,8 @@ def gather() -> None:
                 text = text.replace(f"]({target}{'#' + anchor if anchor else ''})", f"]({place})")
             if leads_to.suffix == ".py" and leads_to.relative_to(TOP).parts[0] in PACKAGES:
                 modules.add(module_of(leads_to))
+        for made in GENERATED:  # which pages name, but do not link to: without the site there is no such file
+            text = text.replace(f"`{made}`", f"[{made}]({os.path.relpath(made, os.path.dirname(page) or '.')})")
         write(page, text)
     for page, make in GENERATED.items():
         write(page, make())
@@ -104,11 +106,14 @@ def write(page: str, text: str) -> None:
 def moved(page: str, leads_to: Path, anchor: str) -> str | None:
     """Where a link of a page leads in the site; None where it leads to a file that is no page."""
     inside = leads_to.relative_to(TOP)
+    collections = [name for name, folder in COLLECTIONS.items() if leads_to == folder / "README.md"]
     if leads_to == TOP / "README.md":
         place = "index.md"
+    elif collections:
+        place = f"validation/{collections[0]}.md"
     elif inside.parts[0] == "docs":
         place = str(leads_to.relative_to(HERE))
-    elif leads_to.suffix == ".py":  # a law of a page of theory
+    elif leads_to.suffix == ".py" and inside.parts[0] in PACKAGES:  # a law of a page of theory
         place = f"reference/functions/{module_of(leads_to)}.md"
         anchor = f"{module_of(leads_to)}.{anchor}" if anchor else ""
     else:

@@ -136,22 +136,24 @@ def _tell(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str
 
 
 def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
-    """Print the results of a whole run in at most twelve lines; those of single stages, or of ``every`` stage, in
-    sentences.
+    """Print the results of a whole run in at most twelve lines; of single stages what was asked for, and warnings of
+    those that they need; of ``every`` stage with how it was found.
     """
     from workflow.report.console import run_lines, sentences
     from workflow.results.results import Results
     from workflow.results.summary import Summary
 
     reported = "report" in choice.chosen and job.store.has("report.html")
+    asked = choice.asked or choice.chosen
     if every or not reported:
         ends = Results.of(job).ends
         if "mesh" not in choice.chosen:  # which tells them itself
             _show_shaking(job)
         for stage in job.stages:
             if stage.name in choice.chosen and stage.name in ends and ends[stage.name].outcome in ("done", "part"):
-                for line in sentences(stage.name, job.config, job.store):
-                    out.print(escape(line))
+                for line in sentences(stage.name, job.config, job.store, every):
+                    if every or stage.name in asked or line.startswith(("Warning", "Contradiction")):
+                        out.print(escape(line))
     if reported:
         for line in [
             *(sentences("report", job.config, job.store) if every else ()),

@@ -36,7 +36,7 @@ def test_leaves_the_answer_its_path_fields_and_pictures(tmp_path: Path, capsys: 
     assert run("fem", written(tmp_path), "--out", out, "--kh", "0.1", "--kh", "5.0", *SMALL) == 0
     told = capsys.readouterr().out
     answer = json.loads((out / "fem/critical.json").read_text())
-    assert f"Critical Kh = {answer['kc']:.4f}" in told
+    assert f"Critical Kh = {answer['kc']:.3f}" in told
     assert answer["verdict"] in ("plateau", "peak")
     assert 0.1 < answer["kc"] == answer["kc_lower"] <= answer["kc_upper"] < 5.0
     assert answer["kc"] <= max(step["factor"] for step in answer["curve"]) <= answer["kc_upper"]

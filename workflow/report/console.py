@@ -7,11 +7,12 @@ from meshes.section.section import Section
 from workflow.config import Config
 from workflow.earthquake.site_response import CLOSE as CAME_TO_REST
 from workflow.report import after
+from workflow.report.accuracy import of_meshes
 from workflow.report.contradictions import FALLS, FALLS_TIMES
 from workflow.report.crests import crest_parts, crest_sentences
 from workflow.report.findings import lies_still, moved_lately
 from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
-from workflow.report.numbers import metres
+from workflow.report.numbers import between, coefficient, metres
 from workflow.report.second_opinion import agreeing, contradicting, second_opinions
 from workflow.report.slices import slices_sentences
 from workflow.report.structures import structure_sentences
@@ -32,6 +33,7 @@ from workflow.results.summary import Summary
 from workflow.results.triggering import StratumPart, TriggeringAnswer
 from workflow.run.store import Store
 
+NO_NUMBER = "–"  # the value of a headline that has none, only its reason
 MOST_LINES = 10  # of a run without -v, before the two that say where the report is
 
 
@@ -49,26 +51,36 @@ def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
         yield f"Warning: {notice}."
 
 
-def fem_sentences(answer: FemAnswer, section: Section) -> Iterator[str]:
-    """The critical Kh with its bracket, and the factors of safety, from fem/critical.json."""
-    most = f", at most {answer.kc_upper:.4f} on this mesh" if answer.kc_upper > answer.kc else ""
+def fem_sentences(answer: FemAnswer, section: Section, every: bool = True) -> Iterator[str]:
+    """The critical Kh with its interval, and the factors of safety, from fem/critical.json.
+
+    With ``every`` also how each was found: the end of the path, the sequence of meshes, and when Davis's estimate
+    counts. An answer that is no failure at its limit load always tells why.
+    """
+    error = of_meshes(answer)
+    interval = f" By the sequence of meshes: {between([error.low, error.high])}." if error is not None else ""
+    how = ""
+    if every or answer.ended not in ("plateau", "limit load"):
+        most = f", at most {coefficient(answer.kc_upper)} on this mesh" if answer.kc_upper > answer.kc else ""
+        how = f": {answer.ended}{most}, {answer.reason}"
     yield (
-        f"Critical Kh = {critical_with_flow(answer, '{:.4f}'.format)}. Seismic force {FORCE[answer.direction]}, to "
-        f"the {answer.towards}: {answer.ended}{most}, {answer.reason}."
+        f"Critical Kh = {critical_with_flow(answer, coefficient)}. Seismic force {FORCE[answer.direction]}, to "
+        f"the {answer.towards}{how}.{interval}"
     )
-    if answer.davis is not None or answer.associated is not None:
-        yield WHEN
-    yield from meshes_sentences(answer)
+    if every:
+        if answer.davis is not None or answer.associated is not None:
+            yield WHEN
+        yield from meshes_sentences(answer)
     yield from beside_sentences(answer)
-    yield from (safety_sentence(factor, answer) for factor in answer.safety_factors)
+    yield from (safety_sentence(factor, answer, every) for factor in answer.safety_factors)
     for warning in answer.warnings:
         yield f"{'Contradiction' if warning.contradiction else 'Warning'}: {warning.what} To do: {warning.remedy}."
     for _, text in sides_warning(answer, section):
         yield "Warning: {} To do: {}".format(*split(text))
 
 
-def safety_sentence(factor: FactorOfSafety, answer: FemAnswer) -> str:
-    """A factor of safety with its numerical error, and the extent of its slip surface."""
+def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = True) -> str:
+    """A factor of safety and the extent of its slip surface; with ``every`` also how it was found."""
     most = f", on this mesh at most {factor.upper:.3f}" if factor.upper > factor.factor else ""
     rest = f", of which its mesh may leave {100 * factor.rest:.1f} % open" if factor.rest is not None else ""
     beside = factor.davis if factor.davis is not None else factor.associated
@@ -77,6 +89,9 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer) -> str:
         return f"Factor of safety at Kh = {factor.kh:g}: above {factor.factor:.3g}, where the search ended."
     phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}. {factor.verdict.capitalize()}{most}, "
     phrase += f"{factor.reason}{rest}."
+    if not every:
+        finer = f" A finer mesh may give {100 * factor.rest:.1f} % less." if factor.rest is not None else ""
+        phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}.{finer}"
     if factor.slip_surface:
         x, z = zip(*factor.slip_surface, strict=True)
         phrase += f" It slips from x = {min(x):.1f} to {max(x):.1f} m, down to z = {min(z):.1f} m."
@@ -96,16 +111,16 @@ def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
 def beside_sentences(answer: FemAnswer) -> Iterator[str]:
     """The critical Kh in the other direction, and the shallow failures of cohesionless faces."""
     if answer.associated is not None and answer.associated.at_sides:
-        yield f"With ψ = φ the critical Kh is {answer.associated.kc:.4f}{_out_at(answer.associated.at_sides)}."
+        yield f"With ψ = φ the critical Kh is {coefficient(answer.associated.kc)}{_out_at(answer.associated.at_sides)}."
     other = answer.opposite
     if other is not None:
-        kh = f"above {other.kc:.4f}" if other.verdict == "no failure" else f"{other.kc:.4f}"
+        kh = f"{'above ' if other.verdict == 'no failure' else ''}{coefficient(other.kc)}"
         yield f"With the seismic force {FORCE[other.direction]} it is {kh}{_out_at(other.at_sides)}."
     for face in answer.shallow_failures:
         yield (
             f"Shallow failure of the face of {shown_name(face.stratum)} from x = {face.start_x_m:g} to "
-            f"{face.end_x_m:g} m ({face.angle_deg:.0f}°) at Kh = {max(face.kh, 0.0):.4f}; the slope as a whole fails "
-            f"at {answer.kc:.4f}."
+            f"{face.end_x_m:g} m ({face.angle_deg:.0f}°) at Kh = {coefficient(max(face.kh, 0.0))}; the slope as a "
+            f"whole fails at {coefficient(answer.kc)}."
         )
 
 
@@ -151,32 +166,35 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
     if answer.kc is None:
         yield f"Discs: no critical Kh: {answer.verdict}, {answer.reason}."
     elif answer.range is None or answer.target_kc is None:
-        yield (
-            f"Discs: critical Kh = {answer.kc:.4f} ({answer.kc_lower:.4f} to {answer.kc_upper:.4f}), not "
-            f"calibrated: {answer.reason}."
-        )
+        yield (f"Discs: critical Kh = {_bracket(answer)}, not calibrated: {answer.reason}.")
     elif answer.verdict == "calibrated":
         if answer.predicted_kc is not None and answer.predicted_ratio is not None:
             yield (
-                f"Discs, uncalibrated: critical Kh = {answer.predicted_kc:.4f}, {answer.predicted_ratio:.2f} "
+                f"Discs, uncalibrated: critical Kh = {coefficient(answer.predicted_kc)}, {answer.predicted_ratio:.2f} "
                 "times the lower end of that of the continuum with their boundary conditions."
             )
         yield (
-            f"Discs: critical Kh = {answer.kc:.4f} ({answer.kc_lower:.4f} to {answer.kc_upper:.4f}) for "
+            f"Discs: critical Kh = {_bracket(answer)} for "
             f"{_asked(answer, answer.target_kc)}, with {answer.parameter} = {answer.value:.4g}."
         )
     else:
         low, high = answer.range
         yield (
             f"Discs: {answer.parameter} from {low:g} to {high:g} does not reach critical Kh = "
-            f"{answer.target_kc:.4f}; nearest {answer.kc:.4f} at {answer.value:.4g}: {answer.reason}."
+            f"{coefficient(answer.target_kc)}; nearest {coefficient(answer.kc)} at {answer.value:.4g}: {answer.reason}."
         )
 
 
 def _asked(answer: CalibrationAnswer, target: float) -> str:
     """The target of the calibration: a range where the continuum has one and the discs lie within it."""
     low, high = answer.continuum_kc or (target, target)
-    return f"a target of {low:.4f} to {high:.4f}" if low < target < high else f"a target of {target:.4f}"
+    return f"a target of {between([low, high] if low < target < high else [target])}"
+
+
+def _bracket(answer: CalibrationAnswer) -> str:
+    """The critical Kh of the discs with its bracket."""
+    assert answer.kc is not None
+    return f"{coefficient(answer.kc)} ({between([answer.kc_lower, answer.kc_upper])})"
 
 
 def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
@@ -291,14 +309,14 @@ def _slices(config: Config, answer: SlicesAnswer) -> Iterator[str]:
     yield from structure_sentences(config, answer)
 
 
-def sentences(name: str, config: Config, store: Store) -> Iterator[str]:
-    """The result of one stage in sentences."""
+def sentences(name: str, config: Config, store: Store, every: bool = True) -> Iterator[str]:
+    """The result of one stage in sentences; with ``every`` also how the finite elements found theirs."""
     of_stage: dict[str, Callable[[], Iterator[str]]] = {
         "triggering": lambda: triggering_sentences(TriggeringAnswer.read(store)),
         "response": lambda: response_sentences(SiteResponseAnswer.read(store)),
         "liquefied": lambda: after.sentences(LiquefiedAnswer.read(store)),
         "mesh": lambda: mesh_sentences(config, store),
-        "fem": lambda: fem_sentences(FemAnswer.read(store), config.section),
+        "fem": lambda: fem_sentences(FemAnswer.read(store), config.section, every),
         "bounds": lambda: bounds_sentences(BoundsAnswer.read(store)),
         "slices": lambda: _slices(config, SlicesAnswer.read(store)),
         "calibrate": lambda: calibrate_sentences(CalibrationAnswer.read(store)),
@@ -312,7 +330,9 @@ def sentences(name: str, config: Config, store: Store) -> Iterator[str]:
 def run_lines(answer: Summary) -> list[str]:
     """Tell what a run found, in at most ten lines: the three numbers, criteria, stages without answer, warnings."""
     lines = [
-        f"{part.name}: {part.value}" + (f" ({part.interval})" if part.interval else "") for part in answer.headlines
+        f"{part.name}: {part.value}" + (f" ({part.interval})" if part.interval else "")
+        if part.value != NO_NUMBER else part.conclusion
+        for part in answer.headlines
     ]  # fmt: skip
     lines += verdict_paragraph(list(answer.criteria or ()))
     failed = [f"{stage}: no answer: {entry.reason}" for stage, entry in answer.no_answer.items()]

@@ -7,7 +7,7 @@ from fem.settings import Sides
 from workflow.report.console import meshes_sentences
 from workflow.report.findings import fail_alike
 from workflow.report.flow_rule import critical_with_flow
-from workflow.report.numbers import listed
+from workflow.report.numbers import coefficient, listed
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.continuum import FemAnswer, Variant
 from workflow.results.discs import DiscsAnswer
@@ -71,10 +71,10 @@ def _seen(variant: Variant, kc: float | None) -> str:
     if variant.kc is None or kc is None:
         return f"Here, {variant.change}: {variant.verdict}, {variant.reason}."
     without = variant.kc_without or kc
-    beside = f" instead of {without:.4f}" if variant.kc_without is not None else ""
+    beside = f" instead of {coefficient(without)}" if variant.kc_without is not None else ""
     by = 100.0 * (variant.kc / without - 1.0)
     much = f"{by:+.1f} %" if abs(by) >= 0.05 else "no change"
-    return f"Here, {variant.change}: critical Kh = {variant.kc:.4f}{beside} ({much})."
+    return f"Here, {variant.change}: critical Kh = {coefficient(variant.kc)}{beside} ({much})."
 
 
 def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str]]:
@@ -82,8 +82,8 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
     settings, mesh = fem.settings, fem.mesh
     yield (
         "Bracket",
-        f"Kh = {fem.kc_lower:.4f} stood, every step converged to {settings.tolerance:g} of the weight; on this mesh "
-        f"the path rises to at most {fem.kc_upper:.4f}. Why it ended: {fem.reason}.",
+        f"Kh = {coefficient(fem.kc_lower)} stood, every step converged to {settings.tolerance:g} of the weight; on "
+        f"this mesh the path rises to at most {coefficient(fem.kc_upper)}. Why it ended: {fem.reason}.",
         "",
     )
     yield (
@@ -111,7 +111,7 @@ def _dilation(fem: FemAnswer) -> str:
     how = FLOWS[fem.flow]
     if fem.associated is None and fem.davis is None:
         return how
-    return f"{how} Critical Kh = {critical_with_flow(fem, '{:.4f}'.format)}."
+    return f"{how} Critical Kh = {critical_with_flow(fem, coefficient)}."
 
 
 def _bounds(results: Results, bounds: BoundsAnswer) -> str:
