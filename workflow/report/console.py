@@ -166,7 +166,7 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
     if answer.kc is None:
         yield f"Discs: no critical Kh: {answer.verdict}, {answer.reason}."
     elif answer.range is None or answer.target_kc is None:
-        yield (f"Discs: critical Kh = {_bracket(answer)}, not calibrated: {answer.reason}.")
+        yield (f"Discs: critical Kh = {_bracket(answer.kc, answer)}, not calibrated: {answer.reason}.")
     elif answer.verdict == "calibrated":
         if answer.predicted_kc is not None and answer.predicted_ratio is not None:
             yield (
@@ -174,7 +174,7 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
                 "times the lower end of that of the continuum with their boundary conditions."
             )
         yield (
-            f"Discs: critical Kh = {_bracket(answer)} for "
+            f"Discs: critical Kh = {_bracket(answer.kc, answer)} for "
             f"{_asked(answer, answer.target_kc)}, with {answer.parameter} = {answer.value:.4g}."
         )
     else:
@@ -191,10 +191,10 @@ def _asked(answer: CalibrationAnswer, target: float) -> str:
     return f"a target of {between([low, high] if low < target < high else [target])}"
 
 
-def _bracket(answer: CalibrationAnswer) -> str:
+def _bracket(kc: float, answer: CalibrationAnswer) -> str:
     """The critical Kh of the discs with its bracket."""
-    assert answer.kc is not None
-    return f"{coefficient(answer.kc)} ({between([answer.kc_lower, answer.kc_upper])})"
+    upper = kc if answer.kc_upper is None else answer.kc_upper
+    return f"{coefficient(kc)} ({between([answer.kc_lower, upper])})"
 
 
 def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:

@@ -11,6 +11,7 @@ from workflow.report.findings import CONTRADICTED, lies_still
 from workflow.report.numbers import coefficient, span
 from workflow.report.paper import rows
 from workflow.report.texts import Texts
+from workflow.report.verdicts import spared
 from workflow.report.warnings import of_cases
 from workflow.results.answer import FORCE
 from workflow.results.cases import CaseAnswer
@@ -73,6 +74,14 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
         phrase += " " + _(
             "With Davis reduced strength, a low estimate for soil that dilates less, it is {kc}.",
             kc=coefficient(fem.davis.kc) if fem.davis.verdict in ("plateau", "peak") else "0",
+        )
+    if names := spared(results, results.slip_surface):
+        x = [point[0] for point in results.slip_surface]
+        phrase += " " + _(
+            "This mechanism reaches from x = {left} to {right} m, and no crest slides with it ({structures}).",
+            left=f"{min(x):.0f}",
+            right=f"{max(x):.0f}",
+            structures=_.listed(names),
         )
     return HeadlinePart(name=name, value=coefficient(fem.kc), interval=_interval(error, _), conclusion=phrase)
 

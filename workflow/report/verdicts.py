@@ -1,6 +1,6 @@
 """Verdicts on the criteria: satisfied, not satisfied, or not decided."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from workflow.results.verdicts import Criterion, VerdictPart
 
 Found = tuple[str, float | None, float | None, str]  # of what, ends of the interval, why there is no answer
 AT_LEAST: tuple[Criterion, ...] = ("factor of safety", "critical Kh", "freeboard")
+OF_FACES: tuple[Criterion, ...] = ("factor of safety", "critical Kh")  # of structures, where there are any
 OPEN = float("inf")  # the upper end of what still grows
 TINY = 1e-3  # m: slides of less have no spread
 
@@ -65,8 +66,8 @@ def _factors(results: Results, kh: float) -> Iterator[Found]:
         for of, groups in faces or [("the section", results.slices.factors)]:
             yield from _by_slices(of, [circle for group in groups if group.kh == kh for circle in group.circles])
     fem = results.fem
-    for group in fem.safety_factors if fem is not None and not _has_faces(results.slices) else ():
-        if group.kh == kh:
+    for group in fem.safety_factors if fem is not None else ():
+        if group.kh == kh and _is_of_section(results, group.slip_surface):
             yield "the section by finite elements", group.factor, max(group.factor, group.upper), ""
 
 
@@ -78,12 +79,24 @@ def _critical(results: Results) -> Iterator[Found]:
         ]
         for of, circles in faces or [("the section", list(results.slices.critical))]:
             yield from _by_slices(of, circles)
-    if results.kc is not None and results.fem is not None and not _has_faces(results.slices):
+    if results.kc is not None and results.fem is not None and _is_of_section(results, results.slip_surface):
         yield "the section by finite elements", results.kc, max(results.kc, results.fem.kc_upper), ""
 
 
-def _has_faces(slices: SlicesAnswer | None) -> bool:
-    return slices is not None and bool(_sliding(slices))
+def _is_of_section(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) -> bool:
+    """Whether a mechanism of the finite elements counts: with faces of structures only if a crest slides with it."""
+    if results.slices is None or not _sliding(results.slices):
+        return True
+    return not spared(results, surface)
+
+
+def spared(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) -> list[str]:
+    """Names of the structures, where none of their crests lies above a slip surface (n, 2) in m; else none."""
+    structures = structures_of(results.config.section)
+    points = [(float(x), float(z)) for x, z in surface]
+    if not points or any(structure.slides_with(points) for structure in structures):
+        return []
+    return [structure.name for structure in structures]
 
 
 def _sliding(slices: SlicesAnswer) -> list[FacePart]:
@@ -186,8 +199,10 @@ def verdict_paragraph(parts: list[VerdictPart]) -> Iterator[str]:
         worst = deciding[:3] if verdict != "satisfied" else []
         why = "" if not worst else f" ({listed([_words(part) for part in worst])})"
         least = "at least" if criterion in AT_LEAST else "at most"
+        by_section = criterion not in OF_FACES or any(part.of.startswith("the section") for part in parts_of_criterion)
+        whose = "" if by_section else " of the faces of structures"
         source = f" [{parts_of_criterion[0].source}]" if parts_of_criterion[0].source else ""
-        phrases.append(f"{criterion} {least} {limit_words(parts_of_criterion[0])}{source}: {verdict}{why}")
+        phrases.append(f"{criterion}{whose} {least} {limit_words(parts_of_criterion[0])}{source}: {verdict}{why}")
     if phrases:
         yield f"Criteria: {'; '.join(phrases)}."
 

@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 
 from tests.support import TOP, dem_fixture
-from tests.support.answers import results
+from tests.support.answers import fem, results
 from tests.support.sections import analysed
 from workflow.config import Config
 from workflow.report.console import slide_sentences
 from workflow.report.crests import crest_parts
+from workflow.report.first_page import headlines
 from workflow.report.structures import face_rows, structure_sentences
+from workflow.report.texts import Texts
 from workflow.report.verdicts import verdict_paragraph, verdicts
 from workflow.results.answer import SectionLabel, line
 from workflow.results.cases import CaseAnswer, CasesAnswer
@@ -134,8 +136,22 @@ def test_criteria_are_satisfied_or_not_or_not_decided() -> None:
     assert told["freeboard", "discs, case 1, median"] == "satisfied"
     assert told["freeboard", "case 2, low strength"] == "not decided"  # of which no slide was computed
     (paragraph,) = verdict_paragraph(found)
-    assert "factor of safety at least 1.30 at Kh = 0 [design brief]: satisfied;" in paragraph
+    assert "factor of safety of the faces of structures at least 1.30 at Kh = 0 [design brief]: satisfied;" in paragraph
     assert "crest settlement at most 0.40 m: not satisfied (" in paragraph
+
+
+def test_finite_elements_are_held_against_a_criterion_where_a_crest_slides_with_them() -> None:
+    """Else the first page tells that no crest slides with their mechanism, beside a criterion of the faces alone."""
+    config = levee(criteria={"critical_kh": {"limit": 0.1}})
+    elements, shown = fem(config, 0.078), Texts()
+    for surface, verdict in ((((40.0, 6.0), (46.0, 9.0)), "satisfied"), (((40.0, 6.0), (70.0, 15.0)), "not satisfied")):
+        states = tuple(state.model_copy(update={"slip_surface": surface}) for state in elements.states)
+        answer = elements.model_copy(update={"states": states})
+        found = results(config, fem=answer, slices=by_slices(config))
+        (paragraph,) = verdict_paragraph(verdicts(found))
+        assert f"0.100: {verdict}" in paragraph
+        apart = "from x = 40 to 46 m, and no crest slides with it" in headlines(found, shown)[0].conclusion
+        assert apart == ("of the faces of structures" in paragraph) == (verdict == "satisfied")
 
 
 def test_a_face_that_slides_without_shaking_keeps_no_displacement() -> None:
