@@ -1,6 +1,7 @@
 """Pictures of the strict bounds: the mechanism of the upper one, the stress of the lower one, the triangles."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pyvista as pv
@@ -25,6 +26,9 @@ DISSIPATION_COLOURS = ("#f7f5ee", "#e9e4cf", "#e6d5a0", "#eab464", "#e3863c", "#
 YIELD = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
 YIELD_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a", "#b3202c")
 ARROWS = "#1f6fb2"
+# A mechanism whose points with this share of its largest velocity lie within such a share of the width is shown alone,
+# with so much around it.
+MOVES, NARROW, AROUND = 0.02, 0.3, 0.5
 
 
 def draw_all(config: Config, bounds: KhBounds, store: Store) -> None:
@@ -64,7 +68,11 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
     mesh = problem.mesh_in_metres
     velocity = np.zeros_like(mesh.points)
     velocity[mesh.cells] = mechanism.velocity[:, :3]
-    fastest = float(np.hypot(*velocity.T).max())
+    speed = np.hypot(*velocity.T)
+    fastest = float(speed.max())
+    near = Window.around(mesh.points[speed > MOVES * fastest], AROUND)
+    if near.right - near.left < NARROW * (window.right - window.left):  # all of a small failure would be a few pixels
+        window = replace(near, bottom=near.bottom - 0.3 * (near.top - near.bottom))
     stretch = 0.05 * (window.right - window.left) / fastest
 
     def arrows(plotter: pv.Plotter) -> None:
@@ -77,7 +85,7 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
         tip = pv.Arrow(tip_length=0.3, tip_radius=0.10, shaft_radius=0.03)
         plotter.add_mesh(points.glyph(orient="v", scale="v", factor=1.0, geom=tip), color=ARROWS, lighting=False)
 
-    title = f"Upper bound, Kh = {mechanism.multiplier:.4f}"
+    title = f"{config.section.heading}: upper bound, Kh = {mechanism.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion] * 3, foot(config.section), legend_rows=3)
     sheet.show(0, render(window, arrows), window, "velocities of the mechanism; its size is arbitrary")
     views = (
@@ -97,7 +105,7 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
 
 def _stress_sheet(config: Config, bounds: KhBounds, stress: StressField, window: Window) -> Sheet:
     mesh = stress.problem.mesh_in_metres
-    title = f"Lower bound, Kh = {stress.multiplier:.4f}"
+    title = f"{config.section.heading}: lower bound, Kh = {stress.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion], foot(config.section), legend_rows=3)
     image = render(window, _classes(mesh, yield_use(stress), YIELD, YIELD_COLOURS))
     sheet.show(0, image, window, "how much of its strength the ground needs, at the worst corner of each triangle")

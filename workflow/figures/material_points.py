@@ -10,6 +10,13 @@ from workflow.figures.canvas import CONTINUUM, INK, Sheet
 from workflow.results.material_points import PointSlidesAnswer
 
 
+def _seen_from_above(surface: np.ndarray, cell: float) -> np.ndarray:
+    """The highest point (n, 2) of every half a ``cell`` (m): a front that rolled over has several."""
+    _, place = np.unique(np.floor(2.0 * surface[:, 0] / cell), return_inverse=True)
+    order = np.lexsort((surface[:, 1], place.ravel()))
+    return surface[order][np.append(np.diff(place.ravel()[order]) > 0, True)]
+
+
 def profiles(config: Config, answer: PointSlidesAnswer, out: Path) -> None:
     """The surface of every case before and after its slide by the material point method, x and elevation in m."""
     title = f"{config.section.heading}: slides by the material point method, cells of {answer.cell_m:.2g} m"
@@ -18,7 +25,7 @@ def profiles(config: Config, answer: PointSlidesAnswer, out: Path) -> None:
         last = view == len(answer.cases) - 1
         name = f"{config.called(number)}: slides at most {case.slide_max_m:.2f} m; {case.reason}"
         axes = sheet.plot(view, "distance x (m)" if last else "", "elevation (m)", name)
-        before, after = np.array(case.surface_before), np.array(case.surface_after)
+        before, after = np.array(case.surface_before), _seen_from_above(np.array(case.surface_after), answer.cell_m)
         axes.plot(*after.T, color=CONTINUUM, linewidth=1.3)
         axes.plot(*before.T, color=INK, linewidth=0.9, linestyle=(0, (4, 2)))
         axes.set_xlim(before[0, 0], before[-1, 0])

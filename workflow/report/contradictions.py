@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from dem.settings import Case
-from workflow.report.numbers import coefficient, listed, metre_range, metres
+from workflow.report.numbers import coefficient, listed, metre_range
 from workflow.results.cases import CaseAnswer, RandomPackings
 from workflow.results.discs import DiscsAnswer, DiscSearch
 from workflow.results.results import Results
@@ -76,10 +76,10 @@ def of_sides(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
     for side in ("left", "right"):
         held = [number for number, case in cases.items() if case.stopped_by == side]
         if held:
-            lengths = listed([metres(cases[number].slide_max_m) for number in held])
+            lengths = metre_range([cases[number].slide_max_m for number in held])
             yield (
-                f"the {side} side of the disc model stopped {_cases(held)}: {lengths} "
-                f"{'are' if len(held) > 1 else 'is'} the least that the ground slides; take a longer section (beyond)"
+                f"the {side} side of the disc model stopped {_cases(held)}: {lengths} is "
+                f"the least that the ground slides; take a longer section (beyond)"
             )
 
 

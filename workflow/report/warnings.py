@@ -18,8 +18,8 @@ CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond th
 SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apart than this are told
 DECIDE = 1.15  # times, or divided by it: other sides that change the critical Kh by more decide it
 OPEN = 1.1  # times: a critical Kh that may be so much larger than the one the discs are brought to is told
-# A number in a note, and what is none though it has digits: what stands in quotation marks, and names as Ac1.
-NUMBER = re.compile(r'("[^"]*")|(?<![\w.])(\d+(?:\.\d+)?)(?![\w.]*\w)')
+# A number or a range in a note, and what is none though it has digits: what stands in quotes, and names as Ac1.
+NUMBER = re.compile(r'("[^"]*")|(?<![\w.])(\d+(?:\.\d+)?(?: to \d+(?:\.\d+)?)?)(?![\w.]*\w)')
 
 
 def warnings(results: Results) -> list[WarningPart]:
@@ -182,7 +182,9 @@ def joined(notes: Mapping[int, Sequence[str]]) -> Iterator[str]:
 
 
 def _range(numbers: Sequence[str]) -> str:
-    low, high = min(numbers, key=float), max(numbers, key=float)
+    """The range of numbers, of which each may be a range."""
+    ends = [end for number in numbers for end in number.split(" to ")]
+    low, high = min(ends, key=float), max(ends, key=float)
     return low if float(low) == float(high) else f"{low} to {high}"
 
 

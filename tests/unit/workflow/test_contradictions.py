@@ -83,7 +83,7 @@ def test_a_ratio_and_a_strength_are_not_compared() -> None:
 def test_a_side_of_the_box_that_stops_a_slide_is_no_rest(run: Config) -> None:
     held = slides(run, 48.0, 45.0, stopped_by="right")
     [told] = of_sides(held.sets["calibrated"])
-    assert told.startswith("the right side of the disc model stopped cases 1 and 2: 48 m and 45 m are")
+    assert told.startswith("the right side of the disc model stopped cases 1 and 2: 45 to 48 m is")
     assert told.endswith("take a longer section (beyond)")
     assert list(of_sides(slides(run, 3.0).sets["calibrated"])) == []
     assert any("side of the disc model stopped" in one for one in warned(results(run, cases=held)))
