@@ -34,6 +34,7 @@ class Acceleration:
         """Kh in a frame whose x axis dips by `tilt` (rad) below the horizontal: positive Kh pushes downhill.
 
         ramp (start, end) in s: from nothing to all in between, as smoothly as a half cosine.
+        kh: seismic coefficient (-); g: gravity (m/s2).
         """
         ax, az = g * (kh * np.cos(tilt)), g * (kh * np.sin(tilt))
         if ramp is None:

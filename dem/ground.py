@@ -97,6 +97,7 @@ class Ground:
     def held(self, kh: float, start: float, rise: float, seconds: float | None) -> Acceleration:
         """Kh that rises in `rise` seconds from `start` (s), is held, and falls to zero within a second; + is downhill.
         seconds: from `start` until it begins to fall; None if it is held for ever.
+        kh: seismic coefficient that is held (-).
         """
         on = self.shaking(0.0, kh, start, start + rise)
         if seconds is None:
@@ -115,7 +116,10 @@ class Ground:
         return Acceleration.seismic(self.downhill * kh, tilt=self.tilt)
 
     def shaking(self, before: float, after: float, start: float, end: float) -> Acceleration:
-        """Kh that changes from one value to another between two times (s), along a half cosine; + is downhill."""
+        """Kh that changes from one value to another between two times (s), along a half cosine; + is downhill.
+
+        before, after: Kh before and after (-); start, end: the times (s).
+        """
         change = Acceleration.seismic(self.downhill * (after - before), tilt=self.tilt, ramp=(start, end))
         held = self.steady(before)
         return Acceleration(change.times, change.x + held.x[0], change.z + held.z[0])

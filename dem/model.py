@@ -129,6 +129,7 @@ class DiscModel(DiscState):
         """Velocities (m/s, 1/s) of all discs, or of those in the mask `where`, from now on.
 
         Fixed discs keep the velocity they are given: that moves a boundary.
+        vx, vz: (m/s); spin: (1/s).
         """
         chosen = np.ones(len(self), bool) if where is None else where
         rim_speed = np.broadcast_to(spin, int(chosen.sum())) * self.radius[chosen]

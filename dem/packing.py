@@ -91,6 +91,7 @@ def lattice_box(columns: int, rows: int, radius: float) -> Packing:
 def triangular_lattice(outline: np.ndarray, stratum_at: StratumAt, radius: float, *, angle: float = 0.0) -> Packing:
     """Equal discs on a triangular lattice whose rows rise by `angle` (rad); all discs that lie entirely inside.
 
+    outline: (n, 2) polygon (m); stratum_at: number of the stratum at points x, z; radius: of the discs (m).
     Raises ValueError if none does.
     """
     outline = _checked(outline)
@@ -123,6 +124,8 @@ def random_packing(
 
     radius: their mean (m); spread: half the width of their uniform distribution over the mean; porosity: voids over
     area; seed: of the random numbers, the same gives the same packing.
+    outline: (n, 2) polygon (m); stratum_at: number of the stratum at points x, z; sweeps: how often discs are pushed
+    apart at most.
     Raises ValueError if the discs do not fit, saying how far they came; 2-D heaps jam at a porosity of 0.16 or so.
     """
     outline = _checked(outline)
@@ -183,7 +186,11 @@ def nearest_edge(px: float, pz: float, outline: np.ndarray) -> tuple[float, floa
 def spread_out(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, i: np.ndarray, j: np.ndarray, outline: np.ndarray, sweeps: int
 ) -> None:
-    """Pushes overlapping discs apart, and those too near the outline inwards."""
+    """Pushes overlapping discs apart, and those too near the outline inwards.
+
+    x, z: places (m), changed here; radius: (m); i, j: pairs that may overlap; outline: (n, 2)
+    polygon (m); sweeps: how often.
+    """
     for _ in range(sweeps):
         for c in range(len(i)):
             a, b = i[c], j[c]

@@ -179,6 +179,8 @@ def from_soil(
     stiffness_scale: factor on the springs of eqs. (9)-(13); Table 2 was printed with 0.01.
     damping_ratio: factor on sqrt(m K), which is half of critical for one disc on a fixed spring.
     Element and pore spring in series make the spring of the soil, eqs. (11)-(13): K_e = (1 + 1/t) K, K_p = t K_e.
+    name: of the layer; poissons_ratio: (-); pore_share: t of eqs. (11)-(13); void_ratio: of the soil (-); alpha: reach
+    of pore springs in radii; beta: of eq. (15), length at which a pore spring cracks.
     """
     vp, vs = wave_speeds(youngs_modulus, poissons_ratio, density)
     series = (1.0 + 1.0 / pore_share) * np.pi / 4.0 * density * stiffness_scale

@@ -51,6 +51,7 @@ def tied_packing(
     """So many mean diameters of discs along and up; spread: half the width of their radii over the mean.
 
     They overlap here and there by some per cent of a radius, which settling takes away.
+    columns, rows: numbers of mean diameters; radius: mean (m); porosity: voids over area; seed: of the random numbers.
     """
     rng = np.random.default_rng(seed)
     length, height = 2.0 * radius * columns, 2.0 * radius * rows

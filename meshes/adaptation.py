@@ -93,7 +93,10 @@ def adapted(
 
 
 def wanted_sizes(mesh: QuadMesh, indicator: np.ndarray, cells: float, largest: float) -> np.ndarray:
-    """Size (m) of new cells that make about so many ``cells``, none above ``largest``; at the points (n,) of a mesh."""
+    """Size (m) of new cells that make about so many ``cells``, none above ``largest``; at the points (n,) of a mesh.
+
+    ``indicator`` (n,): at the points of ``mesh``; cells are small where it is large.
+    """
     area = areas(mesh.points, mesh.cells)
     least = np.sqrt(area) / FINER
     shape = np.maximum(indicator, FLOOR * indicator.max(initial=0.0)) if indicator.any() else np.ones_like(indicator)

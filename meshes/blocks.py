@@ -73,7 +73,9 @@ def share_out(total: int, weights: Sequence[float] | np.ndarray) -> np.ndarray:
 
 def divisions(blocks: Blocks, columns: int | None, rows: int | None, size: float | None) -> tuple[int, int]:
     """Columns and rows as asked for; else from ``size`` (m); else 12 rows or one for each layer, and columns that
-    make the cells half as wide again as high."""
+    make the cells half as wide again as high.
+    ``blocks``: of the section; ``columns``, ``rows``: wanted numbers, or None.
+    """
     widths, thickness = np.diff(blocks.x), band_thickness(blocks)
     if size is not None:
         rows = rows or max(round(thickness.sum() / size), len(thickness))

@@ -69,6 +69,7 @@ class Executor(futures.Executor):
 
         In this thread ``heard`` hears what a task tells, with the place of its input, and ``done`` every result as it
         comes.
+        ``inputs``: one for each task.
         """
         results = []
         for place, task_input in enumerate(inputs):
@@ -217,7 +218,10 @@ class Processes(Executor):
         heard: Callable[[int, Any], None] | None = None,
         done: Callable[[int, Found], None] | None = None,
     ) -> list[Found]:
-        """See `Executor.compute`. A single task, or all for one process, are done in this one."""
+        """See `Executor.compute`. A single task, or all for one process, are done in this one.
+
+        ``work``, ``inputs``, ``heard``, ``done``: as there.
+        """
         if self.count < 2 or len(inputs) < 2:
             return super().compute(work, inputs, heard, done)
         news: SimpleQueue[tuple[int, bool, Any]] = SimpleQueue()

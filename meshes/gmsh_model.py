@@ -98,6 +98,7 @@ def free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path: Path
 
     Of the settings only the thickness counts in which a layer ends that thins out. Raises BadMeshError, the first
     one's, if none does.
+    ``section``: the ground; ``sizes``: of cells (m); ``path``: of the .msh file to write, or None.
     """
     try:
         return _in_fresh_processes.submit(
@@ -108,7 +109,10 @@ def free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path: Path
 
 
 def make_free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path: Path | str | None = None) -> QuadMesh:
-    """Make a free mesh in this process."""
+    """Make a free mesh in this process.
+
+    ``section``, ``settings``, ``sizes``, ``path``: as in ``free_mesh``.
+    """
     layers, _ = settings.meshed_layers(section)
     failure: BadMeshError | None = None
     best: QuadMesh | None = None
@@ -211,7 +215,10 @@ def _from_gmsh(section: Section, method: str) -> QuadMesh:
 
 
 def refuse_bare_ground(cells: np.ndarray, boundary: np.ndarray, tags: np.ndarray, coordinates: np.ndarray) -> None:
-    """Raise BadMeshError unless the outer edges of the cells are those (n, 2) of the boundary."""
+    """Raise BadMeshError unless the outer edges of the cells are those (n, 2) of the boundary.
+
+    ``tags``, ``coordinates``: of all nodes, as gmsh lists them.
+    """
     bare = without_cells(cells, boundary)
     if len(bare):
         x, z, _ = coordinates.reshape(-1, 3)[np.flatnonzero(tags == bare[0, 0])[0]]
@@ -241,7 +248,10 @@ def refuse_other_ground(mesh: QuadMesh, layers: Layering) -> None:
 
 
 def group_nodes(dimension: int, name: str, element_type: int, corners: int) -> np.ndarray:
-    """Node tags (n, corners) of a named group, in the order of its entities."""
+    """Node tags (n, corners) of a named group, in the order of its entities.
+
+    ``dimension``: of the group; ``name``: of the group; ``element_type``: gmsh's number; ``corners``: of an element.
+    """
     for group_dimension, tag in gmsh.model.getPhysicalGroups(dimension):
         if gmsh.model.getPhysicalName(group_dimension, tag) == name:
             entities = gmsh.model.getEntitiesForPhysicalGroup(dimension, tag)

@@ -53,7 +53,10 @@ def outward_normals(mesh: TriMesh, cells: np.ndarray, ends: np.ndarray) -> np.nd
 
 
 def at_ends(mesh: TriMesh, values: np.ndarray, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Values (k, 2) at the ends of edges (k, 2) of cells (k,), from values (m, 3) at the corners of all cells."""
+    """Values (k, 2) at the ends of edges (k, 2) of cells (k,), from values (m, 3) at the corners of all cells.
+
+    ``mesh``: triangles; ``values`` (m, 3); ``cells`` (k,); ``ends`` (k, 2): numbers of points.
+    """
     corner = np.argmax(mesh.cells[cells][:, None, :] == ends[:, :, None], axis=2)
     return values[cells[:, None], corner]
 

@@ -84,6 +84,7 @@ def ground_after_triggering(
 ) -> Section:
     """The section in which each triggered stratum liquefies in all ``cases`` or in none, with excess pore pressures.
 
+    ``assessment``: answer of triggering; ``settings``: of triggering.
     Raises InputError for triggered strata below water in which no boring has a blow count.
     """
     pairs = list(zip(section.strata, assessment.strata, strict=True))

@@ -161,7 +161,10 @@ class Config(Tables):
         return self._left_open
 
     def analysed(self, section: Section, slide: SlideSettings, cases: Sequence[Case], keys: Sequence[str]) -> Self:
-        """The config completed by analyses: ground, slides, cases of blow counts; ``keys`` are of the earthquake."""
+        """The config completed by analyses: ground, slides, cases of blow counts; ``keys`` are of the earthquake.
+
+        ``section``: the ground; ``slide``: settings of slides.
+        """
         tables = {name: getattr(self, name) for name in self.tables()}
         config = type(self).model_construct(section=section, **{**tables, "slide": slide})
         config._written, config._derived_cases = self._written, tuple(cases)

@@ -126,7 +126,10 @@ def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> 
 def mesh_options(
     refine: int | None, size: str | None, free: bool, columns: int | None = None, rows: int | None = None
 ) -> dict[str, Any]:
-    """The options of `mesh` as settings; a plain number for the size is metres."""
+    """The options of `mesh` as settings; a plain number for the size is metres.
+
+    ``refine``, ``free``, ``columns``, ``rows``: as on the command line, None where not given.
+    """
     try:
         wanted: str | float | None = size if size is None else float(size)
     except ValueError:

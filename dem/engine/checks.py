@@ -89,7 +89,10 @@ def check_escape(model: DiscModel, kept: str) -> None:
 
 
 def check_balance(model: DiscModel, energies: EnergyBalance, tolerance: float, kept: str) -> None:
-    """Raises EnergyBalanceError if more than `tolerance` of the energy turned over is not accounted for."""
+    """Raises EnergyBalanceError if more than `tolerance` of the energy turned over is not accounted for.
+
+    model: the discs; energies: balance since the start; kept: sentence on what was kept of the run.
+    """
     if not abs(energies.gap) <= tolerance * energies.turnover:
         speed = np.hypot(model.vx, model.vz) * np.sqrt(model.mass) * ~model.fixed
         disc = int(np.argmax(speed))

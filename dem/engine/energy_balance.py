@@ -58,7 +58,11 @@ class EnergyBalance:
 
     @classmethod
     def of(cls, measured: np.ndarray, sums: np.ndarray, edits: float, turnover: float) -> "EnergyBalance":
-        """From what the kernels return: `energy.energies` and the sums of all slices."""
+        """From what the kernels return: `energy.energies` and the sums of all slices.
+
+        measured: (ENERGIES,) energies now (J); sums: (slices, ENERGY_COLUMNS) work and losses (J); edits: energy that
+        changes of the model added (J); turnover: energy turned over so far (J).
+        """
         total = sums.sum(axis=0)
         balance = cls(
             translation=float(measured[energy.TRANSLATION]),

@@ -42,6 +42,7 @@ def pack(model: DiscModel, *, keep_pairs: bool = True, in_ranges: Ranges = seria
 
     keep_pairs: False takes the pairs out of the model, until `unpack` brings them back: there is no need to hold them
     twice. room: reusable memory for the largest arrays; an earlier layout in it becomes invalid.
+    in_ranges: how loops over contacts are run, in this thread or in several.
     """
     room = Room() if room is None else room
     n = len(model)

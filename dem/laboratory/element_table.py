@@ -56,7 +56,11 @@ def element_tests(
     seed: int = 0,
     executor: Executor = SERIAL,
 ) -> list[dict[str, Any]]:
-    """Every layer as a lattice and as a random packing; a test that cannot be done says why."""
+    """Every layer as a lattice and as a random packing; a test that cannot be done says why.
+
+    section: the ground; layers: springs of each stratum; radius: of the discs (m); seed: of the random packing;
+    executor: computes the tests.
+    """
     stresses = middle_stresses(section)
     tests = [
         (section.strata[k], Sample(layers[k], packing, radius, seed), [float(share * stresses[k]) for share in SHARES])

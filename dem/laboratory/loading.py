@@ -155,6 +155,7 @@ def load(
     biaxial: shorter in z, the lateral stress kept at the pressure; simple shear: no strain along x, the vertical stress
     kept. Once well past its peak a test is over, unless it is to go `to_the_end`; one that cannot go on ends with the
     reason in `stopped`.
+    kind: of the test; stiffness: plane elastic constants of the confined patch.
     """
     per_second = rate / patch.time_unit
     lengths = 1.0 + np.arange(INTERVALS) / GROWTH

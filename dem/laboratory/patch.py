@@ -244,7 +244,11 @@ def random_patch(
     seed: int = 0,
     law: Law = "paper",
 ) -> Patch:
-    """Discs of `random_packing` in the same space; those at its rim, as deep as pore springs reach, are the frame."""
+    """Discs of `random_packing` in the same space; those at its rim, as deep as pore springs reach, are the frame.
+
+    layer: springs; radius: of the discs (m); size: half width and half height in radii and rows; seed: of the packing;
+    law: of the contacts.
+    """
     half = radius * np.array([size[0], size[1] * ROW])
     packing = _heap(float(half[0]), float(half[1]), radius, seed, law)
     x, z = packing.x, packing.z

@@ -95,7 +95,9 @@ class StrengthMap:
 
     def normal_stiffness(self, youngs_modulus: float, pressure: float, friction: float, cohesion: float) -> float:
         """kn (N/m) with which patches have this Young's modulus (Pa) at this pressure (Pa); cohesion: C over the
-        diameter (Pa), whose pull presses contacts together as well."""
+        diameter (Pa), whose pull presses contacts together as well.
+        youngs_modulus: (Pa); friction: of the contacts (-).
+        """
         power = LOOSENS[cohesion > 0.0]
         modulus = float(self._at(self.modulus, friction, np.array([cohesion / pressure]))[0])
         stiff = youngs_modulus / modulus / (KAPPA * (pressure + ATTRACTION * cohesion)) ** power

@@ -214,6 +214,7 @@ class Push:
     """
 
     def __init__(self, angle: float, kh: float, seconds: float, rows: np.ndarray, rest: UntilRest) -> None:
+        """angle: of the slope (rad); kh: held for `seconds` (s); rows (k, 3): time, slide, speed; rest: its end."""
         self.angle, self.kh, self.seconds, self.rest = angle, kh, seconds, rest
         self.time, self.slide, self.speed = rows.T
 

@@ -178,7 +178,10 @@ class Calibrator:
         return self.rested[key]
 
     def search(self, parameter: str, factor: float, threads: int = 1, *, fine: bool = True) -> Search:
-        """The critical Kh with a factor on a parameter; fine: within half the tolerance, if that is less."""
+        """The critical Kh with a factor on a parameter; fine: within half the tolerance, if that is less.
+
+        threads: of the engine.
+        """
         key = key_of(parameter, factor)
         if key in self.searches:
             return self.searches[key]
@@ -261,7 +264,11 @@ def choose(calibrator: Calibrator, table: Sequence[tuple[str, float, Search]], t
 def best(
     calibrator: Calibrator, target: float, parameter: str, table: Sequence[tuple[str, float, Search]]
 ) -> Calibration:
-    """Calibrates one parameter; "auto" is that of `choose`, or all together where that one jumps past the target."""
+    """Calibrates one parameter; "auto" is that of `choose`, or all together where that one jumps past the target.
+
+    calibrator: of the discs; target: critical Kh to reach; parameter: its name; table: searches done (name, factor,
+    result).
+    """
     if parameter == "auto" and calibrator.settings.model == "soil":
         parameter = "strength"
     if parameter != "auto":

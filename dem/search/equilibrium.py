@@ -228,7 +228,10 @@ def calm_down(model: DiscModel, ground: Ground, under: str) -> None:
 
 
 def calm(model: DiscModel, seconds: float, last: float, threads: int = 1) -> tuple[float, float]:
-    """Takes discs on with kinetic damping. last: kinetic energy they were left with (J/m); returns it, and the most."""
+    """Takes discs on with kinetic damping. last: kinetic energy they were left with (J/m); returns it, and the most.
+
+    model: the discs; seconds: how long; threads: of the engine.
+    """
     count = round(LOOK / PULSE)
     most = 0.0
     with Pulses(model, STEP, threads) as pulses:
@@ -277,6 +280,8 @@ def try_kh(
     below their limits. Fails: the displacement since `before` exceeds `growth` times the elastic one and grew
     at every look of the last period, and neither ratio is below its limit. Else undecided: after `patience` periods, or
     when a DemError stopped the discs.
+    settings: of the discs; rise: from which Kh to which, and the elastic displacement per Kh (m); threads: of the
+    engine.
     """
     from_kh, kh, flexibility = rise
     cycle = period(model, ground)

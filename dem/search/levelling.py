@@ -38,6 +38,7 @@ def levelled(section: Section, packing: Packing, radius: float, spread: float) -
     """The packing without the discs whose tops stand out of the surface, and with its hollows filled.
 
     Its discs that can move have no stratum yet (number 0): whoever asks for this gives each that in which it lies.
+    section: the ground; radius: mean of the discs (m); spread: half the width of the radii over the mean.
     """
     discs = np.column_stack([packing.x, packing.z, packing.radius])
     held, discs = discs[~packing.free], discs[packing.free]

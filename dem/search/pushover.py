@@ -108,6 +108,8 @@ def pushover_critical_kh(
     on_trial hears of every point of the curve.
     Undecided where a DemError stopped the discs before the end of the curve; where one comes later, the discs are
     those of the end of the curve.
+    ground: in which the discs lie; settings: of the discs; continuum: critical Kh and yield displacement (m) of the
+    finite elements; threads: of the engine.
     """
     if min(continuum.kc, continuum.yielding) <= 0.0:
         raise ValueError(f"{continuum}: expected a critical Kh and a displacement above 0")

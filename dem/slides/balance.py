@@ -46,6 +46,7 @@ def asked_for(
 
     drained: by stratum, the share of its volume. Springs that shorten by a share of the distance of two discs take
     twice that share of the area of their stratum.
+    start, model: discs at the start and now; strata: numbers of the softened ones; area: of the ground (m2).
     """
     discs = disc_area(start)
     gone = sum(share * disc_area(start, [k]) for k, share in drained.items())

@@ -83,7 +83,10 @@ class Drive:
 
 
 def held(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings) -> Drive:
-    """A constant Kh; all strata liquefy together, those of soil discs once Kh has its full value."""
+    """A constant Kh; all strata liquefy together, those of soil discs once Kh has its full value.
+
+    start: discs at rest; ground: in which they lie; settings: of the slide.
+    """
     lead, onset = LEAD[start.law], settings.onset_of(start.law)
     begin = lead + onset
     return Drive(
@@ -99,7 +102,11 @@ def held(start: DiscModel, ground: Ground, strata: Sequence[int], settings: Slid
 
 
 def shaken(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings, shaking: Shaking) -> Drive:
-    """A record of the base; each stratum liquefies at its own time."""
+    """A record of the base; each stratum liquefies at its own time.
+
+    start: discs at rest; ground: in which they lie; strata: numbers of those that liquefy; settings: of the slide;
+    shaking: acceleration of the base, and onsets (s).
+    """
     over, onset = float(shaking.time[-1] - shaking.time[0]), settings.onset_of(start.law)
     starts = {k: shaking.onsets[k] for k in strata}
     first = min(starts.values(), default=0.0)

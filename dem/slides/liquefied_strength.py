@@ -30,6 +30,7 @@ def liquefied(
 
     The paper's discs take the factors of the case to the power of the share, and may overlap as they like. Contacts of
     soil discs fade out, since pore water bears them then (`dem.liquefied_ground`).
+    which: numbers of the layers that liquefy; law: of the contacts.
     """
     out = []
     for k, layer in enumerate(layers):
@@ -50,6 +51,7 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
     friction and cohesion that the case leaves the soil (`Case.remains_of`). It is reached at the shear strain that
     belongs to the shear modulus which the case leaves, s/G in small ones, and never beyond `MOST_STRAIN`; with a
     strain potential of the case past that (`meshes.section.strain_potential`).
+    model: the discs; ground: in which they lie; strata: numbers of those that liquefy.
     """
     pressure, section = effective_overburden(model), ground.section
     consolidated = pressure - _not_consolidated(model, ground)

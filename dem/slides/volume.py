@@ -83,6 +83,7 @@ def swollen(
 
     before: `area_per_disc` at the start; drained: by stratum, the share of its volume that was asked to go. The
     shortening of softer springs is not compensated.
+    model: discs now; start: discs at the start.
     """
     now = area_per_disc(model, start)
     out = []

@@ -60,7 +60,9 @@ class State:
 
 
 def state_of(problem: "PlaneStrain", mesh: QuadMesh, label: str, kh: float) -> State:
-    """The fields of a problem's accepted state, gathered on every rank."""
+    """The fields of the accepted state of ``problem`` on ``mesh``, gathered on every rank; ``label`` and ``kh`` name
+    it.
+    """
     grid = problem.grid
     share = grid.weights / grid.weights.sum(axis=1, keepdims=True)
 

@@ -45,7 +45,10 @@ def excess_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.nd
 
 
 def shaken_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray | float:
-    """Nodal forces (dofs,) in N/m of Kh = 1 on surcharges and free water; 0.0 without any."""
+    """Nodal forces (dofs,) in N/m of Kh = 1 on surcharges and free water; 0.0 without any.
+
+    ``problem``: the elements of ``mesh``, a mesh of ``section``; ``sign``: 1 towards the right, -1 towards the left.
+    """
     surface = section.surface_loads
     if not surface.present:
         return 0.0
@@ -53,8 +56,10 @@ def shaken_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: in
 
 
 def seismic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray:
-    """Nodal forces (dofs,) in N/m of Kh = 1 towards the right (``sign`` 1) or the left (-1), on soil and what it
-    carries."""
+    """Nodal forces (dofs,) in N/m of Kh = 1 on the soil and what it carries.
+
+    ``problem``: the elements of ``mesh``, a mesh of ``section``; ``sign``: 1 towards the right, -1 towards the left.
+    """
     soil = problem.body_force([s.density_seismic for s in problem.strata], (sign * GRAVITY, 0.0))
     return soil + shaken_load(problem, mesh, section, sign)
 
@@ -94,7 +99,10 @@ def pressed_sides(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.
 
 
 def ground_force(problem: PlaneStrain, mesh: QuadMesh, traction: Traction, boundary: str = "surface") -> np.ndarray:
-    """Nodal forces (dofs,) in N/m of a traction on the ground, or on another boundary."""
+    """Nodal forces (dofs,) in N/m of a ``traction`` (Pa) on the ground surface, or on another ``boundary`` of ``mesh``.
+
+    ``problem``: the elements of the mesh.
+    """
     grid, degree = problem.grid, DEGREES[problem.grid.element]
     s, weight = np.polynomial.legendre.leggauss(POINTS_ON_EDGE)
     s, weight = 0.5 * (s + 1.0), 0.5 * weight

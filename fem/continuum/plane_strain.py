@@ -101,6 +101,10 @@ class PlaneStrain:
         flow: FlowSetting = "section",
         form: DavisForm = "B",
     ) -> None:
+        """Discretise ``mesh`` of ``strata`` with elements ``element`` on the ranks of ``comm``, with ``threads`` each.
+
+        ``flow``, ``form``: flow rule and form of Davis's estimate, see ``strength.py``.
+        """
         self.strata = tuple(strata)
         self.threads, self.flow, self.form = threads, flow, form
         self._elastic = self.elastic_stiffness()

@@ -106,6 +106,7 @@ def shallow_failures(
     the face, the layer down to that counts, too, if it slides first. A face ends where its slope, its stratum or its
     water change. A surcharge, or free water, holds the face below it: such faces are left out. The pore pressure that
     shaking adds is there if the ground is ``shaken``.
+    ``settings``: of the elements, with the direction of the seismic force and the least depth (m).
     """
     layers, sign = section.layering, push(section, settings)
     level = ROUNDING * float(layers.x[-1] - layers.x[0])
@@ -173,6 +174,7 @@ def least_rolling_factor(
 
     It is tan φ / tan(β + atan k) with k = Kh γs / (γ - Kv γs). Seepage out of the face adds to k by as much as it
     reduces the Kh of the face.
+    ``section``: the ground; ``kh``: seismic coefficient, positive in the direction of the faces.
     """
     factors = []
     for face in faces:

@@ -11,7 +11,10 @@ from meshes.section.section import Section
 
 
 def side_force(problem: PlaneStrain, mesh: QuadMesh, section: Section, weight: np.ndarray) -> np.ndarray:
-    """Nodal forces (dofs,) in N/m on both sides, of a problem held as under gravity by nodal forces ``weight``."""
+    """Nodal forces (dofs,) in N/m of the K0 stress on both sides of ``section``.
+
+    ``problem``: the elements of ``mesh``, held as under gravity; ``weight``: nodal forces of gravity (N/m).
+    """
     problem.use_elastic_tangent()
     problem.factorise()
     moved = problem.exchange.to_local(problem.solve(weight))

@@ -86,6 +86,7 @@ def strength_of(strata: Sequence[Stratum], flow: FlowSetting, factor: float = 1.
     "section" takes ψ as given, but not above the reduced φ; "associated" sets ψ = φ; "davis" reduces c and tan φ in
     one of Davis's three forms and then sets ψ = φ; "auto" is one of these (``flow_of``). Flow at a tension cut-off is
     associated with all of them.
+    ``form``: "A", "B" or "C", one of Davis's forms.
     """
     flow = flow_of(strata, flow)
     cohesion = np.array([s.cohesion for s in strata]) / factor

@@ -249,6 +249,8 @@ def body_of(
 
     The pore pressure that shaking adds is there if the ground is ``shaken``. Smooth sides have no normal velocity and
     no shear traction. Free-field sides carry the K0 stress and move horizontally; ``held``, they are smooth.
+    ``mesh``: triangles of the section; ``fem``: sides and direction of the seismic force; ``davis``: whether strengths
+    are those of Davis's estimate.
     """
     cohesion, friction = strengths(section.strata, davis)
     ordinary = GRAVITY * np.array([s.density_ordinary for s in section.strata])

@@ -68,6 +68,9 @@ class DirectionSearch(BoundSearch):
     def __init__(
         self, mesh: TriMesh, body: RigidPlasticBody, limits: Limits, direction: Direction, towards: SectionSide
     ) -> None:
+        """Search on ``mesh`` for ``body``, within ``limits``, with the seismic force in ``direction``, on the side
+        ``towards``.
+        """
         super().__init__(mesh, body, limits)
         self.direction, self.towards = direction, towards
 

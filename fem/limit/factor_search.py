@@ -113,6 +113,11 @@ class FactorSearch:
         start: Start,
         work: FactorWork,
     ) -> None:
+        """Search in ``section`` with ``mesh``, settings of the elements ``fem`` and of the bounds ``settings``.
+
+        ``sign``: 1 for a seismic force to the side of ``fem``, -1 for the other; ``start``: Kh and first factor;
+        ``work``: budget of the search.
+        """
         body = body_of(section, mesh, fem, shaken=start.kh != 0.0, held=start.held)
         self.body = replace(body, live_force=sign * body.live_force)
         self.units = units_of(mesh, self.body)
@@ -232,6 +237,8 @@ class FactorSearch:
     def count(self, side: BoundSide, factor: float, solution: Solution, unproven: bool) -> None:
         """Add up the work of a trial, keep its solution for the next one to start from, and count trials in a row in
         which the solver found neither a bound nor a proof that there is none.
+        ``side``: which bound; ``factor``: factor of safety tried; ``solution``: answer of the solver; ``unproven``: it
+        decided nothing.
         """
         self.work.spent += solution.work
         self.work.ran_out = self.work.ran_out or solution.out_of_work

@@ -68,6 +68,7 @@ def lower_bound(
     After ``most_work`` (s of the reference machine) the solver ends with what it has; ``start`` is where it begins.
 
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
+    ``problem``: triangles, strength and loads.
     """
     balance, dead, live, points = equations(problem)
     free = np.repeat(~stress_free_corners(problem).ravel(), 3)
@@ -123,6 +124,7 @@ def independent_equations(
     Tractions at a point depend on each other where edges go on straight through it, and at corners without stress. The
     dual velocities of dependent equations are not unique and could grow without end, and with them the solver's
     tolerance. Where edges go on almost straight, equations are all but dependent: they are made orthonormal.
+    ``matrix``: A; ``dead``, ``live``: b0 and b1; ``points``: number of the point of every equation, -1 for none.
     """
     at_point = np.flatnonzero(points >= 0)
     at_point = at_point[np.argsort(points[at_point], kind="stable")]

@@ -70,6 +70,7 @@ def safety_bounds(
     ``guess`` is where to begin, and only costs time. Both directions of the push are looked at, within the work that
     the ``settings`` allow, at factors from SMALLEST to LARGEST. Raises InputError as ``kh_bounds`` does, BadMeshError
     if there are no triangles.
+    ``section``: the ground; ``fem``: settings of the elements, of which sides and direction matter here.
     """
     start, work = Start(kh, guess, held), FactorWork(settings.seconds)
     faces = faces_at(section, fem, kh)

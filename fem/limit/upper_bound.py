@@ -69,6 +69,7 @@ def upper_bound(
     the reference machine) the solver ends with what it has; ``start`` is where it begins.
 
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
+    ``problem``: triangles, strength and loads.
     """
     nodes, moves, dead, live = nodes_and_loads(problem)
     if rigid is not None:
@@ -202,7 +203,10 @@ def nodes_and_loads(problem: LimitProblem) -> tuple[np.ndarray, np.ndarray, np.n
 
 
 def add_edge_loads(loads: np.ndarray, mesh: TriMesh, nodes: np.ndarray, traction: np.ndarray) -> None:
-    """Add tractions (k, 2 ends, 2), linear along edges, to nodal loads (n, 2); nodes (k, 3) are ends and middles."""
+    """Add tractions (k, 2 ends, 2) in Pa, linear along edges, to nodal ``loads`` (n, 2) in N/m.
+
+    ``mesh``: triangles; ``nodes`` (k, 3): ends and middle of each edge; ``traction``: at both ends.
+    """
     length = np.hypot(*(mesh.points[nodes[:, 1]] - mesh.points[nodes[:, 0]]).T)[:, None]
     first, last = traction[:, 0], traction[:, 1]
     for node, share in zip(nodes.T, (first / 6.0, last / 6.0, (first + last) / 3.0), strict=True):

@@ -102,7 +102,11 @@ class Discretised:
     def program(
         self, strength: Strength, dead: np.ndarray, live: np.ndarray, softening: np.ndarray | None = None
     ) -> cone_program.ConeProgram:
-        """The stress of largest multiplier that balances loads on the free components; softening (points,) in Pa."""
+        """The program for the stress of largest multiplier that balances the loads on the free components.
+
+        ``strength``: of the strata; ``dead``, ``live``: constant and growing nodal forces, over the unit of force;
+        ``softening`` (points,): loss of strength per unit of the multiplier (Pa).
+        """
         material = self.cells.material.ravel()
         return cone_program.ConeProgram(
             self.strain,
@@ -137,7 +141,9 @@ class Discretised:
         return self.unit * solution.stress
 
     def mechanism(self, problem: "PlaneStrain", mesh: QuadMesh, solution: cone_program.Solution, kh: float) -> State:
-        """The fields of a solution at ``kh``, shares of the strength that ``problem`` has now."""
+        """The fields of a ``solution`` on ``mesh`` at ``kh``, with the share of the strength that ``problem`` has
+        now.
+        """
         points = self.cells.weights.shape
         rates = (self.strain @ solution.rates).reshape(*points, 3) / self.weight[..., None]
         xx, yy, xy = self.stress(solution).T
@@ -155,6 +161,7 @@ def conic_limit_load(problem: "PlaneStrain", mesh: QuadMesh, dead: np.ndarray, l
     The flow is associated, the element "reduced"; initial stress and stiffness have no part in it. All ranks get the
     answer of the first. Raises UnstableError if no stress balances the forces, NoAnswerError if the solver leaves no
     answer.
+    ``problem``: the elements of ``mesh``, with their strength and the components that are held.
     """
     ground = gathered(problem, mesh, dead, live)
     return told_to_all(problem, lambda: _limit(problem, mesh, ground))

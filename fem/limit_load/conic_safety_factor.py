@@ -53,6 +53,7 @@ def conic_safety_factor(
     The search begins at ``guess``; ``kh`` labels the mechanism. The flow is associated, the element "reduced". The
     strength of the ``problem`` is divided by the factor afterwards. Raises UnstableError if it is below 1/20,
     NoAnswerError if it is above 20 or the solver leaves no answer.
+    ``mesh``: that of the ``problem``.
     """
     grid = problem.grid
     mean = _elastic_mean(problem, forces)

@@ -111,6 +111,7 @@ def critical_limit_load(
     """The limit load for a push in the one direction of ``settings``, with the "reduced" element whatever they say.
 
     ``faces`` as in ``pushed``. Raises InputError, UnstableError, NoAnswerError if the solver leaves no answer.
+    ``section``: the ground; ``mesh``: cells of it; ``comm``: MPI communicator.
     """
     ground = pushed(section, mesh, settings.model_copy(update={"element": "reduced"}), comm, faces)
     if ground.limit is None:
@@ -122,6 +123,7 @@ def asked_again(result: LimitLoadResult, section: Section, mesh: QuadMesh, setti
     """The limit load of ground that was ``result`` with other settings, by the flow rule and between the sides
     of ``settings``.
 
+    ``section``: the ground; ``mesh``: cells of it, the same as before.
     Raises NoAnswerError if the solver leaves no answer.
     """
     ground = result.ground
@@ -152,6 +154,7 @@ def pushed(
     not. Where faces are not given, all cohesionless faces are strengthened if any of them fails before the ground below
     does, as in the bounds: where a layer thins out, its neighbour may reach the face in the mesh. Without a limit load
     they are strengthened if they fail under their own weight. Raises InputError, UnstableError.
+    ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
     if faces is not None:
         return _pushed(section, mesh, settings, comm, faces)

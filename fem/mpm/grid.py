@@ -31,7 +31,9 @@ class BackgroundGrid:
     @classmethod
     def empty(cls, cell: float, columns: int, rows: int, periodic: bool = False, floor: int = 3) -> "BackgroundGrid":
         """A grid without water whose lowest rows of nodes, ``floor`` of them, are at rest; so are its sides, three
-        columns each, unless it is periodic."""
+        columns each, unless it is periodic.
+        ``cell``: side of a cell (m); ``columns``, ``rows``: numbers of nodes.
+        """
         held = np.full((columns, rows), kernel.FREE, dtype=np.int8)
         held[:, :floor] = kernel.HELD
         if not periodic:

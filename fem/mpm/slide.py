@@ -135,6 +135,7 @@ class PointSlider:
 
         ``decay`` (1/s) is that of velocities which the grid cannot resolve, see ``DECAYS``. ``checkpoint`` is a file
         from which a stopped slide continues.
+        ``programme``: what shakes the ground, and when strata liquefy.
         """
         slide = PointSlide(before=self._surface(), cell=self.ground.grid.cell)
         self.ground.points.decay[:] = decay

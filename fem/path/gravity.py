@@ -70,6 +70,7 @@ def gravity_equilibrium(
     ones (``repetition.py``). Displacement and strain are counted from here. ``faces`` as in ``under_weight``;
     ``strength_factor`` divides cohesion and tan φ. The pore pressure that shaking adds is there if the ground is
     ``shaken``. Raises InputError, UnstableError.
+    ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
     problem, weight = under_weight(section, mesh, settings, comm, faces)
     problem.use_strength(strength_factor)
@@ -100,6 +101,7 @@ def at_the_sides(
 
     On free-field sides the K0 stress is that of ``side_stress.py``, as in the bounds. The pore pressure that shaking
     adds is there if the ground is ``shaken``. Raises InputError.
+    ``section``, ``mesh``, ``settings``, ``comm``, ``faces``: as in ``gravity_equilibrium``.
     """
     problem, weight = under_weight(section, mesh, settings, comm, faces)
     constant = weight
@@ -120,6 +122,8 @@ def bring_to_rest(
     the former.
 
     Displacement and strain are counted from there. Raises UnstableError.
+    ``problem``: the elements; ``weight``, ``constant``: nodal forces of gravity alone, and all constant ones (N/m);
+    ``settings``: of the elements.
     """
     if settings.sides != "periodic":
         problem.hold(UNDER_GRAVITY)
@@ -152,6 +156,7 @@ def under_weight(
     """The section without stress, held as under gravity, and the nodal forces (N/m) of its weight.
 
     The ground just below cohesionless ``faces`` is strengthened, see ``shallow_failure.py``. Raises InputError.
+    ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
     api.require()
     strata = soils(section)
@@ -225,6 +230,7 @@ def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, set
 
     Where the flow is associated one step finds equilibrium if there is any. Raises UnstableError if the ground does not
     carry the load.
+    ``problem``: the elements; ``settings``: tolerance and steps.
     """
     norm, dot = problem.exchange.norm, problem.exchange.dot
     problem.use_elastic_tangent()

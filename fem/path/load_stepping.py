@@ -28,7 +28,9 @@ def climb(
     listener: PathListener | None = None,
 ) -> tuple[LimitLoad, list[State]]:
     """Raise Kh to the limit load that is ``known``, at most to ``limit``; the answer, and the fields at those of the
-    ``wanted`` Kh that were reached."""
+    ``wanted`` Kh that were reached.
+    ``path``: ready to start; ``mesh``: that of the path; ``listener`` is called after every step.
+    """
     asked = {kh for kh in wanted if 0.0 < kh <= min(known, limit)}
     sure = limit if known > limit else SURE * known
     shares = (share * known for share in SHARES if share * known < limit)

@@ -140,7 +140,11 @@ class NewtonResult:
 def residual_of(
     problem: PlaneStrain, loading: Loading, increment: np.ndarray, multiplier: float, scale: float
 ) -> tuple[np.ndarray, float]:
-    """The unbalanced force (N/m) of the components that are free, and its norm over ``scale`` (N/m)."""
+    """The unbalanced force (N/m) of the components that are free, and its norm over ``scale`` (N/m).
+
+    ``problem``: the elements; ``loading``: forces at a load multiplier; ``increment``: displacement increment (m);
+    ``multiplier``: load multiplier (-).
+    """
     unbalanced = loading.unbalanced(problem, increment, multiplier)
     unbalanced[~problem.free] = 0.0
     return unbalanced, problem.exchange.norm(unbalanced) / scale
@@ -161,6 +165,7 @@ def find_equilibrium(
     multiplier is given. ``scale`` (N/m) makes the residual dimensionless. With the tangent stiffness K, K a = r and
     K b = dr/dλ, the correction is a + dλ b (block elimination, Batoz & Dhatt 1979, eq. 12). Associated flow under a
     given multiplier has a convex potential, and Newton's method with a search along it gets there from anywhere.
+    ``problem``: the elements; ``loading``: forces at a load multiplier; ``settings``: tolerance and iterations.
     """
     if constraint is None and problem.associated:
         return _lowest(problem, loading, multiplier, first, scale, settings)

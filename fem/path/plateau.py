@@ -93,6 +93,8 @@ def find_limit_load(
     """Follow a path until the load multiplier no longer grows or passes ``limit``.
 
     Where there is overstress only relaxed states count as held. Raises NoEquilibriumError if there is none that does.
+    ``path``: ready to start; ``ductility``: displacement over the elastic one (-); ``rule``: when the path is level;
+    ``listener`` is called after every step.
     """
     held, next_relaxation = -np.inf, rule.first_relaxation
     highest, summit = path.factor, path.mark()

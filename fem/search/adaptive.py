@@ -48,6 +48,8 @@ def is_adapted(section: Section, meshing: MeshSettings, first: QuadMesh, setting
 
     They are not where no accuracy is asked for; where the flow is not associated, whose answer no mesh makes unique;
     where columns and rows, or the mesh itself, were given.
+    ``section``: the ground; ``meshing``: settings of meshes; ``first``: the mesh to begin with; ``settings``: of the
+    elements.
     """
     chosen = meshing.columns or meshing.rows or first.method == "given"
     return settings.accuracy > 0.0 and not chosen and is_associated(section.strata, settings.flow)
@@ -69,6 +71,7 @@ def next_mesh(
     were, where strains would draw all new cells to the narrowest. They follow the strips of the ``strong`` section,
     too, which has its cohesionless faces strengthened: sand with half of its points in a strip would be neither. Sides
     that are periodic (``repeats``) get the same points. Raises what ``adapted`` does.
+    ``section``: the ground; ``meshing``: settings of meshes; ``mesh``: the last mesh.
     """
     if meshing.method == "mapped":
         return with_finer_strips(mesh, strain, cells)

@@ -80,6 +80,8 @@ def assess(
 ) -> Assessment:
     """Find the critical Kh and what it is compared with, beginning with a ``first`` mesh.
 
+    ``section``: the ground; ``meshing``: settings of meshes; ``settings``: of the elements; ``comm``: MPI communicator;
+    ``listener``: hears of meshes and steps.
     Raises InputError, NoEquilibriumError, and UnstableError with the factor of safety if the ground fails under its
     weight.
     """
@@ -101,6 +103,7 @@ def box_between_fixed_sides(
 
     By Davis's estimate in place of ψ = φ, where such ground stands: discs hardly dilate. Raises InputError,
     NoEquilibriumError, UnstableError.
+    ``section``, ``meshing``, ``first``, ``comm``, ``listener``: as in ``assess``.
     """
     flow = flow_of(section.strata, settings.flow)
     fixed = settings.model_copy(update={"flow": flow, "sides": "fixed", "kh": ()})

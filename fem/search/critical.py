@@ -272,6 +272,8 @@ def seismic_path(
 ) -> EquilibriumPath:
     """The path of rising Kh, ready to start; displacement is positive in the direction of the ``load`` of Kh = 1.
 
+    ``problem``: the elements at rest; ``constant``: nodal forces that stay (N/m); ``sign``: 1 towards the right, -1
+    towards the left; ``settings``: of the elements.
     Raises InputError if no stratum has a seismic density.
     """
     mass = problem.exchange.dot(load, _horizontal(problem, sign))

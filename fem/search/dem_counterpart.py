@@ -53,6 +53,7 @@ def rigid_box_path(
 ) -> RigidBoxPath:
     """The non-associated path between fixed sides, in the direction of the ``settings``.
 
+    ``section``: the ground; ``mesh``: cells of it; ``comm``: MPI communicator; ``listener`` is called after every step.
     Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
     """
     # beyond any Kh: the path is not taken once more for fields on its way
@@ -78,6 +79,7 @@ def associated_rigid_box_kc(
 ) -> float:
     """The critical Kh between fixed sides with psi = phi: no ground that dilates less bears more (Radenkovic 1961).
 
+    ``section``, ``mesh``, ``settings``, ``comm``, ``listener``: as in ``rigid_box_path``.
     Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
     """
     wish = settings.model_copy(update={"flow": "associated", "sides": "fixed", "kh": ()})

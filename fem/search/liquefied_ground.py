@@ -47,6 +47,7 @@ def weight_borne(section: Section, mesh: QuadMesh, settings: FemSettings, comm: 
     """How many times its weight a mesh bears with its sides held, by its limit load; below 1 it flows.
 
     The flow is associated. Raises what ``conic_limit_load`` does.
+    ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
     problem, weight = under_weight(section, mesh, settings.model_copy(update={"element": "reduced"}), comm)
     return LITTLE + conic_limit_load(problem, mesh, LITTLE * weight, weight).multiplier

@@ -178,6 +178,7 @@ def solve_adaptively(
     Ends when what is left of the error is within the accuracy, when the cells are used up, or when there is no answer
     on the next mesh; then the last answer counts. Every rank makes the same mesh. Raises what ``solve`` raises on the
     first mesh.
+    ``wish``: accuracy and the most cells.
     """
     mesh, result = first, solve(first)
     rounds = [MeshRound(len(mesh.cells), result.value, math.inf, math.inf)]

@@ -44,6 +44,7 @@ def critical_above(
 
     Beyond its ends the line continues at their depth below the ground. For one rank; raises what
     ``critical_limit_load`` does.
+    ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
     ground = critical_limit_load(section, mesh, settings, comm).ground
     assert ground.limit is not None

@@ -57,6 +57,7 @@ def of_bounds(
     """Compare ``what``, a critical Kh or a factor, with strict bounds of its own flow rule (``same_flow``) or of ψ = φ.
 
     Only the upper bound of ψ = φ counts for a smaller ψ: ground that dilates less resists no more.
+    ``kc``: the value that is checked; ``lower``, ``upper``: the bounds, None where there is none.
     """
     whose = "" if same_flow else " with ψ = φ, which no smaller ψ can exceed"
     if upper is not None and kc > upper + max(ABOVE_BOUND * upper, SMALL_KH):

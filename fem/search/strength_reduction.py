@@ -96,6 +96,7 @@ def limit_load_safety_factor(
 
     The search begins at ``guess``, such as the factor of a coarser mesh. Faces, sides and errors are those of
     ``safety_factor``.
+    ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
     settings = settings.model_copy(update={"element": "reduced"})
     faces = faces_at(section, settings, kh)

@@ -173,7 +173,11 @@ def _cone_map(sin: np.ndarray) -> sparse.csr_matrix:
 def stress_of(
     program: ConeProgram, multiplier: float, pressure: np.ndarray, z: np.ndarray, clay: np.ndarray
 ) -> np.ndarray:
-    """The stress (k, 3) that the multipliers of the cones and of the volume of clay stand for."""
+    """The stress (k, 3) that belongs to the multipliers of the cones and of the volume of clay.
+
+    ``program``: the cone program; ``multiplier``: load multiplier; ``pressure``: multipliers of the volume of clay;
+    ``z`` (k, 3): multipliers of the cones; ``clay``: mask or numbers of corners with φ = 0.
+    """
     sin, cos = np.sin(program.friction), np.cos(program.friction)
     radius = np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin
     if program.softening is not None:

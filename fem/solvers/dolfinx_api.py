@@ -81,6 +81,7 @@ def distribute(comm: Any, points: np.ndarray, cells: np.ndarray, degree: int) ->
     """Distribute quadrilaterals, points (n, 2) and cells (m, 4) in gmsh's order, and number a space's nodes.
 
     The space is bilinear (``degree`` 1) or biquadratic (``degree`` 2).
+    ``comm``: MPI communicator.
     """
     if comm.rank == 0:
         ordered, x = cells[:, TENSOR_ORDER].astype(np.int64), np.ascontiguousarray(points, dtype=np.float64)

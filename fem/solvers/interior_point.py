@@ -113,6 +113,7 @@ def interior_solution(
     ``heed`` is called before each of at most ``most_iterations`` iterations. After a breakdown the best iterate that
     meets the equations is returned, if there is one. ``start`` is an iterate of the same mesh with another strength:
     one well inside the cones saves half of the iterations, one near the solution often breaks down.
+    ``standard``: the program in standard form; ``matrix``: the normal equations to factorise.
     """
     return _Method(standard, unit, gap, matrix).run(heed, start, most_iterations)
 

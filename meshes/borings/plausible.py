@@ -40,6 +40,7 @@ def implausible_cones(where: str, cones: Sequence[Cone], remedy: str = "", with_
     """The same of the deepest reading of a sounding, and of its largest resistance and friction.
 
     Where a file gave them ``with_units``, no other unit is guessed.
+    ``where``: beginning of the sentence; ``cones``: readings; ``remedy``: end of the sentence.
     """
     for key, limits in (("depth", DEPTH), ("qc", LARGEST_TIP), ("fs", LARGEST_SLEEVE)):
         largest = max((getattr(cone, key) for cone in cones), default=None)

@@ -61,7 +61,9 @@ class CohesionField:
         self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, top: np.ndarray | None = None
     ) -> np.ndarray:
         """The vertical effective stress (n,) in Pa to which the ground has consolidated, that ratios of strength
-        multiply; of what is above the line ``top`` (k, 2) nothing counts."""
+        multiply; of what is above the line ``top`` (k, 2) nothing counts.
+        ``points``, ``near`` (n, 2) in m, ``stratum`` (n,): as in ``WaterPressure.at_rest``.
+        """
         load = self.loads.consolidated(points[:, 0], near[:, 0])
         return self.water.vertical_effective(points, near, stratum, top, load)
 

@@ -94,7 +94,11 @@ class Tally:
         self.gaps: dict[tuple[str, str], list[float]] = {}  # height, and x from and to
 
     def add(self, inside: Sequence[int], owner: int, area: float, column: int) -> None:
-        """A cell that lies in outlines, and whose it is."""
+        """A cell that lies in outlines, and whose it is.
+
+        ``inside``: strata whose outlines hold the cell; ``owner``: the one it belongs to; ``area``: of the cell (m²);
+        ``column``: of the grid.
+        """
         self.kept[owner] += area
         for other in inside:
             self.held[other] += area
@@ -103,7 +107,10 @@ class Tally:
                 whole[0], whole[2] = whole[0] + area, self.x[column + 1]
 
     def gap(self, above: str, below: str, height: float, column: int) -> None:
-        """Nothing drawn between two strata."""
+        """Nothing drawn between two strata.
+
+        ``above``, ``below``: names of the strata; ``height``: of the gap (m); ``column``: of the grid.
+        """
         here = self.gaps.setdefault((above, below), [0.0, self.x[column], self.x[column + 1]])
         here[0], here[2] = max(here[0], height), self.x[column + 1]
 

@@ -197,6 +197,7 @@ def cut_strata(
     of a soil that zones part, a part wholly below water has the name of one below water where another lies above it.
     What water cuts off in pockets smaller than cells stays with the rest; ``cut_films`` cuts it off, too. Pore
     pressures know nothing of that.
+    ``layers``: the ground layer by layer.
     """
     found: list[Stratum] = []
     cell = _cell(layers)
@@ -229,7 +230,9 @@ def cut_at_cracks(
     strata: Sequence[Stratum], layers: Layering, bottom: np.ndarray, given: tuple[float, float], of_crack: OfCrack
 ) -> tuple[Stratum, ...]:
     """The strata, those with a cohesion that the ``bottom`` (n, 2) of tension cracks crosses in two; what is above it
-    has no tensile strength, the name of the soil with ``CRACKED``, and what ``of_crack`` changes in it."""
+    has no tensile strength, the name of the soil with ``CRACKED``, and what ``of_crack`` changes in it.
+    ``layers``, ``given``: as in ``cut_strata``.
+    """
     found: list[Stratum] = []
     for k, stratum in enumerate(strata):
         parts = without_pockets(divided_by_water(layers, k, bottom), _cell(layers))
@@ -252,6 +255,7 @@ def cut_films(
     """The strata of ``cut_strata``, with pockets smaller than cells that water cuts off as strata of their own.
 
     These have the weight of their side of the water, and the name of the stratum with ``FILM_IN``.
+    ``layers``, ``levels``, ``given``: as in ``cut_strata``.
     """
     found: list[Stratum] = []
     for k, (stratum, level) in enumerate(zip(strata, levels, strict=True)):

@@ -82,7 +82,11 @@ def thinned_lines(lines: Mapping[Place, np.ndarray], cell: float) -> tuple[dict[
 def lines_by_place(
     surface: Points, base: Line, drawn: Line | None, strata: Sequence[Stratum], water: Water | None
 ) -> dict[Place, np.ndarray]:
-    """The lines of a section that have several points, by their places in what its file holds."""
+    """The lines of a section that have several points, by their places in what its file holds.
+
+    ``surface``, ``base``: of the section; ``drawn``: water table that is only drawn; ``strata``, ``water``: with lines
+    of their own.
+    """
     lines: dict[Place, Line | None] = {("base",): base, ("water_table",): drawn}
     for k, stratum in enumerate(strata):
         lines[("strata", k, "bottom")] = stratum.bottom

@@ -69,7 +69,9 @@ class FlowGrid:
 
     def interpolated(self, values: np.ndarray, points: np.ndarray, near: np.ndarray, tolerance: float) -> np.ndarray:
         """Interpolate values (n,) at the grid points to points (k, 2). Above and below the grid the nearest value
-        holds; NaN where there is no ground."""
+        holds; NaN where there is no ground.
+        ``near`` (k, 2): points inside the cells that ``points`` belong to; ``tolerance``: (m).
+        """
         result = np.full(len(points), np.nan)
         strip = self.strip_at(points, near, tolerance)
         for j in np.unique(strip):

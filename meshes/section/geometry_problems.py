@@ -19,7 +19,10 @@ NARROWEST, LONGEST = 1e-3, 1000.0
 def geometry_problems(
     surface: Any, base: Line, across: Mapping[str, Line | None], bottoms: Sequence[Line | None]
 ) -> list[str]:
-    """One sentence each, of the ground, the base, lines ``across`` the section by their keys, and bottoms of strata."""
+    """One sentence each, of the ground, the base, lines ``across`` the section by their keys, and bottoms of strata.
+
+    ``surface``: points [x, elevation] in m; ``bottoms``: a line for each stratum, None for the base.
+    """
     ground = np.array(surface, dtype=float)
     left, right = float(ground[0, 0]), float(ground[-1, 0])
     width = right - left

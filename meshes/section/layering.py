@@ -153,6 +153,7 @@ def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None], al
     A bottom of None is the base. A stratum ends where its bottom line ends (with a vertical face if it is still thick
     there) and where its bottom rises above the ground surface, which cuts it off. Points that are closer than a
     centimetre are made one.
+    ``bottoms``: a line for each stratum.
     """
     x_left, x_right = float(surface[0, 0]), float(surface[-1, 0])
     raw = [(line or base).points(x_left, x_right) for line in bottoms]

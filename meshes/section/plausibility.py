@@ -44,6 +44,7 @@ def sentence(key: str, value: float, limits: Range, remedy: str = UNUSUAL) -> st
     """What is told of a number that does not: the key, what was written, what was meant, what was expected.
 
     The ``remedy`` says what to do where it is meant.
+    ``value``: the number in SI units; ``limits``: the range of such numbers.
     """
     written = getattr(value, "written", value)
     shown = f'"{written}"' if isinstance(written, str) else f"{written:g}"
@@ -119,6 +120,7 @@ def against_the_water(
     """Densities, and layers that liquefy, that contradict the water; one sentence each.
 
     ``drawn`` is a table (n, 2) that is only drawn, where densities hold the water, ``table`` one that has pressure.
+    ``layers``: the ground layer by layer; ``strata``: their soils.
     """
     level = drawn if table is None else table
     if level is None:

@@ -34,7 +34,10 @@ Place = tuple[int | str, ...]
 
 
 def sentences(error: ValidationError, data: Any, model: type[BaseModel], beside: Sequence[str] = ()) -> list[str]:
-    """One sentence for each problem: the key, the value, what was expected; ``beside`` are keys of others there."""
+    """One sentence for each problem: the key, the value, what was expected; ``beside`` are keys of others there.
+
+    ``error``: of pydantic; ``data``: the table of the file; ``model``: what the table was to be.
+    """
     choices: dict[Place, list[ErrorDetails]] = {}
     for entry in error.errors():
         place, choice = _without_choices(entry["loc"], data)

@@ -101,6 +101,8 @@ class SurfaceLoads:
         Surcharges push with the share of their mass that shakes. Ground that shakes away from water draws on it, and
         presses on it in the other direction, by 7/8 γw sqrt(H y) Kh on a wall at a depth y in water that is H deep
         (Westergaard 1933); a face that is not upright takes the part of it that its horizontal normal is.
+        ``points``, ``near`` (n, 2): on the ground, and inside it beside them (m); ``normal`` (n, 2): unit normal of the
+        ground, outwards. Returns tractions (n, 2) in Pa.
         """
         load = sum((s.seismic_share * s.at(points[:, 0], near[:, 0]) for s in self.surcharges), np.zeros(len(points)))
         traction = np.column_stack([sign * load * np.abs(normal[:, 1]), np.zeros(len(points))])

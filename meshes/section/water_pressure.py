@@ -110,7 +110,9 @@ class WaterPressure:
     ) -> np.ndarray:
         """Vertical effective stress (n,) without shaking, nowhere below zero: the weight of the soil above, of the
         water on it and of a ``load`` (n,) in Pa on the ground, less the pore pressure. Of what is above the line
-        ``top`` (k, 2) nothing counts."""
+        ``top`` (k, 2) nothing counts.
+        ``points``, ``near``, ``stratum``: as in ``at_rest``.
+        """
         ground = self._top(points, near, top)
         if top is not None:
             cut = self._top(near, near, top)[:, 1] < self._top(near, near)[:, 1] - self.layers.tolerance
@@ -120,12 +122,18 @@ class WaterPressure:
         return np.maximum(total - self.at_rest(points, near, stratum), 0.0)
 
     def inside(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, shaken: bool) -> np.ndarray:
-        """Pore pressure (n,), with what shaking adds if the ground is ``shaken``."""
+        """Pore pressure (n,), with what shaking adds if the ground is ``shaken``.
+
+        ``points``, ``near``, ``stratum``: as in ``at_rest``.
+        """
         pressure = self.at_rest(points, near, stratum)
         return pressure + self.shaken(points, near, stratum) if shaken else pressure
 
     def slope(self, point: tuple[float, float], stratum: int, step: float, shaken: bool) -> np.ndarray:
-        """Slope (2,) of the pore pressure at a point, over a ``step`` (m) to either side of it (Pa/m)."""
+        """Slope (2,) of the pore pressure at a point, over a ``step`` (m) to either side of it (Pa/m).
+
+        ``stratum``: its number; ``shaken``: whether the pressure that shaking adds is there.
+        """
         ahead = np.array(point) + step * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
         pressure = self.inside(ahead, np.array([point] * 4), np.array([stratum] * 4), shaken)
         return (pressure[:2] - pressure[2:]) / (2.0 * step)

@@ -52,6 +52,7 @@ def free_numbers(lines: Sequence[str], first: int) -> np.ndarray:
 def fixed_numbers(lines: Sequence[str], first: int, count: int, form: str) -> tuple[np.ndarray, int]:
     """``count`` numbers from a line on by a Fortran format such as (8F10.5), and the line behind them.
 
+    ``lines``: of the file; ``first``: number of the line to begin with; ``form``: the Fortran format.
     Raises ValueError where the numbers end before.
     """
     width = int(known[2]) if (known := FORTRAN.fullmatch(form.strip())) else 0

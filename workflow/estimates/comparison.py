@@ -81,6 +81,7 @@ def estimates(
 
     ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty. Estimates that the paper alone makes
     are of its own section only.
+    ``settings``: of all tables; ``kc``: critical Kh, None where there is none.
     """
     rows: list[Estimate] = []
     if kc is not None and kc > 0.0:

@@ -52,6 +52,7 @@ ZHANG_RANGE = "gently sloping ground of 0.2-3.5 %, or L/H = 4-40 from a free fac
 def empirical(section: Section, settings: Tables, kc: float | None, slip_surface: np.ndarray) -> Iterator[Estimate]:
     """The estimates of all relations that the input has data for; the displacement is None outside the range of a
     relation. ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty.
+    ``section``: the ground; ``settings``: of all tables; ``kc``: critical Kh, None where there is none.
     """
     try:
         motion = settings.earthquake.motion()

@@ -97,6 +97,7 @@ def critical_circle(
     """Find the critical slip circle towards one side, LEFT or RIGHT; None where no circle slides.
 
     The other arguments are those of `critical_circles`.
+    ``section``, ``kh``, ``least_depth``, ``vertical``, ``crest``, ``crack``: as there.
     """
     depth = max(least_depth, LEAST_DEPTH * float(np.ptp(section.outline()[:, 1])))
     return _Search(section, towards, kh, depth, vertical, crest, crack).run()

@@ -160,14 +160,20 @@ class Sheet:
             top -= panel + between
 
     def show(self, view: int, image: np.ndarray, window: Window, title: str = "", exaggeration: int = 1) -> Axes:
-        """Put a rendered image into a view, with axes in metres."""
+        """Put a rendered image into a view, with axes in metres.
+
+        ``window``: the part of the section in it; ``title``: above it; ``exaggeration``: of heights.
+        """
         axes = self.frame(view, window, title, exaggeration)
         extent = (window.left, window.right, window.bottom, window.top)
         axes.imshow(image, extent=extent, aspect=exaggeration, interpolation="nearest")
         return axes
 
     def frame(self, view: int, window: Window, title: str = "", exaggeration: int = 1) -> Axes:
-        """A view of a window to draw into, with axes in metres."""
+        """A view of a window to draw into, with axes in metres.
+
+        ``title``: above it; ``exaggeration``: of heights.
+        """
         axes = self.views[view]
         axes.set_xlim(window.left, window.right)
         axes.set_ylim(window.bottom, window.top)
@@ -219,7 +225,10 @@ class Sheet:
         self.figure.text(0.52, top, lines, fontsize=7.5, color=INK, va="top", parse_math=False)
 
     def plot(self, view: int, across: str, up: str, title: str = "") -> Axes:
-        """A view as axes for curves, with labels and a grid."""
+        """A view as axes for curves, with labels and a grid.
+
+        ``across``, ``up``: labels of the axes; ``title``: above it.
+        """
         axes = self.views[view]
         axes.set_xlabel(across, fontsize=8, color=INK, labelpad=2, parse_math=False)
         axes.set_ylabel(up, fontsize=8, color=INK, parse_math=False)

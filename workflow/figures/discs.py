@@ -70,7 +70,10 @@ def discs(model: Circles, which: np.ndarray, height: float = 0.0) -> pv.PolyData
 
 
 def bars(model: DiscModel, which: np.ndarray, width: np.ndarray, height: float = 0.1) -> pv.PolyData:
-    """Some of the pairs as bars between the centres; width in m."""
+    """Some of the pairs as bars between the centres; width in m.
+
+    model: the discs; which: numbers of the pairs; height: above the plane, for what lies over what.
+    """
     i, j = model.pair_i[which], model.pair_j[which]
     if not len(i):
         return pv.PolyData()
@@ -131,7 +134,10 @@ def draw_pore_springs(plotter: pv.Plotter, model: DiscModel) -> None:
 
 
 def state(model: DiscModel, before: DiscModel, path: Path | str, title: str) -> None:
-    """How far every disc has come since `before` and, of discs that have them, the pore springs: Figs 12 and 13."""
+    """How far every disc has come since `before` and, of discs that have them, the pore springs: Figs 12 and 13.
+
+    model: the discs; path: of the picture; title: above it.
+    """
     window = window_of(model)
     far = np.hypot(model.x - before.x, model.z - before.z)
     norm = Normalize(0.0, nice(float(np.percentile(far[~model.fixed], 99.5))))
@@ -156,7 +162,11 @@ def nice(value: float) -> float:
 
 
 def draw_values(plotter: pv.Plotter, model: Circles, values: np.ndarray, norm: Normalize, dark: np.ndarray) -> None:
-    """Discs in the colour of a value, and some of them dark."""
+    """Discs in the colour of a value, and some of them dark.
+
+    plotter: to draw into; model: the discs; values: one for each disc; norm: of the colours; dark: mask of the dark
+    ones.
+    """
     mesh = discs(model, ~dark)
     mesh["value"] = values[mesh["disc"]]
     plotter.add_mesh(

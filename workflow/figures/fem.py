@@ -63,7 +63,10 @@ def _named(factor: FactorOfSafety) -> str:
 
 
 def draw_state(config: Config, results: FemResults, state: State, store: Store) -> str:
-    """Draw one state again; returns the name of its picture."""
+    """Draw one state again; returns the name of its picture.
+
+    ``config``: of the run; ``results``: of the finite elements; ``store``: the folder of the run.
+    """
     name = picture_of(state)
     with store.writing(name) as path:
         _state_sheet(config, results, state, _views(results.mesh, state)).save(path)

@@ -66,6 +66,7 @@ def draw_section(
     """The layers in colour, the liquefiable ones dotted, the water table, true proportions; lines over it.
 
     ``decorate`` draws more into each view, ``above`` is the room for it above the ground (of the height).
+    ``section``: the ground; ``path``: of the picture; ``title``: above it.
     """
     outline = section.outline()
     room = np.array([0.0, above * np.ptp(outline[:, 1])])

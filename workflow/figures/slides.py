@@ -121,7 +121,11 @@ def left_by(case: Case) -> str:
 
 
 def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, number: int, out: Path) -> None:
-    """Two views of the end, as in Figs 14 to 16: displacement with the surface before and after, and layers."""
+    """Two views of the end, as in Figs 14 to 16: displacement with the surface before and after, and layers.
+
+    config: of the run; path: file of the last state; case: its answer; springs: set of the discs; number: of the case;
+    out: the picture.
+    """
     frame = Frame.read(path)
     before, after = np.array(case.surface_before), np.array(case.surface_after)
     window, norm = window_of(frame, before), frame.scale()
@@ -172,7 +176,10 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
 
 
 def animate(config: Config, paths: list[Path], springs: str, number: int, out: Path) -> None:
-    """An animated WebP of all states of a case, displacement in colour: a third of a GIF."""
+    """An animated WebP of all states of a case, displacement in colour: a third of a GIF.
+
+    config: of the run; paths: files of the states; springs: set of the discs; number: of the case; out: the picture.
+    """
     last = Frame.read(paths[-1])
     norm, window = last.scale(), window_of(Frame.read(paths[0]))
     window = Window(window.left, window.right, window.bottom, window.top)
@@ -235,7 +242,10 @@ def _colour(case: int) -> str:
 
 
 def profiles(config: Config, cases: Mapping[int, Profile], seeds: int, out: Path) -> None:
-    """The surface of every case over all packings: its median, and the band in which nine of ten lie."""
+    """The surface of every case over all packings: its median, and the band in which nine of ten lie.
+
+    config: of the run; cases: profiles by number of the case; seeds: number of packings; out: the picture.
+    """
     sheet = Sheet(
         f"{config.section.heading}: the surface on {seeds} random packings",
         [0.16] * len(cases),

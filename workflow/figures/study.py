@@ -22,7 +22,10 @@ PALE = "#d7dde2"
 
 
 def fails(values: np.ndarray, curve: Curve, title: str, path: Path) -> None:
-    """Histogram of the critical Kh (samples,), and the probability of failure over Kh with its interval."""
+    """Histogram of the critical Kh, ``values`` (samples,), and the probability of failure over Kh with its interval.
+
+    curve: probability over Kh; title: above it; path: of the picture.
+    """
     figure = _figure(1, f"{title}: critical Kh of {len(values)} samples")
     left, right = figure.subplots(1, 2)
     left.hist(values, bins=max(8, round(np.sqrt(len(values)))), color=CONTINUUM, edgecolor="white", linewidth=0.5)
@@ -79,7 +82,11 @@ def fragility(curves: Sequence[Curve], title: str, path: Path) -> None:
 
 
 def single(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], title: str, path: Path) -> None:
-    """A result over every uncertain number, a point for each sample; words stand side by side."""
+    """A result over every uncertain number, a point for each sample; words stand side by side.
+
+    name: of the result; values (samples,): of it; drawn: values of the uncertain numbers; title: above it; path: of the
+    picture.
+    """
     shown = list(drawn)[:SHOWN]
     rows = -(-len(shown) // ACROSS)
     figure = _figure(rows, f"{title}: {name} of every sample")

@@ -35,7 +35,11 @@ def grid_of(model: DiscModel, before: DiscModel, ground: Ground) -> pv.PolyData:
 
 
 def write_frame(store: Store, name: str, model: DiscModel, before: DiscModel, ground: Ground, seconds: float) -> None:
-    """One state of a slide, with the seconds since its onset."""
+    """One state of a slide, with the seconds since its onset.
+
+    ``store``: the folder of the run; ``name``: of the file; ``model``, ``before``: discs now and at rest; ``ground``:
+    in which they lie.
+    """
     grid = grid_of(model, before, ground)
     grid.field_data["seconds"] = np.array([seconds])
     store.write_grid(name, grid)

@@ -41,6 +41,7 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
     """Run the stages of a choice, with the folder locked; ``what`` is the command, for the log. The executor is closed
     at the end.
 
+    ``job``: stages, config and folder; ``listener``: hears of stages and progress.
     Raises InputError if something cannot be used or written. A stage without an answer keeps those from running that
     need it; all others run, and then its error is raised.
     """

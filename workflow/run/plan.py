@@ -51,7 +51,10 @@ class Choice:
 
     @classmethod
     def up_to(cls, stages: Sequence[Stage], name: str, force: bool = False, beside: Sequence[str] = ()) -> Self:
-        """A stage (run again with ``force``), others ``beside`` it, and the stages that they need."""
+        """A stage (run again with ``force``), others ``beside`` it, and the stages that they need.
+
+        ``stages``: in their order; ``name``: of the stage.
+        """
         needed = {name, *beside}
         for stage in reversed(stages):
             needed |= set(stage.needs) if stage.name in needed else set()

@@ -55,7 +55,12 @@ class Reading:
         part: str | None = None,
         borings: Sequence[str] = (),
     ) -> "Reading":
-        """Reading options from the command line. Raises InputError with every one that cannot be understood."""
+        """Reading options from the command line. Raises InputError with every one that cannot be understood.
+
+        ``off_line``: largest distance of a boring from the line (m); ``layers``: DXF attribute or layer names;
+        ``columns``: pairs ours=theirs; ``unit``: of a drawing; ``part``: of a file that holds several; ``borings``:
+        names of those to use.
+        """
         pairs = [text.partition("=") for one in columns for text in one.split(",")]
         told = [f"{key}{equals}{name}: expected ours=theirs, such as layer=Stratum" for key, equals, name in pairs
                 if not key.strip() or not name.strip()]  # fmt: skip

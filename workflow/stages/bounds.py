@@ -103,7 +103,10 @@ def _reason(bounds: "SafetyBounds", asked: BoundsSettings) -> str:
 
 
 def answer_of(config: Config, bounds: "KhBounds", asked: BoundsSettings, seconds: float) -> BoundsAnswer:
-    """The brackets of an input, how far each bound was checked, and every mesh; ``seconds`` it took to compute."""
+    """The brackets of an input, how far each bound was checked, and every mesh; ``seconds`` it took to compute.
+
+    ``config``: of the run; ``bounds``: found by the analysis; ``asked``: settings of the bounds.
+    """
     from fem.continuum.shallow_failure import joined
 
     return BoundsAnswer(

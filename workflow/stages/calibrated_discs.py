@@ -64,7 +64,11 @@ FIRST = 0.5  # of the time, what comes before these searches and tests
 
 
 def calibrate_stage(config: Config, store: Store, progress: Progress, executor: Executor) -> None:
-    """Calibrate discs to the critical Kh of the finite elements. Raises InputError, NoAnswerError, DemError."""
+    """Calibrate discs to the critical Kh of the finite elements. Raises InputError, NoAnswerError, DemError.
+
+    ``config``: of the run; ``store``: its folder; ``progress``: hears of every step; ``executor``: computes in
+    parallel.
+    """
     fem = FemAnswer.read(store)
     precompile(executor, lambda what: progress(what, None))
     searched, paper, layers = _searched(config, store, progress, executor)
@@ -259,7 +263,11 @@ def discs_answer(
     sliding: DiscModel,
     paper: PaperDiscs | None = None,
 ) -> DiscsAnswer:
-    """What dem/critical.json holds; ``sliding`` are the discs at rest that slides start from."""
+    """What dem/critical.json holds; ``sliding`` are the discs at rest that slides start from.
+
+    ``config``: of the run; ``discs``: at rest; ``searched``: critical Kh before and after calibration; ``kept``: states
+    at recorded Kh; ``surfaces``: slip surfaces; ``paper``: answer of the paper's discs.
+    """
     return DiscsAnswer(
         section=SectionLabel.of(config.section),
         model=_model_answer(config, config.dem, discs, sliding),

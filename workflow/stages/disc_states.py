@@ -65,6 +65,8 @@ class KeptStates:
 def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) -> KeptStates:
     """Discs at every recorded Kh, each from rest, as they stand or as they are when they are seen to fail; and the slip
     surface of every set at the upper end of its bracket.
+    ``config``: of the run; ``store``: its folder; ``sets``: discs before and after calibration; ``executor``: computes
+    in parallel.
     """
     recorded = [Goal(which, sets[which], kh, f"{kh:g}", store) for which in sets for kh in config.dem.kh]
     ends = [

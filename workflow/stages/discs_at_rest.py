@@ -44,12 +44,19 @@ class Discs:
 
 
 def discs_at_rest(section: Section, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
-    """Discs as some settings say. Raises InputError where they cannot be had, NotSettledError, DemError."""
+    """Discs as some settings say. Raises InputError where they cannot be had, NotSettledError, DemError.
+
+    ``section``: the ground; ``store``: the folder of the run; ``dem``: settings; ``file``: in which the discs are kept;
+    ``tell``: hears of every step.
+    """
     return _soil(section, store, dem, file, tell) if dem.model == "soil" else _paper(section, store, dem, file, tell)
 
 
 def ground_for(section: Section, store: Store, dem: DemSettings, settled: DiscModel) -> Ground:
-    """The ground that discs at rest lie in, pushed to where it fails by the finite elements."""
+    """The ground that discs at rest lie in, pushed to where it fails by the finite elements.
+
+    ``section``: the ground; ``store``: the folder of the run; ``dem``: settings; ``settled``: discs at rest.
+    """
     ground = ground_at_rest(section, dem, settled) if dem.model == "soil" else ground_of(section, dem)
     try:
         towards = FemAnswer.read(store).towards
@@ -67,7 +74,11 @@ def calibrator_for(
     continuum: Continuum | None = None,
     executor: Executor = SERIAL,
 ) -> Calibrator:
-    """The calibrator of discs, which continues from the searches in a journal."""
+    """The calibrator of discs, which continues from the searches in a journal.
+
+    ``store``: the folder of the run; ``dem``: settings; ``on_trial`` hears of every trial; ``continuum``: critical Kh
+    and yield displacement; ``executor``: computes in parallel.
+    """
     kept = Journal(store, journal)
     return Calibrator(
         discs.ground, discs.layers, discs.settled, dem, continuum=continuum, known=kept.known(),

@@ -67,6 +67,7 @@ def fem_stage(config: Config, mesh: "QuadMesh", store: Store | None, comm: Any, 
 
     Every rank computes; only the one with a store writes. Raises InputError, UnstableError, NoEquilibriumError, and,
     when all is written, NoAnswerError if the path ended undecided.
+    ``config``: of the run; ``mesh``: to begin with; ``comm``: MPI communicator; ``progress``: hears of every step.
     """
     from fem.search.assessment import assess
     from meshes.quad_mesh import save
@@ -186,7 +187,10 @@ def failed_shares(mesh: "QuadMesh", state: "State") -> dict[str, float]:
 
 
 def write_fields(section: Section, mesh: "QuadMesh", states: list["State"], store: Store) -> None:
-    """fem/fields.pvd with one .vtu for every state of equilibrium, and the last one of the path."""
+    """fem/fields.pvd with one .vtu for every state of equilibrium, and the last one of the path.
+
+    ``section``: the ground; ``mesh``: cells of it; ``states``: with their fields; ``store``: the folder of the run.
+    """
     from workflow.results.fem_states import COLLECTION, fields_file
     from workflow.results.mesh_grids import add_texts, grid_of
 

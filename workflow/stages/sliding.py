@@ -46,7 +46,10 @@ class PlannedSlide:
 
 
 def task(config: Config, springs: str, number: int, start: DiscModel, ground: Ground) -> PlannedSlide:
-    """A case of the input by its number, or `ALONE`, from some discs at rest."""
+    """A case of the input by its number, or `ALONE`, from some discs at rest.
+
+    ``config``: of the run; ``springs``: set of the discs; ``start``: discs at rest; ``ground``: in which they lie.
+    """
     case = None if number == ALONE else config.cases[number - 1]
     return PlannedSlide(springs, number, start, ground, liquefying(config).get(number, []), case)
 

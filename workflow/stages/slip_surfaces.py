@@ -16,6 +16,7 @@ from workflow.run.store import Store
 def slip_surfaces(config: Config, store: Store, before: np.ndarray, after: np.ndarray, fem: FemAnswer) -> SlipSurfaces:
     """Those of the discs ``before`` and ``after`` calibration, both (k, 2), points [x, elevation] in m, and that of the
     continuum: the one that soil discs are calibrated to, else the last state of its path that has one.
+    ``config``: of the run; ``store``: its folder; ``fem``: answer of the finite elements.
     """
     soil = config.dem.model == "soil"
     of_fem = [state.slip_surface for state in fem.states if state.slip_surface]

@@ -77,7 +77,10 @@ class Change:
 def on_a_mesh(
     change: tuple[str, str, Config], config: Config, store: Store, answer: FemAnswer, last: "QuadMesh"
 ) -> Change:
-    """The change on the ``last`` mesh, that of the answer, or where it has too many cells for a path on the first."""
+    """The change on the ``last`` mesh, that of the answer, or where it has too many cells for a path on the first.
+
+    ``config``: of the run; ``store``: its folder.
+    """
     from fem.limit_load.limit_load import is_unique
     from workflow.results.stored_mesh import stored_mesh
 

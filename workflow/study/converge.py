@@ -92,6 +92,8 @@ def run(
 ) -> ConvergenceAnswer:
     """Compute what is missing, and leave section.toml and converge.json.
 
+    ``config``: of the run; ``store``: its folder; ``within``: largest error that is called converged (%); ``ensemble``:
+    computes the rows; ``on_row`` hears of each.
     Raises InputError where nothing liquefies, NoAnswerError where fewer runs than three of a kind have an answer.
     """
     if not config.section.liquefies:

@@ -36,6 +36,7 @@ def effects(table: Table, name: str, words: Sequence[str], indices: bool) -> tup
 
     ``words`` are the paths whose values have no order. With ``indices`` the samples are of the method "saltelli";
     Sobol' indices are then found if no sample is missing.
+    ``table``: of all samples; ``name``: of the result.
     """
     values = table.column(name)
     there = np.isfinite(values)

@@ -56,6 +56,8 @@ def parts_of(only: Sequence[str]) -> tuple[list[Part], bool]:
 def run(config: Config, store: Store, only: Sequence[str], ensemble: Ensemble, on_row: OnRow | None = None) -> Study:
     """Compute what is missing of a study, and leave section.toml, samples.csv and study.json in its folder.
 
+    ``config``: of the study; ``store``: its folder; ``only``: parts to compute; ``ensemble``: computes the rows;
+    ``on_row`` hears of each.
     Raises InputError where nothing is uncertain, and for an unknown part.
     """
     if not config.uncertain.numbers:
@@ -74,7 +76,11 @@ def run(config: Config, store: Store, only: Sequence[str], ensemble: Ensemble, o
 def computed(
     config: Config, store: Store, parts: Sequence[Part], with_block: bool, ensemble: Ensemble, on_row: OnRow | None
 ) -> Table:
-    """The table of all samples, of those that fail with the reason."""
+    """The table of all samples, of those that fail with the reason.
+
+    ``config``: of the study; ``store``: its folder; ``parts``: to compute; ``with_block``: whether the sliding block is
+    among them; ``ensemble``: computes the rows; ``on_row`` hears of each.
+    """
     drawn = samples(config.uncertain, config.study, config.reach)
     inputs = [_input(config, sample) for sample in drawn]
     sound = [(place, sample) for place, sample in enumerate(inputs) if isinstance(sample, Config)]

@@ -92,7 +92,10 @@ def assess_1990(point: BlowCount, shaking: Shaking) -> Resistance:
 
 
 def assess_later(point: BlowCount, shaking: Shaking, form: Literal["2012", "2017"], motion: MotionType) -> Resistance:
-    """F_L at a test by the form of 2012 or 2017: c_W R_L over L."""
+    """F_L at a test by the form of 2012 or 2017: c_W R_L over L.
+
+    ``point``: blow count; ``shaking``: acceleration and magnitude; ``motion``: type 1 or 2 of the code.
+    """
     n1 = normalised(point)
     if point.d50 is not None and point.d50 >= 2.0:
         na = of_gravel(n1, point.d50)

@@ -80,7 +80,11 @@ def normalised(point: BlowCount, energy_ratio: float, rods_above: float) -> tupl
 
 
 def assess(point: BlowCount, shaking: Shaking, energy_ratio: float, rods_above: float) -> Resistance:
-    """F_L at a test: CRR MSF K_σ over CSR."""
+    """F_L at a test: CRR MSF K_σ over CSR.
+
+    ``point``: blow count; ``shaking``: acceleration and magnitude; ``energy_ratio``: of the hammer (%); ``rods_above``:
+    length of the rods above ground (m).
+    """
     n1, clean = normalised(point, energy_ratio, rods_above)
     load = stress_ratio(point, shaking)
     if clean >= DENSEST:

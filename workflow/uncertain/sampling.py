@@ -19,6 +19,7 @@ def chances(dimensions: int, count: int, method: Method, seed: int) -> np.ndarra
     "sobol": the first ``count`` of a scrambled sequence (Owen 1998), which a longer study continues.
     "latin": a Latin hypercube (McKay, Beckman and Conover 1979). "saltelli": for Sobol' indices, ``count`` points A,
     as many B, and for each dimension A with that column taken from B (Saltelli et al. 2010).
+    ``method``: one of these; ``seed``: of the random numbers.
     """
     from scipy.stats import qmc
 

@@ -28,7 +28,10 @@ BOUNDS, MOST_CELLS = BoundsSettings(gap=0.02, max_cells=10_000), 2500
 def answer(
     case: Case, parts: Collection[Part] = PARTS, known: Answer | None = None, bounds: BoundsSettings = BOUNDS
 ) -> Answer:
-    """The answer, or those ``parts`` of it over what is ``known``. What fails is told in ``failures``."""
+    """The answer, or those ``parts`` of it over what is ``known``. What fails is told in ``failures``.
+
+    ``case``: the published slope; ``bounds``: settings of the bounds.
+    """
     result = known or Answer(case.name)
     kept = tuple(text for text in result.failures if text.split(":")[0] not in parts)
     result = replace(result, failures=kept)
