@@ -16,7 +16,7 @@ run: setup  ## the whole workflow on meshes/sections/s13.toml, or on SECTION=my.
 	@$(BIN)/noshiro run $(SECTION)
 
 verify: setup ## what others published on slopes, beside our answers; takes an hour
-	@$(BIN)/noshiro verify
+	@$(BIN)/python -m docs.verify
 	@$(BIN)/python -m docs.published_slopes
 
 docs: setup ## the documentation site from the same files, without the network: docs/build/site/index.html

@@ -10,15 +10,15 @@ from matplotlib.figure import Figure
 
 from docs.numbers_file import keep_numbers
 from docs.published_slopes import DPI, PAGE, PICTURES, save_in_few_colours, with_remarks
+from docs.verify.record import FILE, read_answers
+from docs.verify.slides.case import FOLDER, Column, Ground, SlideCase, read_cases
+from docs.verify.slides.command import number, predicted, told
+from docs.verify.slides.record import SlideAnswer
+from docs.verify.slides.verdict import CLOSE, FAR, SlideVerdict, bias, judge, judge_points, right
 from workflow.estimates import slide_error
 from workflow.estimates.slide_error import TABLE
 from workflow.figures.canvas import INK
 from workflow.run.store import Store
-from workflow.verify.record import FILE, read_answers
-from workflow.verify.slides.case import FOLDER, Column, Ground, SlideCase, read_cases
-from workflow.verify.slides.command import number, predicted, told
-from workflow.verify.slides.record import SlideAnswer
-from workflow.verify.slides.verdict import CLOSE, FAR, SlideVerdict, bias, judge, judge_points, right
 
 SIZE = (3.2, 1.25)
 BEFORE, AFTER, MEASURED = "#9a9a9a", "#c0392b", "#1f6fb2"
@@ -28,8 +28,8 @@ HEAD = f"""# Known slides
 
 Slides whose run-out is known by theory, experiment or the field, with what the soil discs predict: nothing is tuned to
 them, strengths are those given, or what a triggering relation leaves. Every case is a file with a table `[known]`; one
-of the field is a section as users write it. Made by `python -m docs.known_slides`. `noshiro verify --slides column`
-runs those whose names begin so.
+of the field is a section as users write it. Made by `python -m docs.known_slides`.
+`python -m docs.verify --slides column` runs those whose names begin so.
 
 The ratio is the mean prediction of the packings over the (geometric) middle of what was measured, in brackets that of
 the least and of the largest prediction. **Within the band** is a mean between the least and the largest number that was
@@ -196,7 +196,7 @@ def main() -> None:
     """Make the page of the checkout again, the numbers that the documentation quotes, and the errors for reports."""
     cases, answers = read_cases(FOLDER), read_answers(FOLDER / FILE, SlideAnswer)
     commits = [answer.commit for answer in answers.values()]
-    command = "noshiro verify --slides; python -m docs.known_slides"
+    command = "python -m docs.verify --slides; python -m docs.known_slides"
     keep_numbers(Path("docs"), "slides", command, counts(cases, answers), commits)
     print(write_page(FOLDER, cases, answers))
     print(write_errors(Path(slide_error.__file__).parent, cases, answers))

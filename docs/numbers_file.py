@@ -8,8 +8,8 @@ from typing import Any
 
 import tomli_w
 
+from docs.verify.record import version_of
 from workflow.run.store import Store
-from workflow.verify.record import version_of
 
 FILE = "numbers.toml"
 HEAD = "# Written by the commands that stand in it. README and pages quote these numbers; a test compares them.\n\n"

@@ -12,13 +12,13 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from docs.numbers_file import keep_numbers
+from docs.verify.case import FOLDER, Case, Value, read_cases
+from docs.verify.record import FILE, Answer, read_answers
+from docs.verify.slopes import numbers
+from docs.verify.verdict import ABOVE, BELOW, TOLERANCE, CaseVerdict, judge
 from meshes.section.section import Section
 from workflow.figures.canvas import INK, soil_colours
 from workflow.run.store import Store
-from workflow.verify.case import FOLDER, Case, Value, read_cases
-from workflow.verify.record import FILE, Answer, read_answers
-from workflow.verify.slopes import numbers
-from workflow.verify.verdict import ABOVE, BELOW, TOLERANCE, CaseVerdict, judge
 
 PAGE, PICTURES, LEFT_OUT = "README.md", "pictures", "left_out.md"
 
@@ -31,7 +31,7 @@ HEAD = """# Published slopes
 Slopes on which others have published numbers, with what this program finds: strict bounds by limit analysis (ψ = φ),
 and finite elements with ψ = φ, the answer of `noshiro fem`, and by Davis's estimate for ψ, which is zero unless a file
 says otherwise, and which is no bound. Every case is a section as users write it, with a table `[published]`. Made by
-`make verify`; `noshiro verify acads` runs those whose names begin so.
+`make verify`; `python -m docs.verify acads` runs those whose names begin so.
 
 A published number is no truth: where the bounds exclude it, the remarks say so. **Right** is a case whose elements
 agree with its bounds (at most {below:g} % below, {above:g} % above) and in which the median of each kind of published
@@ -201,9 +201,8 @@ def main() -> None:
     """Make the page of the checkout again, and the numbers that the documentation quotes."""
     cases, answers = read_cases(FOLDER), read_answers(FOLDER / FILE, Answer)
     commits = [answer.commit for answer in answers.values()]
-    keep_numbers(
-        Path("docs"), "published", "noshiro verify; python -m docs.published_slopes", counts(cases, answers), commits
-    )
+    command = "python -m docs.verify; python -m docs.published_slopes"
+    keep_numbers(Path("docs"), "published", command, counts(cases, answers), commits)
     print(write_page(FOLDER, cases, answers))
 
 

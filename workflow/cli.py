@@ -32,7 +32,6 @@ from workflow.options import (
 )
 from workflow.section_import.command import section
 from workflow.study.command import converge, study
-from workflow.verify.command import verify
 
 if TYPE_CHECKING:
     from workflow.invocation import Invocation
@@ -365,7 +364,7 @@ def slide(
     _up_to(stage, invocation, force, Verbosity.of(quiet, verbose, json), beside, cases=cases)
 
 
-for command in (section, migrate, study, converge, verify):
+for command in (section, migrate, study, converge):
     app.command()(command)
 
 

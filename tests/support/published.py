@@ -2,8 +2,8 @@
 
 from functools import cache
 
+from docs.verify.case import FOLDER, Case, read_cases
 from tests.support import TOP
-from workflow.verify.case import FOLDER, Case, read_cases
 
 PUBLISHED = TOP / FOLDER
 

@@ -1,4 +1,4 @@
-"""`noshiro verify` on a folder with two cases."""
+"""`python -m docs.verify` on a folder with two cases."""
 
 import json
 import shutil
@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from docs.published_slopes import write_page
+from docs.verify.__main__ import verify
+from docs.verify.case import read_cases
+from docs.verify.record import Answer, read_answers, write_answers
 from meshes.errors import InputError
 from tests.support.published import PUBLISHED
-from workflow.verify.case import read_cases
-from workflow.verify.command import verify
-from workflow.verify.record import Answer, read_answers, write_answers
 
 
 @pytest.fixture

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from docs.known_slides import errors, text
+from docs.verify.record import read_answers, write_answers
+from docs.verify.slides.case import FOLDER, Column, SlideCase, UniformSlope, read_case, read_cases
+from docs.verify.slides.predict import shaking_of_slope
+from docs.verify.slides.record import SlideAnswer
+from docs.verify.slides.verdict import bias, judge, right
 from meshes.errors import InputError
 from tests.support.newmark import G, newmark_shaken, newmark_slide
 from workflow.estimates.slide_error import SlideError, error_of
 from workflow.report import model_error
-from workflow.verify.record import read_answers, write_answers
-from workflow.verify.slides.case import FOLDER, Column, SlideCase, UniformSlope, read_case, read_cases
-from workflow.verify.slides.predict import shaking_of_slope
-from workflow.verify.slides.record import SlideAnswer
-from workflow.verify.slides.verdict import bias, judge, right
 
 ROOT = Path(__file__).parents[3]
 CASES = {case.name: case for case in read_cases(ROOT / FOLDER)}

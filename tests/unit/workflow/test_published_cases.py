@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from docs.published_slopes import text
+from docs.verify import answer
+from docs.verify.case import Value, read_case, read_cases
+from docs.verify.record import Answer, version_of
+from docs.verify.verdict import judge, outside
 from meshes.errors import InputError, NoAnswerError
 from tests.support.log_spiral import critical_kh
 from tests.support.published import PUBLISHED, cases
-from workflow.verify import answer
-from workflow.verify.case import Value, read_case, read_cases
-from workflow.verify.record import Answer, version_of
-from workflow.verify.verdict import judge, outside
 
 GOOD = Answer("acads_1a", lower=0.975, upper=0.995, associated=0.99, davis=0.98)
 

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pytest
 
+from docs.verify.answer import answer
+from docs.verify.record import FILE, Answer, read_answers
+from docs.verify.verdict import judge
 from fem.settings import BoundsSettings
 from tests.support.published import PUBLISHED, cases
-from workflow.verify.answer import answer
-from workflow.verify.record import FILE, Answer, read_answers
-from workflow.verify.verdict import judge
 
 RECORDED = read_answers(PUBLISHED / FILE, Answer)
 # Of processor time, for bounds to 3 %; the dozen is to take less than a minute.

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from docs.known_slides import errors
+from docs.verify.record import FILE, read_answers
+from docs.verify.slides.case import read_cases
+from docs.verify.slides.predict import predict
+from docs.verify.slides.record import SlideAnswer
+from docs.verify.slides.verdict import judge
 from tests.support.published import PUBLISHED
 from workflow.estimates.slide_error import TABLE
-from workflow.verify.record import FILE, read_answers
-from workflow.verify.slides.case import read_cases
-from workflow.verify.slides.predict import predict
-from workflow.verify.slides.record import SlideAnswer
-from workflow.verify.slides.verdict import judge
 
 SLIDES = PUBLISHED.parent / "slides"
 CASES = {case.name: case for case in read_cases(SLIDES)}

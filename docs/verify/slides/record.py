@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from workflow.verify.record import Named
+from docs.verify.record import Named
 
 Line = tuple[tuple[float, float], ...]
 

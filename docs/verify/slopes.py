@@ -1,4 +1,4 @@
-"""The command `noshiro verify` without --slides: the collection of published slopes."""
+"""The command `python -m docs.verify` without --slides: the collection of published slopes."""
 
 from collections.abc import Collection
 from pathlib import Path
@@ -9,11 +9,11 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from workflow.verify.answer import answer
-from workflow.verify.case import FOLDER, Case, read_cases
-from workflow.verify.collection import Row, run
-from workflow.verify.record import Answer, Part
-from workflow.verify.verdict import CaseVerdict, judge
+from docs.verify.answer import answer
+from docs.verify.case import FOLDER, Case, read_cases
+from docs.verify.collection import Row, run
+from docs.verify.record import Answer, Part
+from docs.verify.verdict import CaseVerdict, judge
 
 SlopeRow = Row[Case, Answer, CaseVerdict]
 

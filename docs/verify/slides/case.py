@@ -8,12 +8,12 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, TypeAdapter, ValidationError
 
 from dem.settings import Case
+from docs.verify.case import case_files
 from meshes.errors import InputError
 from meshes.section.quantity import Angle, Length
 from meshes.section.section import Model, read_toml
 from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
-from workflow.verify.case import case_files
 
 # Where the cases are in a checkout, seen from its top.
 FOLDER = Path("tests/verification/slides")

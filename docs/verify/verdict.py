@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Literal
 
-from workflow.verify.case import Case, Kind, Value
-from workflow.verify.record import Answer
+from docs.verify.case import Case, Kind, Value
+from docs.verify.record import Answer
 
 # How far what was published may be from our bracket, as a share of it, by how it was found. Methods of slices that
 # satisfy equilibrium are within 6 % of each other (Duncan 1996); a survey is the mean of such; published elements have

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
-from workflow.verify.record import FILE, Kept, read_answers, version_of, write_answers
+from docs.verify.record import FILE, Kept, read_answers, version_of, write_answers
 
 
 class Case(Protocol):

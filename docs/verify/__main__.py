@@ -1,12 +1,17 @@
-"""The command `noshiro verify`."""
+"""The command `python -m docs.verify` of a checkout: the collections of published slopes and of known slides."""
 
 from json import dumps
 from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.console import Console
 
+from docs.verify.record import PARTS
+from docs.verify.slides.command import verify_slides
+from docs.verify.slopes import verify_slopes
 from meshes.errors import InputError
+from workflow.exits import ended_as_program
 from workflow.run.spelling import is_legible
 
 JSON_OPTION = typer.Option(
@@ -15,7 +20,9 @@ JSON_OPTION = typer.Option(
     dir_okay=False,
     show_default=False,
 )
-FOLDER_OPTION = typer.Option(help="The cases. [default: tests/verification/published, or slides]", show_default=False)
+FOLDER_OPTION = typer.Option(
+    help="The cases; tests/verification/published, or slides, if not given.", show_default=False
+)
 
 PACKINGS_OPTION = typer.Option(
     min=1,
@@ -37,13 +44,6 @@ def verify(
     packings: Annotated[int | None, PACKINGS_OPTION] = None,
 ) -> None:
     """Find the answers of published slopes, or of known slides, and judge them: right, wrong or explained."""
-
-    from rich.console import Console
-
-    from workflow.verify.record import PARTS
-    from workflow.verify.slides.command import verify_slides
-    from workflow.verify.slopes import verify_slopes
-
     unknown = [part for part in only or () if part not in PARTS]
     if unknown:
         raise InputError("--only", [f'"{part}": expected one of {", ".join(PARTS)}' for part in unknown])
@@ -62,3 +62,7 @@ def verify(
             typer.echo(text if is_legible(text) else dumps(rows, indent=1))
         else:
             json.write_text(text + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    ended_as_program(lambda: typer.run(verify))

@@ -8,6 +8,8 @@ from typing import Any, Literal
 
 from mpi4py import MPI
 
+from docs.verify.case import Case
+from docs.verify.record import PARTS, Answer, Part
 from fem.continuum.strength import is_associated, is_dilating_fully
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
@@ -18,8 +20,6 @@ from fem.settings import BoundsSettings, FemSettings
 from meshes.errors import InputError, NoAnswerError
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import BadMeshError, QuadMesh
-from workflow.verify.case import Case
-from workflow.verify.record import PARTS, Answer, Part
 
 # When bounds are close enough, and how many triangles they may take; cells of the elements.
 BOUNDS, MOST_CELLS = BoundsSettings(gap=0.02, max_cells=10_000), 2500

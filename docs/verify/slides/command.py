@@ -1,4 +1,4 @@
-"""The command `noshiro verify --slides`."""
+"""The command `python -m docs.verify --slides`."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -7,11 +7,11 @@ from typing import Any
 from rich.console import Console
 from rich.markup import escape
 
-from workflow.verify.collection import Row, run
-from workflow.verify.slides.case import FOLDER, SlideCase, read_cases
-from workflow.verify.slides.predict import predict
-from workflow.verify.slides.record import SlideAnswer
-from workflow.verify.slides.verdict import SlideVerdict, judge
+from docs.verify.collection import Row, run
+from docs.verify.slides.case import FOLDER, SlideCase, read_cases
+from docs.verify.slides.predict import predict
+from docs.verify.slides.record import SlideAnswer
+from docs.verify.slides.verdict import SlideVerdict, judge
 
 SlideRow = Row[SlideCase, SlideAnswer, SlideVerdict]
 

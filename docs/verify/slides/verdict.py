@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from workflow.verify.slides.case import SlideCase, UniformSlope
-from workflow.verify.slides.record import SlideAnswer
+from docs.verify.slides.case import SlideCase, UniformSlope
+from docs.verify.slides.record import SlideAnswer
 
 CLOSE, FAR = 1.5, 3.0  # times or a part of what was measured
 

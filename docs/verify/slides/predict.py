@@ -20,6 +20,8 @@ from dem.slides.liquefaction import Slider
 from dem.slides.runout import deposit_profile, loose_share, run_out
 from dem.slides.slide import Slide
 from dem.slides.until_rest import run_until_rest
+from docs.verify.slides.case import Column, Ground, SlideCase, UniformSlope
+from docs.verify.slides.record import Line, SlideAnswer
 from fem.mpm import PointSlide
 from meshes.errors import InputError, NoAnswerError
 from meshes.section.quantity import GRAVITY
@@ -27,8 +29,6 @@ from workflow.config import Config
 from workflow.earthquake import accelerogram
 from workflow.stages.mpm import slide_of_points
 from workflow.stages.shaking import shaking_of
-from workflow.verify.slides.case import Column, Ground, SlideCase, UniformSlope
-from workflow.verify.slides.record import Line, SlideAnswer
 
 STANDS = 3.0  # gamma H / s_u at which a slow loss of strength begins; columns stand below 3.83
 STEPS = 24  # of gravity in a slow loss of strength, each of a unit sqrt(H / g)

@@ -71,7 +71,7 @@ def read_answers(path: Path, kind: type[Kept]) -> dict[str, Kept]:
     try:
         answers: list[Kept] = TypeAdapter(list[kind]).validate_json(path.read_bytes())  # type: ignore[valid-type]
     except ValidationError as error:
-        raise InputError(str(path), ["these are not answers of `noshiro verify`; delete the file"]) from error
+        raise InputError(str(path), ["these are not answers of `python -m docs.verify`; delete the file"]) from error
     return {answer.name: answer for answer in answers}
 
 
