@@ -107,7 +107,7 @@ def list_liquefied(state: DiscState, in_ranges: Ranges = serial) -> None:
 
 
 def match_strength(state: DiscState) -> None:
-    """Lets bonds hold more or less, so that ground which has strained since the last list holds what was asked for.
+    """Adjusts the strength of bonds, so that strained ground keeps its prescribed strength with a new list of pairs.
 
     Bonds alone would hold 0.8 to 1.5 times that, by how the discs have come to lie: the pressure of discs that are
     pushed past each other bears shear as well, and bonds resist more in simple than in pure shear. Along fixed discs,

@@ -104,7 +104,7 @@ def pair_table(
 
 
 def _weaker(pairs: np.ndarray, values: np.ndarray) -> None:
-    """Writes the strengths of both materials of a pair into its constants, of rolling the lesser."""
+    """Writes friction and cohesion of both materials into the constants of a pair, and the smaller rolling friction."""
     own, other = np.broadcast_arrays(values[:, :, None], values[:, None, :])
     for row, second in ((MU, MU_OTHER), (COHESION, COHESION_OTHER)):
         pairs[row], pairs[second] = own[row], other[row]

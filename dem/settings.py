@@ -253,9 +253,8 @@ class Case(Model):
         return Remains(0.0, 0.0, *kept)
 
     def remains_of(self, section: Section, number: int) -> Remains:
-        """What a stratum of a section keeps: its residual strength, or the shares of its cohesion and friction where
-        these are more at its mean effective stress. Back-calculated residual strengths are all that slides had left,
-        so that the two do not add up.
+        """The strength a stratum keeps: its residual strength, or shares of cohesion and friction where those give
+        more. Back-calculated residual strengths are all that slides had left, so that the two do not add up.
         """
         stratum, field = section.strata[number], section.cohesion_field
         residual = self.residual_remains(stratum.name)

@@ -15,7 +15,7 @@ NEAR = 0.9  # radii between the rim of a plate's disc and the plane that the oth
 
 @dataclass(frozen=True)
 class TiedPacking:
-    """Uniform ground: one period of it.
+    """One period of uniform ground with periodic sides.
 
     Attributes
     ----------

@@ -25,7 +25,7 @@ def bisect(mesh: TriMesh, marked: np.ndarray) -> tuple[TriMesh, np.ndarray]:
 
 
 def _alike(mesh: TriMesh, cut: np.ndarray) -> np.ndarray:
-    """The edges to cut (a mask), with those on one side of a section that repeats for those on the other."""
+    """The edges to cut (a mask); edges of one periodic side are cut with their counterparts on the other."""
     left, right = (mesh.edge_numbers(ends) for ends in mesh.matched)
     marked = cut.copy()
     marked[left] = marked[right] = cut[left] | cut[right]

@@ -134,7 +134,7 @@ class OneThread(Executor):
 
 
 class _Shared(Future[A]):
-    """A task that another thread does, or the one that asks for its result before that has begun."""
+    """A task for another thread; the thread that needs its result does it if the other has not begun."""
 
     def __init__(self, work: Callable[[], A]) -> None:
         super().__init__()
@@ -146,13 +146,13 @@ class _Shared(Future[A]):
             _do(self, self._work)
 
     def result(self, timeout: float | None = None) -> A:
-        """What came of it; raises its error, and KeyboardInterrupt where Ctrl-C is heard in this thread."""
+        """The result of the task; raises its error, and KeyboardInterrupt on Ctrl-C in this thread."""
         self.do()
         return super().result(timeout)
 
 
 def interruptible(work: Callable[[], A]) -> A:
-    """What some work makes, in another thread if this is the main one, so that Ctrl-C is heard here meanwhile.
+    """The result of some work; in the main thread it is done by another thread, so that Ctrl-C is noticed.
 
     Raises its error, and KeyboardInterrupt in a thread whose work nobody waits for any more.
     """
@@ -259,7 +259,7 @@ class Processes(Executor):
         self._threads.shutdown(wait=True)
 
     def _done(self, request: bytes, heard: Tell) -> Any:
-        """What this thread's process makes of a task, or another one where that ends."""
+        """The result of a task in this thread's process, or in a new one if that process ends."""
         for _ in range(self.tries):
             worker = self._worker()
             try:

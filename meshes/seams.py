@@ -100,8 +100,8 @@ def seams_of(
 
 
 def seam_ends(layers: Layering, k: int, size: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """The x (n,) in m at which stratum k is to be divided: it is thinner than cells are long (``size``) on one side,
-    and on the other it steps or thickens beyond that. What is thin then has a plain end, as a seam needs.
+    """The x (n,) in m at which stratum k is divided: on one side thinner than a cell (``size``), on the other thicker.
+    What is thin then has a plain end, as a seam needs.
     """
     at = np.column_stack([layers.x[:-1], layers.x[1:]])
     top, bottom = (np.column_stack([layers.left[:, j], layers.right[:, j]]) for j in (k, k + 1))
@@ -235,7 +235,7 @@ def _steepness(first: np.ndarray, second: np.ndarray) -> float:
 
 
 def _on(start: np.ndarray, end: np.ndarray, points: np.ndarray, tolerance: float) -> np.ndarray:
-    """Those of the points (n, 2) that lie on an edge, its ends included."""
+    """The points out of (n, 2) on an edge, its ends included."""
     along = (end - start) / np.hypot(*(end - start))
     offset = points - start
     at, off = offset @ along, np.abs(offset[:, 0] * along[1] - offset[:, 1] * along[0])
@@ -243,7 +243,7 @@ def _on(start: np.ndarray, end: np.ndarray, points: np.ndarray, tolerance: float
 
 
 def _paired(top: np.ndarray, bottom: np.ndarray, length: Callable[[float], float]) -> np.ndarray:
-    """For every place (m) of a corner of one line that of the point of the other that it is joined with, (n, 2)."""
+    """For every corner place (m) of one line, its counterpart on the other line it is joined with, (n, 2)."""
     ends = sorted([(float(place), 0) for place in top[1:-1]] + [(float(place), 1) for place in bottom[1:-1]])
     pairs = [(float(top[0]), float(bottom[0]))]
     k = 0

@@ -111,7 +111,7 @@ class MeshSettings(Model):
         return float(section.layering.areas().sum()) / (right - left) / 12.0
 
     def sizes_in(self, section: Section) -> dict[str, float]:
-        """`sizes` by the names of all strata for which there is one, parts that water cut off among them."""
+        """`sizes` by the names of all strata with a size of their own, parts that water cut off among them."""
         sizes = {stratum.name: value_of_stratum(self.sizes, stratum.name) for stratum in section.strata}
         return {name: size for name, size in sizes.items() if size is not None}
 

@@ -43,7 +43,7 @@ def strips_of(mesh: QuadMesh) -> Strips:
 
 
 def with_finer_strips(mesh: QuadMesh, indicator: np.ndarray, cells: int) -> QuadMesh:
-    """The mesh with strips cut lengthwise, where it helps most, so that it has about so many ``cells``, no fewer.
+    """The mesh with columns and rows divided where that helps most, until it has at least ``cells`` cells.
 
     What helps is ``indicator`` (m,), such as plastic shear strain, times area and width of the cells of a strip, for
     each cell that the cut adds.

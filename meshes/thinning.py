@@ -209,7 +209,7 @@ def _cut_of(layers: Layering, k: int | None, tip: float, way: int, least: float)
 
 
 def _with_breakpoint(layers: Layering, at: float) -> Layering:
-    """The layers with one more breakpoint at x (m), unless there is one already."""
+    """The layers with a breakpoint at x (m)."""
     if np.abs(layers.x - at).min() <= layers.tolerance:
         return layers
     i = int(np.searchsorted(layers.x, at)) - 1

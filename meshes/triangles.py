@@ -108,7 +108,7 @@ class TriMesh:
 
     @cached_property
     def own_node(self) -> np.ndarray:
-        """For every node of quadratic triangles the one that it is one with: itself, or that of the left side."""
+        """Number of each node of quadratic triangles; on periodic sides the right side has the numbers of the left."""
         nodes = np.arange(len(self.points) + len(self.edges))
         left, right = self.matched
         nodes[right] = left

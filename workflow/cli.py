@@ -317,7 +317,7 @@ def bounds(
 
 
 def _of_stage(stage: str, words: str) -> None:
-    """A command that runs a stage, and before it what it needs."""
+    """A command that runs a stage after the stages that it needs."""
 
     def command(
         section: SectionFile,

@@ -1,4 +1,4 @@
-"""Settings of the command line that a command does not read: it says so, and which commands read them.
+"""Settings of the command line that a command does not use, and the commands that use them.
 
 What a command reads follows from what its stages declare (``Stage.reads``), and from what changes their inputs.
 """
@@ -33,7 +33,7 @@ def reads_of(stages: Sequence[Stage]) -> list[str]:
 
 
 def unread(settings: Sequence[str], job: Job, chosen: Sequence[str], without: Callable[[str], Job]) -> list[str]:
-    """Those of the ``settings`` that none of the ``chosen`` stages reads; ``without`` is the job without one of them.
+    """The ``settings`` that no ``chosen`` stage uses; ``without`` is the job without one setting.
 
     A setting that acts through others, such as a blow count that determines strengths, shows in the inputs of a stage.
     """

@@ -15,7 +15,9 @@ MORE = 1.02  # times what is wanted now: the next list is a little longer, or sh
 
 
 def large_zeros(*shape: int) -> np.ndarray:
-    """Zeros in large pages: NumPy asks the system for those where it makes arrays that are not zero yet."""
+    """An array of zeros in large pages of memory, for which NumPy asks the system only where an array is not zero
+    yet.
+    """
     size = math.prod(shape)
     room = np.empty(size + LINE)
     begin = -room.ctypes.data % (8 * LINE) // 8
@@ -49,12 +51,12 @@ class Room:
 
 
 def keep_freed_arrays(discs: int) -> None:
-    """Tells glibc what to do with the arrays that a new list of neighbours frees, and wants again at once.
+    """Tells glibc to keep the arrays that a new list of neighbours frees, since the next list needs them again.
 
     A page that comes new from the system costs as much as a hundred doubles: lists of 30,000 discs took twice as long.
-    Of many discs the holes in the heap count, which made a million take a third more memory: those arrays are given
-    back. It holds for the whole process from then on, which may keep `KEPT` bytes more than it uses. Does nothing where
-    the C library has no such switch.
+    For many discs, the holes in the heap matter more (a million took a third more memory): their arrays are given back.
+    The setting holds for the whole process from then on, which may keep `KEPT` bytes more than it uses. Does nothing
+    where the C library has no such switch.
     """
     mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
     if mallopt is not None:

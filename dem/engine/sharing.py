@@ -1,4 +1,4 @@
-"""Slices that threads share, and which thread waits for which."""
+"""Slices at the borders between threads, and the order in which threads wait for each other."""
 
 import numpy as np
 

@@ -17,7 +17,7 @@ INERTIAL = 6e-3  # inertial number at most; half of both changes the strength by
 
 @dataclass(frozen=True)
 class PatchStrength:
-    """Result of one patch at one pressure.
+    """The strength of one patch at one pressure.
 
     Attributes
     ----------

@@ -98,7 +98,7 @@ def _scaled(
 
 
 def compressed(task: tuple[Sample, float], _: Tell) -> PatchStrength | str:
-    """One patch, or why it has no strength."""
+    """The result of one compressed patch, or the reason why it has no strength."""
     sample, pressure = task
     try:
         return compress(sample, pressure)

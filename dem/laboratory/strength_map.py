@@ -164,8 +164,7 @@ class StrengthMap:
 
 @lru_cache(maxsize=2)
 def strength_map(turns: bool = True) -> StrengthMap:
-    """The map that comes with the package: of discs that turn, as those of soil with friction, or of those that do
-    not, as those of clay."""
+    """The map of the package: of rotating discs for soil with friction, or of discs that do not rotate for clay."""
     with (files("dem.laboratory") / MAP).open(encoding="utf-8") as source:
         every = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(source)]
     rows = [row for row in every if row["turns"] == turns]

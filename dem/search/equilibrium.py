@@ -75,7 +75,7 @@ class Rise(NamedTuple):
 
 @dataclass(frozen=True)
 class Trial:
-    """A verdict on one seismic coefficient, with the numbers that it follows from.
+    """The verdict on one seismic coefficient, and the numbers behind it.
 
     Attributes
     ----------

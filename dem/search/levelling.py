@@ -144,7 +144,7 @@ def _places(discs: np.ndarray, of: np.ndarray, sizes: np.ndarray) -> np.ndarray:
 
 
 def _fits(places: np.ndarray, discs: np.ndarray, radius: float) -> np.ndarray:
-    """Whether discs at some places would overlap none of those that there are."""
+    """Whether discs at given places overlap no other disc."""
     apart, near = cKDTree(discs[:, :2]).query(places[:, :2], k=range(1, min(NEAREST, len(discs)) + 1))
     gap = apart - places[:, 2:] - discs[near, 2]
     return np.asarray(gap.min(axis=1) >= -TOUCHES * radius)

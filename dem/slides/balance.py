@@ -116,8 +116,9 @@ def both_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[AtSid
 
 
 def stopped_by(sides: Sequence[AtSide]) -> str | None:
-    """The side that a slide ran up against, so that it would have gone on in a longer section: ground has piled up
-    there, or what slid at least half as far as anything ended there. None where it ended by itself.
+    """The side of the box ("left" or "right") that stopped a slide, None where it ended by itself.
+
+    A side stopped it if ground piled up there, or if ground there slid at least half as far as the largest slide.
     """
     held = [side for side in sides if side.piled or side.furthest > STOPPED]
     return max(held, key=lambda side: (side.furthest, side.rise)).name if held else None

@@ -288,9 +288,9 @@ class Slider:
     def _flow(self) -> list[str]:
         """Whether the case slides without any Kh as well: a sentence that says so, or none.
 
-        Ground that stands by its own weight gives way by centimetres; what continues until its face is flatter had no
-        equilibrium. That displacement is compared with the height of the face, and not with the slide under Kh, which
-        ends where Kh, the slope below or a side of the box let it.
+        Ground that stands by its own weight moves by centimetres only; ground without equilibrium moves until its face
+        is flatter. So the displacement without Kh is compared with the height of the face. The slide under Kh is no
+        measure: it depends on how long Kh lasts, on the slope below, and on the sides of the box.
         """
         settings = self.settings.model_copy(update={"kh": 0.0, "duration": ALONE})
         alone = Slider(self.start, self.ground, self.strata, self.case, settings).run()

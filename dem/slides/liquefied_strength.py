@@ -47,11 +47,11 @@ def liquefied(
 def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> Onset:
     """State of soil discs at the onset of liquefaction: overburden, and residual strength of the case.
 
-    The strength asked for, as a ratio of the vertical effective stress there and then, or as such; or the shares of
-    friction and cohesion that the case leaves the soil (`Case.remains_of`). It is reached at the shear strain that
-    belongs to the shear modulus which the case leaves, s/G in small ones, and never beyond `MOST_STRAIN`; with a
-    strain potential of the case past that (`meshes.section.strain_potential`).
-    model: the discs; ground: in which they lie; strata: numbers of those that liquefy.
+    The strength is given as a ratio of the vertical effective stress at that time, as a stress, or as shares of the
+    friction and cohesion of the soil (`Case.remains_of`). It is reached at a shear strain s/G, with the shear modulus G
+    that the case leaves, and at `MOST_STRAIN` at the latest; ground with a strain potential reaches it only past that
+    potential (`meshes.section.strain_potential`).
+    model: the discs; ground: in which they lie; strata: numbers of those that liquefy; case: what liquefaction leaves.
     """
     pressure, section = effective_overburden(model), ground.section
     consolidated = pressure - _not_consolidated(model, ground)

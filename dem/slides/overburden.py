@@ -10,8 +10,8 @@ WIDE = 2.0  # mean diameters to either side over which weight is spread
 def effective_overburden(model: DiscModel) -> np.ndarray:
     """Vertical effective stress (n,) in Pa at the centres of all discs.
 
-    Weight, and what water and loads on the ground add to it, of what of all discs is higher, half the disc itself
-    among it, each spread over `WIDE` diameters to either side. Discs that are fixed have no weight.
+    It is the weight of all higher discs and of half the disc itself, with the forces of water and of loads on the
+    ground; the weight of each disc is spread over `WIDE` mean diameters to either side. Fixed discs have no weight.
     """
     free = np.flatnonzero(~model.fixed)
     down = -model.mass * model.pull[1]

@@ -1,4 +1,4 @@
-"""What one look at a slide found."""
+"""One row of the history of a slide."""
 
 from dataclasses import dataclass
 

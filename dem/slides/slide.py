@@ -13,7 +13,7 @@ MOVES = 2.0  # times what Kh alone does, beyond which a disc of the surface slid
 
 @dataclass
 class Slide:
-    """A slide as it went: its history, and how it ended.
+    """The result of a slide: its history, and the reason for its end.
 
     Attributes
     ----------

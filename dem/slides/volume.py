@@ -19,7 +19,7 @@ PACE = 0.002  # of the area at one look: what holds the ground changes little
 
 
 def undrained(start: DiscModel, liquefy: Sequence[int]) -> list[int]:
-    """Strata of soil discs whose strength is undrained, so that they keep their volume.
+    """Strata of soil discs with undrained strength, which keep their volume.
 
     Those that liquefy are left alone: their pore water keeps it, see `kernels.liquefied_pairs`.
     """

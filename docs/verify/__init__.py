@@ -1,1 +1,1 @@
-"""Published slopes: what others found, what this program finds, and whether that is right (`python -m docs.verify`)."""
+"""Comparison of the program with published slopes (`python -m docs.verify`)."""

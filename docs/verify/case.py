@@ -21,7 +21,7 @@ Kind = Literal["equilibrium", "elements", "limit analysis", "closed form", "uppe
 
 
 class Value(Model):
-    """A published value: one number, or two between which it lies."""
+    """A published value: one number, or a range."""
 
     kind: Kind = Field(description="how it was found: limit equilibrium, finite elements, ...")
     author: str
@@ -97,6 +97,6 @@ def case_files(folder: Path, names: Sequence[str]) -> list[Path]:
 
 
 def _hint(name: str, stems: Sequence[str]) -> str:
-    """What may have been meant, or how to see what there is."""
+    """A hint: names similar to the one given, or how to list all."""
     close = get_close_matches(name, stems, n=3)
     return f"; did you mean {' or '.join(close)}?" if close else "; README.md in it names all of them"

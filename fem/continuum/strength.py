@@ -111,7 +111,7 @@ def strength_of(strata: Sequence[Stratum], flow: FlowSetting, factor: float = 1.
 
 
 def davis_words(dilation: Iterable[float]) -> str:
-    """What Davis's estimate is called, by the dilation angles that it is for."""
+    """The name of Davis's estimate for these dilation angles."""
     return "Davis's estimate for ψ as given" if any(dilation) else "Davis's estimate for ψ = 0"
 
 

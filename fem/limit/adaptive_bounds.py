@@ -112,7 +112,7 @@ def share_of_lower_bound(low: LowerBound, high: UpperBound) -> float:
 def proven_lower_bound(
     problem: LimitProblem, most_work: float = math.inf, start: Warm | None = None
 ) -> tuple[LowerBound, list[str], StressField | None]:
-    """The stress field that was found, what went wrong, and the same as a strict bound if it passes its check.
+    """The stress field, the reason if it failed, and its strict bound if it passes the check.
 
     After ``most_work`` (s of the reference machine) the solver ends with what it has; ``start`` is where it begins.
     """

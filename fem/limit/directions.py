@@ -76,7 +76,7 @@ class DirectionSearch(BoundSearch):
 
     @property
     def bounds(self) -> DirectionBounds:
-        """What was found so far."""
+        """The best bounds of the search so far."""
         leaves = sides_left_through(self.found.mechanism) if self.found.mechanism else ()
         return DirectionBounds(**_values(self.found), direction=self.direction, towards=self.towards, leaves=leaves)
 
@@ -93,7 +93,10 @@ def sides_left_through(mechanism: Mechanism) -> tuple[SectionSide, ...]:
 
 
 def smaller_of(directions: Iterable[DirectionBounds]) -> SmallerKhBounds:
-    """The bounds of the smaller Kh of all directions that count; work and meshes are those of the first to fail."""
+    """The bounds of the smallest Kh over all directions that count (`counting_of`).
+
+    Work and meshes are those of the direction with the smallest upper bound.
+    """
     order = sorted(directions, key=lambda bounds: (bounds.upper, bounds.lower))
     counting = counting_of(order)
     weakest = min(counting, key=lambda bounds: bounds.lower)
@@ -111,7 +114,10 @@ def smaller_of(directions: Iterable[DirectionBounds]) -> SmallerKhBounds:
 
 
 def counting_of(directions: Sequence[DirectionBounds]) -> list[DirectionBounds]:
-    """Those that count: all but an uphill one whose mechanism leaves through a side, beside a downhill one."""
+    """The directions that count for the smaller Kh.
+
+    An uphill mechanism that leaves the section through a side does not count where there is a downhill one.
+    """
     if len(directions) == 1:
         return list(directions)
     return [bounds for bounds in directions if bounds.direction == "downhill" or not bounds.leaves]

@@ -368,8 +368,10 @@ def gap_of_factors(lower: float, upper: float) -> float:
 
 
 def _root(points: Sequence[tuple[float, float]], slope: float | None) -> float:
-    """The factor at which a falling function of its logarithm is zero: by the points next to it, or by its ``slope``
-    where there is one point; NaN where nothing tells."""
+    """The factor at which a falling function of its logarithm is zero.
+
+    From the nearest points, or from one point and its ``slope``; NaN where neither is known.
+    """
     stand, fail = [point for point in points if point[1] >= 0.0], [point for point in points if point[1] < 0.0]
     ends = [stand[-1], fail[0]] if stand and fail else stand[-2:] or fail[:2]
     if len(ends) == 2 and ends[1][1] < ends[0][1]:
@@ -381,7 +383,7 @@ def _root(points: Sequence[tuple[float, float]], slope: float | None) -> float:
 
 
 def _inside(factor: float, safe: float, unsafe: float) -> float:
-    """The factor if it is well between one at which the ground stands and one at which it fails, else their middle."""
+    """The factor if it lies well between a stable and an unstable one, else the middle of these two."""
     if not 0.0 < safe < unsafe < math.inf:
         return factor
     share = math.log(factor / safe) / math.log(unsafe / safe)

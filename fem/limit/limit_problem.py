@@ -284,7 +284,7 @@ def _tension(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
 
 
 def with_all_loads_live(problem: LimitProblem, multiplier: float) -> LimitProblem:
-    """The problem whose multiplier acts on all loads, those of ``multiplier`` of the given one: above 1 it bears them.
+    """The problem whose multiplier acts on all loads; above 1 the ground bears ``multiplier`` times the live load.
 
     What pore pressures press where they jump is among them: without any load there is a stress, so that by convexity
     all shares up to the largest one are borne.

@@ -30,7 +30,7 @@ UNSTRAINED = 0.02
 
 
 def fans(problem: LimitProblem, points: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Points, the cells that meet there, and the corner of each of these that is the point."""
+    """For every point, the cells that meet there, and which of their corners is the point."""
     cells = problem.mesh.cells
     wanted = np.zeros(len(problem.mesh.points), dtype=bool)
     wanted[points] = True

@@ -50,10 +50,10 @@ def conic_safety_factor(
 ) -> tuple[float, State]:
     """The divisor of c and tan φ at which nodal forces (dofs,) in N/m are just borne, and the mechanism.
 
-    The search begins at ``guess``; ``kh`` labels the mechanism. The flow is associated, the element "reduced". The
-    strength of the ``problem`` is divided by the factor afterwards. Raises UnstableError if it is below 1/20,
-    NoAnswerError if it is above 20 or the solver leaves no answer.
-    ``mesh``: that of the ``problem``.
+    ``problem``: the elements of ``mesh``; ``forces``: nodal forces (N/m); ``guess``: factor at which the search begins;
+    ``kh`` labels the mechanism. The flow is associated, the element "reduced". The strength of the ``problem`` is
+    divided by the factor afterwards. Raises UnstableError if the factor is below 1/20, NoAnswerError if it is above 20
+    or the solver leaves no answer.
     """
     grid = problem.grid
     mean = _elastic_mean(problem, forces)

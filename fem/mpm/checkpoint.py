@@ -1,4 +1,4 @@
-"""A slide of material points as it stands, so that a stopped one continues with the same bits."""
+"""File of the state of a slide of material points, from which a stopped slide continues with the same bits."""
 
 import zipfile
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A section as material points on a grid: where they lie, what holds them, and the stress with which they begin.
+"""A section as material points on a grid: their places, their boundary conditions, and their initial stress.
 
 Around the section lie a few cells of rigid ground: below its base, so that the base is rough, and beyond its sides, as
 in the rigid box of the discs. Where the sides are free-field, the latter is taken away once the ground is at rest: what

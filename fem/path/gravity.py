@@ -187,8 +187,10 @@ def lift_of(problem: PlaneStrain, settings: FemSettings) -> np.ndarray:
 
 
 def _lay(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> None:
-    """Assign the soils of ``strips``, strata of a strengthened section, to the quadrature points inside them. With all
-    strata: to the tips of layers in a free mesh, which no cell follows.
+    """Assign the soils of ``strips``, strata of the strengthened section ``strong``, to the quadrature points inside
+    them.
+
+    In a free mesh ``strips`` are all strata, since no cell follows the thin tips of layers.
     """
     inside = strong.stratum_at(*problem.points().T)
     names, stratum_names = ([stratum.name for stratum in strata] for strata in (strong.strata, problem.strata))

@@ -169,9 +169,10 @@ class AdaptiveSearch:
         return settings.max_cells if is_adapted(self.section, self.meshing, self.first, settings) else 0
 
     def beside(self, base: AdaptiveResult[LimitLoadResult], other: FemSettings) -> AdaptiveResult[LimitLoadResult]:
-        """The limit load with ``other`` settings under the same forces, on the mesh of ``base``; where that does not
-        resolve the mechanism also on one of as many cells that does. Both are in the sequence, the smaller one is the
-        result. Raises NoAnswerError if the solver leaves none on the mesh of ``base``.
+        """The limit load with ``other`` settings under the same forces, on the mesh of ``base``.
+
+        Where that mesh does not resolve the mechanism, a mesh of as many cells is made that does, and the smaller limit
+        load counts; both are in the sequence. Raises NoAnswerError if the solver leaves none on the mesh of ``base``.
         """
         self.tell(f"limit load of {len(base.mesh.cells)} cells")
         same = asked_again(base.result, self.section, base.mesh, other)

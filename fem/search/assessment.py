@@ -294,7 +294,7 @@ class _Search:
     def with_factor_beside(
         self, adapted: AdaptiveResult[SafetyFactor], settings: FemSettings, kh: float
     ) -> AdaptiveResult[SafetyFactor]:
-        """The factor of safety, and beside it that by the other flow rule, if there is one."""
+        """The factor of safety by the chosen flow rule, and by the other one if both apply."""
         if is_dilating_fully(self.section.strata):
             return adapted
         other = settings.model_copy(update={"flow": "davis" if settings.flow == "associated" else "associated"})

@@ -1,4 +1,4 @@
-"""A sequence of meshes made anew for a mechanism, until hardly anything of the error of its answer is left.
+"""A sequence of meshes adapted to the mechanism, until the discretisation error of the answer is small.
 
 Plastic shear goes through a band as narrow as the cells allow, and the answer is too large in proportion to the width
 of that band, which halves when twice the cells are spent along it: error ~ 1 / cells. Two meshes give the error that is
@@ -117,9 +117,7 @@ class AdaptiveResult(Generic[F]):
         return () if self.result.mechanism is None else touched_sides(self.mesh, self.result.mechanism)
 
     def resolves(self, other: State) -> bool:
-        """Whether another mechanism shears through cells of ``mesh`` as small as those of its own, so that as little is
-        left of the error of its load; also where one mesh is for all.
-        """
+        """Whether the cells of ``mesh`` are as small along another mechanism as along its own."""
         own = self.result.mechanism
         return len(self.rounds) < 2 or (own is not None and self._band(other) <= ALIKE * self._band(own))
 

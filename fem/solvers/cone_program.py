@@ -224,8 +224,7 @@ def _solve(
 
 @dataclass(frozen=True, eq=False)
 class _End:
-    """How a solver ended: its status, unknowns and multipliers, whether they are sure, and what it took; ``middle``
-    is that of its bracket of the multiplier, if it has one, and ``fallback`` says that another solver had failed."""
+    """State at the end of a solver: status, unknowns and multipliers, whether they are sure, and work."""
 
     status: str
     x: np.ndarray
@@ -307,8 +306,11 @@ def _solved(
 
 
 def _poorness(solution: clarabel.DefaultSolution) -> int:
-    """0 where the solver met its tolerances, or almost and its equations well, or proved that there is no solution; 1
-    where it met them almost; 2 where it almost proved that, and 3 where it ended otherwise."""
+    """How far a solution is from what was asked of the solver: 0 is good, 3 is none.
+
+    0: tolerances met (or almost, with well-met equations), or infeasibility proven; 1: tolerances almost met; 2:
+    infeasibility almost proven; 3: anything else.
+    """
     status = str(solution.status)
     if status == "AlmostSolved":
         return int(max(solution.r_prim, solution.r_dual) > NEARLY)

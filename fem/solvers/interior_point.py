@@ -123,7 +123,7 @@ class _BreakdownError(ArithmeticError):
 
 
 class _Method:
-    """One program, its iterate, and the factors of its stiffness matrix."""
+    """The interior-point method on one program: its iterate, and the factors of its stiffness matrix."""
 
     def __init__(self, standard: Standard, unit: float, gap: float, matrix: CornerMatrix) -> None:
         self.given, self.unit, self.gap, self.stiffness_matrix = standard, unit, gap, matrix

@@ -183,7 +183,7 @@ def _bottom(log: Log, name: str, names: Sequence[str]) -> float | None:
 
 
 def _filled(known: Sequence[Sequence[float | None]], k: int, i: int, at: np.ndarray, log: Log) -> float | None:
-    """The bottom of stratum k in boring i; what is not known there is that of the nearest boring that knows it.
+    """The bottom of stratum k in boring i; where it is unknown, that of the nearest boring with one.
 
     It does not lie above the end of the boring, which went as deep in its last layer.
     """

@@ -80,7 +80,7 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table
 
 
 def _contradictions(name: str, lines: Sequence[tuple[int, Mapping[str, str]]]) -> list[str]:
-    """Lines of one boring that place it, its ground or its water elsewhere than its first line does."""
+    """Lines that give a boring another place, ground level or water level than its first line does."""
     number, first = lines[0]
     return [f"line {other}, {key} = {cells[key]!r}: line {number} says {first[key]!r} of the same boring {name}"
             for other, cells in lines[1:] for key in OF_A_BORING

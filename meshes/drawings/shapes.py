@@ -250,7 +250,7 @@ def _once(shapes: Sequence[Shape], unused: Counter[str]) -> list[Shape]:
 
 
 def _joined(shapes: Sequence[Shape]) -> list[Shape]:
-    """Shapes of one layer with its open ones that meet end to end, two and no more, made one."""
+    """Shapes of one layer, where two open shapes that meet end to end become one."""
     done = [shape for shape in shapes if shape.closed]
     waiting = [shape for shape in shapes if not shape.closed]
     while waiting:

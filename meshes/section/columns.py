@@ -94,7 +94,7 @@ class Tally:
         self.gaps: dict[tuple[str, str], list[float]] = {}  # height, and x from and to
 
     def add(self, inside: Sequence[int], owner: int, area: float, column: int) -> None:
-        """A cell that lies in outlines, and whose it is.
+        """Add a cell that lies in several outlines to the strata that claim it.
 
         ``inside``: strata whose outlines hold the cell; ``owner``: the one it belongs to; ``area``: of the cell (m²);
         ``column``: of the grid.

@@ -57,7 +57,7 @@ def soil_numbers(names: Sequence[str]) -> list[int]:
 
 
 def key_in_file(strata: Sequence[Stratum], k: int) -> str:
-    """Stratum k as a person finds it in the file: its number there, before water and zones cut it, and its name."""
+    """The name of stratum k in messages: its number in the file, before water and zones cut it, and its name."""
     return f"{place_in_file(strata, k)} {shown_name(soil_of(strata[k].name))}"
 
 

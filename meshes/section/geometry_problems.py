@@ -1,4 +1,4 @@
-"""What is wrong with the lines of a section, and with what can be read of one that has other faults."""
+"""Faults of the lines of a section, and of the readable part of a section with other faults."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -140,7 +140,7 @@ def without_collinear(polygon: np.ndarray, tolerance: float) -> np.ndarray:
 
 
 class Layers(NamedTuple):
-    """The layers of a section, what is wrong with them, and what was changed in them; one sentence each."""
+    """The layers of a section, with the faults and the changes that were made, one sentence each."""
 
     layering: Layering
     problems: list[str]

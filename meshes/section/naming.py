@@ -18,7 +18,7 @@ def naming_problems(names: Sequence[str]) -> Iterator[str]:
 
 
 def without_other_tables(data: Mapping[str, Any], names: Iterable[str]) -> dict[str, Any]:
-    """What a file holds without the tables that are not among ``names``; one that is nearly one of them is kept."""
+    """The tables of a file whose names are among ``names``, and those whose names are nearly one of them."""
     known = list(names)
     return {
         key: value

@@ -78,7 +78,7 @@ OF_A_STRATUM = {
 
 
 def implausible(strata: Sequence[Stratum], water: Water | None, surcharges: Sequence[Surcharge]) -> list[str]:
-    """One sentence for each quantity that is beyond what there is."""
+    """One sentence for each quantity outside the range of such quantities."""
     sentences = [text for k, s in enumerate(strata) for text in _told(key_in_file(strata, k), s, OF_A_STRATUM)]
     sentences += _told("water", water, {"unit_weight": WATER}) if water is not None else []
     for number, load in enumerate(surcharges, start=1):

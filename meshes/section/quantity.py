@@ -55,7 +55,7 @@ class Quantity(float):
 
 @dataclass(frozen=True)
 class Kind:
-    """A physical quantity: its name with the article, its SI unit, how one writes it, and its limits in SI units.
+    """A physical quantity: its name with the article, its SI unit, an example, and its limits in SI units.
 
     ``times_gravity`` is for densities and unit weights: one is taken in place of the other.
     """

@@ -112,7 +112,8 @@ class Section(Model):
         return self
 
     def _apply_zones(self) -> list[str]:
-        """Make strata of the zones, and ground of what they raise; what is wrong with them, one sentence each.
+        """Make strata of the zones, and raise the ground where zones are above it; returns their faults, one sentence
+        each.
 
         The model is frozen from here on, and has no zones.
         """
@@ -187,7 +188,7 @@ class Section(Model):
 
     @property
     def heading(self) -> str:
-        """What stands above its pictures: its title, or its name where it has none."""
+        """Heading of the pictures: the title of the section, or its name where it has no title."""
         return self.title or self.name
 
     @property
@@ -314,7 +315,7 @@ class Section(Model):
         )
 
     def with_strata(self, strata: Sequence[Stratum]) -> "Section":
-        """The section with other strata that the program derived from its own, without those that have no area.
+        """The section with ``strata`` that the program derived from its own; strata without area are left out.
 
         They are not validated: what a person cannot have meant, such as a cohesion of 1 Pa, may well be derived.
 
@@ -336,7 +337,7 @@ class Section(Model):
         return section
 
     def __getstate__(self) -> dict[Any, Any]:
-        """What another process is given: the fields alone; what was found with them it finds again."""
+        """The state for another process: the fields alone; derived quantities are computed again there."""
         state = super().__getstate__()
         return {**state, "__dict__": {name: getattr(self, name) for name in type(self).model_fields}}
 

@@ -69,7 +69,7 @@ def _without_choices(location: Place, data: Any) -> tuple[Place, Place]:
 
 
 def _nearest(field: Place, errors: list[ErrorDetails]) -> list[ErrorDetails]:
-    """Of what is wrong with a value by each kind that it can be, what the person who wrote it meant."""
+    """The faults of the kind of value that the writer most likely meant, out of all kinds the value can be."""
 
     def far(error: ErrorDetails) -> int:
         inside, table = len(error["loc"]) > len(field), isinstance(error["input"], Mapping | list | tuple)

@@ -1,4 +1,4 @@
-"""A layer of one soil: what it is called, where it ends, its parameters, and the water in its pores."""
+"""A layer of one soil: its name, its bottom, its parameters, and its pore water."""
 
 from collections.abc import Iterator
 from typing import Annotated, Any, Self
@@ -200,7 +200,9 @@ class Stratum(Model):
 
     @model_serializer(mode="wrap")
     def _as_written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Its keys; one below water that holds films of moist ground has the two densities that it was cut from."""
+        """The keys of a stratum; below water, a stratum with films of moist ground has both densities of the original
+        one.
+        """
         data: dict[str, Any] = handler(self)
         if self.density in (None, self.density_ordinary):
             return data

@@ -53,7 +53,7 @@ class TensionCrack(Model):
         return self
 
     def notices(self, section: Section) -> Iterator[str]:
-        """What methods make of the cracks of a section that is cut at them, one sentence each."""
+        """How the methods treat tension cracks of a section, one sentence each."""
         if self.bottom is None:
             return
         yield (

@@ -42,7 +42,7 @@ class Zone(Stratum):
 
     @property
     def soil(self) -> Stratum:
-        """Its soil as that of a stratum."""
+        """The soil of the zone as a stratum."""
         return Stratum.model_construct(**{key: getattr(self, key) for key in Stratum.model_fields})
 
 

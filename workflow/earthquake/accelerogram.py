@@ -94,7 +94,9 @@ def _lines(path: Path) -> list[str]:
 
 
 def _chosen(components: list[RecordedSeries], wanted: str) -> RecordedSeries:
-    """The component that is wanted, acceleration before what follows from it. Raises ValueError without a choice."""
+    """The chosen component; by default acceleration, not velocity or displacement. Raises ValueError without a
+    choice.
+    """
     of_acceleration = [component for component in components if component.quantity.lower().startswith("accel")]
     components = of_acceleration or components
     if not components:

@@ -59,7 +59,7 @@ ESM_KEY = re.compile(r"^([A-Z][A-Z0-9_/^]*): ?(.*)$")
 
 @dataclass(frozen=True)
 class NetworkFormat:
-    """A format: how its files are recognised, and what reads them."""
+    """A file format of records: how it is recognised, and its reader."""
 
     name: str
     recognised: Callable[[Lines], bool]
@@ -179,7 +179,7 @@ def spectra(lines: Lines) -> list[RecordedSeries]:
 
 
 def _wrong_number(count: int, stated: int, where: str, what: str) -> str:
-    """That a file holds fewer or more values than its heading states, and what that means."""
+    """Message that a file holds fewer or more values than its heading states."""
     of = f" ({what})" if what else ""
     if count < stated:
         return (

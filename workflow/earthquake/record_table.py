@@ -75,7 +75,7 @@ def _components(lines: Sequence[str]) -> list[RecordedSeries]:
 
 
 def _of_acceleration(components: list[RecordedSeries]) -> list[RecordedSeries]:
-    """The components in units of acceleration where some are: others beside them are what follows from them."""
+    """The components in units of acceleration if there are any, since other columns are integrals of these."""
     known = [(component, motion_unit(component.unit)) for component in components]
     return [component for component, unit in known if unit is not None and unit.motion == "acceleration"] or components
 

@@ -15,7 +15,7 @@ FORTRAN = re.compile(r"\(?\s*(\d+)?\s*[FEGIfegi]\s*(\d+)(?:\.\d+)?\s*\)?")
 
 @dataclass(frozen=True, eq=False)
 class RecordedSeries:
-    """One component of a record, as its file has it.
+    """One component of a record, in the units of its file.
 
     Attributes
     ----------

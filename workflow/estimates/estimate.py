@@ -1,4 +1,4 @@
-"""One estimate of a displacement, with what it rests on."""
+"""One estimate of a displacement, with its source and its assumptions."""
 
 import math
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ Kind = Literal["block", "smooth block", "regression", "regression as printed", "
 
 @dataclass(frozen=True)
 class Estimate:
-    """One estimate of a displacement, with what it rests on.
+    """One estimate of a displacement, with its source and its assumptions.
 
     Attributes
     ----------

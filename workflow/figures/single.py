@@ -32,7 +32,7 @@ SAME_KH = 5e-4  # Kh is given with three digits
 
 @dataclass(frozen=True)
 class Field:
-    """A field of a state: what it is with its unit, its values by cell or by point, and its colours."""
+    """A field of a state: its name with the unit, its values by cell or by point, and its colours."""
 
     label: str
     values: Callable[[State], np.ndarray]

@@ -46,7 +46,7 @@ COLOURS, MARKS = (CONTINUUM, DISCS, CRITICAL, "#2c7a3f", "#c77d11"), ("o", "s", 
 
 @dataclass(frozen=True)
 class Frame:
-    """One state of a slide, as its .vtp holds it."""
+    """One state of a slide, read from its .vtp file."""
 
     x: np.ndarray
     z: np.ndarray
@@ -176,7 +176,7 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
 
 
 def animate(config: Config, paths: list[Path], springs: str, number: int, out: Path) -> None:
-    """An animated WebP of all states of a case, displacement in colour: a third of a GIF.
+    """An animated WebP of all states of a case, displacement in colour; it is a third as large as a GIF.
 
     config: of the run; paths: files of the states; springs: set of the discs; number: of the case; out: the picture.
     """

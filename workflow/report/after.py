@@ -199,7 +199,7 @@ def factors(case: LiquefiedCase) -> str:
         phrases.append(f"{bracket(case.factor_lower, case.factor_upper, 2)} by strict bounds with ψ = φ")
     if case.factor is not None:
         less = case.factor_lower is not None and case.factor < case.factor_lower
-        phrases.append(f"{case.factor:.2f} by elements" + (", which count what ψ < φ takes away" if less else ""))
+        phrases.append(f"{case.factor:.2f} by elements" + (", lower since ψ < φ" if less else ""))
     return ", ".join(phrases)
 
 

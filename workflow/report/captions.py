@@ -19,7 +19,7 @@ QUALITY = 60  # of WebP, where shades are many: no difference can be seen at arm
 
 
 class Caption(NamedTuple):
-    """A pattern of names, the part of the report in which they stand, and what they show.
+    """A pattern of file names, the section of the report for these pictures, and their caption.
 
     Pictures that are not ``main`` stand at the end of the page, and are left out in print.
     """
@@ -112,7 +112,7 @@ CAPTIONS = (
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture within a page: its name, where it stands, what it shows, and its data as a URI."""
+    """A picture of the report: its name, section, caption, and data as a URI."""
 
     name: str
     part: str

@@ -121,7 +121,7 @@ def of_settlement(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
         falls, places = zip(*far.values(), strict=True)
         yield (
             f"the surface falls by {metre_range(falls)} at x = {_ends(places)} m in {_cases(list(far))}, far more than "
-            "the mean settlements of its thirds: use this value for the settlement of a crest"
+            "the mean settlements of the thirds of the section: use this value for the settlement of a crest"
         )
 
 

@@ -108,6 +108,6 @@ def contradicting(opinions: dict[int, SecondOpinion]) -> Iterator[WarningPart]:
 
 
 def agreeing(opinions: dict[int, SecondOpinion]) -> Iterator[str]:
-    """Tell of every other case; what is alike in one."""
+    """Sentences on the cases in which both methods agree."""
     for sentence in joined({number: [opinion.told()] for number, opinion in opinions.items() if opinion.agreed}):
         yield split(sentence)[0]

@@ -22,7 +22,7 @@ WIDTH = 900  # px of a picture: several are shown in a row
 
 @dataclass(frozen=True)
 class ComparedRun:
-    """A run as it is compared: its folder, its input and its summary."""
+    """A run in a comparison: its folder, input and summary."""
 
     folder: Path
     config: Config

@@ -18,7 +18,7 @@ from workflow.results.slices import CirclePart
 
 @dataclass(frozen=True)
 class Row:
-    """A quantity, its value, its interval, and the conditions that it holds for."""
+    """A quantity of the table: its name, value, interval, and conditions."""
 
     quantity: str
     value: str

@@ -145,8 +145,8 @@ def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
             deeper = " Discs fail higher up, where the continuum fails at the same Kh."
         elif surfaces.excess_above is not None:
             deeper = (
-                f" Discs fail higher up: the continuum needs {100 * surfaces.excess_above:.0f} % more Kh to fail no "
-                "deeper than they do."
+                f" Discs fail higher up: a failure of the continuum that is no deeper needs "
+                f"{100 * surfaces.excess_above:.0f} % more Kh."
             )
         yield (
             "Slip surface",

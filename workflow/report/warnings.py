@@ -89,7 +89,7 @@ def _of_cases(results: Results) -> Iterator[str]:
 
 
 def _nothing_left(results: Results) -> Iterator[str]:
-    """That layers which liquefy keep no strength at all, which nobody measured."""
+    """The warning that liquefied layers keep no strength at all, which was never measured."""
     liquefies = [stratum for stratum in results.config.section.strata if stratum.liquefies_in]
     none = []
     for number in sorted({number for stratum in liquefies for number in stratum.liquefies_in}):

@@ -119,7 +119,7 @@ class SectionLabel(Part):
 
 
 def line(points: np.ndarray) -> Line:
-    """Points (n, 2) of a line, as an answer holds them."""
+    """Points (n, 2) of a line in the form of the stored answers."""
     return tuple((float(x), float(z)) for x, z in points)
 
 

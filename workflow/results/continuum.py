@@ -183,7 +183,7 @@ class FemAnswer(Answer):
 
 
 class Variant(Part):
-    """One change, and the critical Kh with it; None where there is none."""
+    """One change of the assumptions, and the critical Kh with it (None without an answer)."""
 
     name: str
     change: str = Field(description="what is changed, in words")

@@ -12,7 +12,7 @@ Stands = Literal["stands", "flows"]
 
 
 class LiquefiedStratum(Part):
-    """A stratum that has liquefied, and the strength that it keeps."""
+    """A liquefied stratum and its residual strength."""
 
     name: str
     cohesion_kPa: float  # noqa: N815

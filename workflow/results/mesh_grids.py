@@ -20,7 +20,7 @@ def unstructured(mesh: QuadMesh) -> pv.UnstructuredGrid:
 
 
 def grid_of(section: Section, mesh: QuadMesh) -> pv.UnstructuredGrid:
-    """The mesh for VTK files, which say what section it is of, and that that is a reconstruction if it is one."""
+    """The mesh for VTK files, with the name of its section and whether the section is a reconstruction."""
     grid = unstructured(mesh)
     add_texts(grid, "section", [section.heading])
     if section.reconstruction:

@@ -74,7 +74,7 @@ class Results:
                 missing[stage.name] = why
 
         def left(stage: str, kind: type[Found]) -> Found | None:
-            """The answer of a stage that ran for this input and wrote one."""
+            """The stored answer of a stage, if it ran for this input."""
             written = stage in ends and kind.FILE in ends[stage].files
             return kind.read(job.store) if written else None
 
@@ -185,7 +185,7 @@ class Results:
                 yield f"factor of safety at Kh = {factor.kh:g} with ψ = φ", full, part.lower, part.upper, True
 
     def case_set(self) -> tuple[str, dict[int, CaseAnswer]]:
-        """The name of the set of cases that counts, the calibrated one if there is one, and its cases by number."""
+        """The set of cases that counts (the calibrated one if there is one), and its cases by number."""
         if self.cases is None:
             return "", {}
         name = self.cases.first_set

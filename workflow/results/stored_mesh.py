@@ -1,4 +1,4 @@
-"""The mesh that the stage `mesh` leaves, and one that was made elsewhere."""
+"""The mesh of a run: the one that the stage `mesh` wrote, or one from a file."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -57,7 +57,7 @@ class Group(Part):
 
 
 class Result(Part):
-    """One column of results over all samples that have it."""
+    """One column of results over all samples with a value."""
 
     name: str
     samples: int = Field(description="that have it")

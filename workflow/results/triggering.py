@@ -116,7 +116,7 @@ class LeftPart(Part):
 
 
 class RelationPart(Part):
-    """A relation that was used: what it is called, where it was published, and what it holds for."""
+    """A relation that was used: its name, its publication, and the ground it holds for."""
 
     title: str
     source: str

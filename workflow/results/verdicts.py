@@ -48,7 +48,7 @@ class CrestPart(Part):
 
 
 class VerdictPart(Part):
-    """One quantity against its limit."""
+    """The verdict on one quantity and its limit."""
 
     criterion: Criterion
     of: str = Field(description="the structure or face, and what computed it")

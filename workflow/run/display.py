@@ -31,7 +31,7 @@ STYLES: Mapping[State, str] = {
 
 
 class StageLine:
-    """One stage on the screen: a mark for its state, its name, what it does or found, how far it is, and its time."""
+    """One stage on the screen: mark of its state, name, activity or result, progress, and time."""
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage

@@ -165,7 +165,7 @@ class Run:
         self.beside.append(then(self.executor.submit(draw, self._for_others()), keep))
 
     def _for_others(self) -> Job:
-        """The job as other processes get it."""
+        """The job in the form that other processes receive."""
         return replace(self.job, stages=(), progress=silent, executor=SERIAL, ranks=None)
 
     def _keep_pictures(self, stage: Stage, before: Mapping[str, tuple[int, int]]) -> None:

@@ -14,7 +14,7 @@ SIGNS = {
 
 
 def spelled(character: str) -> str:
-    """A character in ASCII: by its sign, its name if it is Greek, without its accent, or by its number."""
+    """A character in ASCII: a sign, the name of a Greek letter, the letter without its accent, or its code."""
     if character in SIGNS:
         return SIGNS[character]
     kind, _, name = unicodedata.name(character, "").partition(" LETTER ")

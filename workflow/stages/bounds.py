@@ -125,7 +125,7 @@ def answer_of(config: Config, bounds: "KhBounds", asked: BoundsSettings, seconds
 
 
 def bracket_part(bounds: "SmallerKhBounds", asked: BoundsSettings) -> BracketPart:
-    """One bracket as it is kept."""
+    """One bracket of bounds in the form of the stored answer."""
     verdict, reason = _verdict(bounds, asked)
     directions = tuple(_direction_part(direction) for direction in bounds.directions)
     return BracketPart(

@@ -105,7 +105,7 @@ class Packing:
     numbers: tuple[int, ...]
 
     def told(self, message: str) -> str:
-        """Its message, with its seed."""
+        """The message of a packing, with its seed."""
         return f"random packing, seed {self.seed}: {message}"
 
 

@@ -14,8 +14,10 @@ from workflow.run.store import Store
 
 
 def slip_surfaces(config: Config, store: Store, before: np.ndarray, after: np.ndarray, fem: FemAnswer) -> SlipSurfaces:
-    """Those of the discs ``before`` and ``after`` calibration, both (k, 2), points [x, elevation] in m, and that of the
-    continuum: the one that soil discs are calibrated to, else the last state of its path that has one.
+    """Slip surfaces of the discs and of the continuum, and how far they agree.
+
+    ``before``, ``after``: of the discs before and after calibration, (k, 2) points [x, elevation] in m. That of the
+    continuum is the one that soil discs are calibrated to, else that of the last state of its path with one.
     ``config``: of the run; ``store``: its folder; ``fem``: answer of the finite elements.
     """
     soil = config.dem.model == "soil"

@@ -45,7 +45,7 @@ class Fit:
     scatter: float
 
     def converged(self, within: float) -> bool:
-        """Whether no more than that share is left."""
+        """Whether the remaining error is at most ``within``."""
         return self.left <= within
 
     def verdict(self, within: float) -> str:

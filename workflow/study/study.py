@@ -104,7 +104,7 @@ def _input(config: Config, drawn: Mapping[str, Any]) -> Config | str:
 
 
 def task_of(read: Config, part: Part, store: Store) -> Task[Sample, Numbers]:
-    """The task of one part of an input: it knows the section, and those settings only that matter to it.
+    """The task of one part of a sample: its section, and only the settings that this part reads.
 
     Borings and earthquake go with a part that reads them. Other parts do not depend on which strata liquefy; pore
     pressures by blow counts are already in the strata.

@@ -34,7 +34,7 @@ class Task(Generic[Given, Found]):
 
     @property
     def name(self) -> str:
-        """Which function it is."""
+        """Name of the function that the task calls."""
         return f"{self.function.__module__}.{self.function.__qualname__}"
 
     @property

@@ -26,7 +26,7 @@ class Counted:
             self.console.print()
 
     def __call__(self, done: int, failed: int, total: int) -> None:
-        """One more is done."""
+        """Count one more finished computation."""
         if self.before is None:
             self.before = done  # there already when it began: they say nothing of the time left
         now = time.monotonic()

@@ -25,7 +25,7 @@ ABOVE_WATER = "above the water table"  # why a soil is not judged
 
 @dataclass(frozen=True)
 class Judged:
-    """One test, and its factor F_L.
+    """One test and its factor F_L.
 
     Attributes
     ----------

@@ -96,7 +96,8 @@ def normalised(point: ConeTest) -> tuple[float, float]:
 def equivalent_count(resistance: float) -> float:
     """The (N1)60 of sand of the same relative density: D_R = √(N/46) = 0.478 q^0.264 - 1.063, q = qc1N.
 
-    Idriss & Boulanger (2008) have both; what follows from liquefaction goes by it.
+    Both relations are those of Idriss & Boulanger (2008). The consequences of liquefaction are computed from this
+    count.
     """
     return 46.0 * max(0.0, 0.478 * resistance**0.264 - 1.063) ** 2
 

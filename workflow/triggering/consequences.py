@@ -67,7 +67,7 @@ CHOICE: Mapping[CaseName, Callable[[Sequence[float]], float]] = {
 
 @dataclass(frozen=True)
 class Left:
-    """What is left of a stratum that liquefies; means over what its tests with F_L below 1 stand for.
+    """Residual strength of a stratum that liquefies; means over the depth of its tests with F_L below 1.
 
     Attributes
     ----------

@@ -27,7 +27,7 @@ class Penetration:
 
 @dataclass(frozen=True)
 class ResidualRelation:
-    """A relation: its name, where it was published, and what it holds for.
+    """A relation of residual strength: its name, its publication, and the soils it holds for.
 
     ``count`` is the blow count that it goes by, ``most`` that up to which there are cases behind it, ``curve`` finds
     Sr/σ'v of a count.

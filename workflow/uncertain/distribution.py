@@ -35,7 +35,7 @@ class Distribution(Model):
 
     @property
     def kind(self) -> str:
-        """Which of the kinds it is."""
+        """Name of the kind of distribution."""
         return next(kind for kind in KINDS if getattr(self, kind) is not None)
 
     @property
@@ -130,7 +130,7 @@ class Distribution(Model):
         return math.exp(drawn) if logarithmic else drawn
 
     def written(self, value: Any) -> Any:
-        """What was drawn as it would stand in a file, with its unit."""
+        """A sampled value in the form of a section file, with its unit."""
         return f"{value!r} {self.unit}" if self.unit else value
 
 

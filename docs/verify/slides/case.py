@@ -103,7 +103,7 @@ class Known(Model):
 
 @dataclass(frozen=True)
 class SlideCase:
-    """A known slide, and its section where it has one."""
+    """A known slide, with its section where there is one."""
 
     name: str
     title: str

@@ -27,7 +27,7 @@ def verify_slides(
 
 
 def told(verdict: SlideVerdict) -> str:
-    """Ratio and its spread, in the digits that these allow."""
+    """A ratio and its spread in words, with significant digits only."""
     if verdict.ratio is None or verdict.spread is None:
         return ""
     low, high = verdict.spread

@@ -74,7 +74,7 @@ def _judged(case: SlideCase, predicted: tuple[float, ...]) -> SlideVerdict:
 
 
 def right(verdicts: Iterable[SlideVerdict], factor: float) -> int:
-    """How many are within a factor of what was measured, what stands as it should among them."""
+    """Number of predictions within a factor of the measured slide, explained ones included."""
     return sum(v.word == "stands" or (v.factor is not None and v.factor <= factor) for v in verdicts)
 
 

@@ -46,7 +46,7 @@ def test_elements_below_the_strict_bounds_say_why() -> None:
     case = after_liquefaction(1, 4.0, 0.8)
     assert factors(case) == "0.79 to 0.81 by strict bounds with ψ = φ, 0.80 by elements"
     less = case.model_copy(update={"factor": 0.7})
-    assert factors(less).endswith("0.70 by elements, which count what ψ < φ takes away")
+    assert factors(less).endswith("0.70 by elements, lower since ψ < φ")
 
 
 def test_a_case_is_called_by_its_name_and_ground_that_rises_does_not_settle() -> None:
