@@ -152,7 +152,7 @@ def liquefy(model: DiscState, onset: Onset) -> None:
     if model.period is not None and model.period[0] < NEEDED * (reach + model.skin):
         raise ValueError(
             f"discs: liquefied ground wants a period of at least {NEEDED * (reach + model.skin):.3g} m, "
-            f"three reaches of its pore water; it is {model.period[0]:g} m"
+            f"three times the range of its pore pressure kernel; it is {model.period[0]:g} m"
         )
     if not len(model.liquefied):
         model.liquefied = np.zeros((len(model), FIELDS))

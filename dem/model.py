@@ -290,8 +290,8 @@ class DiscModel(DiscState):
     def set_radius(self, radius: np.ndarray) -> None:
         """Other radii (m) from now on: discs swell, or shrink as liquefied ground does that loses volume.
 
-        Mass, angle and spin stay; forces change with the overlaps. Areas with voids, by which pore water presses, go
-        with the discs.
+        Mass, angle and spin stay; forces change with the overlaps. The areas with voids, on which
+        pore water presses, change in proportion.
         """
         if radius.shape != self.radius.shape or not (radius > 0.0).all():
             raise ValueError(

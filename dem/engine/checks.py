@@ -97,7 +97,7 @@ def check_balance(model: DiscModel, energies: EnergyBalance, tolerance: float, k
         speed = np.hypot(model.vx, model.vz) * np.sqrt(model.mass) * ~model.fixed
         disc = int(np.argmax(speed))
         raise EnergyBalanceError(
-            f"{energies.gap:.4g} J/m of {energies.turnover:.4g} turned over came from nowhere (allowed {tolerance:g}); "
-            f"most energy of motion has {_place(model, disc)}. Take a smaller step, or allow more "
-            f"with `balance`. {kept}"
+            f"{energies.gap:.4g} J/m of {energies.turnover:.4g} turned over are unaccounted for "
+            f"(allowed {tolerance:g}); most energy of motion has {_place(model, disc)}. Take a smaller step, "
+            f"or allow more with `balance`. {kept}"
         )

@@ -165,8 +165,8 @@ class Calibrator:
     def settled_with(self, parameter: str, factor: float) -> DiscModel:
         """Discs at rest with a factor on a parameter.
 
-        The paper's begin again from the lattice or packing that all start with. Soil discs go on from where they came
-        to rest with their own strength: their ground is cut to the section's, and shall stay so.
+        The paper's discs start again from the initial lattice or packing. Soil discs start from their rest with
+        uncalibrated strength, since their surface was already cut to that of the section.
         """
         if factor == 1.0:
             return self.settled

@@ -31,8 +31,8 @@ def undrained(start: DiscModel, liquefy: Sequence[int]) -> list[int]:
 def area_per_disc(model: DiscModel, start: DiscModel) -> np.ndarray:
     """Area of the ground of each stratum, voids and all, over the area that its discs had at the start (n,).
 
-    Of triangles of neighbours (Delaunay), each shared out among its corners by their angles: 2 sqrt(3)/pi where equal
-    discs just touch. NaN for a stratum without triangles.
+    The area is that of Delaunay triangles, each shared out among its corners by their angles. The ratio is 2 sqrt(3)/pi
+    where equal discs just touch, NaN for a stratum without triangles.
     """
     points = np.column_stack([model.x, model.z])
     corners = Delaunay(points).simplices

@@ -56,7 +56,7 @@ def shaken_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: in
 
 
 def seismic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray:
-    """Nodal forces (dofs,) in N/m of Kh = 1 on the soil and what it carries.
+    """Nodal forces (dofs,) in N/m of Kh = 1 on the soil, on surcharges and on free water.
 
     ``problem``: the elements of ``mesh``, a mesh of ``section``; ``sign``: 1 towards the right, -1 towards the left.
     """

@@ -129,7 +129,7 @@ def find_limit_load(
 
 def _held_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) -> float:
     """The multiplier in equilibrium without overstress at the peak of a path or a little below; the path is not
-    changed. Relaxations along the path are too far apart to find it, and beyond a peak they find less.
+    changed. Relaxed states along the path are too far apart to find this value, and lower beyond a peak.
     """
     end, steps, held = path.mark(), list(path.steps), -np.inf
     for less in path.settings.reductions:

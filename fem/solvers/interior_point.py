@@ -348,7 +348,7 @@ class _Method:
         return y, self.led_inside(z, weight, lone), self.led_inside(s, 1.0 / weight, 1.0 / lone)
 
     def led_inside(self, v: np.ndarray, weight: np.ndarray, lone: np.ndarray) -> np.ndarray:
-        """A vector of rows with as much added to its cones as leads all of them inside, over their weights."""
+        """A vector of rows, over the weights, moved by one amount along the axes of all cones until it is inside."""
         v = v.copy()
         cone, rest = self.cone(v), v[self.lones :]
         cone *= weight[:, None]

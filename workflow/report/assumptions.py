@@ -55,7 +55,7 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
     if config.section.liquefies:
         yield (
             "Liquefaction",
-            f"Which layers liquefy, and how far, is given and not found. They lose strength {_onset(config)} under "
+            f"Which layers liquefy, and how far, is an input, not a result. They lose strength {_onset(config)} under "
             f"{_driven(config)}. {LIQUEFIED}",
         )
         yield (
@@ -85,13 +85,13 @@ def _water(section: Section) -> str:
     phrase = (
         f"Effective stress: below the water level of each stratum pores are full, the head in them measured {head}; "
         "above it there is none, and no suction. Water on the ground presses on it. The horizontal force acts on all "
-        "of the saturated mass. No pore pressure comes with strain."
+        "of the saturated mass. No excess pore pressure builds up with strain."
     )
     if section.water_pressure.flow is not None:
         phrase = (
             "Effective stress: pore pressure is that of steady seepage between free water and the heads at the sides, "
             "0 above the phreatic line, without suction. Shaking and sliding do not change the flow. The horizontal "
-            "force acts on all of the saturated mass. No pore pressure comes with strain."
+            "force acts on all of the saturated mass. No excess pore pressure builds up with strain."
         )
     if any(s.excess_pore_pressure_ratio for s in section.strata):
         phrase += " Shaking adds the excess pore pressure given, all of it before Kh comes on."

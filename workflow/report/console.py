@@ -82,7 +82,7 @@ def fem_sentences(answer: FemAnswer, section: Section, every: bool = True) -> It
 def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = True) -> str:
     """A factor of safety and the extent of its slip surface; with ``every`` also how it was found."""
     most = f", on this mesh at most {factor.upper:.3f}" if factor.upper > factor.factor else ""
-    rest = f", of which its mesh may leave {100 * factor.rest:.1f} % open" if factor.rest is not None else ""
+    rest = f", with an error of the mesh of {100 * factor.rest:.1f} % or less" if factor.rest is not None else ""
     beside = factor.davis if factor.davis is not None else factor.associated
     number = with_flow(factor.factor, answer.flow, beside, answer.estimate, "{:.3f}".format)
     if factor.verdict == "no failure":  # it is where the search ended, not where the ground fails
@@ -171,7 +171,7 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
         if answer.predicted_kc is not None and answer.predicted_ratio is not None:
             yield (
                 f"Discs, uncalibrated: critical Kh = {coefficient(answer.predicted_kc)}, {answer.predicted_ratio:.2f} "
-                "times the lower end of that of the continuum with their boundary conditions."
+                "times the lower end of the critical Kh of the finite elements with the same boundary conditions."
             )
         yield (
             f"Discs: critical Kh = {_bracket(answer.kc, answer)} for "

@@ -228,7 +228,7 @@ def test_what_cannot_liquefy() -> None:
         DiscMaterials([LOOSE], law="soil"),
         DiscBoundary(period=(12.5 * RADIUS, 0.0)),
     )
-    with pytest.raises(ValueError, match="three reaches of its pore water"):
+    with pytest.raises(ValueError, match="three times the range of its pore pressure kernel"):
         liquefy(short, given)
 
 
