@@ -254,11 +254,11 @@ def _interval(results: Results) -> str:
     """The spread of the largest slide over random packings, where there are several."""
     random = results.cases.random if results.cases is not None else None
     spreads = {number: case.slide_max_m for number, case in random.cases.items()} if random is not None else {}
-    phrases = [
-        f"{_spread(spread.mean, spread.values, spread.mean_ci95)} in case {number}"
-        for number, spread in spreads.items()
-        if spread.mean is not None and spread.mean_ci95 is not None
-    ]
+    cases_of: dict[str, list[int]] = {}
+    for number, spread in spreads.items():
+        if spread.mean is not None and spread.mean_ci95 is not None:
+            cases_of.setdefault(_spread(spread.mean, spread.values, spread.mean_ci95), []).append(number)
+    phrases = [f"{phrase} in {of_cases(numbers)}" for phrase, numbers in cases_of.items()]
     if not phrases:
         return "One packing of discs was computed, so no interval is known; slide.seeds = [1, 2] gives one."
     count = max(len(spread.values) for spread in spreads.values())

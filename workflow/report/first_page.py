@@ -285,6 +285,8 @@ def _why_kh(results: Results, _: Texts) -> Iterator[str]:
     if not kc:
         return
     low, high = min(kc), max(kc)
+    if high <= 0.0:  # no Kh at all is needed, as the sentence on ground that does not stand tells
+        return
     limit = coefficient(low) if coefficient(low) == coefficient(high) else f"{coefficient(low)} to {coefficient(high)}"
     word = "The slides are computed at Kh = {kh}, which exceeds the critical Kh after liquefaction, {limit}."
     if slide.kh < 0.9 * low:
