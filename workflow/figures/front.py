@@ -8,6 +8,7 @@ from matplotlib.patheffects import withStroke
 
 from workflow.figures.canvas import CRITICAL, DISCS, INK
 from workflow.figures.ground import Overlay, draw_section
+from workflow.figures.material_points import seen_from_above
 from workflow.figures.slides import smoothed
 from workflow.results.cases import CaseAnswer
 from workflow.results.material_points import PointCase
@@ -30,14 +31,15 @@ def front(results: Results, name: str) -> bool:
         after, by = np.array(case.surface_after), "material points"
         if isinstance(case, CaseAnswer) and results.dem is not None:
             after, by = smoothed(after, 2.0 * results.dem.model.radius_m), "discs"
+        elif results.mpm is not None:
+            after = seen_from_above(after, results.mpm.cell_m)
         label = f"surface after the slide by {by}, case {number}: {case.slide_max_m:.2g} m"
         lines.append(Overlay(after, DISCS, (0, ()), label))
     if not lines and results.fem is None:
         return False
     with results.store.writing(name) as path:
-        draw_section(
-            results.config.section, path, "failure and slide", lines, lambda axes: _marks(axes, results), ABOVE
-        )
+        what = "failure" if case is None else "failure and slide"
+        draw_section(results.config.section, path, what, lines, lambda axes: _marks(axes, results), ABOVE)
     return True
 
 

@@ -10,7 +10,7 @@ from workflow.figures.canvas import CONTINUUM, INK, Sheet
 from workflow.results.material_points import PointSlidesAnswer
 
 
-def _seen_from_above(surface: np.ndarray, cell: float) -> np.ndarray:
+def seen_from_above(surface: np.ndarray, cell: float) -> np.ndarray:
     """The highest point (n, 2) of every half a ``cell`` (m): a front that rolled over has several."""
     _, place = np.unique(np.floor(2.0 * surface[:, 0] / cell), return_inverse=True)
     order = np.lexsort((surface[:, 1], place.ravel()))
@@ -25,7 +25,7 @@ def profiles(config: Config, answer: PointSlidesAnswer, out: Path) -> None:
         last = view == len(answer.cases) - 1
         name = f"{config.called(number)}: slides at most {case.slide_max_m:.2f} m; {case.reason}"
         axes = sheet.plot(view, "distance x (m)" if last else "", "elevation (m)", name)
-        before, after = np.array(case.surface_before), _seen_from_above(np.array(case.surface_after), answer.cell_m)
+        before, after = np.array(case.surface_before), seen_from_above(np.array(case.surface_after), answer.cell_m)
         axes.plot(*after.T, color=CONTINUUM, linewidth=1.3)
         axes.plot(*before.T, color=INK, linewidth=0.9, linestyle=(0, (4, 2)))
         axes.set_xlim(before[0, 0], before[-1, 0])

@@ -9,6 +9,7 @@ import numpy as np
 from meshes.section.section import Section
 from workflow.estimates.comparison import is_s13
 from workflow.estimates.sliding_block import SmoothPlane
+from workflow.report.numbers import metre_range
 from workflow.results.answer import Line
 from workflow.results.cases import CaseAnswer
 from workflow.results.continuum import KeptState
@@ -216,7 +217,7 @@ def _measured(results: Results) -> PaperRow:
     row = PaperRow("slide measured in the field", "about 3 m", "Figs 4 and 5", _absent(results, "slide"), None)
     if not slides:
         return row
-    phrase = f"{min(slides):.1f} to {max(slides):.1f} m in cases 2 and 3"
+    phrase = f"{metre_range(slides)} in cases 2 and 3"
     agrees = min(slides) <= (1.0 + WITHIN) * MEASURED and max(slides) >= (1.0 - WITHIN) * MEASURED
     return PaperRow(row.quantity, row.paper, row.where, phrase, agrees, f"{SECTION}; and so are cases and Kh = 0.1")
 

@@ -121,7 +121,7 @@ def test_variants_stand_beside_what_they_show(s13: Config) -> None:
     change = "sides fixed instead of free-field"
     found = Variant(name="sides", change=change, kc=0.3, kc_upper=0.31, verdict="plateau", reason="", seconds=1.0)
     told = dict(sources_of_uncertainty(results(s13, fem=fem(s13), variants=VariantsAnswer(variants=(found,)))))
-    assert "sides fixed instead of free-field: critical Kh = 0.3000 (+25.0 %)" in told["Side condition"]
+    assert "sides fixed instead of free-field: critical Kh = 0.300 (+25.0 %)" in told["Side condition"]
     none = Variant(name="sides", change=change, kc=None, kc_upper=None, verdict="undecided", reason="slow", seconds=1.0)
     silent = dict(sources_of_uncertainty(results(s13, fem=fem(s13), variants=VariantsAnswer(variants=(none,)))))
     assert "undecided, slow" in silent["Side condition"]
