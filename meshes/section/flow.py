@@ -14,6 +14,8 @@ from meshes.section.water_pressure import WaterPressure
 
 # So many triangles would have the area of the section if they were squares halved.
 SQUARES = 4500
+# Where ground is more permeable along x, triangles are longer by the root of the ratio, up to this.
+MOST_STRETCHED = 4.0
 
 
 def seepage_of(
@@ -48,11 +50,14 @@ def seepage_of(
     table = still.before
     assert table is not None  # Water sees to it
     plain = layers_with([])
-    layers = layers_with([*_shores(plain, table), *(wall.x for wall in walls)])
+    shores = _shores(plain, table)
+    layers = layers_with([*shores, *(wall.x for wall in walls)])
     size = float(np.sqrt(layers.areas().sum() / SQUARES))
     steps = layers.x[1:-1][np.abs(layers.right[:-1, 0] - layers.left[1:, 0]) > layers.tolerance]
-    free = [(float(x), float(np.interp(x, *table.T))) for x in (layers.x[0], *steps, layers.x[-1])]
-    grid = flow_grid(layers, size, walls, free)
+    levels = np.unique(np.interp([layers.x[0], *shores, *steps, layers.x[-1]], *table.T))
+    k = np.array([(s.permeability or 0.0, s.permeability_vertical or s.permeability or 0.0) for s in strata], dtype=float)
+    stretch = float(np.sqrt(np.clip(k[:, 0] / k[:, 1], 1.0, MOST_STRETCHED**2).max()))
+    grid = flow_grid(layers, size, walls, levels.tolist(), stretch)
     heads = _given(grid, still, table, layers.tolerance)
     if not np.isfinite(heads).any():
         raise InputError(
@@ -60,8 +65,7 @@ def seepage_of(
             ["water, flow: the table lies below the base at both sides, and stands on no ground; expected water "
              "somewhere, from which to where it flows"],
         )  # fmt: skip
-    k = [(float(s.permeability or 0.0), float(s.permeability_vertical or s.permeability or 0.0)) for s in strata]
-    return steady_seepage(grid, np.array(k), _without_islands(grid, heads), table, layers.tolerance)
+    return steady_seepage(grid, k, _without_islands(grid, heads), table, layers.tolerance)
 
 
 def _shores(layers: Layering, table: np.ndarray) -> list[float]:

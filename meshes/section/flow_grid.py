@@ -6,7 +6,7 @@ that follow the interfaces, so that a point is found by its strip and its height
 sides have points of their own, and no water crosses it (a cut-off wall).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -14,6 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from meshes.section.layering import Layering
+
+
+# A line has no point of its own at a level that is nearer to another point than this share of the size.
+CLOSE = 0.2
 
 
 class Wall(NamedTuple):
@@ -57,6 +61,13 @@ class FlowGrid:
     sides: tuple[np.ndarray, np.ndarray]
     walls: tuple[float, ...] = ()
 
+    def chains(self) -> Iterator[tuple[int, int, np.ndarray]]:
+        """Every strip, its sides 0 and 1, and the points there from below upwards."""
+        for strip, rungs in enumerate(self.rungs):
+            for side in (0, 1):
+                chain = rungs[:, side]
+                yield strip, side, chain[np.append(True, chain[1:] != chain[:-1])] if len(chain) else chain
+
     def strip_at(self, points: np.ndarray, near: np.ndarray, tolerance: float) -> np.ndarray:
         """The strips (k,) in which points (k, 2) lie; on a line that in which ``near`` (k, 2) does."""
         x = points[:, 0]
@@ -93,15 +104,18 @@ class FlowGrid:
 
 
 def flow_grid(
-    layers: Layering, size: float, walls: Sequence[Wall] = (), levels: Sequence[tuple[float, float]] = ()
+    layers: Layering, size: float, walls: Sequence[Wall] = (), levels: Sequence[float] = (), stretch: float = 1.0
 ) -> FlowGrid:
-    """The grid of layers with breakpoints at all ``walls``; edges are about ``size`` (m) long.
+    """The grid of layers with breakpoints at all ``walls``; edges are about ``size`` (m) long, and ``stretch`` times as
+    long along x as upwards.
 
-    Breakpoints are also wanted at the x of ``levels`` (x, elevation), places on lines that get a point of their own.
+    Every line has a point at the elevation (m) of each of the ``levels``, such as those of free water.
     """
-    x, ends = _lines(layers, size)
-    z = [_heights(ends, line, size, [level for at, level in levels if abs(at - x[line]) <= layers.tolerance],
-                  [wall.bottom for wall in walls if abs(wall.x - x[line]) <= layers.tolerance], layers.tolerance)
+    x, ends = _lines(layers, size * np.sqrt(stretch))
+    size = float(size / np.sqrt(stretch))
+    z = [_heights(ends, line, size,
+                  [*(wall.bottom for wall in walls if abs(wall.x - x[line]) <= layers.tolerance), *levels],
+                  layers.tolerance)
          for line in range(len(x))]  # fmt: skip
     points, left_numbers, right_numbers = _numbered(x, z, walls, layers.tolerance)
     cells, stratum, rungs = [], [], []
@@ -154,13 +168,14 @@ def _lines(layers: Layering, size: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _heights(
-    ends: np.ndarray, line: int, size: float, levels: list[float], tips: list[float], tolerance: float
+    ends: np.ndarray, line: int, size: float, levels: list[float], tolerance: float
 ) -> np.ndarray:
     """Elevations (m) of the points of a line, rising: where interfaces of either side are, then not farther apart."""
     sides = ([ends[line - 1, 1]] if line else []) + ([ends[line, 0]] if line < len(ends) else [])
     fixed = np.unique(np.concatenate(sides))
-    more = [at for at in (*levels, *tips) if fixed[0] < at < fixed[-1] and np.abs(fixed - at).min() > tolerance]
-    fixed = np.union1d(fixed, more)
+    for at in levels:
+        if fixed[0] < at < fixed[-1] and np.abs(fixed - at).min() > max(tolerance, CLOSE * size):
+            fixed = np.union1d(fixed, at)
     heights = [fixed[:1]]
     for low, high in pairwise(fixed.tolist()):
         count = max(1, int(np.ceil((high - low) / size - 1e-9)))

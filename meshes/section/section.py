@@ -177,8 +177,6 @@ class Section(Model):
         notices += against_the_water(self.layering, self.strata, drawn, table)
         if self.water_pressure.after is not None:
             notices += not_level(self.ground, self.water_pressure.after)
-        if self.water_pressure.flow is not None:
-            notices.append(f"water, flow: {self.water_pressure.flow.words}")
         notices += [self.uplift.words] if self.uplift else []
         notices += [f"{key_in_file(self.strata, k)}: its cohesion varies; discs have its mean throughout"
                  for k, s in enumerate(self.strata) if s.cohesion_varies]  # fmt: skip

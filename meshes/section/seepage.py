@@ -1,11 +1,9 @@
-"""Steady seepage through a section by finite elements: heads, phreatic line, seepage face, discharge.
+"""Steady seepage through a section: heads, phreatic line, seepage face, discharge.
 
-Darcy's law q = -k ∇h with h = z + u / γw, and div q = 0 (Bear 1972, Dynamics of Fluids in Porous Media), on linear
-triangles. Where water stands on the ground, and on the sides below the ends of the table, the head is given; the base
-and the rest of the sides are impermeable. On the rest of the ground either water comes out and u = 0, a seepage face,
-or none passes and u <= 0: which, is found point by point. The mesh is fixed: above the phreatic line permeabilities are
-a thousandth (Bathe & Khoshgoftaar 1979, Int. J. Num. Anal. Meth. Geomech. 3, 13), in triangles that it crosses in
-proportion to what lies below it, so that no suction is taken into account and little water flows above.
+Where water stands on the ground, and on the sides below the ends of the table, the head h = z + u / γw is given; the
+base and the rest of the sides are impermeable. On the rest of the ground either water comes out and u = 0, a seepage
+face, or none passes: which, and where the ground is wet, is found by `free_surface_flow`, which states the law. There
+is no suction above the phreatic line.
 """
 
 from dataclasses import dataclass
@@ -15,18 +13,12 @@ import numpy as np
 
 from meshes.errors import NoAnswerError
 from meshes.section.flow_grid import FlowGrid
+from meshes.section.free_surface import FreeSurfaceFlow, free_surface_flow
 from meshes.section.polyline import level_at
 from meshes.section.simplified import needed
 
-# Permeability above the phreatic line, over that below it.
-DRY = 1e-3
-# The iteration ends when no head changes by more than this share of the height of the section.
-SAME_HEAD = 1e-5
-MOST_ITERATIONS = 400
-# A point of the ground that has changed from dry to seeping and back so often stays as it is.
-MOST_CHANGES = 10
-# Share of the change of permeabilities that an iteration takes on, and what it is when the changes do not fade.
-STEP, LEAST_STEP = 0.7, 0.02
+# Between which the fall of the pressure with height is taken to continue to the phreatic line; 1 is that of still water.
+FALL = (0.2, 2.0)
 # The line of the water may pass its points at this share of the distance of vertical lines.
 LINE = 0.25
 
@@ -52,6 +44,8 @@ class Seepage:
         leaves.
     seeps : (n,) ndarray of bool
         Points of seepage faces.
+    discharge : float
+        Water that flows through the section, per length of its third direction (m²/s).
     table : (k, 2) ndarray
         The water table that gave the heads (m): free water stands up to it.
     tolerance : float
@@ -62,13 +56,9 @@ class Seepage:
     head: np.ndarray
     inflow: np.ndarray
     seeps: np.ndarray
+    discharge: float
     table: np.ndarray
     tolerance: float
-
-    @property
-    def discharge(self) -> float:
-        """Water that flows through the section, per length of its third direction (m²/s)."""
-        return float(np.maximum(self.inflow, 0.0).sum())
 
     @cached_property
     def exit_gradient(self) -> tuple[float, float]:
@@ -92,8 +82,8 @@ class Seepage:
         gradient, x = self.exit_gradient
         leaves = f"; it seeps out of the ground from {faces}" if faces else ""
         steep = f"; the largest upward gradient where it leaves is {gradient:.2g}, at x = {x:.4g} m"
-        through = f"{self.discharge:.3g} m²/s seep through a metre of the section"
-        return f"{through}{leaves}{steep if gradient > 0.0 else ''}"
+        through = f"Seepage: {self.discharge:.3g} m²/s flow through a metre of the section"
+        return f"{through}{leaves}{steep if gradient > 0.0 else ''}."
 
     def pressure_head(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
         """Pore pressure over γw (n,) in m at points (n, 2), 0 above the phreatic line; see `FlowGrid.interpolated`."""
@@ -108,17 +98,11 @@ class Seepage:
         points: list[tuple[float, float]] = []
         pressure = self.head - self.grid.points[:, 1]
         middle = 0.5 * (x[1:] + x[:-1])
-        for strip, rungs in enumerate(self.grid.rungs):
-            for side in (0, 1):
-                chain = (
-                    rungs[np.append(True, rungs[1:, side] != rungs[:-1, side]), side] if len(rungs) else rungs[:, side]
-                )
-                at = float(x[strip + side])
-                free = float(level_at(self.table, x[[strip + side]], middle[[strip]])[0])
-                level = _highest(self.grid.points[chain, 1], pressure[chain], self.tolerance) if len(chain) else free
-                points.append(
-                    (at, level if len(chain) and level < self.grid.points[chain[-1], 1] else max(level, free))
-                )
+        for strip, side, chain in self.grid.chains():
+            at = float(x[strip + side])
+            free = float(level_at(self.table, x[[strip + side]], middle[[strip]])[0])
+            level = _highest(self.grid.points[chain, 1], pressure[chain], self.tolerance) if len(chain) else free
+            points.append((at, level if len(chain) and level < self.grid.points[chain[-1], 1] else max(level, free)))
         line = np.array(points)
         again = np.append(False, np.abs(np.diff(line, axis=0)).max(axis=1) <= self.tolerance)
         line = line[~again]
@@ -178,70 +162,45 @@ def steady_seepage(
     Raises
     ------
     SeepageError
-        If the phreatic line does not come to rest.
+        If the set of wet points does not come to rest.
     """
-    z, fixed = grid.points[:, 1], np.isfinite(heads)
-    blocks = _blocks(grid, permeability)
-    height = float(np.ptp(z))
-    shore = np.setdiff1d(grid.ground, np.flatnonzero(fixed))
-    seeps, changes = np.zeros(len(z), dtype=bool), np.zeros(len(z), dtype=int)
-    share, step, before = np.ones(len(grid.cells)), STEP, np.inf
-    head = np.full(len(z), float(np.nanmax(heads)))
-    for _ in range(MOST_ITERATIONS):
-        known = fixed | seeps
-        last, values = head, np.where(fixed, heads, z)
-        head, inflow = _solved(blocks * (DRY + (1.0 - DRY) * share)[:, None, None], grid.cells, known, values)
-        flips = shore[np.where(seeps[shore], inflow[shore] > 0.0, head[shore] > z[shore])]
-        flips = flips[changes[flips] < MOST_CHANGES]
-        seeps[flips], changes[flips] = ~seeps[flips], changes[flips] + 1
-        moved = float(np.abs(head - last).max())
-        wanted = wet_share((head - z)[grid.cells])
-        if moved <= SAME_HEAD * height and not len(flips):
-            return Seepage(grid, head, np.where(known, inflow, 0.0), seeps, table, tolerance)
-        if moved > 0.95 * before and not len(flips):
-            step = max(0.8 * step, LEAST_STEP)
-        before = moved
-        share = share + step * (wanted - share)
-    raise SeepageError(
-        f"the phreatic line does not come to rest: after {MOST_ITERATIONS} iterations heads change by {moved:.2g} m",
-        "permeabilities that differ less, or a table in the place of flow = true",
-    )
+    given = heads - grid.points[:, 1]
+    under = given > 1e-3 * tolerance  # not numbers are not
+    bare = np.isfinite(heads)
+    bare[grid.ground] = True
+    flow = free_surface_flow(grid, permeability, np.where(under, given, np.nan), bare & ~under)
+    if not flow.converged:
+        raise SeepageError(
+            "the phreatic line does not come to rest",
+            "permeabilities that differ less, or the pore pressure by a water table without flow = true",
+        )
+    # Water that enters and leaves by the same free water, as near its shore, does not flow through the section.
+    _, pond = np.unique(np.round(heads[np.isfinite(heads)] / tolerance), return_inverse=True)
+    discharge = float(np.maximum(np.bincount(pond, flow.inflow[np.isfinite(heads)]), 0.0).sum())
+    seeps = flow.seeps & ~np.isfinite(heads)
+    return Seepage(grid, _continued(grid, flow), flow.inflow, seeps, discharge, table, tolerance)
 
 
-def _blocks(grid: FlowGrid, permeability: np.ndarray) -> np.ndarray:
-    """Conductances (m, 3, 3) of the triangles (m/s): the integral of k ∇N_i ∇N_j."""
-    x, z = (grid.points[grid.cells, axis] for axis in (0, 1))
-    slope_x = z[:, [1, 2, 0]] - z[:, [2, 0, 1]]
-    slope_z = x[:, [2, 0, 1]] - x[:, [1, 2, 0]]
-    twice = (slope_x * x).sum(axis=1)
-    k = permeability[grid.stratum]
-    weight = 0.5 / twice
-    along = np.einsum("m,mi,mj->mij", k[:, 0] * weight, slope_x, slope_x)
-    return np.asarray(along + np.einsum("m,mi,mj->mij", k[:, 1] * weight, slope_z, slope_z))
+def _continued(grid: FlowGrid, flow: FreeSurfaceFlow) -> np.ndarray:
+    """Heads (n,) where ground is wet, and where it is dry those of a pressure that goes on below 0 from the next water
+    on the same vertical line, so that the phreatic line lies where it becomes 0."""
+    z, wet = grid.points[:, 1], flow.full
+    pressure = np.where(wet, flow.pressure, -np.inf)
+    for _, _, chain in grid.chains():
+        height, found, here = z[chain], flow.pressure[chain], wet[chain]
+        last = np.maximum.accumulate(np.where(here, np.arange(len(chain)), -1))
+        after = np.minimum.accumulate(np.where(here, np.arange(len(chain)), len(chain))[::-1])[::-1]
+        for i in np.flatnonzero(~here):
+            j, above = int(last[i]), int(after[i])
+            beyond = -(height[i] - height[0]) if j < 0 else found[j] - _fall(height, found, j) * (height[i] - height[j])
+            if above < len(chain):  # water hangs above: its pressure is 0 at the next dry point
+                beyond = max(beyond, -(height[above - 1] - height[i]))
+            pressure[chain[i]] = max(pressure[chain[i]], min(beyond, 0.0))
+    return np.asarray(z + pressure)
 
 
-def _solved(
-    blocks: np.ndarray, cells: np.ndarray, known: np.ndarray, values: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Heads (n,), those ``known`` being of ``values``, and what flows in at every point (m²/s)."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.linalg import splu
-
-    rows, columns = np.repeat(cells, 3, axis=1).ravel(), np.tile(cells, 3).ravel()
-    matrix = coo_array((blocks.ravel(), (rows, columns)), shape=(len(known), len(known))).tocsr()
-    free = np.flatnonzero(~known)
-    head = np.where(known, values, 0.0)
-    if len(free):
-        factors = splu(matrix[free][:, free].tocsc(), diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-        head[free] = factors.solve(-(matrix @ head)[free])
-    return head, matrix @ head
-
-
-def wet_share(pressure: np.ndarray) -> np.ndarray:
-    """The share (m,) of triangles in which a pressure (m, 3), linear in each, is above 0."""
-    least, middle, most = np.sort(pressure, axis=1).T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        tip = most**2 / ((most - least) * (most - middle))
-        rest = 1.0 - least**2 / ((least - most) * (least - middle))
-    share = np.where(middle > 0.0, rest, tip)
-    return np.asarray(np.where(least >= 0.0, 1.0, np.where(most <= 0.0, 0.0, share)))
+def _fall(height: np.ndarray, pressure: np.ndarray, j: int) -> float:
+    """Fall of the pressure head with height below the highest wet point ``j`` of a vertical line (-)."""
+    if j == 0:
+        return 1.0
+    return float(np.clip((pressure[j - 1] - pressure[j]) / (height[j] - height[j - 1]), *FALL))

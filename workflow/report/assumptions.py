@@ -44,6 +44,8 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
         + FLOWS[flow_of(config.section.strata, config.fem.flow)],
     )
     yield "Water", _water(config.section)
+    if (flow := config.section.water_pressure.flow) is not None:
+        yield "Seepage", flow.words
     if config.section.surcharges:
         yield (
             "Loads",

@@ -47,6 +47,8 @@ def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
         f"to {quality.largest_angle:.0f}°, "
         f"largest aspect ratio {quality.largest_aspect_ratio:.2f}."
     )
+    if (flow := config.section.water_pressure.flow) is not None:
+        yield flow.words
     for notice in config.notices:
         yield f"Warning: {notice}."
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from meshes.section.section import Stratum
+from meshes.section.seepage import Seepage
 from workflow.config import Config
 from workflow.results.stored_mesh import stored_mesh
 from workflow.run.plan import Decision
@@ -29,8 +30,20 @@ def of_section(config: Config, picture: Path) -> dict[str, Any]:
         "section": {"name": config.section.name, "title": config.section.title, "sha256": config.section.sha256()},
         "reconstruction": config.section.reconstruction_note if config.section.reconstruction else None,
         "strata": strata,
+        "seepage": None if (flow := config.section.water_pressure.flow) is None else _seepage(flow),
         "notices": config.notices,
         "picture": str(picture),
+    }
+
+
+def _seepage(flow: Seepage) -> dict[str, Any]:
+    """The flow of water as data."""
+    gradient, x = flow.exit_gradient
+    return {
+        "discharge_m2_per_s": flow.discharge,
+        "seepage_faces_m": flow.seepage_faces,
+        "largest_upward_gradient": gradient,
+        "largest_upward_gradient_x_m": x,
     }
 
 

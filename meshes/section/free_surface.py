@@ -1,0 +1,183 @@
+"""Kernel of unconfined seepage on a fixed grid: pressure and share of full pores as a complementarity problem.
+
+Darcy's law and continuity for water without capillary rise (Brezis, Kinderlehrer & Stampacchia 1978, C. R. Acad. Sci.
+Paris 287, 711; of layered ground Alt 1979, J. reine angew. Math. 305, 89), with the pressure head p and the share θ:
+
+    q = -K (∇p + θ e_z),   div q = 0,   p >= 0,   0 <= θ <= 1,   p (1 - θ) = 0
+
+Below the phreatic line θ = 1; above it p = 0, and water that is there falls, at the rate s = θ k_z, which is the same on
+both sides of an interface: a dry shell sucks no water out of a core. On bare ground p = 0, and water comes out where
+θ = 1.
+
+Pressures diffuse by linear triangles. Two sides of a grid line's triangle lie upright or slant, the third is upright:
+the whole weight of the water in a triangle acts along that one, from its upper end, whose θ it has (upwind). Where an
+edge of obtuse triangles would conduct less than nothing, as much is added to its conductance and to the fall along it
+that it conducts nothing; still water stays still. So every equation rises with its own unknown and falls with all
+others (an M-function), and the set of wet points is found by Newton's method, a linear solution a step.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array, diags_array
+from scipy.sparse.linalg import splu
+
+from meshes.section.flow_grid import FlowGrid
+
+MOST_ITERATIONS = 300
+# Share of Newton's step that is taken, and up to which iteration: sets that would follow each other for ever do not.
+STEPS = ((20, 1.0), (60, 0.5), (150, 0.25), (MOST_ITERATIONS, 0.1))
+# Of a permeability, a rate or a pressure head in m: smaller differences are rounding.
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class FreeSurfaceFlow:
+    """Steady flow at the points of a grid.
+
+    Attributes
+    ----------
+    pressure : (n,) ndarray
+        Pressure head (m), nowhere below 0.
+    full : (n,) ndarray of bool
+        Where the pores of the ground at the point, or of the least permeable ground at an interface, are full.
+    seeps : (n,) ndarray of bool
+        Points of bare ground out of which water comes.
+    inflow : (n,) ndarray
+        Water that enters the ground at a point (m²/s), below 0 where it leaves.
+    converged : bool
+        Whether the set of wet points came to rest.
+    """
+
+    pressure: np.ndarray
+    full: np.ndarray
+    seeps: np.ndarray
+    inflow: np.ndarray
+    converged: bool
+
+
+@dataclass(frozen=True, eq=False)
+class _Falls:
+    """Edges (e,) along which water falls: upper and lower points, and area (m) and permeability of the fall."""
+
+    upper: np.ndarray
+    lower: np.ndarray
+    area: np.ndarray
+    permeability: np.ndarray
+
+    def matrix(self, weights: np.ndarray, size: int) -> csr_array:
+        """What leaves every point, net, if ``weights`` (e,) times a value at the upper end falls along the edges."""
+        rows = np.concatenate([self.upper, self.lower])
+        values = np.concatenate([weights, -weights])
+        return coo_array((values, (rows, np.tile(self.upper, 2))), shape=(size, size)).tocsr()
+
+
+def free_surface_flow(
+    grid: FlowGrid, permeability: np.ndarray, pressure: np.ndarray, bare: np.ndarray
+) -> FreeSurfaceFlow:
+    """Find the steady flow.
+
+    Parameters
+    ----------
+    grid : FlowGrid
+    permeability : (strata, 2) ndarray
+        Horizontal and vertical permeability (m/s).
+    pressure : (n,) ndarray
+        Pressure heads (m) that are given, above 0; not a number elsewhere.
+    bare : (n,) ndarray of bool
+        Points at which water may leave without pressure.
+    """
+    size, unit = len(grid.points), float(permeability.max())
+    conductance, falls = _discretised(grid, permeability / unit)
+    diagonal = conductance.diagonal()
+    most = np.zeros(size)  # the rate at which water falls that fills the pores, and with it the share of its own that
+    np.maximum.at(most, falls.upper, falls.permeability)  # a point's pressure takes to press as much out
+    through = np.bincount(falls.upper, falls.area, minlength=size) / diagonal
+    ends = through == 0.0  # of all falls: points of the base
+    through[ends] = 1.0
+    fixed = np.isfinite(pressure)
+    # One unknown a point: the pressure, or, below 0, the rate less the most in terms of the pressure that it is worth.
+    unknown = np.where(fixed, pressure, 0.0)
+    step = iter(STEPS)
+    until, share = next(step)
+    for iteration in range(1, MOST_ITERATIONS + 1):
+        dry = (unknown < 0.0) & ~fixed
+        rate = _rate(unknown, dry, most, through)
+        spare = dry[falls.upper] & (rate[falls.upper] < falls.permeability)
+        seeping = bare & ~dry
+        given = fixed | seeping | (dry & ends)
+        wanted = np.where(fixed, pressure, 0.0)
+        slopes = np.where(spare, falls.area / through[falls.upper], 0.0)
+        constant = falls.area * np.where(spare, most[falls.upper], falls.permeability)
+        matrix = (conductance @ diags_array((~dry).astype(float)) + falls.matrix(slopes, size)).tocsr()
+        load = np.bincount(falls.lower, constant, minlength=size) - np.bincount(falls.upper, constant, minlength=size)
+        free = np.flatnonzero(~given)
+        if len(free):
+            right = (load - matrix @ wanted)[free]
+            wanted[free] = splu(matrix[free][:, free].tocsc()).solve(right)
+        inflow = matrix @ wanted - load
+        outlets = seeping | (dry & ends)
+        wanted[outlets] = -inflow[outlets] / diagonal[outlets]
+        wanted[outlets & (np.abs(wanted) <= ROUNDING)] = 0.0
+        next_dry = (wanted < 0.0) & ~fixed
+        next_rate = _rate(wanted, next_dry, most, through)
+        next_spare = next_dry[falls.upper] & (next_rate[falls.upper] < falls.permeability)
+        wanted[bare] = np.minimum(wanted[bare], 0.0)
+        if np.array_equal(dry, next_dry) and np.array_equal(spare, next_spare):
+            break
+        if iteration > until:
+            until, share = next(step)
+        unknown = unknown + share * (wanted - unknown)
+    converged = iteration < MOST_ITERATIONS
+    least = np.full(size, np.inf)
+    np.minimum.at(least, falls.upper, falls.permeability)
+    full = ~dry | (~ends & (rate >= (1.0 - ROUNDING) * least))
+    inflow = np.where(fixed | seeping, unit * inflow, 0.0)
+    return FreeSurfaceFlow(np.where(dry, 0.0, np.maximum(wanted, 0.0)), full, seeping, inflow, converged)
+
+
+def _rate(unknown: np.ndarray, dry: np.ndarray, most: np.ndarray, through: np.ndarray) -> np.ndarray:
+    """The rate (n,) at which water falls from each point, less than the most where it is dry."""
+    return np.where(dry, np.minimum(most + unknown / through, (1.0 - ROUNDING) * most), most)
+
+
+def _discretised(grid: FlowGrid, permeability: np.ndarray) -> tuple[csr_array, _Falls]:
+    """Conductances (n, n) without any below 0 between two points, and the edges along which water falls."""
+    size, cells, z = len(grid.points), grid.cells, grid.points[:, 1]
+    blocks = element_conductances(grid, permeability)
+    places = (np.repeat(cells, 3, axis=1).ravel(), np.tile(cells, 3).ravel())
+    matrix = coo_array((blocks.ravel(), places), shape=(size, size)).tocsr()
+    x = grid.points[cells, 0]
+    row, first = np.arange(len(cells)), np.argmin(np.abs(x - np.roll(x, -1, axis=1)), axis=1)
+    one, two, apex = (cells[row, (first + k) % 3] for k in range(3))
+    upright = np.where(z[one] > z[two], one, two), np.where(z[one] > z[two], two, one)
+    area, along = 0.5 * np.abs(grid.points[apex, 0] - grid.points[one, 0]), permeability[grid.stratum, 1]
+    most = np.zeros(size)
+    np.maximum.at(most, cells.ravel(), np.repeat(along, 3))
+    falling = np.zeros(size)
+    np.maximum.at(falling, upright[0], along)
+    most = np.where(falling > 0.0, falling, most)
+    entries = matrix.tocoo()
+    below = (entries.row < entries.col) & (entries.data > 0.0)
+    one, two, lacking = entries.row[below], entries.col[below], entries.data[below]
+    upper, lower = np.where(z[one] > z[two], one, two), np.where(z[one] > z[two], two, one)
+    places = (np.concatenate([one, two, one, two]), np.concatenate([one, two, two, one]))
+    added = coo_array((np.concatenate([lacking, lacking, -lacking, -lacking]), places), shape=(size, size))
+    return (matrix + added).tocsr(), _Falls(
+        np.concatenate([upright[0], upper]),
+        np.concatenate([upright[1], lower]),
+        np.concatenate([area, lacking * (z[upper] - z[lower]) / most[upper]]),
+        np.concatenate([along, most[upper]]),
+    )
+
+
+def element_conductances(grid: FlowGrid, permeability: np.ndarray) -> np.ndarray:
+    """Conductances (m, 3, 3) of the triangles (m/s): the integral of k ∇N_i ∇N_j."""
+    x, z = (grid.points[grid.cells, axis] for axis in (0, 1))
+    slope_x = z[:, [1, 2, 0]] - z[:, [2, 0, 1]]
+    slope_z = x[:, [2, 0, 1]] - x[:, [1, 2, 0]]
+    twice = (slope_x * x).sum(axis=1)
+    k = permeability[grid.stratum]
+    weight = 0.5 / twice
+    along = np.einsum("m,mi,mj->mij", k[:, 0] * weight, slope_x, slope_x)
+    return np.asarray(along + np.einsum("m,mi,mj->mij", k[:, 1] * weight, slope_z, slope_z))
