@@ -55,7 +55,7 @@ def seepage_of(
     size = float(np.sqrt(layers.areas().sum() / SQUARES))
     steps = layers.x[1:-1][np.abs(layers.right[:-1, 0] - layers.left[1:, 0]) > layers.tolerance]
     levels = np.unique(np.interp([layers.x[0], *shores, *steps, layers.x[-1]], *table.T))
-    k = np.array([(s.permeability or 0.0, s.permeability_vertical or s.permeability or 0.0) for s in strata], dtype=float)
+    k = np.array([(s.permeability or 0.0, s.permeability_vertical or s.permeability or 0.0) for s in strata], float)
     stretch = float(np.sqrt(np.clip(k[:, 0] / k[:, 1], 1.0, MOST_STRETCHED**2).max()))
     grid = flow_grid(layers, size, walls, levels.tolist(), stretch)
     heads = _given(grid, still, table, layers.tolerance)

@@ -15,7 +15,6 @@ import numpy as np
 
 from meshes.section.layering import Layering
 
-
 # A line has no point of its own at a level that is nearer to another point than this share of the size.
 CLOSE = 0.2
 
@@ -167,9 +166,7 @@ def _lines(layers: Layering, size: float) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(x), np.concatenate(ends)
 
 
-def _heights(
-    ends: np.ndarray, line: int, size: float, levels: list[float], tolerance: float
-) -> np.ndarray:
+def _heights(ends: np.ndarray, line: int, size: float, levels: list[float], tolerance: float) -> np.ndarray:
     """Elevations (m) of the points of a line, rising: where interfaces of either side are, then not farther apart."""
     sides = ([ends[line - 1, 1]] if line else []) + ([ends[line, 0]] if line < len(ends) else [])
     fixed = np.unique(np.concatenate(sides))

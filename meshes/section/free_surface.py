@@ -5,8 +5,8 @@ Paris 287, 711; of layered ground Alt 1979, J. reine angew. Math. 305, 89), with
 
     q = -K (∇p + θ e_z),   div q = 0,   p >= 0,   0 <= θ <= 1,   p (1 - θ) = 0
 
-Below the phreatic line θ = 1; above it p = 0, and water that is there falls, at the rate s = θ k_z, which is the same on
-both sides of an interface: a dry shell sucks no water out of a core. On bare ground p = 0, and water comes out where
+Below the phreatic line θ = 1. Above it p = 0, and water that is there falls, at the rate s = θ k_z, which is the same
+on both sides of an interface: a dry shell sucks no water out of a core. On bare ground p = 0, and water comes out where
 θ = 1.
 
 Pressures diffuse by linear triangles. Two sides of a grid line's triangle lie upright or slant, the third is upright:

@@ -17,7 +17,7 @@ from meshes.section.free_surface import FreeSurfaceFlow, free_surface_flow
 from meshes.section.polyline import level_at
 from meshes.section.simplified import needed
 
-# Between which the fall of the pressure with height is taken to continue to the phreatic line; 1 is that of still water.
+# Bounds of the fall of the pressure head with height up to the phreatic line; 1 is that of still water.
 FALL = (0.2, 2.0)
 # The line of the water may pass its points at this share of the distance of vertical lines.
 LINE = 0.25

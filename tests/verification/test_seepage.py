@@ -132,8 +132,10 @@ def zoned(zones: dict, k: float = K) -> dict:
     soil = data["strata"][0] | {"permeability": k}
     data["base"] = {"elevation": -0.5}
     data["strata"] = [soil | {"bottom": {"elevation": 0.0}}, soil | {"name": "rock", "permeability": 1e-16}]
-    data["zones"] = [soil | {"name": f"zone {x:g}", "permeability": of,
-                             "points": [[x, 0], [end, 0], [end, 12], [x, 12]]} for (x, end), of in zones.items()]  # fmt: skip
+    data["zones"] = [
+        soil | {"name": f"zone {x:g}", "permeability": of, "points": [[x, 0], [end, 0], [end, 12], [x, 12]]}
+        for (x, end), of in zones.items()
+    ]
     return data
 
 
@@ -168,7 +170,7 @@ def test_a_dam_on_a_horizontal_drain_is_kozenys() -> None:
 
 
 def test_the_seepage_face_of_a_rectangular_dam_is_as_high_as_published() -> None:
-    """24 m of water before 16 m of soil, 4 m behind: it comes out at 12.79 m (Aitchison 1972); cells are 0.36 m high."""
+    """24 m of water before 16 m of soil, 4 m behind: it comes out at 12.79 m (Aitchison 1972). Cells are 0.36 m."""
     line = Section.parse(dam(24.0, 4.0, 16.0, 26.0)).water_pressure.flow.water_line
     assert line[line[:, 0] == 16.0][0, 1] == pytest.approx(12.79, abs=0.2)
 

@@ -267,12 +267,12 @@ def test_the_work_allowed_is_a_limit_of_all_bounds_together() -> None:
 
 
 def test_bare_sand_from_which_water_seeps_is_strengthened_where_it_slips_first() -> None:
-    """A dam with a core: its dry downstream face rolls at tan(36° - β) = 0.253, the slope fails upstream at 0.156, but
-    the wet tip at the downstream toe slips at 0.017. This was told as strict bounds, 0.109 <= Kh <= 0.017: no face
-    seemed to need strength, and pore pressures differ between coarse and fine triangles.
+    """A dam with a core: its dry downstream face rolls at tan(36° - β) = 0.253, the slope fails upstream at 0.16, but
+    water comes out of 0.8 m of the downstream toe, which does not stand. Such a dam was told as strict bounds,
+    0.109 <= Kh <= 0.017: no face seemed to need strength, and pore pressures differ between coarse and fine triangles.
     """
     shell = soil("Shell", cohesion=0.0, friction_angle="36 deg", bottom={"elevation": 0.0}, permeability="1e-4 m/s")
-    ground = soil("Ground", cohesion="5 kPa", friction_angle="32 deg", permeability="1e-6 m/s")
+    ground = soil("Ground", cohesion="5 kPa", friction_angle="32 deg", permeability="6e-6 m/s")
     core = soil("Core", cohesion="20 kPa", friction_angle="25 deg", permeability="1e-8 m/s")
     dam = {
         "name": "dam",
@@ -284,8 +284,7 @@ def test_bare_sand_from_which_water_seeps_is_strengthened_where_it_slips_first()
     }
     section, fem = Section.parse(dam), FemSettings(sides="smooth")
     bounds = kh_bounds(section, fem, BoundsSettings(gap=0.06, max_cells=1600))
-    assert 0.15 < bounds.lower < 0.156 < bounds.upper < 0.165
-    assert bounds.shallow is not None
-    assert bounds.shallow < 0.05
+    assert 0.15 < bounds.lower < 0.16 < bounds.upper < 0.17
+    assert any(face.kh < 0.0 and face.end == pytest.approx(46.0) for face in bounds.shallow_failures)
     for direction in bounds.directions:
         assert direction.lower <= direction.upper
