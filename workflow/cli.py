@@ -85,9 +85,8 @@ def check(section: SectionFile, folder: Out = None, settings: Set = None, json: 
         draw_section(invocation.config.section, path)
     if json:
         return say_data(of_section(invocation.config, picture))
-    if (flow := invocation.config.section.water_pressure.flow) is not None:
-        say(flow.words)
-    for line in (*invocation.notices, *(f"Warning: {notice}." for notice in invocation.config.notices)):
+    flow = [] if (seepage := invocation.config.section.water_pressure.flow) is None else [seepage.words]
+    for line in (*flow, *invocation.notices, *(f"Warning: {notice}." for notice in invocation.config.notices)):
         say(line)
     verdict = (
         "is sound" if invocation.config.section.uplift is None else "can be computed, but its water lifts the ground"
