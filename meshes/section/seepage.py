@@ -182,8 +182,8 @@ def steady_seepage(
 
 
 def _continued(grid: FlowGrid, flow: FreeSurfaceFlow) -> np.ndarray:
-    """Heads (n,) where ground is wet, and where it is dry those of a pressure that goes on below 0 from the next water
-    on the same vertical line, so that the phreatic line lies where it becomes 0."""
+    """Heads (n,) where ground is wet, and where it is dry those of a pressure that continues below 0 from the next
+    water on the same vertical line, so that the phreatic line lies where it becomes 0."""
     z, wet = grid.points[:, 1], flow.full
     pressure = np.where(wet, flow.pressure, -np.inf)
     for _, _, chain in grid.chains():
