@@ -42,23 +42,23 @@ class BoundSearch:
 
     Attributes
     ----------
-    found : Bracket
-        What was found so far; it says why the search has ended, if it has.
+    bracket : Bracket
+        The best bounds so far, and why the search has ended, if it has.
     """
 
     def __init__(self, mesh: TriMesh, body: RigidPlasticBody, limits: Limits) -> None:
-        self.found = Bracket(None, None, [], mesh)
+        self.bracket = Bracket(None, None, [], mesh)
         self._body, self._limits, self._units = body, limits, units_of(mesh, body)
         self._seen: tuple[LimitProblem, LowerBound, UpperBound] | None = None
 
     @property
     def work(self) -> float:
         """Work so far, in seconds of the reference machine."""
-        return sum(mesh.work for mesh in self.found.meshes)
+        return sum(mesh.work for mesh in self.bracket.meshes)
 
     def advance(self, others: float = 0.0) -> None:
         """Bounds on the next mesh; ``others`` is the work of other searches under the same limits."""
-        best, mesh = self.found, self.found.mesh if self._seen is None else self._finer(*self._seen)
+        best, mesh = self.bracket, self.bracket.mesh if self._seen is None else self._finer(*self._seen)
         problem = limit_problem(mesh, self._body, self._units)
         left = max(self._limits.seconds - self.work - others, 0.0)
         share = share_of_lower_bound(*self._seen[1:]) if self._seen is not None else 0.5
@@ -92,14 +92,14 @@ class BoundSearch:
         self._seen = problem, low, high
         ended = self._limits.reached(best, len(problem.mesh.cells), others)
         worst = problem.points[problem.mesh.cells[np.argmax(refinement_indicator(*self._seen))]].mean(axis=0)
-        self.found = replace(
+        self.bracket = replace(
             best, ended=ended, open_at=(float(worst[0]), float(worst[1])) if ended not in (None, "gap") else None
         )
 
     def _finer(self, problem: LimitProblem, low: LowerBound, high: UpperBound) -> TriMesh:
         """The mesh refined where the bounds of the last one are apart."""
         indicator = refinement_indicator(problem, low, high)
-        growth = self._limits.growth(self.found, len(indicator))
+        growth = self._limits.growth(self.bracket, len(indicator))
         mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
         return refined(mesh, indicator[parent] / np.bincount(parent)[parent], growth * len(indicator))
 

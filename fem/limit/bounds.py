@@ -105,8 +105,8 @@ class DirectionGround:
         """The search for bounds; ``after`` another one of stronger ground for Davis's estimate, on its last mesh if
         the work left allows that."""
         ground = self.section.cut_at_films
-        if after is not None and 2.0 * after.found.meshes[-1].work < limits.seconds:
-            mesh = after.found.mesh
+        if after is not None and 2.0 * after.bracket.meshes[-1].work < limits.seconds:
+            mesh = after.bracket.mesh
         else:
             mesh = first_mesh(ground, self.max_cells, self.fem.sides)
         direction: Direction = "uphill" if self.fem.direction == "uphill" else "downhill"
@@ -166,11 +166,11 @@ def kh_bounds(
             left = replace(limits, seconds=limits.seconds - dropped)
             searches[direction] = grounds[direction].search(left)
     bounds = search_all(tuple(searches.values()), limits, observer)
-    least = {way: SLIPS * max(search.found.lower, 0.0) for way, (_, search) in strong.items()}
-    wet = [way for way, search in searches.items() if search.found.upper < least[way]]
+    least = {way: SLIPS * max(search.bracket.lower, 0.0) for way, (_, search) in strong.items()}
+    wet = [way for way, search in searches.items() if search.bracket.upper < least[way]]
     for way in wet:  # shallow ground slips where water comes out of a face, before any face by itself
         dropped += searches[way].work - strong[way][1].work
-        as_given = searches[way].found.upper
+        as_given = searches[way].bracket.upper
         grounds[way], searches[way] = replace(strong[way][0], as_given=as_given), strong[way][1]
     if wet:
         bounds = search_all(tuple(searches.values()), limits, observer)

@@ -77,8 +77,8 @@ class DirectionSearch(BoundSearch):
     @property
     def bounds(self) -> DirectionBounds:
         """The best bounds of the search so far."""
-        leaves = sides_left_through(self.found.mechanism) if self.found.mechanism else ()
-        return DirectionBounds(**_values(self.found), direction=self.direction, towards=self.towards, leaves=leaves)
+        leaves = sides_left_through(self.bracket.mechanism) if self.bracket.mechanism else ()
+        return DirectionBounds(**_values(self.bracket), direction=self.direction, towards=self.towards, leaves=leaves)
 
 
 def sides_left_through(mechanism: Mechanism) -> tuple[SectionSide, ...]:
@@ -129,7 +129,7 @@ def search_all(
     """Bounds of the smaller Kh of all ``searches``, which have these ``limits`` in common."""
     while True:
         for search in searches:
-            if not search.found.meshes:
+            if not search.bracket.meshes:
                 search.advance(_work_of_others(search, searches))
         smaller = smaller_of([search.bounds for search in searches])
         if observer:
@@ -141,11 +141,11 @@ def search_all(
         open_searches = [
             search
             for search in searches
-            if search.found.ended is None and search.found.lower < smaller.upper and _counts(search, smaller)
+            if search.bracket.ended is None and search.bracket.lower < smaller.upper and _counts(search, smaller)
         ]
         if smaller.upper < limits.enough or not open_searches:
             return smaller
-        search = min(open_searches, key=lambda candidate: candidate.found.lower)
+        search = min(open_searches, key=lambda candidate: candidate.bracket.lower)
         search.advance(_work_of_others(search, searches))
 
 

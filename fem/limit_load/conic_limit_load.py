@@ -164,13 +164,13 @@ def conic_limit_load(problem: "PlaneStrain", mesh: QuadMesh, dead: np.ndarray, l
     ``problem``: the elements of ``mesh``, with their strength and the components that are held.
     """
     ground = gathered(problem, mesh, dead, live)
-    return told_to_all(problem, lambda: _limit(problem, mesh, ground))
+    return computed_by_first_rank(problem, lambda: _limit(problem, mesh, ground))
 
 
 A = TypeVar("A")
 
 
-def told_to_all(problem: "PlaneStrain", find: Callable[[], A]) -> A:
+def computed_by_first_rank(problem: "PlaneStrain", find: Callable[[], A]) -> A:
     """What the first rank finds, or NoAnswerError as it is raised there, on all ranks."""
     comm = problem.grid.comm
     answer: A | NoAnswerError | None = None

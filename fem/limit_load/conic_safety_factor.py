@@ -24,7 +24,7 @@ import numpy as np
 from fem.continuum.fields import State
 from fem.continuum.strength import strength_of
 from fem.errors import UnstableError
-from fem.limit_load.conic_limit_load import Discretised, gathered, told_to_all
+from fem.limit_load.conic_limit_load import Discretised, computed_by_first_rank, gathered
 from fem.solvers import cone_program
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
@@ -63,7 +63,7 @@ def conic_safety_factor(
     def find() -> tuple[float, State]:
         return _Search(problem, mesh, ground, np.concatenate(means)).find(guess, kh)
 
-    factor, mechanism = told_to_all(problem, find)
+    factor, mechanism = computed_by_first_rank(problem, find)
     problem.use_strength(factor)
     return factor, mechanism
 

@@ -17,9 +17,9 @@ FIXED = Side("xy")
 def bracket(mesh: TriMesh, body: RigidPlasticBody, limits: Limits) -> Bracket:
     """Lower and upper bound of the load multiplier on a sequence of ever finer meshes, until a limit is reached."""
     search = BoundSearch(mesh, body, limits)
-    while search.found.ended is None:
+    while search.bracket.ended is None:
         search.advance()
-    return search.found
+    return search.bracket
 
 
 def ground(cohesion, phi, sides, weight=0.0, tension=None):

@@ -42,9 +42,9 @@ def test_no_finer_mesh_loses_the_lower_bound(section):
     """Davis's substitute; the stress field of a mesh is admissible on all that are made from it by bisection."""
     fem, mesh = FemSettings(direction="downhill"), first_mesh(section, 6000)
     search = BoundSearch(mesh, body_of(section, mesh, fem, davis=True), Limits(1e-3, 2000))
-    while search.found.ended is None:
+    while search.bracket.ended is None:
         search.advance()
-    found = [one.lower for one in search.found.meshes]
+    found = [one.lower for one in search.bracket.meshes]
     assert len(found) >= 2
-    assert all(one.failed == () for one in search.found.meshes)
+    assert all(one.failed == () for one in search.bracket.meshes)
     assert all(after >= before - 1e-4 for before, after in itertools.pairwise(found))
