@@ -105,10 +105,10 @@ def pair_table(
 
 def _weaker(pairs: np.ndarray, values: np.ndarray) -> None:
     """Writes friction and cohesion of both materials into the constants of a pair, and the smaller rolling friction."""
-    own, other = np.broadcast_arrays(values[:, :, None], values[:, None, :])
+    first, other = np.broadcast_arrays(values[:, :, None], values[:, None, :])
     for row, second in ((MU, MU_OTHER), (COHESION, COHESION_OTHER)):
-        pairs[row], pairs[second] = own[row], other[row]
-    pairs[MU_ROLLING] = np.minimum(own[MU_ROLLING], other[MU_ROLLING])
+        pairs[row], pairs[second] = first[row], other[row]
+    pairs[MU_ROLLING] = np.minimum(first[MU_ROLLING], other[MU_ROLLING])
 
 
 def _attraction(layers: Sequence[LayerSprings]) -> np.ndarray:

@@ -23,7 +23,7 @@ def middle_stresses(section: Section) -> np.ndarray:
     """Vertical effective stress (Pa) in the middle of each stratum where it is thickest."""
     left, right = section.extent
     outline = section.outline()
-    found = np.zeros((len(section.strata), 2))  # thickness, stress
+    sums = np.zeros((len(section.strata), 2))  # thickness, stress
     density = np.array([s.density_ordinary for s in section.strata])
     for x in np.linspace(left, right, COLUMNS + 2)[1:-1]:
         z = np.linspace(outline[:, 1].max(), outline[:, 1].min(), POINTS)
@@ -32,10 +32,10 @@ def middle_stresses(section: Section) -> np.ndarray:
         stress = np.cumsum(weight)
         for k in np.unique(layer[layer >= 0]):
             here = np.flatnonzero(layer == k)
-            if len(here) > found[k, 0]:
+            if len(here) > sums[k, 0]:
                 middle = here[len(here) // 2]
-                found[k] = len(here), stress[middle] - _pore_pressure(section, x, float(z[middle]), int(k))
-    return found[:, 1]
+                sums[k] = len(here), stress[middle] - _pore_pressure(section, x, float(z[middle]), int(k))
+    return sums[:, 1]
 
 
 def _pore_pressure(section: Section, x: float, z: float, stratum: int) -> float:

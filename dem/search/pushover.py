@@ -30,7 +30,7 @@ MACHINE = 65.0  # stiffness of the spring that pushes, in critical Kh over the r
 SLOWEST, QUICKEST = 0.012, 0.04  # reaches in a period of the ground; half of both changes kc by 1 %
 DAMPING = 0.3  # of the machine, over the critical one of the ground on its spring
 PULSES = 64  # of a period, between two looks at the displacement, at least;
-SWING = 0.2  # so many radians of the swing on the machine's spring at most: what is looked at more seldom builds up
+LARGEST_PHASE = 0.2  # rad of the oscillation on the machine's spring between two looks, at most
 BLOCK = 0.05  # of the reach, over which a point of the curve is a mean
 WINDOW = 4  # blocks over which Kh is averaged for the critical one
 BEYOND = 1.1  # of the reach, where the curve ends: the last window has the reach in its middle
@@ -168,7 +168,7 @@ def _points(
     """
     cycle, start = period(model, ground), model.time
     displacement = Displacement(before, ground)
-    pulse = min(cycle / PULSES, SWING / machine.frequency)
+    pulse = min(cycle / PULSES, LARGEST_PHASE / machine.frequency)
     moved, speed, end = 0.0, 0.0, 0.0
     most, count, curving, ended = 0.0, 0, True, ""
     since: list[tuple[float, float]] = []

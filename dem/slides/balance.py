@@ -39,7 +39,7 @@ def disc_area(model: DiscModel, strata: Sequence[int] | None = None) -> float:
     return float(np.sum(np.pi * model.radius[free] ** 2))
 
 
-def asked_for(
+def expected_loss(
     start: DiscModel, model: DiscModel, strata: Sequence[int], area: float, drained: Mapping[int, float]
 ) -> float:
     """Expected decrease of the ground's area (m2), by drainage and by softer springs of strata.

@@ -21,10 +21,10 @@ from dem.model import DiscModel
 from dem.settings import Case, SlideSettings
 from dem.slides.balance import (
     LOST,
-    asked_for,
     at_the_sides,
     both_sides,
     deepest_overlap,
+    expected_loss,
     ground_area,
     pressed_through,
     stopped_by,
@@ -272,8 +272,8 @@ class Slider:
         slide, model, start = self.slide, self.model, self.start
         before, after = ground_area(start, self.ground), ground_area(model, self.ground)
         softer = [] if start.law == "soil" else self.strata
-        asked = asked_for(start, model, softer, before, self._drained())
-        slide.area_lost_share = (before - after - asked) / before
+        expected = expected_loss(start, model, softer, before, self._drained())
+        slide.area_lost_share = (before - after - expected) / before
         if slide.area_lost_share <= LOST:
             return []
         change = 100.0 * volume_change(start, model)
@@ -281,7 +281,7 @@ class Slider:
         left = f"; {slide.escaped} have left the box" if slide.escaped else ""
         return [
             f"{100.0 * slide.area_lost_share:.1f} % of the ground's area is gone beyond what was to drain or to give "
-            f"way with softer springs: beyond {asked:.3g} m², since loose discs get denser as they shear "
+            f"way with softer springs: beyond {expected:.3g} m², since loose discs get denser as they shear "
             f"({', '.join(most)}){left}"
         ]
 

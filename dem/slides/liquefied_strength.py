@@ -73,10 +73,10 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
             1.0 / (modulus / np.maximum(strength[here], NOTHING) + 1.0 / MOST_STRAIN), LEAST_STRAIN
         )
         if kept.strain_potential > 0.0:
-            asked = np.maximum(strength[here], NOTHING)
+            wanted = np.maximum(strength[here], NOTHING)
             strain[here] = ELASTIC * (kept.strain_potential + BEYOND)
-            of_bonds = np.maximum(stress_at_potential(pressure[here], asked) - HELD_BY_WATER * pressure[here], 0.0)
-            knee[here] = of_bonds / asked
+            of_bonds = np.maximum(stress_at_potential(pressure[here], wanted) - HELD_BY_WATER * pressure[here], 0.0)
+            knee[here] = of_bonds / wanted
             soft_to[here] = kept.strain_potential / (kept.strain_potential + BEYOND)
     ratio = area_per_disc(model, model)
     with_voids = np.append(np.where(np.isfinite(ratio), ratio, np.nanmean(ratio)), np.nanmean(ratio))

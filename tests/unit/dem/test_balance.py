@@ -11,11 +11,11 @@ from dem.model import DiscModel
 from dem.packing import lattice_box
 from dem.settings import Case, DemSettings, SlideSettings
 from dem.slides.balance import (
-    asked_for,
     at_the_sides,
     both_sides,
     deepest_overlap,
     disc_area,
+    expected_loss,
     ground_area,
     pressed_through,
     stopped_by,
@@ -173,9 +173,9 @@ def test_softer_springs_give_way_as_was_asked(start: DiscModel, ground: Ground) 
     pressed = start.copy()
     pressed.radius[pressed.layer == 1] *= 1.05
     share = disc_area(start, [1]) / disc_area(start)
-    assert asked_for(start, start, [1], area, {}) == pytest.approx(0.0, abs=1e-6 * area)
-    assert asked_for(start, start, [1], area, {1: 0.03}) == pytest.approx(0.03 * share * area)
-    gave_way = asked_for(start, pressed, [1], area, {})
+    assert expected_loss(start, start, [1], area, {}) == pytest.approx(0.0, abs=1e-6 * area)
+    assert expected_loss(start, start, [1], area, {1: 0.03}) == pytest.approx(0.03 * share * area)
+    gave_way = expected_loss(start, pressed, [1], area, {})
     assert gave_way == pytest.approx((2.0 - 1.0 / 1.05 - 1.0 / 1.025) * share * area, rel=0.05)
 
 
