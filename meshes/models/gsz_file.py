@@ -63,7 +63,7 @@ def read_gsz(path: Path, name: str, analysis: str | None = None) -> FoundSection
 def _document(path: Path) -> Element:
     """The document at the top of the zip; one with entities of its own is refused."""
     with zipfile.ZipFile(path) as archive:
-        inside = [one for one in archive.infolist() if "/" not in one.filename and one.filename.endswith(".xml")]
+        inside = [file for file in archive.infolist() if "/" not in file.filename and file.filename.endswith(".xml")]
         if not inside:
             raise InputError(str(path), [f"{EXPECTED}; it has no document of that kind"])
         text = archive.read(within_reason(inside[:1])[0])
@@ -73,29 +73,29 @@ def _document(path: Path) -> Element:
 
 
 def _model(root: Element, path: Path, wanted: str | None) -> ForeignModel:
-    analyses = [one for one in root.iterfind("./Analyses/Analysis") if "SLOPE" in _text(one, "Kind").upper()]
-    names = [_text(one, "Name") for one in analyses]
+    analyses = [node for node in root.iterfind("./Analyses/Analysis") if "SLOPE" in _text(node, "Kind").upper()]
+    names = [_text(node, "Name") for node in analyses]
     if wanted is not None and wanted not in names:
         raise InputError("--part", [f'"{wanted}": expected an analysis of {path}, one of {", ".join(names)}'])
     analysis = analyses[0 if wanted is None else names.index(wanted)]
     number = _text(analysis, "ID")
     notices = [f'analysis "{_text(analysis, "Name")}"']
-    others = [one for one in names if one != _text(analysis, "Name")]
+    others = [name for name in names if name != _text(analysis, "Name")]
     notices += [f"not taken: analyses {', '.join(others)} (--part names one)"] if others else []
     system = root.find("./Coordinates/EngCoords")
     word = system.get("UnitSystem", "metric") if system is not None else "metric"
     if word.lower() not in ("metric", "imperial"):
         raise InputError(str(path), [f'EngCoords, UnitSystem = "{word}": expected metric or imperial'])
     units = METRIC if word.lower() == "metric" else IMPERIAL
-    found = _of_analysis(root, "./StabilityItems/StabilityItem", number).find("Entry")
-    entry = Element("Entry") if found is None else found
-    local = {str(one.get("Number")): _place(one, units) for one in entry.iterfind("./DataPoints/DataPoint")}
+    stored = _of_analysis(root, "./StabilityItems/StabilityItem", number).find("Entry")
+    entry = Element("Entry") if stored is None else stored
+    local = {str(node.get("Number")): _place(node, units) for node in entry.iterfind("./DataPoints/DataPoint")}
     lines = {
-        _text(one, "ID"): line_of([local[at.text or ""] for at in one.iterfind("./DataPoints/DataPoint")])
-        for one in entry.iterfind("./PiezometricSurfaces/PiezometricSurface")
+        _text(node, "ID"): line_of([local[at.text or ""] for at in node.iterfind("./DataPoints/DataPoint")])
+        for node in entry.iterfind("./PiezometricSurfaces/PiezometricSurface")
     }
-    uses = {one.get("ID"): one.get("UsesID") for one in entry.iterfind("./MaterialUsesPiezs/MaterialUsesPiez")}
-    table = next((lines[one] for one in uses.values() if one in lines), None)
+    uses = {node.get("ID"): node.get("UsesID") for node in entry.iterfind("./MaterialUsesPiezs/MaterialUsesPiez")}
+    table = next((lines[line] for line in uses.values() if line in lines), None)
     soils: dict[str, tuple[str, dict[str, Any]]] = {}
     for material in root.iterfind("./Materials/Material"):
         called, key = _text(material, "Name"), _text(material, "ID")
@@ -121,20 +121,20 @@ def _model(root: Element, path: Path, wanted: str | None) -> ForeignModel:
 
 def _of_analysis(root: Element, items: str, number: str) -> Element:
     """The one of the ``items`` that belongs to an analysis; raises LookupError if none does."""
-    found = next((one for one in root.iterfind(items) if _text(one, "AnalysisID") == number), None)
-    if found is None:
+    analysis = next((node for node in root.iterfind(items) if _text(node, "AnalysisID") == number), None)
+    if analysis is None:
         raise LookupError(f"no {items.rsplit('/', 1)[-1]} of analysis {number}")
-    return found
+    return analysis
 
 
 def _regions(
     root: Element, geometry: Element, number: str, units: Units, notices: list[str]
 ) -> Iterator[tuple[str, np.ndarray]]:
     """The number of the material and the outline (n, 2) in m of every region that has a material; others are told."""
-    points = {one.get("ID"): _place(one, units) for one in geometry.iterfind("./Points/Point") if one.get("X")}
+    points = {node.get("ID"): _place(node, units) for node in geometry.iterfind("./Points/Point") if node.get("X")}
     context = _of_analysis(root, "./Contexts/Context", number)
     pairs = context.iterfind("./GeometryUsesMaterials/GeometryUsesMaterial")
-    materials = {m[1]: one.get("Entry") for one in pairs if (m := REGION.fullmatch(one.get("ID", "")))}
+    materials = {m[1]: node.get("Entry") for node in pairs if (m := REGION.fullmatch(node.get("ID", "")))}
     for region in geometry.iterfind("./Regions/Region"):
         if (material := materials.get(_text(region, "ID"))) is None:
             notices.append(f"not taken: region {_text(region, 'ID')}, which has no material in this analysis")

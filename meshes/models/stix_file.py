@@ -52,9 +52,11 @@ def read_stix(path: Path, name: str, scenario: str | None = None) -> FoundSectio
 def _read(path: Path) -> list[tuple[str, Json]]:
     """The JSON files in it by their folders, in the order of their names."""
     with zipfile.ZipFile(path) as archive:
-        entries = [one for one in archive.infolist() if one.filename.endswith(".json") and "result" not in one.filename]
+        entries = [
+            item for item in archive.infolist() if item.filename.endswith(".json") and "result" not in item.filename
+        ]
         entries = sorted(within_reason(entries), key=lambda entry: entry.filename)
-        files = [(one.filename.split("/")[0].removesuffix(".json"), archive.read(one)) for one in entries]
+        files = [(item.filename.split("/")[0].removesuffix(".json"), archive.read(item)) for item in entries]
     return [(folder, json.loads(text.decode("utf-8-sig"))) for folder, text in files]
 
 
@@ -73,18 +75,18 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
     of_layer = {pair["LayerId"]: soils[pair["SoilId"]] for pair in part("soillayers", "SoilLayersId")["SoilLayers"]}
     water, states = part("waternets", "WaternetId"), part("states", "StateId")
     notices = [f'scenario "{scenario["Label"]}", stage "{stage["Label"]}"']
-    others = [one for one in labels if one != scenario["Label"]]
+    others = [item for item in labels if item != scenario["Label"]]
     notices += [f"not taken: scenarios {', '.join(others)} (--part names one)"] if others else []
     if len(scenario["Stages"]) > 1:
         notices.append("not taken: the stages before it; preconsolidation is that over the stress in this one")
     table = _table(water)
     layers: list[Layer] = []
-    for one in part("geometries", "GeometryId")["Layers"]:
-        points, soil = corners(_pairs(one["Points"])), of_layer[one["Id"]]
-        level, told = _head(water, points, table)
-        notices += [f'"{soil["Name"]}": {text}' for text in told]
+    for item in part("geometries", "GeometryId")["Layers"]:
+        points, soil = corners(_pairs(item["Points"])), of_layer[item["Id"]]
+        level, of_level = _head(water, points, table)
+        notices += [f'"{soil["Name"]}": {text}' for text in of_level]
         models = soil[ABOVE], soil[BELOW]
-        state = _state(states, one["Id"], points, soil["Name"], notices) if "Su" in models else {}
+        state = _state(states, item["Id"], points, soil["Name"], notices) if "Su" in models else {}
         dry, wet = (
             _strength(soil, model, notices) | (_preconsolidation(state) if model == "Su" else {}) for model in models
         )
@@ -138,22 +140,22 @@ def _middle(points: np.ndarray) -> np.ndarray:
     return np.array([x, 0.5 * (z[0] + z[1])])
 
 
-def _strength(soil: Json, model: str, told: list[str]) -> dict[str, Any]:
-    """A strength model of a soil as keys of a stratum; what is not taken is ``told``."""
+def _strength(soil: Json, model: str, notices: list[str]) -> dict[str, Any]:
+    """A strength model of a soil as keys of a stratum; what is not taken is added to ``notices``."""
     keys: dict[str, Any] = {}
     if f"{model}".startswith("MohrCoulomb"):
-        given = soil[f"{model}ShearStrengthModel"]
-        keys = {"cohesion": _kPa(given["Cohesion"]), "friction_angle": f"{given['FrictionAngle']:g} deg"}
-        if (dilatancy := given.get("Dilatancy")) is not None:
+        parameters = soil[f"{model}ShearStrengthModel"]
+        keys = {"cohesion": _kPa(parameters["Cohesion"]), "friction_angle": f"{parameters['FrictionAngle']:g} deg"}
+        if (dilatancy := parameters.get("Dilatancy")) is not None:
             keys["dilation_angle"] = f"{dilatancy:g} deg"
     elif model == "Su":
-        given = soil["SuShearStrengthModel"]
+        parameters = soil["SuShearStrengthModel"]
         keys = NO_STRENGTH | {
-            "strength_ratio": given["ShearStrengthRatio"],
-            "ocr_exponent": given["StrengthIncreaseExponent"],
+            "strength_ratio": parameters["ShearStrengthRatio"],
+            "ocr_exponent": parameters["StrengthIncreaseExponent"],
         }
     else:
-        told.append(f'not taken: the strength of "{soil["Name"]}" by {model}')
+        notices.append(f'not taken: the strength of "{soil["Name"]}" by {model}')
     return keys
 
 
@@ -168,28 +170,30 @@ def _head(water: Json, points: np.ndarray, table: np.ndarray | None) -> tuple[di
     over = None if above is None else above[1]["BottomHeadLineId"]
     under = None if below is None else below[1]["TopHeadLineId"]
     chosen = over or under
-    told = []
+    notices = []
     if under is not None and (over or water["PhreaticLineId"]) != under:
         chosen = over
-        told.append("not taken: pore pressure that changes with depth between two head lines; it has that of the upper")
+        notices.append(
+            "not taken: pore pressure that changes with depth between two head lines; it has that of the upper"
+        )
     if chosen is None or chosen == water["PhreaticLineId"] or table is None:
-        return {}, told
-    return {"piezometric_level": heads[chosen].tolist()}, told
+        return {}, notices
+    return {"piezometric_level": heads[chosen].tolist()}, notices
 
 
-def _state(states: Json, layer: str, points: np.ndarray, soil: str, told: list[str]) -> dict[str, Any]:
+def _state(states: Json, layer: str, points: np.ndarray, soil: str, notices: list[str]) -> dict[str, Any]:
     """The preconsolidation of a layer: of a state point in it, or of a state line along its edge; others are told."""
     more = f'not taken: preconsolidation that changes within "{soil}"; it has that of one point'
-    if found := [point for point in states["StatePoints"] if point["LayerId"] == layer]:
-        told += [more] if len(found) > 1 else []
-        return {**found[0]["Stress"], "At": found[0]["Point"]}
+    if inside := [point for point in states["StatePoints"] if point["LayerId"] == layer]:
+        notices += [more] if len(inside) > 1 else []
+        return {**inside[0]["Stress"], "At": inside[0]["Point"]}
     middle = _middle(points)
     for line in states["StateLines"]:
         course = line_of(_pairs(line["Points"]))
         if not line["Values"] or not _lies_along(course, points):
             continue
         side = "Below" if np.interp(middle[0], *course.T) > middle[1] else "Above"
-        told += [more] if len(line["Values"]) > 1 else []
+        notices += [more] if len(line["Values"]) > 1 else []
         value = line["Values"][0]
         at = {"X": value["X"], "Z": float(np.interp(value["X"], *course.T))}
         return {**value[side], "At": at}
@@ -213,11 +217,13 @@ def _preconsolidation(state: Json) -> dict[str, Any]:
     return {}
 
 
-def _consolidated(load: Json, layers: Collection[str], told: list[str]) -> float:
+def _consolidated(load: Json, layers: Collection[str], notices: list[str]) -> float:
     """The share of a load under which these layers have consolidated, the least where they differ; 0 without any."""
     degrees = [float(pair["Degree"]) for pair in load["Consolidations"] if pair["LayerId"] in layers]
     if len(set(degrees)) > 1:
-        told.append("not taken: degrees of consolidation that differ from layer to layer; a load has the least of them")
+        notices.append(
+            "not taken: degrees of consolidation that differ from layer to layer; a load has the least of them"
+        )
     return min(degrees, default=0.0) / 100.0
 
 

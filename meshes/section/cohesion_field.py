@@ -47,8 +47,8 @@ class CohesionField:
         """The cohesions of the strata below ``loads``; ``elevations_of`` a line are (n, 2) from side to side (m)."""
 
         def lines(key: str) -> tuple[np.ndarray | None, ...]:
-            given = [getattr(soil, key) for soil in loads.water.strata]
-            return tuple(None if line is None else elevations_of(line) for line in given)
+            lines_of_strata = [getattr(soil, key) for soil in loads.water.strata]
+            return tuple(None if line is None else elevations_of(line) for line in lines_of_strata)
 
         return cls(loads, lines("cohesion_from"), lines("consolidated_below"))
 
@@ -145,11 +145,11 @@ class CohesionField:
                 ratio = np.where(is_linear, _shansep(soil, stress), 0.0)
             total = soil.cohesion + soil.cohesion_increase * grown + ratio
             if above:
-                found = np.maximum(total, least)
+                cohesion = np.maximum(total, least)
             else:
                 small = (total.mean(axis=1) < least) | (total.min(axis=1) < 0.0)
-                found = np.where(small[:, None], least, total)
-            return np.column_stack([found, found.mean(axis=1)]).ravel()
+                cohesion = np.where(small[:, None], least, total)
+            return np.column_stack([cohesion, cohesion.mean(axis=1)]).ravel()
 
         middle = corners.mean(axis=1, keepdims=True)
         points, near = np.concatenate([corners, middle], axis=1).reshape(-1, 2), np.repeat(middle[:, 0], 4, axis=0)

@@ -85,7 +85,7 @@ def uncut_strata(strata: Sequence[Stratum]) -> list[Stratum]:
 def value_of_stratum(values: Mapping[str, Value], name: str) -> Value | None:
     """What is set for a stratum by name; a part that water or zones cut off has what is set for the whole of it."""
     whole = name.removesuffix(BELOW_WATER)
-    return next((values[one] for one in (name, whole, soil_of(name), soil_of(whole)) if one in values), None)
+    return next((values[key] for key in (name, whole, soil_of(name), soil_of(whole)) if key in values), None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,20 +176,20 @@ def _at_ends(layers: Layering, k: int, water: np.ndarray, x: np.ndarray) -> list
 def _crossings(layers: Layering, k: int, water: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Where the water level goes through top or bottom of stratum k between two breakpoints."""
     top, bottom, level = _at_ends(layers, k, water, x)
-    found = []
+    cut = []
     for line in (top, bottom):
         gap = level - line
         i = np.flatnonzero(gap[:, 0] * gap[:, 1] < 0.0)
         at = x[i] + (x[i + 1] - x[i]) * gap[i, 0] / (gap[i, 0] - gap[i, 1])
-        found.append(at[(at - x[i] > layers.tolerance) & (x[i + 1] - at > layers.tolerance)])
-    return np.concatenate(found)
+        cut.append(at[(at - x[i] > layers.tolerance) & (x[i + 1] - at > layers.tolerance)])
+    return np.concatenate(cut)
 
 
 def cut_strata(
     strata: Sequence[Stratum],
     layers: Layering,
     levels: Sequence[np.ndarray | None],
-    given: tuple[float, float],
+    extent: tuple[float, float],
 ) -> tuple[Stratum, ...]:
     """The strata, those that their water ``levels`` (n, 2) cross in two, those wholly below with the saturated density.
 
@@ -199,26 +199,26 @@ def cut_strata(
     pressures know nothing of that.
     ``layers``: the ground layer by layer.
     """
-    found: list[Stratum] = []
+    cut: list[Stratum] = []
     cell = _cell(layers)
     divided = [None if level is None else divided_by_water(layers, k, level) for k, level in enumerate(levels)]
     kept = [None if exact is None else without_pockets(exact, cell) for exact in divided]
     dry_soils = {whole_soil(s.name) for s, parts in zip(strata, kept, strict=True) if parts is None or parts.has(0)}
     for stratum, exact, parts in zip(strata, divided, kept, strict=True):
         if exact is None or parts is None:
-            found.append(stratum)
+            cut.append(stratum)
             continue
         wet, dry = parts.has(1), parts.has(0)
         if wet and dry:
-            found.append(stratum.model_copy(update={"bottom": parts.line(*given), "liquefies_in": Cases()}))
+            cut.append(stratum.model_copy(update={"bottom": parts.line(*extent), "liquefies_in": Cases()}))
         if wet:
             below = whole_soil(stratum.name) in dry_soils and not stratum.name.endswith(BELOW_WATER)
             name = stratum.name + BELOW_WATER if below else stratum.name
             film = (parts.thickness[1] > exact.thickness[1]).any()
             moist = (stratum.density or stratum.density_ordinary) if film else stratum.density_saturated
             stratum = _with_density(stratum, stratum.density_saturated, name=name, density=moist)
-        found.append(stratum)
-    return tuple(found)
+        cut.append(stratum)
+    return tuple(cut)
 
 
 def _cell(layers: Layering) -> float:
@@ -227,13 +227,13 @@ def _cell(layers: Layering) -> float:
 
 
 def cut_at_cracks(
-    strata: Sequence[Stratum], layers: Layering, bottom: np.ndarray, given: tuple[float, float], of_crack: OfCrack
+    strata: Sequence[Stratum], layers: Layering, bottom: np.ndarray, extent: tuple[float, float], of_crack: OfCrack
 ) -> tuple[Stratum, ...]:
     """The strata, those with a cohesion that the ``bottom`` (n, 2) of tension cracks crosses in two; what is above it
     has no tensile strength, the name of the soil with ``CRACKED``, and what ``of_crack`` changes in it.
     ``layers``, ``given``: as in ``cut_strata``.
     """
-    found: list[Stratum] = []
+    cut: list[Stratum] = []
     for k, stratum in enumerate(strata):
         parts = without_pockets(divided_by_water(layers, k, bottom), _cell(layers))
         placed = stratum.placed(place_in_file(strata, k))
@@ -242,33 +242,33 @@ def cut_at_cracks(
             changes: dict[str, object] = {"tension": 0.0, **of_crack(k)}
             if parts.has(1):
                 soil, water, _ = stratum.name.partition(BELOW_WATER)
-                changes |= {"name": soil + CRACKED + water, "bottom": parts.line(*given)}
-            found.append(placed.model_copy(update=changes))
+                changes |= {"name": soil + CRACKED + water, "bottom": parts.line(*extent)}
+            cut.append(placed.model_copy(update=changes))
         if parts.has(1) or not is_cracked:
-            found.append(placed)
-    return tuple(found)
+            cut.append(placed)
+    return tuple(cut)
 
 
 def cut_films(
-    strata: Sequence[Stratum], layers: Layering, levels: Sequence[np.ndarray | None], given: tuple[float, float]
+    strata: Sequence[Stratum], layers: Layering, levels: Sequence[np.ndarray | None], extent: tuple[float, float]
 ) -> tuple[Stratum, ...]:
     """The strata of ``cut_strata``, with pockets smaller than cells that water cuts off as strata of their own.
 
     These have the weight of their side of the water, and the name of the stratum with ``FILM_IN``.
     ``layers``, ``levels``, ``given``: as in ``cut_strata``.
     """
-    found: list[Stratum] = []
+    cut: list[Stratum] = []
     for k, (stratum, level) in enumerate(zip(strata, levels, strict=True)):
         parts = None if level is None else divided_by_water(layers, k, level)
         if parts is None or not (parts.has(0) and parts.has(1)):
-            found.append(stratum)
+            cut.append(stratum)
             continue
-        film, moist = stratum.name + FILM_IN, {"bottom": parts.line(*given)}
+        film, moist = stratum.name + FILM_IN, {"bottom": parts.line(*extent)}
         if stratum.density_ordinary == stratum.density_saturated:
-            found += [_with_density(stratum, stratum.density, name=film, **moist), stratum]
+            cut += [_with_density(stratum, stratum.density, name=film, **moist), stratum]
         else:
-            found += [stratum.model_copy(update=moist), _with_density(stratum, stratum.density_saturated, name=film)]
-    return tuple(found)
+            cut += [stratum.model_copy(update=moist), _with_density(stratum, stratum.density_saturated, name=film)]
+    return tuple(cut)
 
 
 def _with_density(stratum: Stratum, density: float | None, /, **changes: object) -> Stratum:

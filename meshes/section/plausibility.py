@@ -79,8 +79,8 @@ OF_A_STRATUM = {
 
 def implausible(strata: Sequence[Stratum], water: Water | None, surcharges: Sequence[Surcharge]) -> list[str]:
     """One sentence for each quantity outside the range of such quantities."""
-    sentences = [text for k, s in enumerate(strata) for text in _told(key_in_file(strata, k), s, OF_A_STRATUM)]
-    sentences += _told("water", water, {"unit_weight": WATER}) if water is not None else []
+    sentences = [text for k, s in enumerate(strata) for text in _sentences(key_in_file(strata, k), s, OF_A_STRATUM)]
+    sentences += _sentences("water", water, {"unit_weight": WATER}) if water is not None else []
     for number, load in enumerate(surcharges, start=1):
         sentences += [sentence(f"surcharges {number}, pressure", q, LOAD) for q in load.pressure if not within(q, LOAD)]
     return list(dict.fromkeys(sentences))
@@ -103,7 +103,7 @@ def implausible_as_written(strata: Sequence[Mapping[str, Any]]) -> Iterator[str]
                 yield sentence(f"{where}, {key}", value, limits)
 
 
-def _told(where: str, model: Model, ranges: dict[str, Range]) -> Iterator[str]:
+def _sentences(where: str, model: Model, ranges: dict[str, Range]) -> Iterator[str]:
     for key, limits in ranges.items():
         value = getattr(model, key)
         if value is None or within(value, limits):

@@ -44,7 +44,7 @@ def sentences(error: ValidationError, data: Any, model: type[BaseModel], beside:
         entry["loc"] = place
         choices.setdefault(choice or place, []).append(entry)
     texts = [text for field, same in choices.items() for entry in _nearest(field, same)
-            for text in _told(entry, data, model, beside)]  # fmt: skip
+            for text in _sentences_of(entry, data, model, beside)]  # fmt: skip
     return list(dict.fromkeys(texts))
 
 
@@ -82,7 +82,7 @@ def _nearest(field: Place, errors: list[ErrorDetails]) -> list[ErrorDetails]:
     return [error for error in errors if far(error) == least] if several else errors
 
 
-def _told(error: ErrorDetails, data: Any, model: type[BaseModel], beside: Sequence[str]) -> Iterable[str]:
+def _sentences_of(error: ErrorDetails, data: Any, model: type[BaseModel], beside: Sequence[str]) -> Iterable[str]:
     """One sentence for each problem in a pydantic error: the key, the value, what was expected."""
     key = _key(error["loc"], data)
     if error["type"] == "missing":
