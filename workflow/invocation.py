@@ -77,8 +77,8 @@ class Invocation:
             raise InputError(str(self.section), [f"strata: no layer liquefies, so no slide can be computed; {wanted}"])
         possible = sorted({number for stratum in self.config.section.strata for number in stratum.liquefies_in})
         if unknown := sorted(set(cases) - set(possible)):
-            told = f"expected cases in which a stratum liquefies, of {', '.join(map(str, possible))}"
-            raise InputError("--case", [f"{', '.join(map(str, unknown))}: {told}"])
+            message = f"expected cases in which a stratum liquefies, of {', '.join(map(str, possible))}"
+            raise InputError("--case", [f"{', '.join(map(str, unknown))}: {message}"])
 
     def job(self, **more: Any) -> Job:
         """The job of all stages."""
@@ -110,8 +110,8 @@ class Invocation:
         old_words = renamed.notices(merged(read_toml(self.section), self.tables))
         if not self.carried:
             return old_words
-        told = ", ".join(f"{key} = {value}" for key, value in self.mesh_options.items())
-        return [*old_words, f"Meshed as before in this folder: {told} (noshiro mesh without options forgets that)."]
+        message = ", ".join(f"{key} = {value}" for key, value in self.mesh_options.items())
+        return [*old_words, f"Meshed as before in this folder: {message} (noshiro mesh without options forgets that)."]
 
 
 def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> Config:
@@ -119,8 +119,8 @@ def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> 
     try:
         return load_config(section, merged(tables, {"mesh": mesh}))
     except InputError as error:
-        told = f"{error.source}, with the options of the mesh kept in {store.folder} (noshiro mesh forgets them)"
-        raise InputError(told, error.problems) from None
+        message = f"{error.source}, with the options of the mesh kept in {store.folder} (noshiro mesh forgets them)"
+        raise InputError(message, error.problems) from None
 
 
 def mesh_options(

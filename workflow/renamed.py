@@ -76,11 +76,11 @@ def current(data: Mapping[str, Any]) -> dict[str, Any]:
     A copy with new words in the tables of settings, and in [uncertain], whose keys are paths such as "fem.sides".
     """
     found = dict(data)
-    for one in RENAMED:
-        places = (one.table, one.key, one.key_now), ("uncertain", one.path, f"{one.table}.{one.key_now}")
+    for rule in RENAMED:
+        places = (rule.table, rule.key, rule.key_now), ("uncertain", rule.path, f"{rule.table}.{rule.key_now}")
         for table, old, new in places:
             if isinstance(found.get(table), Mapping):
-                found[table] = one.moved(found[table], old, new)
+                found[table] = rule.moved(found[table], old, new)
     return found
 
 
@@ -91,35 +91,37 @@ def current_answer(data: Any) -> Any:
     if not isinstance(data, dict):
         return data
     found = {ANSWER_KEYS.get(str(key), str(key)): current_answer(each) for key, each in data.items()}
-    for one in RENAMED:
-        found = one.moved(found, one.key, one.key_now)
+    for rule in RENAMED:
+        found = rule.moved(found, rule.key, rule.key_now)
     return found
 
 
 def notices(data: Mapping[str, Any]) -> list[str]:
     """Name the new word for every old one in the tables of a file or of the command line, in one sentence each."""
-    told = []
-    for one in RENAMED:
-        table = data.get(one.table)
-        if isinstance(table, Mapping) and one.key in table:
-            told += [_notice(one, word) for word in (_old_words(one, table[one.key]) or ([""] if one.new_key else []))]
+    messages = []
+    for rule in RENAMED:
+        table = data.get(rule.table)
+        if isinstance(table, Mapping) and rule.key in table:
+            messages += [
+                _notice(rule, word) for word in (_old_words(rule, table[rule.key]) or ([""] if rule.new_key else []))
+            ]
         uncertain = data.get("uncertain")
-        if isinstance(uncertain, Mapping) and one.path in uncertain:
-            told += [_notice(one, word) for word in _old_words(one, uncertain[one.path])]
-    return list(dict.fromkeys(told))
+        if isinstance(uncertain, Mapping) and rule.path in uncertain:
+            messages += [_notice(rule, word) for word in _old_words(rule, uncertain[rule.path])]
+    return list(dict.fromkeys(messages))
 
 
-def _old_words(one: Renamed, value: Any) -> list[str]:
+def _old_words(rule: Renamed, value: Any) -> list[str]:
     """The old words within a value."""
     if isinstance(value, str):
-        return [value] if value in one.values else []
+        return [value] if value in rule.values else []
     inside = value.values() if isinstance(value, Mapping) else value if isinstance(value, list | tuple) else ()
-    return [word for each in inside for word in _old_words(one, each)]
+    return [word for each in inside for word in _old_words(rule, each)]
 
 
-def _notice(one: Renamed, word: str) -> str:
-    now = f"{one.table}.{one.key_now}"
-    is_now = f'{one.path} = "{word}" is now {now} = "{one.values[word]}"' if word else f"{one.path} is now {now}"
+def _notice(rule: Renamed, word: str) -> str:
+    now = f"{rule.table}.{rule.key_now}"
+    is_now = f'{rule.path} = "{word}" is now {now} = "{rule.values[word]}"' if word else f"{rule.path} is now {now}"
     return f"{is_now}; noshiro migrate writes the new word into the file."
 
 
@@ -160,17 +162,17 @@ def rewritten(text: str, source: str) -> tuple[str, list[str]]:
             text = trial
     if tomllib.loads(text) != wanted:
         raise InputError(
-            source, [f"cannot be rewritten; change by hand: {told}" for told in notices(tomllib.loads(text))]
+            source, [f"cannot be rewritten; change by hand: {messages}" for messages in notices(tomllib.loads(text))]
         )
     return text, changes[::-1]
 
 
 def _places(text: str) -> Iterator[tuple[int, int, str]]:
     """Places in a text where an old key or value may stand: start, end, and its replacement."""
-    for one in RENAMED:
-        for old, new in one.values.items():
+    for rule in RENAMED:
+        for old, new in rule.values.items():
             for found in re.finditer(f"([\"']){re.escape(old)}\\1", text):
                 yield found.start(), found.end(), f"{found[1]}{new}{found[1]}"
-        if one.new_key:
-            for found in re.finditer(rf"(?<![\w-]){re.escape(one.key)}(?![\w-])", text):
-                yield found.start(), found.end(), one.new_key
+        if rule.new_key:
+            for found in re.finditer(rf"(?<![\w-]){re.escape(rule.key)}(?![\w-])", text):
+                yield found.start(), found.end(), rule.new_key

@@ -155,7 +155,7 @@ def _spreading(section: Section, settings: Tables, tests: Sequence[Judged]) -> I
         yield Estimate("spread", YOUD_TITLE, None, words, YOUD, YOUD_RANGE)
         return
     loose = [
-        test for test in tests if test.found is not None and normalised_counts(test, settings.triggering)[0] < LOOSE
+        test for test in tests if test.outcome is not None and normalised_counts(test, settings.triggering)[0] < LOOSE
     ]
     known = [(test, test.sample) for test in loose if isinstance(test.sample, Sample)]
     known = [(test, soil) for test, soil in known if soil.fines is not None and soil.d50 is not None]

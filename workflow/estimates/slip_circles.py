@@ -172,7 +172,7 @@ class _Search:
             around = (best[:, None, :] + offsets * step).reshape(-1, 3)
             best = self._best(np.concatenate([best, around]), number)
             step *= SHRINK
-        return next((circle for k in range(len(best)) if (circle := self._told(best[k : k + 1])) is not None), None)
+        return next((circle for k in range(len(best)) if (circle := self._result(best[k : k + 1])) is not None), None)
 
     def _grid(self) -> np.ndarray:
         ends = np.linspace(*self.section.extent, ENDS)
@@ -250,7 +250,7 @@ class _Search:
         sound &= np.all(cover >= -near, axis=1) & np.all(room >= -near, axis=1) & (cover.max(axis=1) >= self.depth)
         return x, np.minimum(z, ground), centre, radius, sound
 
-    def _told(self, best: np.ndarray) -> SlipCircle | None:
+    def _result(self, best: np.ndarray) -> SlipCircle | None:
         x, z, centre, radius, sound = self._surfaces(best, FINE_SLICES)
         if not sound[0]:
             return None

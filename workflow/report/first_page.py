@@ -266,8 +266,8 @@ def conclusions(results: Results, _: Texts) -> Iterator[str]:
 def _without_shaking(results: Results, _: Texts) -> Iterator[str]:
     """Whether the continuum still stands after liquefaction, once the shaking is over."""
     cases = results.liquefied.cases if results.liquefied is not None else ()
-    flows = [number for one in cases if one.stands == "flows" for number in one.cases]
-    stands = [number for one in cases if one.stands == "stands" for number in one.cases]
+    flows = [number for case in cases if case.stands == "flows" for number in case.cases]
+    stands = [number for case in cases if case.stands == "stands" for number in case.cases]
     if flows:
         yield _(
             "After liquefaction the section does not stand, even without shaking, in {cases}.", cases=of_cases(flows)

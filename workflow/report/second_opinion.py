@@ -44,7 +44,7 @@ class SecondOpinion:
     flows: bool | None
     resting: tuple[bool, bool]
 
-    def told(self) -> str:
+    def sentence(self) -> str:
         """A sentence that compares both slides."""
         both = f"discs slide {metres(self.discs)} and material points {metres(self.points)}"
         if self.agreed:
@@ -102,12 +102,12 @@ def _with_error(low: float, high: float, flows: bool | None, method: SlideMethod
 
 def contradicting(opinions: dict[int, SecondOpinion]) -> Iterator[WarningPart]:
     """Warn of every case on which the models do not agree; what is alike in one."""
-    for warning in joined({number: [opinion.told()] for number, opinion in opinions.items() if not opinion.agreed}):
+    for warning in joined({number: [opinion.sentence()] for number, opinion in opinions.items() if not opinion.agreed}):
         what, remedy = split(warning)
         yield WarningPart(weight=1, what=what, remedy=remedy)
 
 
 def agreeing(opinions: dict[int, SecondOpinion]) -> Iterator[str]:
     """Sentences on the cases in which both methods agree."""
-    for sentence in joined({number: [opinion.told()] for number, opinion in opinions.items() if opinion.agreed}):
+    for sentence in joined({number: [opinion.sentence()] for number, opinion in opinions.items() if opinion.agreed}):
         yield split(sentence)[0]

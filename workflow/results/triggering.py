@@ -59,7 +59,7 @@ class TestPart(Part):
     @classmethod
     def of(cls, test: Judged, stratum: str) -> Self:
         """A test as an answer holds it."""
-        found = vars(test.found) if test.found else dict.fromkeys(("normalised", "corrected", "load", "resistance"))
+        found = vars(test.outcome) if test.outcome else dict.fromkeys(("normalised", "corrected", "load", "resistance"))
         return cls.taken(
             test,
             x_m=test.x,

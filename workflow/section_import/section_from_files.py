@@ -61,17 +61,17 @@ class Reading:
         ``columns``: pairs ours=theirs; ``unit``: of a drawing; ``part``: of a file that holds several; ``borings``:
         names of those to use.
         """
-        pairs = [text.partition("=") for one in columns for text in one.split(",")]
-        told = [f"{key}{equals}{name}: expected ours=theirs, such as layer=Stratum" for key, equals, name in pairs
+        pairs = [text.partition("=") for item in columns for text in item.split(",")]
+        messages = [f"{key}{equals}{name}: expected ours=theirs, such as layer=Stratum" for key, equals, name in pairs
                 if not key.strip() or not name.strip()]  # fmt: skip
         named = {key.strip(): name.strip() for key, _, name in pairs} | ({"layer": layers} if layers else {})
         size = None
         try:
             size = None if unit is None else float(LENGTH.read(f"1 {unit}"))
         except ValueError as error:
-            told.append(f"--unit {unit}: {error}")
-        if told:
-            raise InputError("--columns" if size is not None or unit is None else "--unit", told)
+            messages.append(f"--unit {unit}: {error}")
+        if messages:
+            raise InputError("--columns" if size is not None or unit is None else "--unit", messages)
         names = tuple(name.strip() for text in borings for name in text.split(",") if name.strip())
         return cls(off_line, named, size, part, names)
 
@@ -92,11 +92,11 @@ def _made(files: Sequence[Path], out: Path, reading: Reading) -> list[str]:
     if missing := [f"{file}: there is no such file" for file in files if not file.is_file()]:
         raise InputError("section", missing)
     if unknown or (kinds & alone and len(files) > 1):
-        told = (
+        messages = (
             f"expected .csv and .ags files of borings, or one .dxf drawing, one model {' or '.join(MODELS)}, or one "
             "section .toml to be drawn as .dxf"
         )
-        raise InputError("section", [f"{', '.join(map(str, files))}: {told}"])
+        raise InputError("section", [f"{', '.join(map(str, files))}: {messages}"])
     if kinds == {".toml"}:
         if out.suffix.lower() != DRAWING:
             raise InputError("--out", [f"{out}: expected a .dxf file, to draw the section"])
@@ -116,11 +116,11 @@ def _made(files: Sequence[Path], out: Path, reading: Reading) -> list[str]:
         out.write_text(drawn.text, encoding="utf-8")
         return [*_minded(drawn.notices), f"{out} has the strata of {files[0]}.", *to_be_given(out)]
     read = [READERS[file.suffix.lower()](file, reading.columns) for file in files]
-    found = connected(_wanted([log for one in read for log in one.logs], reading.borings), reading.off_line)
-    out.write_text(text_of(found, name), encoding="utf-8")
-    picture = draw_borings(found, out)
-    minded = _minded([text for one in read for text in one.notices] + list(found.notices))
-    return [*minded, *_told(found), f"{out} is the section.", f"Picture: {picture}", *to_be_given(out)]
+    connection = connected(_wanted([log for item in read for log in item.logs], reading.borings), reading.off_line)
+    out.write_text(text_of(connection, name), encoding="utf-8")
+    picture = draw_borings(connection, out)
+    minded = _minded([text for item in read for text in item.notices] + list(connection.notices))
+    return [*minded, *_summary(connection), f"{out} is the section.", f"Picture: {picture}", *to_be_given(out)]
 
 
 def _wanted(logs: Sequence[Log], names: Sequence[str]) -> list[Log]:
@@ -136,10 +136,10 @@ def _minded(notices: Sequence[str]) -> list[str]:
     return [f"Warning: {text}." for text in dict.fromkeys(notices)]
 
 
-def draw_borings(found: Connected, out: Path) -> Path:
+def draw_borings(connection: Connected, out: Path) -> Path:
     """Draw the section with its borings beside the file; returns where."""
     picture = out.with_suffix(".png")
-    draw(found, out.stem, picture)
+    draw(connection, out.stem, picture)
     return picture
 
 
@@ -155,10 +155,10 @@ def to_be_given(path: Path, sound: str = GUESSED) -> list[str]:
     return [sound]
 
 
-def _told(found: Connected) -> list[str]:
-    everything = (*found.borings, *found.soundings)
-    far = [f"{one.log.name} {abs(one.beside):.1f} m" for one in everything if abs(one.beside) > 0.05]
+def _summary(connection: Connected) -> list[str]:
+    everything = (*connection.borings, *connection.soundings)
+    far = [f"{item.log.name} {abs(item.beside):.1f} m" for item in everything if abs(item.beside) > 0.05]
     beside = [f"Beside the line: {', '.join(far)}."] if far else []
-    cones = sum(bool(one.log.cones) for one in everything)
+    cones = sum(bool(item.log.cones) for item in everything)
     more = f", cones in {cones} of {len(everything)}" if cones else ""
-    return [f"{len(found.borings)} borings with layers{more}, strata {', '.join(found.names)}.", *beside]
+    return [f"{len(connection.borings)} borings with layers{more}, strata {', '.join(connection.names)}.", *beside]

@@ -41,18 +41,18 @@ def work(job: Job) -> None:
     from fem.limit.bounds import kh_bounds
     from workflow.figures.bounds import draw_all
 
-    config, asked = job.config, job.config.bounds
+    config, settings = job.config, job.config.bounds
     started = time.perf_counter()
     job.progress("first mesh", None)
-    factors = tuple(_factors(job, config, asked)) if asked.safety_factor else ()
-    left = asked.model_copy(update={"seconds": asked.seconds - sum(factor.work for factor in factors)})
+    factors = tuple(_factors(job, config, settings)) if settings.safety_factor else ()
+    left = settings.model_copy(update={"seconds": settings.seconds - sum(factor.work for factor in factors)})
     try:
         bounds = kh_bounds(config.section, config.fem, left, lambda so_far: job.progress(in_words(so_far), None))
     except UnstableError as error:
         if not factors:
             raise
         raise UnstableError(f"{error}; {'; '.join(factor.words for factor in factors)}") from None
-    answer = answer_of(config, bounds, asked, time.perf_counter() - started)
+    answer = answer_of(config, bounds, settings, time.perf_counter() - started)
     answer = answer.model_copy(update={"safety": factors})
     answer.write(job.store)
     draw_all(config, bounds, job.store)
@@ -61,13 +61,13 @@ def work(job: Job) -> None:
         raise NoAnswerError(answer.reason.rstrip("."), f"allow more: {more} in the table [bounds]")
 
 
-def _factors(job: Job, config: Config, asked: BoundsSettings) -> Iterator[SafetyPart]:
+def _factors(job: Job, config: Config, settings: BoundsSettings) -> Iterator[SafetyPart]:
     """Factors of safety at every Kh at which one is wanted; without shaking sides that are not fixed are held, as the
     elements hold them."""
     from fem.limit.safety_bounds import safety_bounds
 
     count = len(config.fem.safety_factor_at) + 2  # as much for each as for Kh with ψ = φ, and by Davis's substitute
-    share = asked.of_factors.model_copy(update={"seconds": asked.seconds / count})
+    share = settings.of_factors.model_copy(update={"seconds": settings.seconds / count})
     for kh in config.fem.safety_factor_at:
         job.progress(f"factor of safety at Kh = {kh:g}", None)
         bounds = safety_bounds(config.section, config.fem, share, kh, held=kh == 0.0)
@@ -78,12 +78,12 @@ def _factors(job: Job, config: Config, asked: BoundsSettings) -> Iterator[Safety
             cells=bounds.cells,
             shallow_failure=bounds.shallow_failure,
             direction=bounds.direction,
-            reason=_reason(bounds, asked),
+            reason=_reason(bounds, settings),
             work=sum(trial.work for trial in bounds.trials),
         )
 
 
-def _reason(bounds: "SafetyBounds", asked: BoundsSettings) -> str:
+def _reason(bounds: "SafetyBounds", settings: BoundsSettings) -> str:
     """Why the bounds of a factor of safety are no closer; empty where they are as close as was asked for."""
     match bounds.ended:
         case "gap":
@@ -91,42 +91,42 @@ def _reason(bounds: "SafetyBounds", asked: BoundsSettings) -> str:
         case "range":
             return "The search ended there."
         case "triangles":
-            why = f"{bounds.cells} triangles, {asked.max_cells} allowed"
+            why = f"{bounds.cells} triangles, {settings.max_cells} allowed"
         case "time":
-            why = f"its share of the work allowed ({asked.seconds:g} s) is used up"
+            why = f"its share of the work allowed ({settings.seconds:g} s) is used up"
         case "solver":
             why = f"the solver of cone programs fails, up to {bounds.cells} triangles"
         case _:
             assert_never(bounds.ended)
-    wanted = f"{100 * asked.of_factors.gap:g} %"
+    wanted = f"{100 * settings.of_factors.gap:g} %"
     return f"The factor of safety is bracketed less closely than to the {wanted} asked for: {why}."
 
 
-def answer_of(config: Config, bounds: "KhBounds", asked: BoundsSettings, seconds: float) -> BoundsAnswer:
+def answer_of(config: Config, bounds: "KhBounds", settings: BoundsSettings, seconds: float) -> BoundsAnswer:
     """The brackets of an input, how far each bound was checked, and every mesh; ``seconds`` it took to compute.
 
-    ``config``: of the run; ``bounds``: found by the analysis; ``asked``: settings of the bounds.
+    ``config``: of the run; ``bounds``: found by the analysis; ``settings``: of the bounds.
     """
     from fem.continuum.shallow_failure import joined
 
     return BoundsAnswer(
-        **vars(bracket_part(bounds, asked)),
+        **vars(bracket_part(bounds, settings)),
         section=SectionLabel.of(config.section),
         flow="associated, ψ = φ",
-        substitute=bracket_part(bounds.substitute, asked) if bounds.substitute else None,
+        substitute=bracket_part(bounds.substitute, settings) if bounds.substitute else None,
         shallow_failures=tuple(ShallowBoundPart.model_validate(face) for face in joined(bounds.shallow_failures)),
         shallow=bounds.shallow,
         least_depth=config.fem.least_depth,
         sides=config.fem.sides,
         vertical=config.fem.vertical,
         seconds=round(seconds, 2),
-        settings=asked,
+        settings=settings,
     )
 
 
-def bracket_part(bounds: "SmallerKhBounds", asked: BoundsSettings) -> BracketPart:
+def bracket_part(bounds: "SmallerKhBounds", settings: BoundsSettings) -> BracketPart:
     """One bracket of bounds in the form of the stored answer."""
-    verdict, reason = _verdict(bounds, asked)
+    verdict, reason = _verdict(bounds, settings)
     directions = tuple(_direction_part(direction) for direction in bounds.directions)
     return BracketPart(
         lower=bounds.stress.multiplier if bounds.stress else None,
@@ -157,18 +157,18 @@ def _direction_part(bounds: "DirectionBounds") -> DirectionPart:
     )
 
 
-def _verdict(bracket: "Bracket", asked: BoundsSettings) -> tuple[Verdict, str]:
+def _verdict(bracket: "Bracket", settings: BoundsSettings) -> tuple[Verdict, str]:
     gap = f"The gap of {_gap(bracket)}"
     if bracket.ended == "gap":
-        return "bracketed", f"{gap} is within the {_wanted(bracket, asked)} asked for."
+        return "bracketed", f"{gap} is within the {_wanted(bracket, settings)} asked for."
     if bracket.ended == "enough":
         return "unstable", f"It fails under its own weight: its Kh is at most {bracket.upper:.4f}."
     last = bracket.meshes[-1]
     x, z = bracket.open_at or (math.nan, math.nan)
-    why = f"{_why(bracket.ended, last.cells, asked)}; the gap is widest near x = {x:.1f} m, z = {z:.1f} m."
+    why = f"{_why(bracket.ended, last.cells, settings)}; the gap is widest near x = {x:.1f} m, z = {z:.1f} m."
     why += "".join(f" {note[0].upper()}{note[1:]}." for note in last.notes)
     if math.isfinite(bracket.gap):
-        return "wide", f"{gap} is above the {_wanted(bracket, asked)} asked for: {why}"
+        return "wide", f"{gap} is above the {_wanted(bracket, settings)} asked for: {why}"
     bounds = (("lower", bracket.stress), ("upper", bracket.mechanism))
     return "no bracket", f"There is no {' and no '.join(name for name, bound in bounds if bound is None)} bound: {why}"
 
@@ -182,13 +182,13 @@ def _gap(bracket: "Bracket") -> str:
     return f"{difference} ({100 * bracket.gap:.1f} %)" if small else f"{100 * bracket.gap:.2f} %"
 
 
-def _wanted(bracket: "Bracket", asked: BoundsSettings) -> str:
+def _wanted(bracket: "Bracket", settings: BoundsSettings) -> str:
     """How far apart the bounds may be: a share of Kh, or where Kh is small a difference in Kh."""
     small = 0.5 * (abs(bracket.upper) + abs(bracket.lower)) < LEAST_KH
-    return f"{asked.gap * LEAST_KH:.4f} in Kh" if small else f"{100 * asked.gap:g} %"
+    return f"{settings.gap * LEAST_KH:.4f} in Kh" if small else f"{100 * settings.gap:g} %"
 
 
-def _why(ended: "OpenEnd | None", cells: int, asked: BoundsSettings) -> str:
+def _why(ended: "OpenEnd | None", cells: int, settings: BoundsSettings) -> str:
     """Why there is no finer mesh, though the bounds are further apart than was asked for."""
     from fem.limit.bracket import FAILED_MESHES
 
@@ -196,9 +196,9 @@ def _why(ended: "OpenEnd | None", cells: int, asked: BoundsSettings) -> str:
         case None:
             return f"{cells} triangles, and the other direction fails first"
         case "triangles":
-            return f"{cells} triangles, {asked.max_cells} allowed"
+            return f"{cells} triangles, {settings.max_cells} allowed"
         case "time":
-            return f"{cells} triangles, and a finer mesh would take more than the work allowed ({asked.seconds:g} s)"
+            return f"{cells} triangles, and a finer mesh would take more than the work allowed ({settings.seconds:g} s)"
         case "stalled":
             return f"finer meshes, up to {cells} triangles, no longer close it"
         case "solver":

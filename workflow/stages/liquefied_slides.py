@@ -108,7 +108,7 @@ class Hearer:
         """Report the progress of one slide, or of one packing."""
         piece = self.pieces[place]
         if isinstance(piece, Packing):
-            line = piece.told(message)
+            line = piece.message(message)
         else:
             seconds, slide, settlement, speed = message
             self.done[place] = _share(seconds / self.config.slide.duration)

@@ -72,7 +72,7 @@ class RandomPackingsWanted:
             packings = [
                 *packings,
                 *job.executor.compute(
-                    packed, later, lambda place, message: job.progress(later[place].told(message), None)
+                    packed, later, lambda place, message: job.progress(later[place].message(message), None)
                 ),
             ]
         seeds, slides = [seed for seed, _ in packings], [slides for _, slides in packings]
@@ -104,9 +104,9 @@ class Packing:
     parameter: str
     numbers: tuple[int, ...]
 
-    def told(self, message: str) -> str:
+    def message(self, text: str) -> str:
         """The message of a packing, with its seed."""
-        return f"random packing, seed {self.seed}: {message}"
+        return f"random packing, seed {self.seed}: {text}"
 
 
 def packed(packing: Packing, tell: Tell) -> Packed:

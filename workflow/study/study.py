@@ -68,7 +68,7 @@ def run(config: Config, store: Store, only: Sequence[str], ensemble: Ensemble, o
     leave_input(config, store)
     table = computed(config, store, parts, with_block, ensemble, on_row)
     store.write_text(FILE, table.text())
-    answer = told(config, table, only)
+    answer = statistics_of(config, table, only)
     answer.write(store)
     return Study(table, answer)
 
@@ -143,7 +143,7 @@ def _row(
     return SampleRow(drawn, Numbers(numbers=numbers, words=words), "; ".join(reasons), tuple(answered))
 
 
-def told(config: Config, table: Table, only: Sequence[str]) -> StudyAnswer:
+def statistics_of(config: Config, table: Table, only: Sequence[str]) -> StudyAnswer:
     """Statistics of the samples."""
     words = [path for path, distribution in config.uncertain.numbers.items() if distribution.is_words]
     indices = config.study.method == "saltelli"

@@ -33,7 +33,7 @@ class Judged:
     top, bottom : the depths (m) for which it stands, half-way to its neighbours in the same stratum
     length : how much of the section (m) is nearest to its boring
     where : the stresses there, and the stratum
-    found : what the method finds; None where it does not judge
+    outcome : demand, resistance and F_L by the method; None where the method does not apply
     reason : why it does not
     """
 
@@ -44,7 +44,7 @@ class Judged:
     bottom: float
     length: float
     where: Overburden
-    found: Resistance | None
+    outcome: Resistance | None
     reason: str
 
     @property
@@ -55,7 +55,7 @@ class Judged:
     @property
     def factor(self) -> float | None:
         """F_L; None where the soil is not judged."""
-        return None if self.found is None else self.found.factor
+        return None if self.outcome is None else self.outcome.factor
 
     @property
     def liquefies(self) -> bool:

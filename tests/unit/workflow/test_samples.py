@@ -18,7 +18,7 @@ from workflow.after_triggering import config_after_triggering
 from workflow.results.study import StudyAnswer
 from workflow.run.store import Store
 from workflow.study.parts import PARTS
-from workflow.study.study import Study, task_of, told
+from workflow.study.study import Study, statistics_of, task_of
 from workflow.study.table import SampleRow, Table
 from workflow.study.task import Numbers
 from workflow.uncertain.sampling import samples
@@ -184,7 +184,7 @@ def test_what_is_drawn_is_not_judged_as_what_a_person_writes() -> None:
 
 def answer_of(rows: list[SampleRow], parts: tuple[str, ...]) -> StudyAnswer:
     read = analysed({**slope(), "uncertain": {"strata.upper.cohesion": {"uniform": ["1 kPa", "6 kPa"]}}})
-    return told(read, Table({"strata.upper.cohesion": "kPa"}, rows), parts)
+    return statistics_of(read, Table({"strata.upper.cohesion": "kPa"}, rows), parts)
 
 
 def test_a_part_without_any_answer_is_told_with_its_reason_once() -> None:

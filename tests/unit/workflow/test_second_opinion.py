@@ -63,4 +63,4 @@ def test_a_contradiction_names_the_model_that_was_nearer_to_known_slides() -> No
 
 def test_what_does_not_come_to_rest_in_one_model_alone_is_a_contradiction() -> None:
     assert not opinion(1.0, 1.0, settled=False).agreed
-    assert "only discs come to rest" in opinion(1.0, 1.0, settled=False).told()
+    assert "only discs come to rest" in opinion(1.0, 1.0, settled=False).sentence()

@@ -176,11 +176,11 @@ def test_every_relation_is_the_independent_one(method: str, column: dict[str, An
     for number, test in enumerate(judged(column, method)):
         above = DEPTHS[number] <= column["water"]
         assert (test.reason == "above the water table") == above
-        if test.found is None:
+        if test.outcome is None:
             assert above or "behaves as clay" in test.reason
             continue
         load, bears = independent(method, test, column, number)
-        assert (test.found.load, test.found.resistance) == pytest.approx((load, max(0.0, bears)), rel=1e-7)
+        assert (test.outcome.load, test.outcome.resistance) == pytest.approx((load, max(0.0, bears)), rel=1e-7)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -204,8 +204,8 @@ def test_the_submarine_sand_by_hand() -> None:
         "triggering": {"borings": [{"name": "B-1", "x": 25, "spt": [{"depth": 1, "N": 5, "fines": 5}]}]},
     }  # fmt: skip
     [test] = assessment(analysed(data)).tests
-    assert test.found is not None
-    assert (test.found.load, test.factor) == pytest.approx((0.3823, 0.2715), abs=1e-4)
+    assert test.outcome is not None
+    assert (test.outcome.load, test.factor) == pytest.approx((0.3823, 0.2715), abs=1e-4)
 
 
 def test_after_a_drawdown_the_water_that_has_gone_weighs_nothing() -> None:
