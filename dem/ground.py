@@ -17,6 +17,7 @@ from dem.settings import DemSettings
 from dem.springs import LayerSprings, from_strata, table2
 from dem.water import added_mass, excess, still_water
 from meshes.errors import InputError
+from meshes.section.polyline import downhill
 from meshes.section.section import Section
 
 LOOSER = 0.1  # porosity beyond that asked for
@@ -193,11 +194,6 @@ def ground_of(section: Section, settings: DemSettings) -> Ground:
         raise InputError(section.name, [f"dem, packing: {error}"]) from error
 
 
-def downhill(section: Section) -> int:
-    """+1 if the ground falls to the right, -1 if it falls to the left, from one end of its surface to the other."""
-    return 1 if section.ground[0, 1] >= section.ground[-1, 1] else -1
-
-
 def mean_slope(section: Section) -> float:
     """Angle (rad) by which the line between the ends of the surface dips to the right."""
     (x0, z0), (x1, z1) = section.ground[0], section.ground[-1]
@@ -230,7 +226,7 @@ def _box(section: Section, radius: float) -> Ground:
     inset = 0.5 * (length - 2.0 * radius * (columns - 1))
     origin = start + inset * along + rim * down
     ground = Ground(
-        packing, "box", radius, rows, tilt, (float(origin[0]), float(origin[1])), downhill(section), section
+        packing, "box", radius, rows, tilt, (float(origin[0]), float(origin[1])), downhill(section.ground), section
     )
     free = packing.free
     packing.layer[free] = in_stratum(section, *ground.to_section(packing.x[free], packing.z[free]))
@@ -259,7 +255,7 @@ def _cut(section: Section, settings: DemSettings, kind: str, radius: float) -> G
         packing = triangular_lattice(outline, section.stratum_at, radius, angle=-mean_slope(section))
     else:
         packing = _densest_that_fits(section, settings, radius)
-    return Ground(packing, kind, radius, 0, 0.0, (0.0, 0.0), downhill(section), section)
+    return Ground(packing, kind, radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)
 
 
 def _densest_that_fits(section: Section, settings: DemSettings, radius: float) -> Packing:

@@ -154,14 +154,8 @@ def wave_speeds(youngs_modulus: float, poissons_ratio: float, density: float) ->
     return float(vp), float(np.sqrt(e / (2.0 * rho * (1.0 + nu))))
 
 
-def from_soil(
-    name: str,
-    youngs_modulus: float,
-    poissons_ratio: float,
-    density: float,
-    effective_density: float,
-    cohesion: float,
-    friction_angle: float,
+def from_stratum(
+    stratum: Stratum,
     radius: float,
     *,
     stiffness_scale: float = 0.01,
@@ -171,29 +165,29 @@ def from_soil(
     alpha: float = 1.2,
     beta: float = 1.02,
 ) -> LayerSprings:
-    """The constants of a layer from its soil.
+    """The constants of the paper's discs in a stratum.
 
-    youngs_modulus, cohesion in Pa; friction_angle in rad; density: saturated, it carries the horizontal force;
-    effective_density: buoyant below water, it carries the weight (kg/m3 of soil, voids between the discs not yet
-    counted); radius: of the discs (m), b of eq. (17).
+    The seismic density carries the horizontal force, the ordinary one, buoyant below water, the weight; both are those
+    of the soil, voids between the discs not yet counted. radius: of the discs (m), b of eq. (17).
     stiffness_scale: factor on the springs of eqs. (9)-(13); Table 2 was printed with 0.01.
     damping_ratio: factor on sqrt(m K), which is half of critical for one disc on a fixed spring.
     Element and pore spring in series make the spring of the soil, eqs. (11)-(13): K_e = (1 + 1/t) K, K_p = t K_e.
-    name: of the layer; poissons_ratio: (-); pore_share: t of eqs. (11)-(13); void_ratio: of the soil (-); alpha: reach
-    of pore springs in radii; beta: of eq. (15), length at which a pore spring cracks.
+    pore_share: t of eqs. (11)-(13); void_ratio: of the soil (-); alpha: reach of pore springs in radii; beta: of
+    eq. (15), length at which a pore spring cracks.
     """
-    vp, vs = wave_speeds(youngs_modulus, poissons_ratio, density)
+    density = stratum.density_seismic
+    vp, vs = wave_speeds(stratum.youngs_modulus, stratum.poissons_ratio, density)
     series = (1.0 + 1.0 / pore_share) * np.pi / 4.0 * density * stiffness_scale
     kn, ks = float(series * vp**2), float(series * vs**2)
     disc_density = density * (1.0 + void_ratio)
     # what buoyancy takes away does not depend on the voids, which are full of water too
-    disc_effective = disc_density - (density - effective_density)
+    disc_effective = disc_density - (density - stratum.density_ordinary)
     mass = np.pi * radius**2 * disc_density
     return LayerSprings(
-        name=name, kn=kn, ks=ks,
+        name=stratum.name, kn=kn, ks=ks,
         cn=float(damping_ratio * np.sqrt(mass * kn)), ct=float(damping_ratio * np.sqrt(mass * ks)),
         kpn=pore_share * kn, kps=pore_share * ks, density=disc_density, effective_density=disc_effective,
-        friction=float(np.tan(friction_angle)), cohesion=radius * cohesion, alpha=alpha, beta=beta,
+        friction=float(np.tan(stratum.friction_angle)), cohesion=radius * stratum.cohesion, alpha=alpha, beta=beta,
     )  # fmt: skip
 
 
@@ -254,14 +248,8 @@ def soil_discs(
 
 
 def from_strata(strata: Sequence[Stratum], radius: float, **settings: float) -> list[LayerSprings]:
-    """The constants of all strata of a Section, for discs of this (mean) radius; settings as in `from_soil`."""
-    return [
-        from_soil(
-            s.name, s.youngs_modulus, s.poissons_ratio, s.density_seismic, s.density_ordinary, s.cohesion,
-            s.friction_angle, radius, **settings,
-        )
-        for s in strata
-    ]  # fmt: skip
+    """The constants of all strata of a Section, for discs of this (mean) radius; settings as in `from_stratum`."""
+    return [from_stratum(stratum, radius, **settings) for stratum in strata]
 
 
 def table2(states: Mapping[int, str] | None = None) -> list[LayerSprings]:

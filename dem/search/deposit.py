@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dem.errors import DemError
-from dem.ground import Ground, downhill, in_stratum
+from dem.ground import Ground, in_stratum
 from dem.laboratory.patch import POROSITY, VOID_RATIO
 from dem.model import DiscModel
 from dem.packing import Packing, random_packing
@@ -26,6 +26,7 @@ from dem.search.levelling import levelled, misfit
 from dem.settings import DemSettings
 from dem.springs import LayerSprings
 from meshes.errors import InputError
+from meshes.section.polyline import downhill
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
@@ -158,7 +159,7 @@ def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) 
     """The ground that a checkpoint of settled soil discs stands for."""
     packing = Packing(settled.x, settled.z, settled.radius, settled.layer, settled.lines)
     radius = settings.mean_radius(section)
-    return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section), section)
+    return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)
 
 
 def _filled(section: Section, settings: DemSettings, radius: float) -> Ground:
@@ -189,7 +190,7 @@ def _filled(section: Section, settings: DemSettings, radius: float) -> Ground:
             last = error
             continue
         held = _held(packing, base, left, right)
-        return Ground(held, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section), section)
+        return Ground(held, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)
     raise InputError(section.name, [f"dem: {last}"])
 
 

@@ -6,6 +6,7 @@ from fem.errors import UnstableError
 from fem.settings import FemSettings
 from meshes.errors import InputError
 from meshes.section.cutting import key_in_file
+from meshes.section.polyline import downhill
 from meshes.section.section import Section, Stratum
 from meshes.section.uplift import Uplift
 
@@ -19,12 +20,7 @@ def push(section: Section, settings: FemSettings) -> int:
 
 def sign_of(section: Section, direction: Direction) -> int:
     """+1 if "downhill" or "uphill" is to the right, -1 if it is to the left."""
-    return downhill(section) * (1 if direction == "downhill" else -1)
-
-
-def downhill(section: Section) -> int:
-    """+1 if the ground falls to the right, -1 if it falls to the left, from one end of its surface to the other."""
-    return 1 if section.ground[0, 1] >= section.ground[-1, 1] else -1
+    return downhill(section.ground) * (1 if direction == "downhill" else -1)
 
 
 def soils(section: Section) -> tuple[Stratum, ...]:

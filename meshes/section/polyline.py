@@ -141,6 +141,11 @@ def limits(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return left, right
 
 
+def downhill(ground: np.ndarray) -> int:
+    """+1 if a surface (n, 2) falls to the right, -1 if it falls to the left, from one end of it to the other."""
+    return 1 if ground[0, 1] >= ground[-1, 1] else -1
+
+
 def level_at(level: np.ndarray, x: np.ndarray, near: np.ndarray) -> np.ndarray:
     """Elevations (n,) of a level (k, 2) at x, which continues as high past its ends; at a step of it that on the side
     of ``near`` (n,)."""
@@ -150,4 +155,4 @@ def level_at(level: np.ndarray, x: np.ndarray, near: np.ndarray) -> np.ndarray:
     return np.where(near < x, before, after)
 
 
-__all__ = ["ElevationOrLine", "Line", "Points", "Polyline", "Quantity", "level_at", "limits", "read_points"]
+__all__ = ["ElevationOrLine", "Line", "Points", "Polyline", "Quantity", "downhill", "level_at", "limits", "read_points"]

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.continuum.loads import downhill
 from fem.mpm import (
     BackgroundGrid,
     MaterialPointEngine,
@@ -16,6 +15,7 @@ from fem.mpm import (
     ground_of,
 )
 from fem.settings import Sides
+from meshes.section.polyline import downhill
 from meshes.section.quantity import GRAVITY
 from tests.support import SECTIONS
 from workflow.config import Config
@@ -161,7 +161,7 @@ def slump(weight_over_strength: float, cells: int, slowly: bool) -> RunOut:
 def pushed(name: str, cells: int, sides: Sides, kh: float, rise: float, end: float) -> PointSlide:
     """The slide of a shipped section without liquefaction under Kh that comes within ``rise`` (s) and is held."""
     section = Config.load(SECTIONS / f"{name}.toml").section
-    slider = PointSlider(ground_of(section, cells, sides), downhill(section))
+    slider = PointSlider(ground_of(section, cells, sides), downhill(section.ground))
     slider.settle()
 
     def push(time: np.ndarray) -> np.ndarray:

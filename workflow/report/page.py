@@ -10,6 +10,7 @@ from markupsafe import Markup
 
 from fem.continuum.strength import flow_of, is_dilating_fully
 from meshes.errors import InputError
+from meshes.section.polyline import downhill
 from meshes.section.section import Section
 from workflow.estimates.comparison import estimates, is_s13
 from workflow.estimates.structures import structures_of
@@ -137,7 +138,7 @@ def _thirds(section: Section, texts: Texts) -> tuple[str, str, str]:
     if not structures_of(section):
         return texts("upslope third"), texts("middle third"), texts("downslope third")
     left, right = texts("left third"), texts("right third")
-    first, last = (left, right) if section.ground[0, 1] >= section.ground[-1, 1] else (right, left)
+    first, last = (left, right) if downhill(section.ground) > 0 else (right, left)
     return first, texts("middle third"), last
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from meshes.executor import Tell
+from meshes.section.polyline import downhill
 from workflow.config import Config
 from workflow.results.answer import SectionLabel, line
 from workflow.results.material_points import WARNING, PointCase, PointSlidesAnswer
@@ -126,12 +127,11 @@ def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
 
     There are ``fewer`` times less cells than asked for. Raises FloatingPointError where the ground has no equilibrium.
     """
-    from fem.continuum.loads import downhill
     from fem.mpm.ground import ground_of
     from fem.mpm.slide import PointSlider
 
     ground = ground_of(config.section, config.slide.mpm_cells // fewer, config.fem.sides)
-    slider = PointSlider(ground, downhill(config.section))
+    slider = PointSlider(ground, downhill(config.section.ground))
     return slider, slider.settle()
 
 

@@ -9,7 +9,8 @@ import pytest
 
 from dem.kernels.contact import ALLOWED, BC, BETA, CN, KN, KPN, KS, MU, TAN
 from dem.pair_table import pair_table
-from dem.springs import LayerSprings, from_soil, table2, wave_speeds
+from dem.springs import LayerSprings, from_stratum, table2, wave_speeds
+from meshes.section.section import Stratum
 
 # Table 1: E (tf/m2), nu, density ordinary and seismic (t/m3), cohesion (tf/m2), friction angle (deg)
 TABLE1 = {
@@ -31,10 +32,11 @@ EXCEPTIONS = {
 
 def from_table1(layer: int, **settings: float) -> LayerSprings:
     e, nu, ordinary, seismic, cohesion, friction = TABLE1[layer]
-    return from_soil(
-        str(layer), e * TF, nu, 1000.0 * seismic, 1000.0 * ordinary, cohesion * TF, np.radians(friction), 0.75,
-        **settings,
+    stratum = Stratum.model_construct(
+        name=str(layer), youngs_modulus=e * TF, poissons_ratio=nu, density_seismic=1000.0 * seismic,
+        density_ordinary=1000.0 * ordinary, cohesion=cohesion * TF, friction_angle=np.radians(friction),
     )  # fmt: skip
+    return from_stratum(stratum, 0.75, **settings)
 
 
 CONSTANTS = ("kn", "ks", "cn", "ct", "kpn", "kps", "density", "effective_density", "friction", "cohesion")
@@ -78,7 +80,7 @@ def test_stiffness_scale_is_the_ratio_to_the_equations() -> None:
     e, nu, rho = 1560 * TF, 0.33, 1800.0
     vp, vs = wave_speeds(e, nu, rho)
     assert vp**2 * rho == pytest.approx((1.0 - nu) * e / ((1.0 - 2.0 * nu) * (1.0 + nu)))
-    full = from_soil("1", e, nu, rho, rho, 0.0, 0.6, 0.75, stiffness_scale=1.0)
+    full = from_table1(1, stiffness_scale=1.0)
     # eqs. (9), (11): element and pore spring in series are the spring of the soil
     assert 1.0 / (1.0 / full.kn + 1.0 / full.kpn) == pytest.approx(np.pi / 4.0 * rho * vp**2)
     assert 1.0 / (1.0 / full.ks + 1.0 / full.kps) == pytest.approx(np.pi / 4.0 * rho * vs**2)
