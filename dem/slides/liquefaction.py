@@ -292,7 +292,7 @@ class Slider:
         is flatter. So the displacement without Kh is compared with the height of the face. The slide under Kh is no
         measure: it depends on how long Kh lasts, on the slope below, and on the sides of the box.
         """
-        settings = self.settings.model_copy(update={"kh": 0.0, "duration": ALONE})
+        settings = self.settings.changed(kh=0.0, duration=ALONE)
         alone = Slider(self.start, self.ground, self.strata, self.case, settings).run()
         far = max(row.slide_max_m for row in alone.rows)
         self.slide.slide_by_weight_m = far

@@ -162,7 +162,7 @@ def joined(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
 def faces_at(section: Section, settings: FemSettings, kh: float) -> list[ShallowFailure]:
     """The cohesionless faces that fall in the direction of the seismic force, or in any direction where Kh is 0."""
     directions = ("downhill", "uphill") if kh == 0.0 or settings.direction == "both" else (settings.direction,)
-    wishes = [settings.model_copy(update={"direction": direction}) for direction in directions]
+    wishes = [settings.changed(direction=direction) for direction in directions]
     return [face for wish in wishes for face in shallow_failures(section, wish, shaken=kh != 0.0)]
 
 

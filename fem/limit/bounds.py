@@ -152,7 +152,7 @@ def kh_bounds(
     seconds = settings.seconds / (2.0 if with_davis else 1.0)
     limits = Limits(settings.gap, settings.max_cells, seconds, enough=0.0, least=LEAST_KH)
     grounds = {
-        direction: DirectionGround.of(section, fem.model_copy(update={"direction": direction}), settings.max_cells)
+        direction: DirectionGround.of(section, fem.changed(direction=direction), settings.max_cells)
         for direction in directions_of(fem)
     }
     searches = {direction: ground.search(limits) for direction, ground in grounds.items()}

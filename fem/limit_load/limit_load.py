@@ -113,7 +113,7 @@ def critical_limit_load(
     ``faces`` as in ``pushed``. Raises InputError, UnstableError, NoAnswerError if the solver leaves no answer.
     ``section``: the ground; ``mesh``: cells of it; ``comm``: MPI communicator.
     """
-    ground = pushed(section, mesh, settings.model_copy(update={"element": "reduced"}), comm, faces)
+    ground = pushed(section, mesh, settings.changed(element="reduced"), comm, faces)
     if ground.limit is None:
         raise NoAnswerError("the limit load of the elements was not found", "use another mesh")
     return _told(section, mesh, settings, ground)

@@ -139,7 +139,7 @@ class AdaptiveSearch:
     def _towards(
         self, direction: Direction, settings: FemSettings, other: Callable[[], float]
     ) -> AdaptiveResult[LimitLoadResult]:
-        wish = settings.model_copy(update={"direction": direction})
+        wish = settings.changed(direction=direction)
         faces = self._rough_faces(self.first, wish)
 
         def solve(mesh: QuadMesh) -> LimitLoadResult:
@@ -200,7 +200,7 @@ class AdaptiveSearch:
         than that of ``base``, the mesh of ``base`` was the poorer one, and its limit load is found again on the other
         mesh. Raises what `beside` does.
         """
-        full = settings.model_copy(update={"flow": "associated"})
+        full = settings.changed(flow="associated")
         beside = self.beside(base, full)
         if beside.result.kc >= base.result.kc:
             return base, beside
@@ -221,7 +221,7 @@ class AdaptiveSearch:
         On the mesh of ``base`` it is not above ``base``. Raises what `beside` does but for UnstableError.
         """
         try:
-            beside = self.beside(base, settings.model_copy(update={"flow": "davis"}))
+            beside = self.beside(base, settings.changed(flow="davis"))
         except UnstableError:
             beside = replace(base, result=replace(base.result, kc=-1.0, flow="davis"), other=None)
         return beside if beside.result.kc > 0.0 else failing_by_itself(beside)

@@ -85,7 +85,7 @@ def assess(
     Raises InputError, NoEquilibriumError, and UnstableError with the factor of safety if the ground fails under its
     weight.
     """
-    settings = settings.model_copy(update={"flow": flow_of(section.strata, settings.flow)})
+    settings = settings.changed(flow=flow_of(section.strata, settings.flow))
     with one_more_thread(comm.size == 1) as executor:
         return _Search(section, meshing, first, comm, listener, executor).assessed(settings)
 
@@ -106,12 +106,12 @@ def box_between_fixed_sides(
     ``section``, ``meshing``, ``first``, ``comm``, ``listener``: as in ``assess``.
     """
     flow = flow_of(section.strata, settings.flow)
-    fixed = settings.model_copy(update={"flow": flow, "sides": "fixed", "kh": ()})
+    fixed = settings.changed(flow=flow, sides="fixed", kh=())
     with one_more_thread(comm.size == 1) as executor:
         search = _Search(section, meshing, first, comm, listener, executor)
         if search.dilates_more(fixed):
             try:
-                return search.between_fixed_sides(fixed.model_copy(update={"flow": "davis"}))
+                return search.between_fixed_sides(fixed.changed(flow="davis"))
             except NoAnswerError:
                 pass
         return search.between_fixed_sides(fixed)
@@ -179,7 +179,7 @@ class _Search:
         With Davis's estimate, the path starts before it is known whether the mesh for ψ = φ is better, which it hardly
         ever is.
         """
-        one_way = settings.model_copy(update={"direction": adapted.result.direction})
+        one_way = settings.changed(direction=adapted.result.direction)
         safety = self.begin_safety(one_way) if safety is None else safety
         beside = self.executor.submit(partial(self.beside_limit_loads, adapted, one_way))
         critical = self.path_to(adapted, one_way)
@@ -197,7 +197,7 @@ class _Search:
         """The results by equilibrium paths alone; raises UnstableError."""
         mesh, beside = self.first, None
         critical = critical_coefficient(self.section, mesh, settings, self.comm, self.told("Kh"))
-        one_way = settings.model_copy(update={"direction": critical.direction})
+        one_way = settings.changed(direction=critical.direction)
         opposite = AdaptiveResult(critical.other, mesh) if critical.other is not None else None
         if not is_dilating_fully(self.section.strata):
             beside = self.by_other_flow(one_way)
@@ -255,9 +255,9 @@ class _Search:
         Davis's estimate has no answer.
         """
         if not self.dilates_more(settings):
-            return self.on_meshes("Kh with ψ = φ").critical(settings.model_copy(update={"flow": "associated"}))
+            return self.on_meshes("Kh with ψ = φ").critical(settings.changed(flow="associated"))
         try:
-            return self.on_meshes("Kh by Davis's estimate").critical(settings.model_copy(update={"flow": "davis"}))
+            return self.on_meshes("Kh by Davis's estimate").critical(settings.changed(flow="davis"))
         except NoAnswerError:
             return None
 
@@ -297,7 +297,7 @@ class _Search:
         """The factor of safety by the chosen flow rule, and by the other one if both apply."""
         if is_dilating_fully(self.section.strata):
             return adapted
-        other = settings.model_copy(update={"flow": "davis" if settings.flow == "associated" else "associated"})
+        other = settings.changed(flow="davis" if settings.flow == "associated" else "associated")
         self.tell(f"factor of safety at Kh = {kh:g} {self.by(other.flow)}", None)
         try:
             beside = self.on_meshes().safety_beside(adapted, other, kh)
@@ -319,7 +319,7 @@ class _Search:
             return UnstableError(f"{message} {self.by('associated')}{low}", error.remedy)
         full = factor.beside
         if full is None:
-            full = self.safety(settings.model_copy(update={"flow": "associated"}), 0.0).result.factor
+            full = self.safety(settings.changed(flow="associated"), 0.0).result.factor
         rule = f" {self.by('davis')}" if settings.flow == "davis" else ""
         remedy = 'with fem.flow = "associated" it stands, and has a critical Kh' if full > 1.0 else error.remedy
         return UnstableError(f"{message}{rule}, and {full:.2f} {self.by('associated')}", remedy)

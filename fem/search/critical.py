@@ -155,7 +155,7 @@ def critical_coefficient(
     """
 
     def towards(direction: Direction, most: float) -> CriticalResult:
-        wish = settings.model_copy(update={"direction": direction, "kh_limit": most})
+        wish = settings.changed(direction=direction, kh_limit=most)
         return _towards(section, mesh, wish, comm, listener, ground)
 
     if settings.direction != "both":

@@ -20,6 +20,8 @@ from fem.settings import YIELDED, FemSettings, PathVerdict
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 
+BEYOND_ANY_KH = 1e3  # where no fields are kept
+
 
 @dataclass(frozen=True)
 class RigidBoxPath:
@@ -56,8 +58,8 @@ def rigid_box_path(
     ``section``: the ground; ``mesh``: cells of it; ``comm``: MPI communicator; ``listener`` is called after every step.
     Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
     """
-    # beyond any Kh: the path is not taken once more for fields on its way
-    wish = settings.model_copy(update={"flow": "section", "sides": "fixed", "kh": (np.inf,)})
+    # the path is not taken once more for fields on its way
+    wish = settings.changed(flow="section", sides="fixed", kh=(BEYOND_ANY_KH,))
     way: list[tuple[float, np.ndarray]] = []  # Kh and displacements (points, 2) in m
 
     def step(path: EquilibriumPath) -> None:
@@ -82,5 +84,5 @@ def associated_rigid_box_kc(
     ``section``, ``mesh``, ``settings``, ``comm``, ``listener``: as in ``rigid_box_path``.
     Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
     """
-    wish = settings.model_copy(update={"flow": "associated", "sides": "fixed", "kh": ()})
+    wish = settings.changed(flow="associated", sides="fixed", kh=())
     return critical_coefficient(section, mesh, wish, comm, listener).upper

@@ -49,5 +49,5 @@ def weight_borne(section: Section, mesh: QuadMesh, settings: FemSettings, comm: 
     The flow is associated. Raises what ``conic_limit_load`` does.
     ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
-    problem, weight = under_weight(section, mesh, settings.model_copy(update={"element": "reduced"}), comm)
+    problem, weight = under_weight(section, mesh, settings.changed(element="reduced"), comm)
     return LITTLE + conic_limit_load(problem, mesh, LITTLE * weight, weight).multiplier

@@ -98,7 +98,7 @@ def limit_load_safety_factor(
     ``safety_factor``.
     ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
-    settings = settings.model_copy(update={"element": "reduced"})
+    settings = settings.changed(element="reduced")
     faces = faces_at(section, settings, kh)
     if kh == 0.0 and settings.sides != "periodic":  # sides that stay held have no stress of their own
         problem, constant = under_weight(section, mesh, settings, comm, faces)

@@ -55,7 +55,7 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
         return known
     mesh = stored_mesh(config.section, store)
     depth = known.deeper_than_m or config.fem.least_depth
-    settings = config.fem.model_copy(update={"direction": fem.direction, "least_depth": depth})
+    settings = config.fem.changed(direction=fem.direction, least_depth=depth)
     davis = known.kc if known.flow == "davis" else 0.0
     path = _with_psi_as_given(config.section, mesh, settings, davis, tell)
     sharp = not isinstance(path, str) and path.upper <= path.kc + config.dem.tolerance
@@ -92,9 +92,7 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
         return None
     deep = DISCS_DEEP * config.dem.mean_radius(config.section)
     depth = deep if fem.shallow_failures and deep > config.fem.least_depth else None
-    settings = config.fem.model_copy(
-        update={"direction": fem.direction, "least_depth": depth or config.fem.least_depth}
-    )
+    settings = config.fem.changed(direction=fem.direction, least_depth=depth or config.fem.least_depth)
 
     def told(what: str, path: "EquilibriumPath | None") -> None:
         tell((f"the continuum: {what}" + (f" = {path.factor:.4f}" if path is not None else ""), None))

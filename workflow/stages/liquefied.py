@@ -101,9 +101,8 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
     from fem.search.strength_reduction import safety_factor
 
     flow = flow_of(config.section.strata, config.fem.flow)
-    change = {"kh": (), "flow": flow, "max_cells": 0}  # the mesh of the stage, and no other
-    fem = config.fem.model_copy(update=change)
-    asked = config.bounds.model_copy(update={"max_cells": CELLS, "gap": GAP, "seconds": SECONDS, "davis": False})
+    fem = config.fem.changed(kh=(), flow=flow, accuracy=0.0)  # the mesh of the stage, and no other
+    asked = config.bounds.changed(max_cells=CELLS, gap=GAP, seconds=SECONDS, davis=False)
     notes: list[str] = []
     critical: LimitLoadResult | CriticalResult | None = None
 
@@ -127,7 +126,7 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
         guess = safety.factor if safety is not None else 1.0
         strict = _tried("strict bounds", notes, lambda: safety_bounds(section, fem, asked, 0.0, guess, held=True))
         if strict is not None and strict.lower <= 1.0 <= strict.upper < math.inf:
-            fine = asked.model_copy(update={"max_cells": FINER * CELLS, "gap": GAP / FINER})
+            fine = asked.changed(max_cells=FINER * CELLS, gap=GAP / FINER)
             at = 0.5 * (strict.lower + strict.upper)
             finer = _tried("finer bounds", notes, lambda: safety_bounds(section, fem, fine, 0.0, at, held=True))
             strict = finer or strict

@@ -47,12 +47,8 @@ def _excess_above(config: Config, store: Store, line: np.ndarray, fem: FemAnswer
 
     mesh = fem_mesh(config.section, store, fem.mesh.method)
     like = DemCounterpart.read(store) if config.dem.model == "soil" else DemCounterpart.of(fem)
-    wish = {
-        "sides": like.sides,
-        "direction": fem.direction,
-        "least_depth": like.deeper_than_m or config.fem.least_depth,
-    }
-    settings = config.fem.model_copy(update=wish)
+    depth = like.deeper_than_m or config.fem.least_depth
+    settings = config.fem.changed(sides=like.sides, direction=fem.direction, least_depth=depth)
     try:
         excess = critical_above(config.section, mesh, settings, line, MPI.COMM_SELF).excess
     except NoAnswerError:
