@@ -30,6 +30,7 @@ REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns
 K_MAX = "k_max"  # in place of the Kh of the slides: what the record gives the ground above the slip surface
 # Settings of [slide] that other tables can decide, and the words that say which.
 OPEN = {"kh": (K_MAX, EARTHQUAKE), **dict.fromkeys(CYCLES, (EARTHQUAKE,))}
+NOT_YET = 0.1  # in their places until `config_after_triggering` puts the numbers there; all of these keys allow it
 FILES = (
     ("sliding_block", "accelerogram"), ("slide", "accelerogram"), ("site_response", "record"), ("earthquake", "record"),
     ("report", "logo"),
@@ -128,8 +129,8 @@ class Config(Tables):
     @classmethod
     def parse(cls, data: Mapping[str, Any], source: str = "section") -> Self:
         """Make the config from the content of a TOML file; raises InputError with every problem found.
-        `after_triggering` completes it by analyses. Cases that follow from blow counts take the place of the default
-        ones.
+        `config_after_triggering` completes it by analyses. Cases that follow from blow counts take the place of the
+        default ones.
         """
         data = current(data)
         slide = data.get("slide", {})
@@ -139,8 +140,8 @@ class Config(Tables):
             if isinstance(triggering, Mapping) and triggering.get("cases") and "cases" not in slide:
                 data = merged(data, {"slide": {"cases": []}})  # not the paper's three beside them
             left_open = {key: slide[key] for key in OPEN if isinstance(slide.get(key), str) and slide[key] in OPEN[key]}
-            if left_open:  # numbers that fit stand in their places
-                data = merged(data, {"slide": {key: 0.1 for key in left_open}})
+            if left_open:
+                data = merged(data, {"slide": dict.fromkeys(left_open, NOT_YET)})
         config = cls._validated(data, source)
         config._left_open = left_open
         if config.uncertain.numbers:
