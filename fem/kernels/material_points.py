@@ -14,6 +14,16 @@ the out-of-plane stress the intermediate one, returned at constant p (de Souza N
 = 0); a mean tension beyond the apex opens the ground, and a volume that has opened has to close before it presses
 again.
 
+Four isochoric points leave a knot span, which has two freedoms, no way to flow: it locks in volume (Mast et al. 2012,
+J. Comput. Phys. 231, 5351; Coombs et al. 2018, Comput. Methods Appl. Mech. Eng. 333, 1). So points of ground that flows
+without friction lose in each step a share ρ of what their mean stress p deviates by from that of their knot span,
+
+    p' = p + ρ (Σ V p / K) / (Σ V / K) - ρ p,   K of plane strain,
+
+which keeps the volume strain of the span, and its elastic energy can only fall: the fall counts as dissipated. It is
+the mean dilatation of those authors on the side of the stress, so that no strain is invented and none is lost. A step
+is about the time in which a wave crosses 0.7 of a cell, so ρ = 0.1 is a relaxation time of seven cells.
+
 Stress is positive in tension, Pa, [xx, zz, xz]; lengths m, masses kg/m, z upwards. Points are sorted by stripes of
 columns; stripes of even number never write to the same node, nor do those of odd number, so that every sum has one
 order for any number of threads.
@@ -37,9 +47,11 @@ PROPERTIES = 11
 # difference of the normal ones and the shear stress (Pa) that are viscous.
 VOLUME, MASS, OPENED, SHEARED, VISCOUS_HALF, VISCOUS_CROSS = range(6)
 STATE = 6
-# Of a node: mass, momentum, force, volume, what is above 0 where it is held vertically; then velocity before and after
-# the step.
-NODE = 7
+# Of a node: mass, momentum, force, volume, what is above 0 where it is held vertically; then volume strain (m²) by the
+# mean stress and compliance (m²/Pa) of the points in the knot span about the next node to the right and above.
+NODE = 9
+SPAN_STRAIN, SPAN_COMPLIANCE = 7, 8
+RELAXED = 0.1  # of its deviation from the mean stress of its knot span, that a point loses in a step
 # Sums of a stripe (J/m): work of weight and shaking, energy dissipated by shear, opening and drainage.
 EXTERNAL, DISSIPATED = range(2)
 # Of a column of nodes (J/m): kinetic energy that forces gave it, work of pore water.
@@ -53,11 +65,17 @@ def _weights(f: float) -> tuple[float, float, float]:
     return 0.5 * (1.5 - f) ** 2, 0.75 - (f - 1.0) ** 2, 0.5 * (f - 0.5) ** 2
 
 
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _flows(state: Floats, properties: Floats, p: int) -> bool:
+    """Whether a point shares its mean stress with its knot span: closed ground that can yield without friction."""
+    return properties[p, SIN_PHI] == 0.0 and properties[p, STRENGTH] < properties[p, BULK] and state[p, OPENED] <= 0.0
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def scatter(
     stripes: Integers, offsets: Integers, x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats,
-    heavy: Floats, side: Floats, cell: float, periodic: bool, push: float, gravity_x: float, gravity_z: float,
-    grid: Floats,
+    heavy: Floats, side: Floats, properties: Floats, cell: float, periodic: bool, push: float, gravity_x: float,
+    gravity_z: float, grid: Floats,
 ) -> None:  # fmt: skip
     """Add mass, momentum, force and volume of the points of some stripes to the grid (nx, nz, NODE).
 
@@ -80,6 +98,10 @@ def scatter(
             sxx, szz, sxz = k * stress[p, 0], k * stress[p, 1], k * stress[p, 2]
             bx, bz = mass * (push + heavy[p] * gravity_x) + side[p], mass * heavy[p] * gravity_z
             sxx += 0.25 * cell * stiff * abs(side[p])  # its moment about the point
+            if _flows(state, properties, p):
+                span, compliance = grid[i % columns if periodic else i, j], volume / properties[p, BULK]
+                span[SPAN_STRAIN] += 0.5 * compliance * (stress[p, 0] + stress[p, 1])
+                span[SPAN_COMPLIANCE] += compliance
             for a in range(3):
                 wa = w0 if a == 0 else (w1 if a == 1 else w2)
                 column = i + a
@@ -159,7 +181,7 @@ def _shear_energy(radius: float, shear: float, soft: float, knee: float) -> floa
 @njit(cache=True, nogil=True, error_model="numpy")
 def _update_stress(
     stress: Floats, state: Floats, properties: Floats, p: int, xx: float, zz: float, xz: float, spin: float,
-    drained: float, dt: float,
+    relaxed: float, drained: float, dt: float,
 ) -> float:  # fmt: skip
     """Stress of a point after a strain increment (tensor components) and a rotation; the energy dissipated (J/m)."""
     bulk, shear, soft, knee = properties[p, BULK], properties[p, SHEAR], properties[p, SOFT], properties[p, KNEE]
@@ -188,7 +210,7 @@ def _update_stress(
         if opened < 0.0:
             mean, opened = mean + bulk * opened, 0.0
     else:
-        mean += bulk * volumetric
+        mean += bulk * volumetric + relaxed
     if mean > properties[p, LIMIT]:
         opened += (mean - properties[p, LIMIT]) / bulk
         mean = properties[p, LIMIT]
@@ -216,9 +238,9 @@ def _update_stress(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def gather(
-    stripes: Integers, offsets: Integers, velocity: Floats, cell: float, periodic: bool, dt: float, push: float,
-    gravity_x: float, gravity_z: float, x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats,
-    side: Floats, properties: Floats, sums: Floats,
+    stripes: Integers, offsets: Integers, grid: Floats, velocity: Floats, cell: float, periodic: bool, dt: float,
+    push: float, gravity_x: float, gravity_z: float, x: Floats, v: Floats, affine: Floats, stress: Floats,
+    state: Floats, side: Floats, properties: Floats, sums: Floats,
 ) -> None:  # fmt: skip
     """Move the points of some stripes with the grid and update their stress; ``sums`` (stripes, 2) take energies."""
     inverse, columns, rows = 1.0 / cell, velocity.shape[0], velocity.shape[1]
@@ -264,10 +286,14 @@ def gather(
                 x[p, 0], v[p, 0] = min(max(x[p, 0], low), high_x), 0.0
             if not low < x[p, 1] < high_z:
                 x[p, 1], v[p, 1] = min(max(x[p, 1], low), high_z), 0.0
+            relaxed = 0.0
+            if _flows(state, properties, p):
+                span = grid[i % columns if periodic else i, j]
+                relaxed = RELAXED * (span[SPAN_STRAIN] / span[SPAN_COMPLIANCE] - 0.5 * (stress[p, 0] + stress[p, 1]))
             drained = dt * properties[p, DRAINS]
             dissipated += _update_stress(
                 stress, state, properties, p, dt * cxx, dt * czz, 0.5 * dt * (cxz + czx), 0.5 * dt * (cxz - czx),
-                drained, dt,
+                relaxed, drained, dt,
             )  # fmt: skip
         sums[stripe, EXTERNAL] += external
         sums[stripe, DISSIPATED] += dissipated
@@ -287,11 +313,11 @@ def advance(
         push = pushes[step]
         for parity in range(2):
             scatter(
-                stripes[parity::2], offsets, x, v, affine, stress, state, heavy, side, cell, periodic, push,
-                gravity_x, gravity_z, grid,
+                stripes[parity::2], offsets, x, v, affine, stress, state, heavy, side, properties, cell, periodic,
+                push, gravity_x, gravity_z, grid,
             )  # fmt: skip
         move_grid(0, grid.shape[0], grid, uplift, held, dt, damping, velocity, gained)
         gather(
-            stripes, offsets, velocity, cell, periodic, dt, push, gravity_x, gravity_z, x, v, affine, stress, state,
-            side, properties, sums,
+            stripes, offsets, grid, velocity, cell, periodic, dt, push, gravity_x, gravity_z, x, v, affine, stress,
+            state, side, properties, sums,
         )  # fmt: skip

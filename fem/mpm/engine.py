@@ -186,15 +186,15 @@ class MaterialPointEngine:
                 self._nodes[:] = 0.0
                 for shares in self._even, self._odd:
                     list(pool.map(lambda mine, push=push: kernel.scatter(
-                        mine, self._offsets, *moving, heavy, points.side, grid.cell, grid.periodic, push,
-                        *self.gravity, self._nodes,
+                        mine, self._offsets, *moving, heavy, points.side, points.properties, grid.cell,
+                        grid.periodic, push, *self.gravity, self._nodes,
                     ), shares))  # fmt: skip
                 list(pool.map(lambda first, last: kernel.move_grid(
                     first, last, self._nodes, grid.uplift, grid.held, dt, damping, self._velocity, self._gained
                 ), edges[:-1], edges[1:]))  # fmt: skip
                 list(pool.map(lambda mine, push=push: kernel.gather(
-                    mine, self._offsets, self._velocity, grid.cell, grid.periodic, dt, push, *self.gravity, *moving,
-                    points.side, points.properties, self._sums,
+                    mine, self._offsets, self._nodes, self._velocity, grid.cell, grid.periodic, dt, push,
+                    *self.gravity, *moving, points.side, points.properties, self._sums,
                 ), self._all))  # fmt: skip
 
     def _sort(self) -> None:

@@ -11,7 +11,7 @@ from fem.kernels import material_points as kernel
 from fem.mpm.checkpoint import keep, resume
 from fem.mpm.engine import MaterialPointEngine, Push
 from fem.mpm.ground import FAR, PointGround, with_free_sides
-from fem.mpm.points import UNLIMITED
+from fem.mpm.points import UNLIMITED, next_to
 from fem.mpm.slide_record import PointSlide
 from fem.search.liquefied_ground import LEAST, UNDRAINED
 from meshes.section.liquefies import Remains
@@ -144,7 +144,7 @@ class PointSlider:
         left = resume(checkpoint, self.engine, slide) if checkpoint is not None else None
         if left is not None:
             shares = dict(zip(programme.starts, (float(share) for share in left.pop("shares")), strict=True))
-            self.began = left
+            self.began |= left
         kept = time.monotonic()
         while not slide.reason:
             self._liquefy(programme, shares)
@@ -171,7 +171,8 @@ class PointSlider:
         return slide
 
     def _remember(self, programme: SlideProgramme) -> None:
-        """Keep strength and shear stiffness of every point before and after liquefaction."""
+        """Keep strength and shear stiffness of every point before and after liquefaction, and with which stratum it
+        liquefies (-1: with none)."""
         points, original = self.ground.points, self.engine.original
         before = original(np.column_stack([points.properties[:, CHANGED], points.side]))
         height = original(points.state[:, kernel.VOLUME]) / (0.5 * self.ground.grid.cell)
@@ -194,9 +195,21 @@ class PointSlider:
                 after[mine, BULK] += (stiff - before[mine, SHEAR]) / 3.0  # λ + G at the same bulk modulus λ + 2 G / 3
                 after[mine, SOFT], after[mine, KNEE], after[mine, VISCOUS] = soft, knee, CREEP * soft
                 before[mine, SOFT] = before[mine, SHEAR]
-            undrained = UNDRAINED / (1.0 - UNDRAINED) * stress * height[mine]
-            after[mine, SIDE] = np.sign(before[mine, SIDE]) * np.maximum(undrained, np.abs(before[mine, SIDE]))
-        self.began = {"before": before, "after": after}
+        liquefies = np.where(np.isin(stratum, list(programme.remains)), stratum, -1)
+        self._weaken_beside(before, after, liquefies)
+        pressure = UNDRAINED / (1.0 - UNDRAINED) * self.ground.effective * height * (liquefies >= 0)
+        after[:, SIDE] = np.sign(before[:, SIDE]) * np.maximum(pressure, np.abs(before[:, SIDE]))
+        self.began = {"before": before, "after": after, "liquefies": liquefies}
+
+    def _weaken_beside(self, before: np.ndarray, after: np.ndarray, liquefies: np.ndarray) -> None:
+        """Give the knot spans next to liquefying ground its strength, where that is the smaller one (`next_to`)."""
+        x = self.engine.original(self.ground.points.x)
+        near, donor = next_to(x, liquefies >= 0, self.ground.grid.cell)
+        stress = self.ground.effective[near]
+        theirs, own = (of[:, STRENGTH] + stress * of[:, SINE] for of in (after[donor], before[near]))
+        near, donor = near[theirs < own], donor[theirs < own]
+        after[np.ix_(near, [STRENGTH, SINE, LIMIT])] = after[np.ix_(donor, [STRENGTH, SINE, LIMIT])]
+        liquefies[near] = liquefies[donor]
 
     def _under_way(self, programme: SlideProgramme, time: float) -> bool:
         """Whether some stratum is liquefying now."""
@@ -211,19 +224,20 @@ class PointSlider:
             return
         stored = points.elastic()
         for k, share in changes.items():
-            mine = points.stratum == k
+            mine = self.began["liquefies"][order] == k
             before, after = (self.began[name][order][mine] for name in ("before", "after"))
             now = before + share * (after - before)
             apex = np.divide(now[:, STRENGTH], now[:, SINE], out=np.full(len(now), UNLIMITED), where=now[:, SINE] > 0.0)
             now[:, LIMIT] = np.minimum(np.maximum(before[:, LIMIT], after[:, LIMIT]), apex)
-            if after[:, KNEE].any():
-                moduli = [SHEAR, BULK, SOFT]
-                now[:, moduli] = before[:, moduli] * (after[:, moduli] / before[:, moduli]) ** share
+            strains = after[:, KNEE] > 0.0
+            if strains.any():
+                potential = np.ix_(strains, [SHEAR, BULK, SOFT])
+                now[potential] = before[potential] * (after[potential] / before[potential]) ** share
                 now[:, KNEE] = after[:, KNEE]
-                points.scale_shear(mine, (1.0 - share) / (1.0 - shares[k]))
+                points.scale_shear(np.flatnonzero(mine)[strains], (1.0 - share) / (1.0 - shares[k]))
             points.properties[np.ix_(mine, CHANGED)], points.side[mine] = now[:, :SIDE], now[:, SIDE]
             draining = programme.drained / programme.onset if 0.0 < share < 1.0 else 0.0
-            points.properties[mine, kernel.DRAINS] = draining
+            points.properties[points.stratum == k, kernel.DRAINS] = draining
             shares[k] = share
         self.engine.dissipate(stored - points.elastic())
 

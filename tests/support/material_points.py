@@ -14,6 +14,7 @@ from fem.mpm import (
     SlideProgramme,
     ground_of,
 )
+from fem.mpm.points import next_to
 from fem.settings import Sides
 from meshes.section.polyline import downhill
 from meshes.section.quantity import GRAVITY
@@ -60,8 +61,10 @@ class EndlessSlope:
             moved += speed * step
         return float(moved)
 
-    def engine(self, cell: float, columns: int = 6, threads: int = 1, decay: float = 1.0) -> MaterialPointEngine:
-        """The slope at rest, in equilibrium."""
+    def engine(
+        self, cell: float, columns: int = 6, threads: int = 1, decay: float = 1.0, above_node: float = 0.0
+    ) -> MaterialPointEngine:
+        """The slope at rest, in equilibrium; the layer begins so much of a cell above a node."""
         firm, deep = 3.0 * cell, self.crust + self.layer
         places = lattice(columns * cell, deep + firm, 0.5 * cell)
         height = places[:, 1] - firm
@@ -73,8 +76,11 @@ class EndlessSlope:
         own = self.strength * UNIT_WEIGHT * depth if self.as_ratio else np.full(len(depth), self.strength)
         cohesion = np.where(stratum == 0, own, np.where(stratum < 0, 1e15, 5e3))
         friction = np.where(stratum == 1, np.radians(33.0), 0.0)
+        places = places + np.array([0.0, (FLOOR - 1 + above_node) * cell])
+        if not self.as_ratio:  # whose shear band is at the edge
+            near, donor = next_to(places, stratum == 0, cell)
+            cohesion[near], friction[near] = own[donor], 0.0
         soil = PointSoil(density, 2.0 * shear * (1.0 + poisson), poisson, cohesion, friction, keep=decay)
-        places = places + np.array([0.0, (FLOOR - 1) * cell])
         points = MaterialPoints.of(places, np.full(len(places), 0.25 * cell**2), soil, stratum)
         points.stress[:, 1] = -UNIT_WEIGHT * np.cos(self.angle) * depth
         points.stress[:, 0] = np.where(stratum == 0, 1.0, 0.6) * points.stress[:, 1]
@@ -116,6 +122,8 @@ def column(
     depth = np.where(stratum == 0, height + (FLOOR - 1) * cell + firm - places[:, 1], 0.0)
     points.stress[:, 1] = -UNIT_WEIGHT * depth
     points.stress[:, 0] = points.stress[:, 1] * poisson / (1.0 - poisson)
+    if friction == 0.0:  # the floor over which it will run, too: knot spans halfway in it, as `next_to` has them
+        points.set_strength(cohesion, 0.0, where=(stratum < 0) & (places[:, 1] > (FLOOR - 1.5) * cell + firm))
     grid = BackgroundGrid.empty(cell, 2 * half + 1, int(height / cell) + 2 * FLOOR + 8, floor=FLOOR)
     return MaterialPointEngine(points, grid)
 
@@ -139,21 +147,21 @@ class RunOut:
     within: float
 
 
-def slump(weight_over_strength: float, cells: int, slowly: bool) -> RunOut:
-    """A block of clay 30 m high and twice as wide to either side, ``cells`` high, let go, or made heavy ``slowly``."""
+def slump(weight_over_strength: float, cells: int, steps: int) -> RunOut:
+    """A block of clay 30 m high and twice as wide to either side, ``cells`` high, which becomes heavy in ``steps``."""
     height = 30.0
     strength = UNIT_WEIGHT * height / weight_over_strength
     engine = column(
-        2.0 * height, height, strength, 0.0, height / cells, 5.0 * height, keep=10.0 if slowly else 1.0,
+        2.0 * height, height, strength, 0.0, height / cells, 5.0 * height, keep=10.0 if steps > 1 else 1.0,
         young=300.0 * strength,
     )  # fmt: skip
     unit = np.sqrt(height / GRAVITY)
-    shares = np.geomspace(min(1.0, 3.0 / weight_over_strength), 1.0, 24) if slowly else np.ones(1)
+    shares = np.geomspace(min(1.0, 3.0 / weight_over_strength), 1.0, steps) if steps > 1 else np.ones(1)
     engine.points.stress[:] *= shares[0]
     for share in shares:
         engine.gravity = (0.0, -GRAVITY * share)
         engine.run(unit / np.sqrt(share))
-    engine.run((8.0 if slowly else 24.0) * unit)
+    engine.run((8.0 if steps > 1 else 24.0) * unit)
     away = np.abs(engine.points.x[engine.points.stratum == 0, 0] - (engine.grid.shape[0] // 2) * engine.grid.cell)
     return RunOut(front(engine) / height - 2.0, float(np.quantile(away, 0.99)) / height - 2.0)
 

@@ -42,7 +42,7 @@ def sheared(points: MaterialPoints, steps: np.ndarray) -> tuple[np.ndarray, floa
     stress, lost = [], 0.0
     for step in steps:
         lost += kernel._update_stress(
-            points.stress, points.state, points.properties, 0, 0.0, 0.0, 0.5 * step, 0.0, 0.0, 1.0
+            points.stress, points.state, points.properties, 0, 0.0, 0.0, 0.5 * step, 0.0, 0.0, 0.0, 1.0
         )
         stress.append(points.stress[0, 2])
     return np.array(stress), lost
