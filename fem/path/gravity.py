@@ -200,7 +200,7 @@ def _lay(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> No
 
 
 def levels(section: Section, mesh: QuadMesh) -> list[Stratum]:
-    """Soils of one cohesion each for the cohesions of every stratum in which it varies, from the least to the most."""
+    """For every stratum whose cohesion varies, ``LEVELS`` soils of constant cohesion from its least to its largest."""
     field, strata = section.cohesion_field, []
     corners = mesh.points[mesh.cells]
     for k in np.flatnonzero(field.varies):

@@ -51,7 +51,9 @@ def window_of(model: Circles, line: np.ndarray = NO_LINE) -> Window:
 
 
 def in_section(model: DiscModel, ground: Ground) -> DiscModel:
-    """The discs where they are in the section, as they move there, for drawing alone: gravity and lines stay behind."""
+    """A view of the discs in the coordinates of the section, for drawing; gravity and rigid lines are not
+    transformed.
+    """
     view = copy.copy(model)
     view.x, view.z = ground.to_section(model.x, model.z)
     view.vx, view.vz = ground.turned(model.vx, model.vz)

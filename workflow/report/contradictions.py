@@ -22,7 +22,9 @@ NEAR_KC = 0.95  # of the critical Kh, at which a push has come to it
 
 
 def contradictions(results: Results) -> Iterator[tuple[Weight, str]]:
-    """Weight and text of each: curves of the discs, sides of the box, order of cases, settlements."""
+    """Contradictions of the results with a weight each: load curves of discs, sides of the box, order of cases,
+    settlements.
+    """
     _, cases = results.case_set()
     if results.dem is not None and results.no_answer("calibrate") is None:
         yield from ((1, text) for text in of_curve(results.dem))
