@@ -10,6 +10,7 @@ from meshes.section.quantity import (
     COMMON_UNITS,
     COORDINATE,
     DENSITY,
+    GRAVITY,
     LENGTH,
     POISSON,
     STIFFNESS,
@@ -157,3 +158,10 @@ def test_common_units_are_those_of_pint_to_the_last_bit(unit: str, number: float
     registry = unit_registry()
     by_pint: float = registry.Quantity(number, registry.parse_units(unit)).to(si).magnitude
     assert number * factor == by_pint
+
+
+@given(number=st.floats(min_value=0.0, max_value=1e9))
+def test_a_unit_weight_is_the_density_of_pint_to_the_last_bit(number: float) -> None:
+    registry = unit_registry()
+    weight = registry.Quantity(number, registry.parse_units("kN/m^3"))
+    assert DENSITY.read(f"{number!r} kN/m^3") == weight.to("kg/m^3 * m/s^2").magnitude * (1.0 / GRAVITY)
