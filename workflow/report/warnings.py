@@ -89,19 +89,29 @@ def _of_cases(results: Results) -> Iterator[str]:
 
 
 def _nothing_left(results: Results) -> Iterator[str]:
-    """The warning that liquefied layers keep no strength at all, which was never measured."""
+    """That layers which liquefy keep no strength at all, which nobody measured, or hold what they keep at once."""
+    if results.config.dem.paper or not (results.liquefied or results.mpm or results.case_set()[1]):
+        return
     liquefies = [stratum for stratum in results.config.section.strata if stratum.liquefies_in]
-    none = []
+    none, at_once = [], []
     for number in sorted({number for stratum in liquefies for number in stratum.liquefies_in}):
         case = results.config.cases[number - 1]
-        kept = any(case.residual_of(stratum.name) or case.strength_of(stratum.name) for stratum in liquefies)
-        if not (kept or case.cohesion or case.friction):
+        if any(case.residual_of(stratum.name) or case.strength_of(stratum.name) for stratum in liquefies):
+            sand = [stratum.name for stratum in liquefies if stratum.friction_angle > 0.0]
+            if sand and not any(case.strain_potential_of(name) for name in sand):
+                at_once.append(number)
+        elif not (case.cohesion or case.friction):
             none.append(number)
-    computed = results.liquefied is not None or results.mpm is not None or results.case_set()[1]
-    if none and computed and not results.config.dem.paper:
+    if none:
         yield (
             f"the layers that liquefy keep no strength at all in {of_cases(none)}, so that the slide has no lower "
             "limit of resistance: give a residual strength (slide.cases, residual or residual_strength)"
+        )
+    if at_once:
+        yield (
+            f"sand that liquefies holds its residual strength at once in {of_cases(at_once)}, whereas it shears in "
+            "the field before it holds, so that a lateral spread comes out too short: give blow counts, or the shear "
+            "strain (slide.cases, strain_potential), at most 0.5 in loose sand"
         )
 
 

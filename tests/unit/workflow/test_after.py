@@ -3,7 +3,7 @@
 import pytest
 
 from tests.support import dem_fixture
-from tests.support.answers import results
+from tests.support.answers import results, warned
 from tests.support.sections import analysed, slope
 from workflow.report.after import factors, just_enough
 from workflow.report.console import slide_sentences
@@ -87,3 +87,25 @@ def test_discs_that_slide_where_the_continuum_stands_are_told() -> None:
         slides = CasesAnswer(sets={"calibrated": {1: dem_fixture.case(0.1, far)}}, random=None)
         told = "\n".join(findings(results(given, liquefied=found, cases=slides)))
         assert ("The discs contradict that: they slide 3 m by their weight alone." in told) == said
+
+
+@pytest.mark.parametrize(
+    ("kept", "friction", "said"),
+    [
+        ({"residual": 0.1}, "33 deg", True),
+        ({"residual": 0.1, "strain_potential": 0.3}, "33 deg", False),
+        ({"residual_strength": "9 kPa"}, "0 deg", False),  # clay has none
+    ],
+)
+def test_sand_that_holds_its_residual_strength_at_once_is_warned_of(
+    kept: dict[str, object], friction: str, said: bool
+) -> None:
+    """Spreads of the field come out several times too short without a strain potential (page of known slides)."""
+    data = slope()
+    data["strata"][0] |= {"liquefies_in": [1], "friction_angle": friction}
+    given = analysed({**data, "slide": {"cases": [kept]}})
+    slides = CasesAnswer(sets={"calibrated": {1: dem_fixture.case(0.1, 0.5)}}, random=None)
+    told = [
+        one for one in warned(results(given, cases=slides)) if "holds its residual strength at once in case 1" in one
+    ]
+    assert bool(told) == said
