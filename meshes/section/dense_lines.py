@@ -25,6 +25,8 @@ INSIDE = 4
 # How far a line may move, in cells: as little as leaves no points near each other, but no more than the second.
 LEAST, MOST, GROWTH = 1.0 / 40.0, 0.5, 1.5
 ROUNDING = 1e-9
+# Stretches steeper than this (upwards over across) that are narrower than cells can be are walls.
+STEEP = 3.0
 
 
 Place = tuple[str | int, ...]
@@ -56,8 +58,9 @@ def thinned_lines(lines: Mapping[Place, np.ndarray], cell: float) -> tuple[dict[
     hard = np.zeros(len(x), dtype=bool)
     hard[[0, -1]] = True
     for left, right in sides.values():
-        both = np.isfinite(left) & np.isfinite(right)
-        hard |= (np.isfinite(left) != np.isfinite(right)) | (both & (np.abs(right - left) > ROUNDING))
+        step = np.where(np.isfinite(left) & np.isfinite(right), np.abs(right - left), 0.0)
+        noisy = np.count_nonzero(step > ROUNDING) > MANY  # points of a scan that happen to share their x
+        hard |= (np.isfinite(left) != np.isfinite(right)) | (step > (near if noisy else ROUNDING))
     reach = _reach(x, hard, 0.5 * near)
     sides = {place: (_median(left, reach), _median(right, reach)) for place, (left, right) in sides.items()}
     for left, right in sides.values():  # at the ends there is no median: that of a neighbour is nearer to the ground
@@ -69,7 +72,13 @@ def thinned_lines(lines: Mapping[Place, np.ndarray], cell: float) -> tuple[dict[
     tolerance = LEAST * cell
     while True:
         keep = kept(x, list(sides.values()), fixed, tolerance)
-        thinned = {place: _rebuilt(x[keep], left[keep], right[keep]) for place, (left, right) in sides.items()}
+        places, of_places = with_walls_upright(
+            x[keep],
+            [(left[keep], right[keep]) for left, right in sides.values()],
+            list(sides).index(("surface",)),
+            near,
+        )
+        thinned = {place: _rebuilt(places, *pair) for place, pair in zip(sides, of_places, strict=True)}
         short = np.hypot(*np.diff(thinned[("surface",)][1:-1], axis=0).T) < near
         if not short.any() or tolerance * GROWTH > MOST * cell:
             break
@@ -168,6 +177,67 @@ def kept(x: np.ndarray, sides: list[tuple[np.ndarray, np.ndarray]], fixed: np.nd
         return np.asarray(np.where(np.isfinite(away), away, 0.0).max(axis=0))
 
     return with_farthest(fixed, off, tolerance)
+
+
+def with_walls_upright(
+    x: np.ndarray, sides: list[tuple[np.ndarray, np.ndarray]], surface: int, near: float
+) -> tuple[np.ndarray, list[tuple[np.ndarray, np.ndarray]]]:
+    """Lines with one vertical step in the place of each steep stretch of the ground that is too short for a cell.
+
+    Parameters
+    ----------
+    x : ndarray (n,)
+        Places (m), rising.
+    sides : list of two ndarray (n,)
+        Values of each line just left and just right of each x, not numbers where it is not.
+    surface : int
+        Which of the lines is the ground.
+    near : float
+        Distance (m) below which places are too near to each other for cells; a wall is higher than that, and what
+        becomes one step is no wider.
+
+    Returns
+    -------
+    x : ndarray (m,)
+        Places (m), rising.
+    sides : list of two ndarray (m,)
+        Values of the lines there.
+    """
+    left, right = (np.array([pair[side] for pair in sides]) for side in (0, 1))
+    keep = np.ones(len(x), dtype=bool)
+    first, upright = 0, x.copy()
+    walls: list[int] = []
+    while first < len(x):
+        last = int(np.searchsorted(x, x[first] + near)) - 1
+        change = np.nan_to_num(np.abs(right[:, last] - left[:, first]))
+        high = change > max(near, STEEP * (x[last] - x[first]))
+        if last > first > 0 and last < len(x) - 1 and high[surface]:
+            at = np.repeat(x[first : last + 1], 2)
+            values = np.column_stack([left[surface], right[surface]])[first : last + 1].ravel()
+            biggest = int(np.argmax(np.abs(np.diff(values))))
+            upright[first] = 0.5 * (at[biggest] + at[biggest + 1])
+            keep[first + 1 : last + 1] = False
+            level = np.fmin(left[:, first], right[:, last])
+            left[:, first] = np.where(high | np.isnan(left[:, first]), left[:, first], level)
+            right[:, first] = np.where(high | np.isnan(right[:, last]), right[:, last], level)
+            walls.append(first)
+            first = last
+        first += 1
+    for wall in walls:
+        for way in (-1, 1):
+            inner, outer = [*np.flatnonzero(keep & (way * (upright - upright[wall]) > 0.0))[::way], 0, 0][:2]
+            if 0 < inner < len(x) - 1 and inner not in walls and abs(upright[inner] - upright[wall]) < near:
+                keep[inner] = not _between(upright, left, right, sorted((wall, inner, outer)), 0.5 * near)
+    return upright[keep], [(left[k, keep], right[k, keep]) for k in range(len(sides))]
+
+
+def _between(x: np.ndarray, left: np.ndarray, right: np.ndarray, three: list[int], tolerance: float) -> bool:
+    """Whether all lines of values left and right of each x run straight past the middle one of three places."""
+    first, middle, last = three
+    share = (x[middle] - x[first]) / (x[last] - x[first])
+    straight = (1.0 - share) * right[:, first] + share * left[:, last]
+    none_ends = np.array_equal(np.isnan(left[:, middle]), np.isnan(right[:, middle]))
+    return none_ends and not (np.abs([left[:, middle] - straight, right[:, middle] - straight]) >= tolerance).any()
 
 
 def _rebuilt(x: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:

@@ -220,16 +220,22 @@ def above_ground(surface: np.ndarray, line: Line, what: str) -> list[str]:
 
 
 def _snapped_x(lines: list[np.ndarray], snap: float) -> list[np.ndarray]:
-    """The lines with points whose x differ by no more than ``snap`` moved onto the first of them."""
+    """The lines with points whose x differ by no more than ``snap`` moved onto the first of them, or onto the end."""
     values = np.unique(np.concatenate([points[:, 0] for points in lines]))
-    group = np.concatenate([[0], np.cumsum(np.diff(values) > snap)])
-    first = values[np.searchsorted(group, group)]
+    first = values.copy()
+    start = 0
+    while start < len(values):  # not from neighbour to neighbour: a scan with a point every millimetre is one chain
+        after = int(np.searchsorted(values, values[start] + snap, side="right"))
+        first[start:after] = values[start] if after < len(values) or start == 0 else values[-1]
+        start = after
     snapped = []
     for points in lines:
         points = points.copy()
         points[:, 0] = first[np.searchsorted(values, points[:, 0])]
         steps = np.concatenate([[False], np.diff(points[:, 0]) == 0.0])
         in_a_row = steps & np.concatenate([steps[1:], [False]])
+        in_a_row |= (points[:, 0] == points[0, 0]) | (points[:, 0] == points[-1, 0])  # no step at an end
+        in_a_row[[0, -1]] = False
         snapped.append(points[~in_a_row])
     return snapped
 

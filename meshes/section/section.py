@@ -22,6 +22,7 @@ from meshes.section.flow import seepage_of
 from meshes.section.flow_grid import Wall
 from meshes.section.geometry_problems import geometry_problems, problems_of_the_rest
 from meshes.section.layering import Layering, Layers, elevations_below, layering
+from meshes.section.line_order import in_order
 from meshes.section.model import Model
 from meshes.section.naming import naming_problems, without_other_tables
 from meshes.section.plausibility import against_the_water, implausible, not_level
@@ -81,7 +82,7 @@ class Section(Model):
     )
 
     _zone_notices: tuple[str, ...] = PrivateAttr(default=())  # what became of zones, which are strata once it is read
-    _thinning: str = PrivateAttr(default="")  # what became of lines with more points than a mesh can use
+    _line_notices: tuple[str, ...] = PrivateAttr(default=())  # what became of points that a mesh cannot use
     _seepage: Seepage | None = PrivateAttr(default=None)  # found once, for all sections that derive from this one
 
     @model_validator(mode="before")
@@ -169,7 +170,7 @@ class Section(Model):
     @property
     def notices(self) -> list[str]:
         """What a person has to know of a section that is sound: what was changed in it, one sentence each."""
-        notices = [*self._zone_notices, *([self._thinning] if self._thinning else [])]
+        notices = [*self._zone_notices, *self._line_notices]
         notices += [f"geometry: {text}" for text in self._layers.notices]
         notices += [text.split(";")[0] for text in implausible(self.strata, self.water, self.surcharges)]
         drawn = None if self.water_table is None else self.elevations_of(self.water_table)
@@ -280,9 +281,10 @@ class Section(Model):
             [new.placed(old.place) for new, old in zip(thinned.strata, self.strata, strict=True)]
         )
         thinned._zone_notices = self._zone_notices
-        thinned._thinning = (
+        thinned._line_notices = (
+            *self._line_notices,
             f"geometry: lines have more points than cells can use; those left, {len(thinned.surface)} of "
-            f"{len(self.surface)} of the ground, keep within {tolerance:.2g} m of the lines' running median"
+            f"{len(self.surface)} of the ground, keep within {tolerance:.2g} m of the lines' running median",
         )
         return thinned
 
@@ -328,10 +330,9 @@ class Section(Model):
 
     def _derived(self, strata: Sequence[Stratum]) -> "Section":
         """The section with other strata, without any check that is meant for what a person writes."""
-        fields = {name: getattr(self, name) for name in Section.model_fields}
-        section = Section.model_construct(**{**fields, "strata": tuple(strata)})
-        section._thinning, section._seepage = self._thinning, self._seepage
-        section._zone_notices = self._zone_notices
+        section = Section.model_construct(**{**dict(self), "strata": tuple(strata)})
+        for name in ("_line_notices", "_seepage", "_zone_notices"):
+            setattr(section, name, getattr(self, name))
         return section
 
     def __getstate__(self) -> dict[Any, Any]:
@@ -356,15 +357,17 @@ class Section(Model):
     @classmethod
     def as_written(cls, data: Mapping[str, Any], source: str = "section") -> "Section":
         """The same with the lines and strata of the file, neither thinned nor cut."""
-        known = without_other_tables(data, cls.model_fields)
+        known, moved = in_order(without_other_tables(data, cls.model_fields))
         try:
-            return cls.model_validate(known)
+            section = cls.model_validate(known)
         except ValidationError as error:
             problems = sentences(error, known, cls)
             # pydantic looks at the whole only when all parts are sound; a person wants to hear of both at once.
             if not any(entry["loc"] == () for entry in error.errors()):
                 problems += problems_of_the_rest(known)
             raise InputError(source, list(dict.fromkeys(problems))) from error
+        section._line_notices = tuple(moved)
+        return section
 
     def to_toml(self) -> str:
         """The section as TOML with all defaults filled in and quantities as they were written."""

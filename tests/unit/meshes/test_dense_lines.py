@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from meshes.errors import InputError
 from meshes.gmsh_model import generate
 from meshes.section.dense_lines import thinned_lines
 from meshes.section.section import Section
@@ -51,7 +52,64 @@ def test_a_wall_stands_where_it_was() -> None:
     data["surface"] = [[x, 12.0 if x <= 50.0 else 9.0] for x, _ in data["surface"]]
     made = Section.parse(data)
     assert len(made.surface) == 4
-    assert made.surface[1:3] == ((50.0, 12.0), (pytest.approx(50.02), 9.0))
+    assert made.surface[1:3] == ((pytest.approx(50.01), 12.0), (pytest.approx(50.01), 9.0))
+
+
+@pytest.mark.parametrize("aside", [0.0, 0.02, 0.05])
+def test_terraces_whose_walls_were_scanned_have_vertical_steps(aside: float) -> None:
+    """Walls with a point every 4 cm, and points that stand up to 0.2 m left of the one before: were refused."""
+    rng = np.random.default_rng(5)
+    walls, heights = [30.0, 35.0, 45.0], [4.0, 5.0, 6.5, 8.5]
+    points: list[tuple[float, float]] = []
+    for x in np.linspace(0.0, 100.0, 5001):
+        floor = heights[int(np.searchsorted(walls, x))]
+        if points and floor - points[-1][1] > 0.5:
+            points += [(x, z) for z in np.arange(points[-1][1], floor, 0.04)]
+        points.append((x, floor))
+    surface = np.array(points) + np.column_stack([rng.normal(0.0, aside, len(points)), np.zeros(len(points))])
+    surface[[0, -1], 0] = 0.0, 100.0
+    made = Config.parse({**scanned(0.0), "surface": surface.tolist()})
+    ground = np.array(made.section.surface)
+    assert len(ground) < 16
+    steps = ground[1:][np.diff(ground[:, 0]) == 0.0]
+    np.testing.assert_allclose(steps[:, 0], walls, atol=0.05)
+    np.testing.assert_allclose(steps[:, 1], heights[1:], atol=0.05)
+    assert made.section.layering.areas().sum() == pytest.approx(30 * 4 + 5 * 5 + 10 * 6.5 + 55 * 8.5 + 600, rel=2e-3)
+    assert any("stood left of the point before" in notice for notice in made.notices) == (aside > 0.0)
+    assert generate(made.section, made.mesh).quality().smallest_angle > 15.0
+
+
+def test_a_point_every_four_millimetres_is_no_chain_that_closes_up() -> None:
+    """Each lay within a centimetre of its neighbour: the whole ground was one point."""
+    data = scanned(0.002)
+    data["surface"] = [[0.2 * x, z] for x, z in data["surface"]]
+    made = Section.as_written(data)
+    assert made.layering.areas().sum() == pytest.approx(280.0, abs=0.6)
+    assert made.thinned().layering.areas().sum() == pytest.approx(280.0, abs=0.6)
+
+
+def test_a_low_bench_stays() -> None:
+    """0.4 m high, cells of 1.2 m: all lines were let go by 0.38 m for the foot of its steps."""
+    data = scanned(0.01)
+    data["surface"] = [[x, z + 0.4 * (70.0 < x < 85.0)] for x, z in data["surface"]]
+    ground = np.array(Section.parse(data).surface)
+    np.testing.assert_allclose(np.interp([65.0, 77.0, 95.0], *ground.T), [4.0, 4.4, 4.0], atol=0.06)
+
+
+def test_points_on_a_wall_and_points_given_twice_are_one_step() -> None:
+    ground = [[0, 12], [0, 12], [20, 12], [20, 12], [20, 12], [50, 12], [50, 11], [50, 10], [50, 9], [100, 9], [100, 9]]
+    made = Section.parse({**scanned(0.0), "surface": ground})
+    assert made.surface == ((0, 12), (20, 12), (50, 12), (50, 9), (100, 9))
+    assert made.notices == []
+
+
+@pytest.mark.parametrize("ground", [
+    [[0, 12], [50, 12], [50, 30], [50, 12], [100, 12]],
+    [[0, 12], [50, 12], [48, 15], [100, 15]],
+])  # fmt: skip
+def test_a_spike_and_an_overhang_are_refused(ground: list[list[float]]) -> None:
+    with pytest.raises(InputError, match=r"expected (at most two|points from left to right)"):
+        Section.parse({**scanned(0.0), "surface": ground})
 
 
 @given(

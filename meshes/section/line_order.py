@@ -1,0 +1,114 @@
+"""Lines whose points step back a little, or stand three and more on a wall, as scanners and drawings have them."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from meshes.section.dense_lines import CELL, NEAR, Place, mean_height
+from meshes.section.polyline import Line, pairs_of
+
+
+def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """What a file holds with the points of its lines from left to right, at most two of them at one x.
+
+    A point may be moved by no more than cells can see; a line with one that is farther off stays as it is, and is
+    refused by who reads it.
+
+    Parameters
+    ----------
+    data : mapping
+        The tables of a section, not validated.
+
+    Returns
+    -------
+    data : dict
+        The same with other points.
+    notices : list of str
+        One sentence for each line whose points were moved.
+    """
+    data = dict(data)
+    try:
+        surface = tuple(pairs_of(data["surface"]))
+        if surface[0][0] == surface[-1][0]:
+            return data, []
+        reach = NEAR * CELL * mean_height(surface, Line.model_validate(data["base"]))
+    except (KeyError, TypeError, ValueError, IndexError):
+        return data, []
+    notices = []
+    for place in _written_lines(data):
+        inside: Any = data
+        for step in place[:-1]:
+            inside[step] = list(inside[step]) if isinstance(inside[step], list | tuple) else dict(inside[step])
+            inside = inside[step]
+        try:
+            given = np.array(pairs_of(inside[place[-1]]), dtype=float)
+        except (TypeError, ValueError):
+            continue
+        if (ordered := _ordered(given, reach)) is None:
+            continue
+        inside[place[-1]] = ordered[0].tolist()
+        if ordered[1] > 0.0:
+            key = ", ".join(str(step + 1) if isinstance(step, int) else step for step in place)
+            back = int(np.count_nonzero(np.diff(given[:, 0]) < 0.0))
+            notices.append(
+                f"geometry: {key}: {back} points stood left of the point before them; points were put in order, none "
+                f"moved by more than {ordered[1]:.2g} m"
+            )
+    return data, notices
+
+
+def _ordered(points: np.ndarray, reach: float) -> tuple[np.ndarray, float] | None:
+    """Points (n, 2) in order and the farthest move (m); None where none is needed, or one would exceed the reach."""
+    count = len(points)
+    points = points[np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])]
+    if len(points) < 2:
+        return None
+    x, z = points.T
+    within = np.clip(x, x[0], x[-1])
+    rising = 0.5 * (np.maximum.accumulate(within) + np.minimum.accumulate(within[::-1])[::-1])
+    moved = float(np.abs(rising - x).max())
+    starts = np.flatnonzero(np.concatenate([[True], np.diff(rising) > 0.0]))  # of points at one x
+    sizes = np.diff(np.append(starts, len(x)))
+    if moved > reach or not (moved or sizes.max() > 2 or len(points) < count):
+        return None
+    ordered: list[tuple[float, float]] = []
+    for start, size in zip(starts.tolist(), sizes.tolist(), strict=True):
+        heights = z[start : start + size]
+        before, after = max(start - 1, 0), min(start + size, len(x) - 1)
+        if size == 1 or (np.ptp(heights) <= reach and rising[after] - rising[before] <= reach):
+            ordered.append((rising[start], float(np.median(heights))))
+        elif (step := _step(heights, z[before], z[after], reach)) is not None:
+            ordered += [(rising[start], step[0]), (rising[start], step[1])]
+        else:
+            return None
+    return np.array(ordered), moved
+
+
+def _step(heights: np.ndarray, before: float, after: float, reach: float) -> tuple[float, float] | None:
+    """Foot and top, or top and foot, of a wall on which points stand; None if they stand for more than one."""
+    first, last = float(heights[0]), float(heights[-1])
+    if heights.min() >= min(first, last) - reach and heights.max() <= max(first, last) + reach:
+        return first, last
+    foot, top = float(heights.min()), float(heights.max())  # a scanner may see a wall in any order
+    left, right = (foot if abs(foot - beside) < abs(top - beside) else top for beside in (before, after))
+    return None if left == right else (left, right)
+
+
+def _written_lines(data: Mapping[str, Any]) -> list[Place]:
+    """The places of lists of points in what a file holds."""
+    tables: list[tuple[Place, Any]] = [(("surface",), data.get("surface"))]
+    tables += [((key,), data.get(key)) for key in ("base", "water_table")]
+    strata = data.get("strata")
+    for k, stratum in enumerate(strata if isinstance(strata, list | tuple) else []):
+        if isinstance(stratum, Mapping):
+            tables += [(("strata", k, key), stratum.get(key)) for key in ("bottom", "piezometric_level")]
+    if isinstance(water := data.get("water"), Mapping):
+        tables += [(("water", key), water.get(key)) for key in ("table", "after_drawdown")]
+    places: list[Place] = []
+    for place, line in tables:
+        if isinstance(line, list | tuple):
+            places.append(place)
+        elif isinstance(line, Mapping):
+            places += [(*place, kind) for kind in ("elevation", "depth") if isinstance(line.get(kind), list | tuple)]
+    return places
