@@ -77,11 +77,15 @@ def scatter(
     heavy: Floats, side: Floats, properties: Floats, cell: float, periodic: bool, push: float, gravity_x: float,
     gravity_z: float, grid: Floats,
 ) -> None:  # fmt: skip
-    """Add mass, momentum, force and volume of the points of some stripes to the grid (nx, nz, NODE).
+    """Add mass, momentum, force and volume of the points of some stripes to the ``grid`` (nx, nz, NODE).
 
-    push (m/s²): what shaking does to the whole mass, horizontally; gravity (m/s²) acts on ``heavy`` times it. side
-    (N/m): what presses horizontally on points beside a free-field side, a quarter of a cell from them, where nodes are
-    held vertically; 0 elsewhere.
+    ``stripes``: their numbers; ``offsets``: first point of every stripe; ``x``, ``v`` (n, 2): places (m) and velocities
+    (m/s); ``affine`` (n, 4): velocity gradient, row by row (1/s); ``stress`` (n, 3): Pa; ``state`` (n, STATE);
+    ``properties`` (n, PROPERTIES); ``heavy`` (n,): weight over seismic mass; ``cell``: size of a cell (m);
+    ``periodic``: whether the sides move alike;
+    ``push`` (m/s²): horizontal acceleration of the whole mass by shaking; ``gravity_x``, ``gravity_z`` (m/s²) act on
+    ``heavy`` times the mass; ``side`` (N/m): horizontal force on points beside a free-field side, a quarter of a cell
+    from them, where nodes are held vertically; 0 elsewhere.
     """
     inverse, columns = 1.0 / cell, grid.shape[0]
     stiff = 4.0 * inverse * inverse
@@ -125,11 +129,12 @@ def move_grid(
     first: int, last: int, grid: Floats, uplift: Floats, held: NDArray[np.int8], dt: float, damping: float,
     velocity: Floats, gained: Floats,
 ) -> None:  # fmt: skip
-    """Velocities (nx, nz, 4) of the nodes of some columns before and after a step; ``gained`` (nx, 2) takes the kinetic
-    energy (J/m) that forces gave them, and the part of it that is of pore water.
+    """Compute the velocities (nx, nz, 4) of the nodes in columns first to last, before and after a step.
 
-    uplift (nx, nz, 2): what pore water does to a volume of ground, minus its pressure gradient (N/m³). damping: local
-    non-viscous damping of the forces (Cundall 1987), 0 for none.
+    ``grid`` (nx, nz, NODE): see `scatter`; ``uplift`` (nx, nz, 2): force of pore water on a volume of ground, minus its
+    pressure gradient (N/m³); ``held`` (nx, nz): FREE, HELD or WALL; ``dt``: time step (s); ``damping``: local non-
+    viscous damping of the forces (Cundall 1987), 0 for none. Fills ``velocity`` (m/s) and ``gained`` (nx, 2), the
+    kinetic energy (J/m) that forces gave the nodes, and the part of it by pore water.
     """
     for i in range(first, last):
         energy = buoyed = 0.0
@@ -242,7 +247,12 @@ def gather(
     push: float, gravity_x: float, gravity_z: float, x: Floats, v: Floats, affine: Floats, stress: Floats,
     state: Floats, side: Floats, properties: Floats, sums: Floats,
 ) -> None:  # fmt: skip
-    """Move the points of some stripes with the grid and update their stress; ``sums`` (stripes, 2) take energies."""
+    """Move the points of some stripes with the grid, and update their stress.
+
+    ``velocity`` (nx, nz, 4): of the nodes, see `move_grid`; ``properties`` (n, PROPERTIES); ``dt``: time step (s);
+    ``sums`` (stripes, 2) take energies (J/m). ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``,
+    ``state``, ``side``, ``cell``, ``periodic``, ``push``, ``gravity_x``, ``gravity_z``: as in `scatter`.
+    """
     inverse, columns, rows = 1.0 / cell, velocity.shape[0], velocity.shape[1]
     stiff = 4.0 * inverse * inverse
     low, high_x, high_z = 2.0 * cell, (columns - 3.0) * cell, (rows - 3.0) * cell
@@ -306,7 +316,13 @@ def advance(
     affine: Floats, stress: Floats, state: Floats, side: Floats, properties: Floats, grid: Floats, velocity: Floats,
     gained: Floats, sums: Floats,
 ) -> None:  # fmt: skip
-    """Some steps on one thread; ``pushes`` (steps,) are the accelerations by shaking (m/s²)."""
+    """Take some steps on one thread.
+
+    ``pushes`` (steps,): accelerations by shaking (m/s²); ``steps``: how many. ``uplift``, ``held``, ``damping``,
+    ``velocity``, ``gained``: as in `move_grid`; ``properties``, ``sums``: as in `gather`; ``stripes``, ``offsets``,
+    ``x``, ``v``, ``affine``, ``stress``, ``state``, ``side``, ``cell``, ``periodic``, ``dt``, ``gravity_x``,
+    ``gravity_z``, ``grid``: as in `scatter`.
+    """
     heavy = properties[:, HEAVY].copy()
     for step in range(steps):
         grid[:] = 0.0

@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 from fem.kernels import material_points as kernel
 
 REACH = 0.75  # cells between a weak layer and the nodes of knot spans which have its strength
+SQUEEZED = np.array([2.8, 1.0])  # a cell aside counts as so many cells above or below
 UNLIMITED = 1e30  # Pa: tension without a cut-off
 
 
@@ -187,9 +188,10 @@ def next_to(x: np.ndarray, weak: np.ndarray, cell: float) -> tuple[np.ndarray, n
     The strain rate of quadratic splines is continuous, and none in a knot span of ground that holds: from there it
     rises linearly over the next span. On the average of all places of the layer on the grid, it works as if it were
     three quarters of a cell thinner at each side, and a shear band at its edge lies 1.25 cells inside it. Where knot
-    spans whose node lies within three quarters of a cell of the layer have its strength, a rigid block on the edge of
-    the layer moves 0.9 times as far as it should on the average, and a layer which shears throughout 0.9 times as far
-    (six and four cells in the layer), instead of 0.15 to 0.53 and 0.78 times.
+    spans whose node lies within three quarters of a cell above or below the layer have its strength, a rigid block on
+    the edge of the layer moves 0.9 times as far as it should on the average, and a layer which shears throughout 0.9
+    times as far (six and four cells in the layer), instead of 0.15 to 0.53 and 0.78 times. What stands beside the end
+    of a layer, as a quay wall does, keeps its strength.
 
     Parameters
     ----------
@@ -208,7 +210,9 @@ def next_to(x: np.ndarray, weak: np.ndarray, cell: float) -> tuple[np.ndarray, n
     sound, weak_points = np.flatnonzero(~weak), np.flatnonzero(weak)
     if not len(weak_points):
         return sound[:0], weak_points
-    distance, nearest = cKDTree(x[weak_points]).query(np.round(x[sound] / cell) * cell)
+    nodes = np.round(x[sound] / cell) * cell
     # the layer reaches a quarter of a cell beyond its last points
-    within = distance < (REACH + 0.25) * cell + 1e-9
+    reach = (REACH + 0.25) * cell + 1e-9
+    distance, nearest = cKDTree(SQUEEZED * x[weak_points]).query(SQUEEZED * nodes, p=np.inf)
+    within = distance < reach
     return sound[within], weak_points[nearest[within]]
