@@ -45,7 +45,8 @@ and the sea. Predictions of others for the same ground are given for comparison.
 
 Spreads move by the strain potential of the sand, which blow counts give. Behind a face discs are of the size of the
 crust, which sinks and drifts with the liquefied ground below it, by packing more than by anything else; material points
-hardly depend on that. Where the two contradict each other behind a face, the points are nearer to what was measured."""
+hardly depend on that. They slide too far where the residual strength lets a bank flow by its weight, which moved by
+less than a metre in the field."""
 
 
 def write_page(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> Path:

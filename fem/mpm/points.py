@@ -190,8 +190,8 @@ def next_to(x: np.ndarray, weak: np.ndarray, cell: float) -> tuple[np.ndarray, n
     three quarters of a cell thinner at each side, and a shear band at its edge lies 1.25 cells inside it. Where knot
     spans whose node lies within three quarters of a cell above or below the layer have its strength, a rigid block on
     the edge of the layer moves 0.9 times as far as it should on the average, and a layer which shears throughout 0.9
-    times as far (six and four cells in the layer), instead of 0.15 to 0.53 and 0.78 times. What stands beside the end
-    of a layer, as a quay wall does, keeps its strength.
+    times as far (six and four cells in the layer), instead of 0.15 to 0.53 and 0.78 times. Ground at the end of a
+    layer, such as a quay wall, keeps its strength.
 
     Parameters
     ----------
