@@ -17,6 +17,7 @@ from workflow.results.verdicts import WarningPart, Weight
 CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond this is told
 SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apart than this are told
 DECIDE = 1.15  # times, or divided by it: other sides that change the critical Kh by more decide it
+AT_LIMIT = 0.1  # of the critical Kh after liquefaction: a Kh of a slide that is nearer to it is told
 OPEN = 1.1  # times: a critical Kh that may be so much larger than the one the discs are brought to is told
 # A number or a range in a note, and what is none though it has digits: what stands in quotes, and names as Ac1.
 NUMBER = re.compile(r'("[^"]*")|(?<![\w.])(\d+(?:\.\d+)?(?: to \d+(?:\.\d+)?)?)(?![\w.]*\w)')
@@ -60,8 +61,8 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
         yield from sides_warning(fem, results.config.section, results.variants.variants if results.variants else ())
     if results.config.section.reconstruction:
         yield 2, "the ground is a reconstruction: confirm the depths of the layers by borings"
-    for text in (*_calibration(results), *_target_range(results), *_fails_when_held(results), *_nothing_left(results)):
-        yield 2, text
+    for find in (_calibration, _target_range, _fails_when_held, _nothing_left, _at_the_limit):
+        yield from ((2, text) for text in find(results))
     yield from contradictions(results)
     yield from ((2, text) for text in _of_cases(results))
     discs = results.dem
@@ -113,6 +114,21 @@ def _nothing_left(results: Results) -> Iterator[str]:
             "the field before it holds, so that a lateral spread comes out too short: give blow counts, or the shear "
             "strain (slide.cases, strain_potential), at most 0.5 in loose sand"
         )
+
+
+def _at_the_limit(results: Results) -> Iterator[str]:
+    """That the Kh which is held is about the one at which liquefied ground just stands: its slide is undetermined."""
+    slide = results.config.slide
+    if results.liquefied is None or slide.kh_cycles or slide.accelerogram or not isinstance(slide.kh, float):
+        return
+    for case in results.liquefied.cases:
+        kc = case.kc
+        if kc is not None and kc > 0.0 and abs(slide.kh / kc - 1.0) <= AT_LIMIT:
+            yield (
+                f"in {of_cases(case.cases)} liquefied ground just stands under Kh = {coefficient(kc)}, and a slide "
+                f"under the {coefficient(slide.kh)} that is held depends on the last digit of that: take the cycles or "
+                'the record of an earthquake (slide.kh = "earthquake", slide.accelerogram)'
+            )
 
 
 def _target_range(results: Results) -> Iterator[str]:

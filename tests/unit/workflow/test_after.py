@@ -109,3 +109,16 @@ def test_sand_that_holds_its_residual_strength_at_once_is_warned_of(
         one for one in warned(results(given, cases=slides)) if "holds its residual strength at once in case 1" in one
     ]
     assert bool(told) == said
+
+
+@pytest.mark.parametrize(("kh", "said"), [(0.052, True), (0.08, False)])
+def test_a_kh_that_is_held_at_the_limit_of_liquefied_ground_is_warned_of(kh: float, said: bool) -> None:
+    """The ground of the case stands up to Kh = 0.05: a rigid block under 0.052 slides for ever, under 0.048 never."""
+    data = slope()
+    data["strata"][0]["liquefies_in"] = [1]
+    given = analysed({**data, "slide": {"kh": kh, "cases": [{"residual": 0.1}]}})
+    found = LiquefiedAnswer(
+        section=SectionLabel.of(given.section), sides="free-field", cases=(after_liquefaction(1, 9.0, 1.3),)
+    )
+    told = [one for one in warned(results(given, liquefied=found)) if "just stands under Kh = 0.05" in one]
+    assert bool(told) == said
