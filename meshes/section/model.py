@@ -12,5 +12,5 @@ class Model(BaseModel):
 
     def changed(self, **values: Any) -> Self:
         """A copy with other values; raises ValidationError for an unknown key, or a value that does not fit."""
-        known = {key: getattr(self, key) for key in self.model_fields_set}
+        known = {key: value for key, value in vars(self).items() if key in self.model_fields_set}
         return type(self).model_validate({**known, **values})

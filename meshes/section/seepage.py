@@ -8,14 +8,17 @@ is no suction above the phreatic line.
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from meshes.errors import NoAnswerError
 from meshes.section.flow_grid import FlowGrid
-from meshes.section.free_surface import FreeSurfaceFlow, free_surface_flow
 from meshes.section.polyline import level_at
 from meshes.section.simplified import needed
+
+if TYPE_CHECKING:
+    from meshes.section.free_surface import FreeSurfaceFlow
 
 # Bounds of the fall of the pressure head with height up to the phreatic line; 1 is that of still water.
 FALL = (0.2, 2.0)
@@ -164,6 +167,8 @@ def steady_seepage(
     SeepageError
         If the set of wet points does not come to rest.
     """
+    from meshes.section.free_surface import free_surface_flow  # SciPy is loaded only where water flows
+
     given = heads - grid.points[:, 1]
     under = given > 1e-3 * tolerance  # not numbers are not
     bare = np.isfinite(heads)
@@ -181,7 +186,7 @@ def steady_seepage(
     return Seepage(grid, _continued(grid, flow), flow.inflow, seeps, discharge, table, tolerance)
 
 
-def _continued(grid: FlowGrid, flow: FreeSurfaceFlow) -> np.ndarray:
+def _continued(grid: FlowGrid, flow: "FreeSurfaceFlow") -> np.ndarray:
     """Heads (n,) where ground is wet, and where it is dry those of a pressure that continues below 0 from the next
     water on the same vertical line, so that the phreatic line lies where it becomes 0."""
     z, wet = grid.points[:, 1], flow.full

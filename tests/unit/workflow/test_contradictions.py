@@ -18,7 +18,10 @@ from workflow.results.cases import CasesAnswer, RandomCase, RandomPackings, Spre
 from workflow.results.continuum import FactorOfSafety, OtherWay
 from workflow.results.discs import DiscsAnswer
 
-LEVEE = ({"name": "median", "residual_strength": "9 kPa"}, {"name": "low strength", "residual_strength": "6 kPa"})
+LEVEE = (
+    {"name": "median", "residual_strength": "9 kPa", "strain_potential": 0.3},
+    {"name": "low strength", "residual_strength": "6 kPa", "strain_potential": 0.3},
+)
 
 
 @pytest.fixture
