@@ -96,14 +96,19 @@ def free_surface_flow(
     ends = through == 0.0  # of all falls: points of the base
     through[ends] = 1.0
     fixed = np.isfinite(pressure)
+
     # One unknown a point: the pressure, or, below 0, the rate less the most in terms of the pressure that it is worth.
+    def state(unknown: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Points (n,) that are dry, rates (n,) at which water falls from them, and falls that could take more."""
+        dry = (unknown < 0.0) & ~fixed
+        rate = np.where(dry, np.minimum(most + unknown / through, (1.0 - ROUNDING) * most), most)
+        return dry, rate, dry[falls.upper] & (rate[falls.upper] < falls.permeability)
+
     unknown = np.where(fixed, pressure, 0.0)
     step = iter(STEPS)
     until, share = next(step)
     for iteration in range(1, MOST_ITERATIONS + 1):
-        dry = (unknown < 0.0) & ~fixed
-        rate = _rate(unknown, dry, most, through)
-        spare = dry[falls.upper] & (rate[falls.upper] < falls.permeability)
+        dry, rate, spare = state(unknown)
         seeping = bare & ~dry
         given = fixed | seeping | (dry & ends)
         wanted = np.where(fixed, pressure, 0.0)
@@ -119,9 +124,7 @@ def free_surface_flow(
         outlets = seeping | (dry & ends)
         wanted[outlets] = -inflow[outlets] / diagonal[outlets]
         wanted[outlets & (np.abs(wanted) <= ROUNDING)] = 0.0
-        next_dry = (wanted < 0.0) & ~fixed
-        next_rate = _rate(wanted, next_dry, most, through)
-        next_spare = next_dry[falls.upper] & (next_rate[falls.upper] < falls.permeability)
+        next_dry, _, next_spare = state(wanted)
         wanted[bare] = np.minimum(wanted[bare], 0.0)
         if np.array_equal(dry, next_dry) and np.array_equal(spare, next_spare):
             break
@@ -134,11 +137,6 @@ def free_surface_flow(
     full = ~dry | (~ends & (rate >= (1.0 - ROUNDING) * least))
     inflow = np.where(fixed | seeping, unit * inflow, 0.0)
     return FreeSurfaceFlow(np.where(dry, 0.0, np.maximum(wanted, 0.0)), full, seeping, inflow, converged)
-
-
-def _rate(unknown: np.ndarray, dry: np.ndarray, most: np.ndarray, through: np.ndarray) -> np.ndarray:
-    """The rate (n,) at which water falls from each point, less than the most where it is dry."""
-    return np.where(dry, np.minimum(most + unknown / through, (1.0 - ROUNDING) * most), most)
 
 
 def _discretised(grid: FlowGrid, permeability: np.ndarray) -> tuple[csr_array, _Falls]:

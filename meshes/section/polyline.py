@@ -9,6 +9,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, Pl
 from meshes.section.quantity import COORDINATE, Quantity
 
 Points = tuple[tuple[float, float], ...]
+MOST_ALIKE = 3  # points out of order that are named one by one
 
 
 def read_points(value: Any) -> Points:
@@ -43,9 +44,6 @@ def pairs_of(value: Sequence[Any]) -> list[tuple[float, float]]:
     if problems:
         raise ValueError("\n".join(problems))
     return points
-
-
-MOST_ALIKE = 3  # points that are told one by one
 
 
 def _order_problems(points: Sequence[tuple[float, float]]) -> list[str]:

@@ -61,7 +61,7 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
         yield from sides_warning(fem, results.config.section, results.variants.variants if results.variants else ())
     if results.config.section.reconstruction:
         yield 2, "the ground is a reconstruction: confirm the depths of the layers by borings"
-    for find in (_calibration, _target_range, _fails_when_held, _nothing_left, _at_the_limit):
+    for find in (_calibration, _target_range, _fails_when_held, _residual_strength, _at_the_limit):
         yield from ((2, text) for text in find(results))
     yield from contradictions(results)
     yield from ((2, text) for text in _of_cases(results))
@@ -89,8 +89,8 @@ def _of_cases(results: Results) -> Iterator[str]:
         yield f"of the slide by material points {text}: compare it with the slide of the discs"
 
 
-def _nothing_left(results: Results) -> Iterator[str]:
-    """That layers which liquefy keep no strength at all, which nobody measured, or hold what they keep at once."""
+def _residual_strength(results: Results) -> Iterator[str]:
+    """That layers which liquefy keep no strength, which nobody measured, or that sand has no strain potential."""
     if results.config.dem.paper or not (results.liquefied or results.mpm or results.case_set()[1]):
         return
     liquefies = [stratum for stratum in results.config.section.strata if stratum.liquefies_in]
