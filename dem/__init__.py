@@ -15,13 +15,12 @@ if TYPE_CHECKING:
     from dem.laboratory.soil_contacts import SoilContacts, soil_contacts
     from dem.laboratory.soil_layers import soil_layers
     from dem.model import DiscModel
-    from dem.problems.column import SoilColumn
-    from dem.problems.uniform_slope import UniformSlope
     from dem.search.calibration import Calibrator, calibrate
     from dem.search.critical import critical_kh
     from dem.search.deposit import deposit
     from dem.search.equilibrium import settle
     from dem.settings import Case, DemSettings, SlideSettings
+    from dem.slides.column import SoilColumn
     from dem.slides.liquefaction import Slider
     from dem.slides.runout import RunOut, connected_ground, deposit_profile, loose_share, mass_quantile, run_out
     from dem.slides.until_rest import UntilRest, run_until_rest

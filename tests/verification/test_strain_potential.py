@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from dem.laboratory.soil_contacts import soil_contacts
-from dem.problems.uniform_slope import UNIT_WEIGHT, UniformSlope
 from dem.settings import Case, SlideSettings
+from docs.verify.slides.uniform_slope import UNIT_WEIGHT, UniformSlope
 from fem.kernels import material_points as kernel
 from fem.mpm.points import MaterialPoints, PointSoil
 from fem.mpm.slide import CREEP

@@ -11,15 +11,15 @@ import numpy as np
 from dem.laboratory.soil_contacts import soil_contacts
 from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
-from dem.problems import uniform_slope
-from dem.problems.column import G, SoilColumn
 from dem.search.deposit import deposit
 from dem.settings import Case
+from dem.slides.column import G, SoilColumn
 from dem.slides.cycles import cyclic_acceleration
 from dem.slides.liquefaction import Slider
 from dem.slides.runout import deposit_profile, loose_share, run_out
 from dem.slides.slide import Slide
 from dem.slides.until_rest import run_until_rest
+from docs.verify.slides import uniform_slope
 from docs.verify.slides.case import Column, Ground, SlideCase, UniformSlope
 from docs.verify.slides.record import Line, SlideAnswer
 from fem.mpm import PointSlide

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import dem
+from docs.verify.slides.uniform_slope import UniformSlope
 
 RADIUS, DENSITY, G = 0.5, 1800.0, 9.81
 
@@ -15,7 +16,7 @@ def sand(height: float) -> dem.SoilContacts:
 def test_a_uniform_slope_carries_its_weight() -> None:
     """Normal stress at the base of each layer is rho g h cos b; Kh below the yield coefficient moves nothing far."""
     contacts = sand(10.0)
-    slope = dem.UniformSlope(
+    slope = UniformSlope(
         np.radians(4.0), [4.0, 6.0], RADIUS,
         lambda e: [contacts.discs(name, DENSITY, RADIUS, e) for name in ("low", "crust")], length=16.0,
     )  # fmt: skip
@@ -53,7 +54,7 @@ def test_a_liquefied_layer_between_dry_ones_holds_what_was_asked() -> None:
     than the plane between layer and crust."""
     angle, ratio, radius = np.radians(2.6), 0.2, 0.25
     contacts = sand(12.0)
-    slope = dem.UniformSlope(
+    slope = UniformSlope(
         angle, [2.0, 2.0, 5.0], radius,
         lambda e: [contacts.discs(name, DENSITY, radius, e) for name in ("base", "loose", "crust")], length=12.0,
     )  # fmt: skip

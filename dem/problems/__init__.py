@@ -1,1 +1,0 @@
-"""Bodies of soil discs whose slides are known by theory or experiment: columns, cuts, uniform slopes."""
