@@ -4,8 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from meshes.section.cutting import shown_name
-from workflow.report.numbers import coefficient, listed, number, span
-from workflow.report.warnings import of_cases
+from workflow.report.numbers import bracket, coefficient, listed, of_cases, span
 from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 from workflow.results.results import Results
 
@@ -21,21 +20,23 @@ def in_short(results: Results) -> Iterator[str]:
     if answer is None:
         return
     for case in answer.cases:
-        if case.stands == "flows":
-            yield f"After liquefaction, in {_which(case)}, the continuum does not stand without shaking: {case.reason}."
-            yield from _by_weight(results, case)
-        else:
-            most = case.kc if case.kc_upper is None or case.kc is None else min(case.kc, case.kc_upper)
-            bears = f", with a critical Kh of about {coefficient(most)}{_acting(case)}" if most is not None else ""
-            yield (
-                f"After liquefaction, in {_which(case)}, the continuum still stands without shaking{bears}: "
-                f"{case.reason}."
-            )
-            yield from _slides_though_it_stands(results, case)
+        yield outcome(case)
+        yield from (_by_weight if case.stands == "flows" else _slides_though_it_stands)(results, case)
     enough = just_enough(answer.cases)
     if enough is not None:
         yield f"{enough.words}."
     yield from _field(results, answer)
+
+
+def outcome(case: LiquefiedCase) -> str:
+    """Whether the ground stands without shaking, with its critical Kh, and why."""
+    after = f"After liquefaction, in {_which(case)}, the continuum"
+    if case.stands == "flows":
+        return f"{after} does not stand without shaking: {case.reason}."
+    most = case.kc if case.kc_upper is None or case.kc is None else min(case.kc, case.kc_upper)
+    acting = " acting uphill" if case.direction == "uphill" else ""  # where that gives the smaller critical Kh
+    bears = f", with a critical Kh of about {coefficient(most)}{acting}" if most is not None else ""
+    return f"{after} still stands without shaking{bears}: {case.reason}."
 
 
 def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
@@ -71,7 +72,7 @@ def _relief(results: Results) -> float:
 
 def _which(case: LiquefiedCase) -> str:
     names = f" ({listed(list(case.names))})" if case.names else ""
-    return f"case{'s' if len(case.cases) > 1 else ''} {listed([str(number) for number in case.cases])}{names}"
+    return of_cases(case.cases) + names
 
 
 @dataclass(frozen=True)
@@ -171,25 +172,18 @@ def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
 def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
     """Every case with its numbers, for the terminal."""
     for case in answer.cases:
-        which = f"Case {', '.join(map(str, case.cases))}" + (f" ({', '.join(case.names)})" if case.names else "")
-        kept = ", ".join(f"{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa" for s in case.strata)
-        word = "still stands" if case.stands == "stands" else "flows without any shaking"
-        yield f"{which}, strength left {kept}: after liquefaction it {word}; {case.reason}."
+        yield outcome(case)
+        yield f"    Strength left: {listed([f'{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa' for s in case.strata])}."
         if case.factor is not None or case.factor_lower is not None:
             yield f"    Factor of safety at Kh = 0, between held sides: {factors(case)}."
-        if case.kc is not None:
-            proven = f" (strict bounds {bracket(case.kc_lower, case.kc_upper, 3)})" if case.kc_lower is not None else ""
-            yield f"    Its critical Kh is {case.kc:.3f}{_acting(case)}{proven}."
+        if case.kc is not None and case.kc_lower is not None:
+            bounds = bracket(case.kc_lower, case.kc_upper, 3)
+            yield f"    Critical Kh by elements {case.kc:.3f}, by strict bounds {bounds}."
         for note in case.notes:
             yield f"    Warning: {note}."
     enough = just_enough(answer.cases)
     if enough is not None:
         yield f"{enough.words}."
-
-
-def _acting(case: LiquefiedCase) -> str:
-    """The direction of the seismic force, where upslope gives the smaller critical Kh."""
-    return " acting uphill" if case.direction == "uphill" else ""
 
 
 def factors(case: LiquefiedCase) -> str:
@@ -201,8 +195,3 @@ def factors(case: LiquefiedCase) -> str:
         less = case.factor_lower is not None and case.factor < case.factor_lower
         phrases.append(f"{case.factor:.2f} by elements" + (", lower since ψ < φ" if less else ""))
     return ", ".join(phrases)
-
-
-def bracket(lower: float | None, upper: float | None, digits: int) -> str:
-    """Two bounds as text; a dash where one is missing."""
-    return f"{number(lower, digits)} to {number(upper, digits)}"

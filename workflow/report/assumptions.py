@@ -15,8 +15,7 @@ SIDES: Mapping[Sides, str] = {
     "periodic": "Both sides move alike, as if the section were one of many in a row.",
 }
 FLOWS: Mapping[Flow, str] = {
-    "associated": "Ground that yields dilates with ψ = φ, as strict bounds and limit equilibrium have it; Davis's "
-    "estimate for less dilation is given with it.",
+    "associated": "The ground yields with ψ = φ: ground that dilates less is not stronger (Radenkovic 1961).",
     "davis": "Where ψ < φ, c and tan φ are reduced by Davis's factor and the ground yields with ψ = φ (Davis 1968): an "
     "estimate, and no bound.",
     "section": "Ground that yields dilates with ψ as given; its limit load is then not unique.",

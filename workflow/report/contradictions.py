@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from dem.settings import Case
-from workflow.report.numbers import coefficient, listed, metre_range
+from workflow.report.numbers import coefficient, metre_range, of_cases
 from workflow.results.cases import CaseAnswer, RandomPackings
 from workflow.results.discs import DiscsAnswer, DiscSearch
 from workflow.results.results import Results
@@ -80,7 +80,7 @@ def of_sides(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
         if held:
             lengths = metre_range([cases[number].slide_max_m for number in held])
             yield (
-                f"the {side} side of the disc model stopped {_cases(held)}: {lengths} is "
+                f"the {side} side of the disc model stopped {of_cases(held)}: {lengths} is "
                 f"the least that the ground slides; take a longer section (beyond)"
             )
 
@@ -122,8 +122,8 @@ def of_settlement(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
     if far:
         falls, places = zip(*far.values(), strict=True)
         yield (
-            f"the surface falls by {metre_range(falls)} at x = {_ends(places)} m in {_cases(list(far))}, far more than "
-            "the mean settlements of the thirds of the section: use this value for the settlement of a crest"
+            f"the surface falls by {metre_range(falls)} at x = {_ends(places)} m in {of_cases(list(far))}, far more "
+            "than the mean settlements of the thirds of the section: use this value for the settlement of a crest"
         )
 
 
@@ -139,10 +139,6 @@ def _largest_slides(cases: Mapping[int, CaseAnswer], random: RandomPackings | No
         if number in slides and len(case.slide_max_m.values) > 1 and case.slide_max_m.mean is not None:
             slides[number] = case.slide_max_m.mean
     return slides
-
-
-def _cases(numbers: Sequence[int]) -> str:
-    return f"case{'s' if len(numbers) > 1 else ''} {listed([str(number) for number in numbers])}"
 
 
 def _named(case: Case) -> str:

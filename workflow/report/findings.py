@@ -13,9 +13,8 @@ from workflow.report.after import in_short
 from workflow.report.contradictions import is_weaker
 from workflow.report.flow_rule import WHEN
 from workflow.report.model_error import model_error
-from workflow.report.numbers import about, coefficient, listed, span
+from workflow.report.numbers import about, coefficient, listed, of_cases, span
 from workflow.report.tables import factor
-from workflow.report.warnings import of_cases
 from workflow.results.cases import CaseAnswer, CaseNumbers
 from workflow.results.continuum import FemAnswer
 from workflow.results.results import Results

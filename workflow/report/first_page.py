@@ -8,11 +8,10 @@ from workflow.estimates.slide_error import slide_error
 from workflow.estimates.structures import structures_of
 from workflow.report.accuracy import METHODS, Accuracy, accuracy, proven_by
 from workflow.report.findings import CONTRADICTED, lies_still
-from workflow.report.numbers import coefficient, span
+from workflow.report.numbers import coefficient, of_cases, span
 from workflow.report.paper import rows
 from workflow.report.texts import Texts
 from workflow.report.verdicts import spared
-from workflow.report.warnings import of_cases
 from workflow.results.answer import FORCE
 from workflow.results.cases import CaseAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer

@@ -9,6 +9,11 @@ def number(value: float | None, digits: int = 3) -> str:
     return "–" if value is None else f"{value:.{digits}f}"
 
 
+def bracket(lower: float | None, upper: float | None, digits: int) -> str:
+    """Two bounds as text; a dash where one is missing."""
+    return f"{number(lower, digits)} to {number(upper, digits)}"
+
+
 def scaled(value: float | None, unit: float) -> float | None:
     """A value in multiples of a unit, where there is one."""
     return None if value is None else value / unit
@@ -64,6 +69,11 @@ def coefficient(kh: float) -> str:
 def listed(words: Sequence[str]) -> str:
     """Words as people list them: a, b and c."""
     return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else "".join(words)
+
+
+def of_cases(numbers: Sequence[int]) -> str:
+    """Cases as a sentence names them."""
+    return f"case{'s' if len(numbers) > 1 else ''} {listed([str(number) for number in numbers])}"
 
 
 def between(values: Sequence[float]) -> str:

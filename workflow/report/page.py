@@ -5,7 +5,6 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
 from fem.continuum.strength import flow_of, is_dilating_fully
@@ -31,6 +30,7 @@ from workflow.report.player import films
 from workflow.report.second_opinion import second_opinions
 from workflow.report.stability import stability_rows
 from workflow.report.structures import elsewhere, face_rows
+from workflow.report.templates import templates
 from workflow.report.texts import Texts
 from workflow.report.uncertainty import sources_of_uncertainty
 from workflow.report.verdicts import interval_words, limit_words
@@ -56,13 +56,7 @@ LOGOS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".svg": "svg+xml"}
 
 def page(results: Results, summary: Summary) -> str:
     """Render the report as one HTML page that needs no other file."""
-    environment = Environment(
-        loader=PackageLoader("workflow.report", "."),
-        autoescape=select_autoescape(default_for_string=True, default=True),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = templates()
     environment.filters["css"] = _css_text
     environment.filters |= {"number": number, "scaled": scaled, "metres": metres, "duration": duration}
     texts = Texts(results.config.report.language)
@@ -77,7 +71,7 @@ def page(results: Results, summary: Summary) -> str:
 def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]:
     """Content of the template."""
     config, uncertainty_rows = results.config, list(sources_of_uncertainty(results))
-    faces = face_rows(config, results.slices) if results.slices is not None else []
+    faces = face_rows(config, results.slices)
     room = MOST_WARNINGS - TABLE * (bool(faces) + bool(summary.crests))
     return {
         "config": config,
@@ -110,7 +104,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "verdicts": summary.criteria or (),
         "limit_words": limit_words,
         "interval_words": interval_words,
-        "elsewhere": list(elsewhere(config, results.slices)) if results.slices is not None else [],
+        "elsewhere": list(elsewhere(config, results.slices)),
         "estimates": estimates(config.section, config, results.kc, results.slip_surface),
         "slides": list(slides(results)),
         "paper": rows(results),

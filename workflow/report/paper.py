@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -49,10 +50,7 @@ def rows(results: Results) -> list[PaperRow]:
     for name in _sets(results):
         table += _slides(results, name)
     table += [_measured(results), _smooth()]
-    return [
-        row if row.agrees is False else PaperRow(row.quantity, row.paper, row.where, row.ours, row.agrees)
-        for row in table
-    ]
+    return [row if row.agrees is False else replace(row, why="") for row in table]
 
 
 def _absent(results: Results, stage: str) -> str:
@@ -61,30 +59,29 @@ def _absent(results: Results, stage: str) -> str:
 
 
 def _fem(results: Results) -> Iterator[PaperRow]:
-    at_02 = PaperRow(
-        "FEM: stands at Kh = 0.2, Asd layers below water at failure", "yes", "Fig. 9", _absent(results, "fem"), None
-    )
-    kc = PaperRow("FEM: critical Kh", "about 0.25", "Fig. 10, Sec. 4(1)", _absent(results, "fem"), None)
-    surface = PaperRow("FEM: failure surface in the Asd layers", "yes", "Fig. 10(b)", _absent(results, "fem"), None)
-    at_03 = PaperRow("FEM: Kh = 0.3 is past equilibrium, failure zone from Asd to the surface", "yes", "Fig. 11",
-                _absent(results, "fem"), None)  # fmt: skip
+    ours = _absent(results, "fem")
+    at_02 = PaperRow("FEM: stands at Kh = 0.2, Asd layers below water at failure", "yes", "Fig. 9", ours)
+    kc = PaperRow("FEM: critical Kh", "about 0.25", "Fig. 10, Sec. 4(1)", ours)
+    surface = PaperRow("FEM: failure surface in the Asd layers", "yes", "Fig. 10(b)", ours)
+    past = "FEM: Kh = 0.3 is past equilibrium, failure zone from Asd to the surface"
+    at_03 = PaperRow(past, "yes", "Fig. 11", ours)
     if results.fem is None or results.kc is None:
         yield from (at_02, kc, surface, at_03)
         return
     conditions = f"sides {results.config.fem.sides}, {results.fem.element} elements"
     state = results.fem.state_at(0.2)
     yield at_02 if state is None else _stands(at_02, state)
-    yield PaperRow(
-        kc.quantity, kc.paper, kc.where, f"{results.kc:.3f} (at most {results.fem.kc_upper:.3f}), {conditions}",
-        abs(results.kc - KC) <= KC_WITHIN,
-        f"{SECTION}; it depends on sides, dilation and element: the paper names neither dilation nor convergence",
-    )  # fmt: skip
+    yield replace(
+        kc,
+        ours=f"{results.kc:.3f} (at most {results.fem.kc_upper:.3f}), {conditions}",
+        agrees=abs(results.kc - KC) <= KC_WITHIN,
+        why=f"{SECTION}; it depends on sides, dilation and element: the paper names neither dilation nor convergence",
+    )
     end = results.fem.last_in_equilibrium()
     if end is not None:
         share = share_of_surface(results.config.section, end.slip_surface, ASD)
-        yield PaperRow(
-                  surface.quantity, surface.paper, surface.where, f"{100 * share:.0f} % of its length", share >= 0.5,
-                  f"{SECTION}; it is drawn where the shear strain is largest along x")  # fmt: skip
+        why = f"{SECTION}; it is drawn where the shear strain is largest along x"
+        yield replace(surface, ours=f"{100 * share:.0f} % of its length", agrees=share >= 0.5, why=why)
     state = results.fem.state_at(0.3)
     yield at_03 if state is None else _past(at_03, state)
 
@@ -93,16 +90,16 @@ def _stands(row: PaperRow, state: KeptState) -> PaperRow:
     shares = {name: state.failed_share_by_stratum.get(name, 0.0) for name in ASD_BELOW_WATER}
     stands = not state.past_equilibrium
     phrase = ("stands; " if stands else "does not stand; ") + _shares(shares) + " at failure"
-    return PaperRow(row.quantity, row.paper, row.where, phrase, stands and max(shares.values()) >= AT_FAILURE,
-               f"{SECTION}; a layer counts as at failure from {100 * AT_FAILURE:.0f} % of its cells on")  # fmt: skip
+    why = f"{SECTION}; a layer counts as at failure from {100 * AT_FAILURE:.0f} % of its cells on"
+    return replace(row, ours=phrase, agrees=stands and max(shares.values()) >= AT_FAILURE, why=why)
 
 
 def _past(row: PaperRow, state: KeptState) -> PaperRow:
     shares = {name: state.failed_share_by_stratum.get(name, 0.0) for name in ("1 Ts", *ASD)}
     phrase = ("past equilibrium; " if state.past_equilibrium else "stands; ") + _shares(shares) + " at failure"
     reaches = shares["1 Ts"] > 0.0 and max(shares[name] for name in ASD) > 0.0
-    return PaperRow(row.quantity, row.paper, row.where, phrase, state.past_equilibrium and reaches,
-               f"{SECTION}; the zone reaches where cells of 1 Ts and of Asd layers are at failure")  # fmt: skip
+    why = f"{SECTION}; the zone reaches where cells of 1 Ts and of Asd layers are at failure"
+    return replace(row, ours=phrase, agrees=state.past_equilibrium and reaches, why=why)
 
 
 def _shares(shares: dict[str, float]) -> str:
@@ -132,15 +129,13 @@ def _disc_sets(results: Results) -> tuple[SetOfSprings, ...]:
 
 def _dem(results: Results, which: SetOfSprings) -> Iterator[PaperRow]:
     """States at the paper's two Kh: of its own discs, "before" calibration or "after" it."""
-    springs = CALLED[which]
-    stands = PaperRow(f"DEM: stands at Kh = 0.2{springs}", "yes", "Fig. 12", _absent(results, "calibrate"), None)
-    broken = PaperRow(f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}", "yes", "Fig. 13",
-                 _absent(results, "calibrate"), None)  # fmt: skip
+    springs, ours = CALLED[which], _absent(results, "calibrate")
+    stands = PaperRow(f"DEM: stands at Kh = 0.2{springs}", "yes", "Fig. 12", ours)
+    broken = PaperRow(f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}", "yes", "Fig. 13", ours)
     states = results.dem.states_of(which) if results.dem is not None else {}
     if 0.2 in states:
-        verdict = states[0.2].verdict
-        stands = PaperRow(stands.quantity, stands.paper, stands.where, verdict, verdict == "stands",
-                     f"{states[0.2].reason}; {SECTION}")  # fmt: skip
+        verdict, why = states[0.2].verdict, f"{states[0.2].reason}; {SECTION}"
+        stands = replace(stands, ours=verdict, agrees=verdict == "stands", why=why)
     if 0.3 in states:
         broken = _broken(broken, states[0.3].cracked_share_by_stratum)
     yield stands
@@ -154,8 +149,8 @@ def _broken(row: PaperRow, cracked: dict[str, float]) -> PaperRow:
     most = max(shares.values())
     others = {name: share for name, share in cracked.items() if name not in ASD and share > most}
     why = f"more break elsewhere: {_shares(others)}" if others else f"fewer than {100 * AT_FAILURE:.0f} % in each"
-    return PaperRow(row.quantity, row.paper, row.where, _shares(shares) + " broken", most >= AT_FAILURE and not others,
-               f"{why}; {SECTION}")  # fmt: skip
+    agrees = most >= AT_FAILURE and not others
+    return replace(row, ours=_shares(shares) + " broken", agrees=agrees, why=f"{why}; {SECTION}")
 
 
 def _sets(results: Results) -> list[str]:
@@ -172,25 +167,22 @@ def _slides(results: Results, name: str) -> Iterator[PaperRow]:
         quantity = f"{what}, case {number}{springs}"
         case = cases.get(number)
         if case is None:
-            return PaperRow(quantity, paper, where, _absent(results, "slide"), None)
+            return PaperRow(quantity, paper, where, _absent(results, "slide"))
         ours, agrees = judge(case)
         moving = "" if case.settled else f"; {case.reason}"
         return PaperRow(quantity, paper, where, ours, agrees, why + moving)
 
     for number, metres in SETTLEMENT.items():
-        yield row(number, "settlement uphill", f"{metres:g} m", "Sec. 4(3)", partial(_settles, metres))
+        near_settlement = partial(_near, "settlement_uphill_m", metres)
+        yield row(number, "settlement uphill", f"{metres:g} m", "Sec. 4(3)", near_settlement)
     yield row(1, "slide", "uphill half only", "Fig. 14", partial(_uphill_only, results.config.section))
     for number, metres in SLIDE.items():
-        yield row(number, "largest slide", f"{metres:g} m", "Sec. 4(3)", partial(_slides_by, metres))
+        yield row(number, "largest slide", f"{metres:g} m", "Sec. 4(3)", partial(_near, "slide_max_m", metres))
     yield row(3, "slide", "whole surface but for the right side", "Fig. 16", _almost_all)
 
 
-def _settles(paper: float, case: CaseAnswer) -> tuple[str, bool]:
-    return near(case.settlement_uphill_m, paper)
-
-
-def _slides_by(paper: float, case: CaseAnswer) -> tuple[str, bool]:
-    return near(case.slide_max_m, paper)
+def _near(length: str, paper: float, case: CaseAnswer) -> tuple[str, bool]:
+    return near(getattr(case, length), paper)
 
 
 def near(ours: float, paper: float) -> tuple[str, bool]:
@@ -214,12 +206,12 @@ def _uphill_only(config: Section, case: CaseAnswer) -> tuple[str, bool]:
 def _measured(results: Results) -> PaperRow:
     _, cases = results.case_set()
     slides = [case.slide_max_m for number, case in sorted(cases.items()) if number in SLIDE]
-    row = PaperRow("slide measured in the field", "about 3 m", "Figs 4 and 5", _absent(results, "slide"), None)
+    row = PaperRow("slide measured in the field", "about 3 m", "Figs 4 and 5", _absent(results, "slide"))
     if not slides:
         return row
     phrase = f"{metre_range(slides)} in cases 2 and 3"
     agrees = min(slides) <= (1.0 + WITHIN) * MEASURED and max(slides) >= (1.0 - WITHIN) * MEASURED
-    return PaperRow(row.quantity, row.paper, row.where, phrase, agrees, f"{SECTION}; and so are cases and Kh = 0.1")
+    return replace(row, ours=phrase, agrees=agrees, why=f"{SECTION}; and so are cases and Kh = 0.1")
 
 
 def _smooth() -> PaperRow:

@@ -5,14 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
-
 from meshes.errors import InputError
 from workflow.after_triggering import load_config
 from workflow.config import Config
 from workflow.report.captions import Picture, collect
-from workflow.report.numbers import metres, number
+from workflow.report.numbers import bracket, metres, number
 from workflow.report.tables import plain
+from workflow.report.templates import templates
 from workflow.results.cases import CaseNumbers
 from workflow.results.summary import Summary
 from workflow.run.store import Store
@@ -72,7 +71,7 @@ def rows(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
         "sides": lambda summary: summary.fem.sides if summary.fem else "–",
         "critical Kh, finite elements": _continuum,
         "strict bounds, ψ = φ": lambda summary: (
-            _range(summary.bounds.lower, summary.bounds.upper) if summary.bounds else "–"
+            bracket(summary.bounds.lower, summary.bounds.upper, 3) if summary.bounds else "–"
         ),
         "critical Kh, discs without a factor": lambda summary: (
             number(summary.dem.kc_uncalibrated) if summary.dem else "–"
@@ -103,10 +102,6 @@ def _continuum(summary: Summary) -> str:
     )
 
 
-def _range(low: float | None, high: float | None) -> str:
-    return f"{number(low)} to {number(high)}"
-
-
 def _slide(case: CaseNumbers | None) -> str:
     if case is None:
         return "–"
@@ -115,18 +110,17 @@ def _slide(case: CaseNumbers | None) -> str:
 
 def page(runs: Sequence[ComparedRun]) -> str:
     """The comparison as one HTML page with the pictures of all runs; it needs no other file."""
-    environment = Environment(
-        loader=PackageLoader("workflow.report", "."),
-        autoescape=select_autoescape(default_for_string=True, default=True),
-        undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
     pictures = [_pictures(run.folder) for run in runs]
     names = dict.fromkeys(name for pictures_of_run in pictures for name in pictures_of_run)
-    return environment.get_template("side_by_side.html.jinja").render(
-        runs=[str(run.folder) for run in runs],
-        differences=list(differences(runs)),
-        rows=list(rows(runs)),
-        pictures=[(name, [pictures_of_run.get(name) for pictures_of_run in pictures]) for name in names],
+    return (
+        templates()
+        .get_template("side_by_side.html.jinja")
+        .render(
+            runs=[str(run.folder) for run in runs],
+            differences=list(differences(runs)),
+            rows=list(rows(runs)),
+            pictures=[(name, [pictures_of_run.get(name) for pictures_of_run in pictures]) for name in names],
+        )
     )
 
 

@@ -9,7 +9,7 @@ from meshes.section.section import Section
 from workflow.estimates.estimate import depth_below_ground
 from workflow.estimates.structures import structures_of
 from workflow.report.first_page import FLOW, SIDES
-from workflow.report.numbers import coefficient
+from workflow.report.numbers import coefficient, number
 from workflow.report.slices import factor_on_surface
 from workflow.report.texts import Texts
 from workflow.results.results import Results
@@ -37,10 +37,10 @@ def _elements(results: Results, _: Texts) -> Iterator[Row]:
         return
     if results.kc is not None:
         most = _("at most {kc} on this mesh", kc=coefficient(fem.kc_upper)) if _more(fem.kc_upper, fem.kc) else ""
-        yield Row(name, coefficient(fem.kc), most, f"{_sides(fem.settings.sides, _)}, {_flow(fem.flow, _)}")
+        yield Row(name, coefficient(fem.kc), most, f"{_(SIDES[fem.settings.sides])}, {_(FLOW[fem.flow])}")
     for other, flow in ((fem.davis, "davis"), (fem.associated, "associated")):
         if other is not None and other.verdict in ("plateau", "peak"):
-            yield Row(name, coefficient(other.kc), "", f"{_sides(fem.settings.sides, _)}, {_flow(flow, _)}")
+            yield Row(name, coefficient(other.kc), "", f"{_(SIDES[fem.settings.sides])}, {_(FLOW[flow])}")
     other = fem.opposite
     if other is not None:
         value = f"> {coefficient(other.kc)}" if other.verdict == "no failure" else coefficient(other.kc)
@@ -57,23 +57,23 @@ def _elements(results: Results, _: Texts) -> Iterator[Row]:
     for factor in fem.safety_factors:
         of = _("factor of safety at Kh = {kh}, finite elements", kh=f"{factor.kh:g}")
         value = f"> {factor.factor:.2f}" if factor.verdict == "no failure" else f"{factor.factor:.2f}"
-        yield Row(of, value, "", _flow(fem.flow, _))
+        yield Row(of, value, "", _(FLOW[fem.flow]))
         beside, flow = (factor.davis, "davis") if factor.davis is not None else (factor.associated, "associated")
         if beside is not None:
-            yield Row(of, f"{beside:.2f}", "", _flow(flow, _))
+            yield Row(of, f"{beside:.2f}", "", _(FLOW[flow]))
 
 
 def _bounds(results: Results, _: Texts) -> Iterator[Row]:
     bounds = results.bounds
     if bounds is None:
         return
-    interval = _("{low} to {high}", low=_or_dash(bounds.lower, 3), high=_or_dash(bounds.upper, 3))
-    conditions = f"{_sides(bounds.sides, _)}, {_flow('associated', _)}"
+    interval = _("{low} to {high}", low=number(bounds.lower, 3), high=number(bounds.upper, 3))
+    conditions = f"{_(SIDES[bounds.sides])}, {_(FLOW['associated'])}"
     if bounds.strengthened:
         conditions += _("; failures deeper than {depth} m", depth=f"{bounds.least_depth:g}")
     yield Row(_("critical Kh, strict bounds"), "", interval, conditions)
     for factor in bounds.safety:
-        interval = _("{low} to {high}", low=_or_dash(factor.lower, 2), high=_or_dash(factor.upper, 2))
+        interval = _("{low} to {high}", low=number(factor.lower, 2), high=number(factor.upper, 2))
         of = _("factor of safety at Kh = {kh}, strict bounds", kh=f"{factor.kh:g}")
         yield Row(of, "", interval, conditions)
 
@@ -105,7 +105,7 @@ def _discs(results: Results, _: Texts) -> Iterator[Row]:
     if like is not None:
         most = _("to {kc}", kc=coefficient(like.kc_upper)) if _more(like.kc_upper, like.kc) else ""
         conditions = _(
-            "boundary conditions of the disc box: {terms}", terms=f"{_sides(like.sides, _)}, {_flow(like.flow, _)}"
+            "boundary conditions of the disc box: {terms}", terms=f"{_(SIDES[like.sides])}, {_(FLOW[like.flow])}"
         )
         yield Row(_("critical Kh, finite elements to compare discs with"), coefficient(like.kc), most, conditions)
     compared = _("compare with the row above, not with the first row") if like is not None else ""
@@ -133,17 +133,5 @@ def _parameter(name: str, _: Texts) -> str:
     return {"all": _("all contact constants"), "strength": _("contact strength")}.get(name, name.replace("_", " "))
 
 
-def _sides(sides: str, _: Texts) -> str:
-    return _(SIDES[sides])
-
-
-def _flow(flow: str, _: Texts) -> str:
-    return _(FLOW[flow])
-
-
 def _more(value: float, than: float) -> bool:
     return coefficient(value) != coefficient(than)
-
-
-def _or_dash(value: float | None, digits: int) -> str:
-    return "–" if value is None else f"{value:.{digits}f}"

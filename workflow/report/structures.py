@@ -36,12 +36,12 @@ class FaceRow:
         return f"{self.name}: {listed(phrases)}"
 
 
-def face_rows(config: Config, answer: SlicesAnswer) -> list[FaceRow]:
-    """All faces of all structures."""
-    critical = [face.critical.bishop for face in answer.faces if face.critical is not None]
-    least = min(critical, default=None)
+def face_rows(config: Config, answer: SlicesAnswer | None) -> list[FaceRow]:
+    """All faces of all structures; none without slices."""
+    faces = answer.faces if answer is not None else ()
+    least = min((face.critical.bishop for face in faces if face.critical is not None), default=None)
     rows = []
-    for face in answer.faces:
+    for face in faces:
         kc = None if face.critical is None else face.critical.bishop
         factors = tuple((group.kh, face.factor(group.kh)) for group in face.factors)
         block = None if kc is None or kc <= 0.0 else block_slide(config, kc)
@@ -60,9 +60,9 @@ def structure_sentences(config: Config, answer: SlicesAnswer) -> Iterator[str]:
     yield from elsewhere(config, answer)
 
 
-def elsewhere(config: Config, answer: SlicesAnswer) -> Iterator[str]:
+def elsewhere(config: Config, answer: SlicesAnswer | None) -> Iterator[str]:
     """Critical slip circles of the section that do not reach a crest."""
-    if not answer.faces:
+    if answer is None or not answer.faces:
         return
     structures = structures_of(config.section)
     at_rest = [("factor of safety at Kh = 0", slip, 2) for group in answer.factors[:1] for slip in group.circles]

@@ -3,12 +3,11 @@
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
-
 from workflow.config import Config
 from workflow.estimates.estimate import flow_words
 from workflow.report.captions import collect
 from workflow.report.numbers import number
+from workflow.report.templates import templates
 from workflow.results.cases import Spread
 from workflow.results.study import WORDS, Result, StudyAnswer
 from workflow.run.store import Store
@@ -30,21 +29,29 @@ RANDOM_FIELDS = (
 
 def write_page(config: Config, answer: StudyAnswer, store: Store) -> Path:
     """Write study.html, one file with all pictures in it."""
-    environment = Environment(
-        loader=PackageLoader("workflow.report", "."),
-        autoescape=select_autoescape(default_for_string=True, default=True),
-        undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
-    text = environment.get_template("study.html.jinja").render(
-        title=config.section.heading,
-        config=config,
-        answer=answer,
-        sentences=list(sentences(config, answer)),
-        numbers=[(path, in_words(distribution)) for path, distribution in config.uncertain.numbers.items()],
-        results=[_row(result) for result in answer.results],
-        heads=("result", "samples with it", "mean", "95 % of the mean", "median", "5 %", "95 %", "standard deviation"),
-        pictures=collect(store.matching(["figures/study_*.png"]), store.folder, config.figures.report_width),
-        assumption=RANDOM_FIELDS,
+    text = (
+        templates()
+        .get_template("study.html.jinja")
+        .render(
+            title=config.section.heading,
+            config=config,
+            answer=answer,
+            sentences=list(sentences(config, answer)),
+            numbers=[(path, in_words(distribution)) for path, distribution in config.uncertain.numbers.items()],
+            results=[_row(result) for result in answer.results],
+            heads=(
+                "result",
+                "samples with it",
+                "mean",
+                "95 % of the mean",
+                "median",
+                "5 %",
+                "95 %",
+                "standard deviation",
+            ),
+            pictures=collect(store.matching(["figures/study_*.png"]), store.folder, config.figures.report_width),
+            assumption=RANDOM_FIELDS,
+        )
     )
     return store.write_text(FILE, text)
 

@@ -1,9 +1,8 @@
 """Sensitivity of the results to mesh, step, dilation, sides, bounds and packing."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
-from fem.continuum.strength import Flow
-from fem.settings import Sides
+from workflow.report.assumptions import FLOWS, SIDES
 from workflow.report.console import meshes_sentences
 from workflow.report.findings import fail_alike
 from workflow.report.flow_rule import critical_with_flow
@@ -14,17 +13,6 @@ from workflow.results.discs import DiscsAnswer
 from workflow.results.results import Results
 
 NO_MORE = 0.005  # a share of Kh that is none in whole per cent
-SIDES: Mapping[Sides, str] = {
-    "free-field": "The sides may move horizontally under their K0 stress, and not vertically",
-    "smooth": "The sides are held horizontally, and may move vertically without shear stress",
-    "fixed": "The sides are held in both directions, which helps the slope to stand",
-    "periodic": "Both sides move alike: the section is one of many in a row",
-}
-FLOWS: Mapping[Flow, str] = {
-    "associated": "The ground yields with ψ = φ: ground that dilates less is not stronger (Radenkovic 1961).",
-    "davis": "Where ψ < φ, cohesion and tan φ are reduced by Davis's factor, with associated flow (Davis 1968).",
-    "section": "Dilation angles as given for each stratum; the limit load of such ground is not unique.",
-}
 
 
 def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
@@ -99,11 +87,7 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
         "step",
     )
     yield "Dilation", _dilation(fem), "dilation"
-    yield (
-        "Side condition",
-        f"{SIDES[results.config.fem.sides]}.",
-        "sides",
-    )
+    yield "Side condition", SIDES[results.config.fem.sides], "sides"
 
 
 def _dilation(fem: FemAnswer) -> str:

@@ -61,10 +61,8 @@ def _judged(
 
 
 def _factors(results: Results, kh: float) -> Iterator[Found]:
-    if results.slices is not None:
-        faces = [(f"{face.structure}, towards the {face.towards}", face.factors) for face in _sliding(results.slices)]
-        for of, groups in faces or [("the section", results.slices.factors)]:
-            yield from _by_slices(of, [circle for group in groups if group.kh == kh for circle in group.circles])
+    for of, face in _sliding(results):
+        yield from _by_slices(of, [circle for group in face.factors if group.kh == kh for circle in group.circles])
     fem = results.fem
     for group in fem.safety_factors if fem is not None else ():
         if group.kh == kh and _is_of_section(results, group.slip_surface):
@@ -72,22 +70,16 @@ def _factors(results: Results, kh: float) -> Iterator[Found]:
 
 
 def _critical(results: Results) -> Iterator[Found]:
-    if results.slices is not None:
-        faces = [
-            (f"{face.structure}, towards the {face.towards}", [] if face.critical is None else [face.critical])
-            for face in _sliding(results.slices)
-        ]
-        for of, circles in faces or [("the section", list(results.slices.critical))]:
-            yield from _by_slices(of, circles)
+    for of, face in _sliding(results):
+        critical = face.critical
+        yield from _by_slices(of, critical if isinstance(critical, tuple) else () if critical is None else (critical,))
     if results.kc is not None and results.fem is not None and _is_of_section(results, results.slip_surface):
         yield "the section by finite elements", results.kc, max(results.kc, results.fem.kc_upper), ""
 
 
 def _is_of_section(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) -> bool:
     """Whether a mechanism of the finite elements counts: with faces of structures only if a crest slides with it."""
-    if results.slices is None or not _sliding(results.slices):
-        return True
-    return not spared(results, surface)
+    return not any(isinstance(face, FacePart) for _, face in _sliding(results)) or not spared(results, surface)
 
 
 def spared(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) -> list[str]:
@@ -99,12 +91,17 @@ def spared(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) ->
     return [structure.name for structure in structures]
 
 
-def _sliding(slices: SlicesAnswer) -> list[FacePart]:
-    """The faces with which some circle slides: level ground has none to hold against a criterion."""
-    return [face for face in slices.faces if not face.reason]
+def _sliding(results: Results) -> list[tuple[str, FacePart | SlicesAnswer]]:
+    """The faces with which some circle slides, by name, or the section without any; none without slices."""
+    if results.slices is None:
+        return []
+    faces: list[tuple[str, FacePart | SlicesAnswer]] = [
+        (f"{face.structure}, towards the {face.towards}", face) for face in results.slices.faces if not face.reason
+    ]
+    return faces or [("the section", results.slices)]
 
 
-def _by_slices(of: str, circles: list[CirclePart]) -> Iterator[Found]:
+def _by_slices(of: str, circles: Sequence[CirclePart]) -> Iterator[Found]:
     """The interval between Bishop's and Spencer's numbers on the circle with the least one."""
     if not circles:
         yield f"{of}, by slices", None, None, "no circle slides"
@@ -116,7 +113,7 @@ def _by_slices(of: str, circles: list[CirclePart]) -> Iterator[Found]:
 
 def _displacements(results: Results) -> Iterator[Found]:
     config = results.config
-    for row in face_rows(config, results.slices) if results.slices is not None else ():
+    for row in face_rows(config, results.slices):
         of = f"{row.name}, rigid block with its strength"
         if row.block is not None:
             yield of, row.block.low, row.block.high, ""
@@ -140,8 +137,7 @@ def _displacements(results: Results) -> Iterator[Found]:
         for by, along, at_rest, (least, most) in slides:
             far = _largest(along, structure.crest.start, structure.crest.end)
             if far is not None:
-                reason = "" if at_rest else "the slide is not at rest"
-                yield f"{structure.name}, {by}", least * far, most * far if at_rest else OPEN, reason
+                yield f"{structure.name}, {by}", least * far, most * far if at_rest else OPEN, _why(at_rest)
     yield from _not_computed(results)
 
 

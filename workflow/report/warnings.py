@@ -7,7 +7,7 @@ import numpy as np
 
 from meshes.section.section import Section
 from workflow.report.contradictions import contradictions
-from workflow.report.numbers import coefficient, listed
+from workflow.report.numbers import coefficient, listed, of_cases
 from workflow.results.continuum import FemAnswer, Variant
 from workflow.results.discs import SlipSurfaces
 from workflow.results.material_points import WARNING
@@ -41,11 +41,6 @@ def split(text: str) -> tuple[str, str]:
 def _sentence(text: str) -> str:
     text = text.strip().rstrip(".")
     return f"{text[0].upper()}{text[1:]}." if text else ""
-
-
-def of_cases(numbers: Sequence[int]) -> str:
-    """Cases as a sentence names them."""
-    return f"case{'s' if len(numbers) > 1 else ''} {listed([str(number) for number in numbers])}"
 
 
 def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:

@@ -138,7 +138,7 @@ class PaperRow:
     paper: str
     where: str
     ours: str
-    agrees: bool | None
+    agrees: bool | None = None
     why: str = ""
 
 
