@@ -9,6 +9,7 @@ from meshes.exports import exports
 
 if TYPE_CHECKING:
     from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
+    from dem.case import Case
     from dem.engine.engine import Engine
     from dem.errors import DemError
     from dem.ground import Ground, ground_of, springs_of
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from dem.search.critical import critical_kh
     from dem.search.deposit import deposit
     from dem.search.equilibrium import settle
-    from dem.settings import Case, DemSettings, SlideSettings
+    from dem.settings import DemSettings, SlideSettings
     from dem.slides.column import SoilColumn
     from dem.slides.liquefaction import Slider
     from dem.slides.runout import RunOut, connected_ground, deposit_profile, loose_share, mass_quantile, run_out

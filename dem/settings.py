@@ -2,15 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field, StrictBool, model_validator
+from pydantic import Field, StrictBool
 
-from meshes.section.cutting import value_of_stratum
-from meshes.section.liquefies import Remains
+from dem.case import LOOSE_SAND, SOFTENED, Case
 from meshes.section.motion_units import RecordComponent, RecordUnit
-from meshes.section.quantity import Length, Quantity, Strength
+from meshes.section.quantity import Length
 from meshes.section.recorded_kh import RecordedKh
 from meshes.section.section import Model, Section
 
@@ -25,6 +24,7 @@ SEEDS: Mapping[DiscModelName, tuple[int, ...]] = {"soil": (1, 2), "paper": ()}
 ONSET: Mapping[DiscModelName, float] = {"soil": 5.0, "paper": 0.0}
 # soil discs have dashpots a tenth as large, and their energy balances with this
 STEP: Mapping[DiscModelName, float] = {"soil": 0.6, "paper": 0.3}
+CASES: Mapping[DiscModelName, tuple[Case, ...]] = {"soil": LOOSE_SAND, "paper": SOFTENED}  # where none are given
 # Settings of [dem] that soil discs do not know.
 OF_THE_PAPER = tuple(
     f"dem.{key}"
@@ -161,130 +161,24 @@ Seed = Annotated[int, Field(ge=0)]
 PackingCount = Annotated[int, Field(ge=1, le=10_000)]
 
 
-Share = Annotated[float, Field(ge=0.0, le=1.0)]
-LIQUEFIED = (50.0, 1e6)  # Pa: what residual strengths are, from a slurry to dense ground
 AVERAGE = "average"  # in place of a file: the response of the layers to a record of the rock
-
-
-def _of_liquefied_soil(strength: Quantity) -> Quantity:
-    """Check a residual strength (Pa); raises ValueError for one that soil does not have, naming what may have been
-    meant.
-    """
-    least, most = LIQUEFIED
-    if strength == 0.0 or least <= strength <= most:
-        return strength
-    factor = 1e3 if strength < least else 1e-3
-    number = str(strength.written).split()[0]
-    meant = f' (did you mean "{number} kPa"?)' if least <= factor * strength <= most else ""
-    raise ValueError(
-        f"{strength / 1e3:.6g} kPa is beyond what there is{meant}; expected 0, or {least / 1e3:g} to {most / 1e3:g} kPa"
-    )
-
-
-ResidualStrength = Annotated[Strength, AfterValidator(_of_liquefied_soil)]
-
-
-class Case(Model):
-    """What liquefaction does to the layers that name this case in `liquefies_in`."""
-
-    name: str = Field(default="", description="what the case is called, such as low strength")
-    stiffness: float = Field(
-        default=1.0,
-        gt=0.0,
-        le=1.0,
-        description="factor on the element springs, such as 0.02; of soil discs on the shear modulus, "
-        "with which residual strength is reached at a shear strain of 0.4 to 2 %",
-    )
-    damping: float | None = Field(
-        default=None,
-        ge=0.0,
-        le=1.0,
-        description="factor on the dashpots; if not given the root of stiffness: springs that are left are damped as "
-        "before",
-    )
-    friction: float = Field(
-        default=0.0,
-        ge=0.0,
-        le=1.0,
-        description="factor on the friction; of other discs and of the continuum on tan phi",
-    )
-    cohesion: float = Field(default=0.0, ge=0.0, le=1.0, description="share of its cohesion that the soil keeps")
-    residual: Share | dict[str, Share] = Field(
-        default=0.0,
-        description="residual strength over the vertical effective stress before shaking; one for all, or one for "
-        "each by the name of the stratum; what friction and cohesion leave counts in its place where that is more",
-    )
-    residual_strength: ResidualStrength | dict[str, ResidualStrength] = Field(
-        default=0.0,
-        description='residual strength, the same all over a stratum, such as "4 kPa"; one for all, or '
-        "one for each by the name of the stratum; in place of residual",
-    )
-    strain_potential: Share | dict[str, Share] = Field(
-        default=0.0,
-        description="shear strain that liquefied ground goes through before it holds, such as 0.4, with next to no "
-        "stiffness; one for all, or one for each by the name of the stratum",
-    )
-    volumetric_strain: float = Field(
-        default=0.0, ge=0.0, le=0.2, description="volume that drains away over the onset, such as 0.03; discs shrink"
-    )
-
-    @property
-    def damping_left(self) -> float:
-        """`damping`, or the root of `stiffness`: dashpots are a share of sqrt(m K), and K is what is left of it."""
-        return float(np.sqrt(self.stiffness)) if self.damping is None else self.damping
-
-    def residual_of(self, stratum: str) -> float:
-        """The residual strength of a stratum by its name, over the vertical effective stress."""
-        return value_of_stratum(self.residual, stratum) or 0.0 if isinstance(self.residual, dict) else self.residual
-
-    def strength_of(self, stratum: str) -> float:
-        """The residual strength (Pa) of a stratum by its name, where it is given as such."""
-        kept = self.residual_strength
-        return value_of_stratum(kept, stratum) or 0.0 if isinstance(kept, dict) else kept
-
-    def strain_potential_of(self, stratum: str) -> float:
-        """The shear strain that a stratum, by its name, goes through before it holds."""
-        potential = self.strain_potential
-        return value_of_stratum(potential, stratum) or 0.0 if isinstance(potential, dict) else potential
-
-    def residual_remains(self, stratum: str) -> Remains:
-        """What a stratum, by its name, keeps by its residual strength alone."""
-        kept = self.residual_of(stratum), self.strength_of(stratum), self.strain_potential_of(stratum)
-        return Remains(0.0, 0.0, *kept)
-
-    def remains_of(self, section: Section, number: int) -> Remains:
-        """The strength a stratum keeps: its residual strength, or shares of cohesion and friction where those give
-        more. Back-calculated residual strengths are all that slides had left, so that the two do not add up.
-        """
-        stratum, field = section.strata[number], section.cohesion_field
-        residual = self.residual_remains(stratum.name)
-        shares = Remains(self.cohesion, self.friction, 0.0)
-        if not (self.cohesion or self.friction):
-            return residual
-        stress, cohesion = field.mean_effective_stress(number), field.means()[number].cohesion
-        kept = self.cohesion * cohesion + self.friction * np.tan(stratum.friction_angle) * stress
-        return shares if kept > residual.residual * stress + residual.strength else residual
-
-    @model_validator(mode="after")
-    def _one_residual(self) -> Self:
-        if self.residual and self.residual_strength:
-            raise ValueError("residual and residual_strength: expected one of them")
-        return self
 
 
 class SlideSettings(Model):
     """Settings of the liquefied slides, a table [slide]."""
 
     cases: tuple[Case, ...] = Field(
-        default=(Case(stiffness=0.1), Case(stiffness=0.02), Case(stiffness=0.01)),
-        description="one table [[slide.cases]] for each, numbered from 1; [] for those of [triggering] alone",
+        default=LOOSE_SAND,
+        description="one table [[slide.cases]] for each, numbered from 1; [] for those of [triggering] alone. If not "
+        'given, three residual strengths of loose sand; with model = "paper", three stiffnesses without strength',
     )
     kh: float = Field(
         default=0.1,
         ge=0.0,
         le=1.0,
         description='seismic coefficient that is held, or that reverses in kh_cycles; "k_max" takes that of '
-        '[site_response], "earthquake" that of [earthquake] with its cycles, which is the default where there is one',
+        '[site_response], "earthquake" that of [earthquake] with its cycles, which is the default where there is one. '
+        "Where nothing says how the ground shakes, 0.1 both ways in the 15 cycles of magnitude 7.5",
     )
     kh_seconds: float | None = Field(
         default=None, gt=0.0, description="seconds for which Kh is held, then taken away; for ever if not given"

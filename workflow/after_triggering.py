@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from dem.settings import Case, SlideSettings
+from dem.case import Case, cases_of_loose_sand
+from dem.settings import SlideSettings
 from meshes.errors import InputError
 from meshes.section.cutting import key_in_file
 from meshes.section.liquefies import Cases
@@ -12,7 +13,7 @@ from meshes.section.overburden import reaches_water
 from meshes.section.section import Section
 from workflow.config import K_MAX, Config
 from workflow.earthquake.column import column_of
-from workflow.earthquake.settings import SiteResponseSettings, push_of_slides
+from workflow.earthquake.settings import SHAKES, SiteResponseSettings, assumed_push, push_of_slides
 from workflow.triggering.assessment import Assessment, assess
 from workflow.triggering.consequences import left, pore_pressures
 from workflow.triggering.settings import TriggeringSettings
@@ -76,6 +77,8 @@ def _analysed(config: Config) -> Config:
         count = len(slide.cases) + len(config.triggering.cases)
         section = ground_after_triggering(section, assessment, config.triggering, count)
         cases = cases_after_triggering(section, assessment, config.triggering)
+    if "cases" not in config.slide.model_fields_set:
+        slide = slide.changed(cases=cases_of_loose_sand(section))
     return config.analysed(section, slide, cases, of_the_earthquake)
 
 
@@ -148,4 +151,7 @@ def _driven(config: Config) -> tuple[SlideSettings, list[str]]:
     if written.get("kh") == K_MAX:
         written["kh"] = average_kh(config.section, config.site_response)
     numbers = push_of_slides(config.earthquake, written, config.section.name)
-    return SlideSettings.model_validate({**written, **numbers}), list(numbers)
+    assumed: dict[str, float] = {}
+    if not numbers and config.dem.model == "soil" and not written.keys() & set(SHAKES):
+        assumed = assumed_push()
+    return SlideSettings.model_validate({**written, **numbers, **assumed}), list(numbers)

@@ -8,7 +8,8 @@ from typing import Any, Self
 import tomli_w
 from pydantic import PrivateAttr, ValidationError, model_validator
 
-from dem.settings import AVERAGE, Case, SlideSettings
+from dem.case import Case, cases_of_loose_sand
+from dem.settings import AVERAGE, CASES, SlideSettings
 from meshes.errors import InputError
 from meshes.section.cutting import key_in_file
 from meshes.section.quantity import GRAVITY
@@ -118,13 +119,19 @@ class Config(Tables):
         """Notices on the section, its mesh and its records, one sentence each."""
         cut_off = [line for reach in self.reach.values() for line in reach.notice.splitlines()]
         cracks = self.tension_crack.notices(self.section)
-        return [*self.section.notices, *self.mesh.notices(self.section), *cracks, *cut_off, *self.notices_of_shaking]
+        return [*self.section.notices, *self.mesh.notices(self.section), *cracks, *cut_off, *self.notices_of_slides]
 
     @property
-    def notices_of_shaking(self) -> list[str]:
-        """Notices on the earthquake and its records, and on their effect on the slides."""
+    def notices_of_slides(self) -> list[str]:
+        """Notices on the earthquake and its records, on their effect on the slides, and on strengths assumed there."""
         slides = self.section.liquefies
-        return [*remarks(self), *self.earthquake.notices(self.slide if slides else None)]
+        notices = [*remarks(self), *self.earthquake.notices(self.slide if slides else None)]
+        if slides and self.slide.cases and self.slide.cases == cases_of_loose_sand(self.section):
+            notices.append(
+                "slide, cases: nothing says what strength liquefied ground keeps; loose sand with (N1)60 = 8, 3 "
+                "and 12 is assumed (Olson & Stark 2002): give blow counts ([triggering]), or [[slide.cases]]"
+            )
+        return notices
 
     @classmethod
     def parse(cls, data: Mapping[str, Any], source: str = "section") -> Self:
@@ -137,8 +144,13 @@ class Config(Tables):
         left_open: dict[str, str] = {}
         if isinstance(slide, Mapping):
             triggering = data.get("triggering")
-            if isinstance(triggering, Mapping) and triggering.get("cases") and "cases" not in slide:
-                data = merged(data, {"slide": {"cases": []}})  # not the paper's three beside them
+            dem = data.get("dem")
+            if "cases" in slide:
+                pass
+            elif isinstance(triggering, Mapping) and triggering.get("cases"):
+                data = merged(data, {"slide": {"cases": []}})  # not the default ones beside them
+            elif isinstance(dem, Mapping) and dem.get("model") == "paper":
+                data = merged(data, {"slide": {"cases": [case.model_dump() for case in CASES["paper"]]}})
             left_open = {key: slide[key] for key in OPEN if isinstance(slide.get(key), str) and slide[key] in OPEN[key]}
             if left_open:
                 data = merged(data, {"slide": dict.fromkeys(left_open, NOT_YET)})

@@ -127,7 +127,7 @@ def time_words(low: float, high: float) -> str:
 
 def _show_shaking(job: Job) -> None:
     """Print corrections of records, warnings about them and the earthquake, and the Kh that follows."""
-    for text in job.config.notices_of_shaking:
+    for text in job.config.notices_of_slides:
         out.print(escape(f"Warning: {text}."))
 
 

@@ -13,12 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
+from dem.case import Case
 from dem.engine.engine import Engine, largest_step
 from dem.errors import DemError, EnergyBalanceError
 from dem.ground import Ground
 from dem.liquefied_ground import has_begun, liquefy, set_share
 from dem.model import DiscModel
-from dem.settings import Case, SlideSettings
+from dem.settings import SlideSettings
 from dem.slides.balance import (
     LOST,
     at_the_sides,

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from dem.case import Case
 from dem.ground import Ground
 from dem.kernels.liquefied_pairs import FITTED
 from dem.liquefied_ground import LEAST_STRAIN, MOST_STRAIN, Onset
 from dem.model import DiscModel
-from dem.settings import Case
 from dem.slides.overburden import effective_overburden
 from dem.slides.volume import area_per_disc
 from dem.springs import Law, LayerSprings

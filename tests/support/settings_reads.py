@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from dem.settings import Case
+from dem.case import Case
 from workflow.after_triggering import cases_after_triggering
 from workflow.config import FILES, Config
 from workflow.run.fingerprint import inputs

@@ -8,10 +8,11 @@ the middle below the load, at a depth d, 18 d + 40 times that share.
 import numpy as np
 import pytest
 
+from dem.case import Case
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import lattice_box
-from dem.settings import Case, DemSettings
+from dem.settings import DemSettings
 from dem.slides.liquefied_strength import onset
 from fem.mpm.ground import ground_of
 from fem.mpm.slide import PointSlider, SlideProgramme

@@ -7,8 +7,9 @@ the shear stress of the weight above asks for. Zhang, Robertson & Brachman (2004
 import numpy as np
 import pytest
 
+from dem.case import Case
 from dem.laboratory.soil_contacts import soil_contacts
-from dem.settings import Case, SlideSettings
+from dem.settings import SlideSettings
 from docs.verify.slides.uniform_slope import UNIT_WEIGHT, UniformSlope
 from fem.kernels import material_points as kernel
 from fem.mpm.points import MaterialPoints, PointSoil

@@ -16,10 +16,11 @@ from workflow.earthquake.accelerogram import STRONG, Accelerogram
 from workflow.earthquake.accelerogram import read as read_record
 from workflow.earthquake.attenuation import GAL, Mechanism, Motion, Site, fukushima_tanaka, si_midorikawa
 from workflow.earthquake.boore import Slip, boore
-from workflow.earthquake.equivalent_kh import EquivalentKh, equivalent_kh
+from workflow.earthquake.equivalent_kh import REFERENCE, EquivalentKh, cycles_of_magnitude, equivalent_kh, mean_period
 
 EARTHQUAKE = "earthquake"  # in place of the Kh of the slides, its cycles and period: those that stand for [earthquake]
 CYCLES = ("kh_cycles", "kh_period")
+SHAKES = ("kh", "kh_seconds", "accelerogram", *CYCLES)  # keys of [slide], each of which says how the ground shakes
 PLAIN_IN_G = 1.5  # below it a plain number of m/s² may be one of g
 FIRM = 760.0  # m/s, within the range of what asks for vs30, where it is missing and other problems are looked for
 
@@ -107,6 +108,11 @@ class EarthquakeSettings(Model):
         notices = [self._unlikely_peak(), self.contradiction()]
         if slide is not None and (cycles := self.driving(slide)) is not None:
             notices.append(f"slide, kh = {cycles.kh:g} of [earthquake]: {cycles.words}")
+        elif slide is not None and self.is_assumed(slide):
+            notices.append(
+                f"slide, {slide.shaking}, is assumed (cycles of magnitude {REFERENCE:g}), since nothing says how "
+                "the ground shakes: give [earthquake], a record, or kh (0 for a slide by its weight alone)"
+            )
         return [text for text in notices if text]
 
     def _unlikely_peak(self) -> str:
@@ -124,6 +130,11 @@ class EarthquakeSettings(Model):
         """The equivalent cycles of Kh, where these drive the slides; else None."""
         found = None if slide.accelerogram else self.equivalent()
         return found if found is not None and (slide.kh, slide.kh_cycles) == (found.kh, found.cycles) else None
+
+    def is_assumed(self, slide: SlideSettings) -> bool:
+        """Whether nothing says how the ground shakes, and ``slide`` has what is assumed then."""
+        push = {key: getattr(slide, key) for key in ("kh", *CYCLES)}
+        return self.equivalent() is None and not slide.accelerogram and push == assumed_push()
 
     def equivalent(self) -> EquivalentKh | None:
         """The equivalent cycles of Kh; None where the peak is not known."""
@@ -200,6 +211,20 @@ def push_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], sou
         return {}
     values = {"kh": cycles.kh, "kh_cycles": cycles.cycles, "kh_period": cycles.period}
     return {key: values[key] for key in [*(["kh"] if kh_left else []), *left]}
+
+
+def assumed_push() -> dict[str, float]:
+    """Kh of the slides, its cycles and their period where nothing says how the ground shakes.
+
+    The default Kh in the cycles and with the period of magnitude 7.5 at 20 km, both ways: a Kh held for ever would
+    carry even level ground away once its residual strength is less.
+    """
+    kh = float(SlideSettings.model_fields["kh"].default)
+    return {
+        "kh": kh,
+        "kh_cycles": round(cycles_of_magnitude(REFERENCE), 1),
+        "kh_period": round(mean_period(REFERENCE), 2),
+    }
 
 
 def expected(settings: EarthquakeSettings, magnitude: float, distance: float) -> Motion:

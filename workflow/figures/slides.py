@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from PIL import Image, ImageDraw, ImageFont
 
-from dem.settings import Case
+from dem.case import Case
 from meshes.section.cutting import soil_of
 from workflow.config import Config
 from workflow.figures import fonts

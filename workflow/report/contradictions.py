@@ -5,7 +5,7 @@ from itertools import combinations
 
 import numpy as np
 
-from dem.settings import Case
+from dem.case import Case
 from workflow.report.numbers import coefficient, metre_range, of_cases
 from workflow.results.cases import CaseAnswer, RandomPackings
 from workflow.results.discs import DiscsAnswer, DiscSearch

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from dem.settings import Case
+from dem.case import SOFTENED, Case, cases_of_loose_sand
 from meshes.section.polyline import Line
 from meshes.section.section import Section, Stratum
 from workflow.config import FILES, Config
@@ -86,7 +86,7 @@ def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
     if earthquake.magnitude is not None:
         yield "earthquake", f"M {earthquake.magnitude:g}", "[earthquake]"
     if config.section.liquefies:
-        default = config.slide.kh == type(config.slide).model_fields["kh"].default
+        default = earthquake.is_assumed(config.slide)
         derived = "kh" in config.left_open or earthquake.driving(config.slide) is not None  # also of a stored section
         by = "[earthquake]" if derived else "default" if default else "slide.kh"
         yield "shaking of the slides", config.slide.shaking, by
@@ -94,7 +94,7 @@ def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
     for number, names, *left in case_rows(config):
         phrase = ", ".join(f"{head} {value}" for head, value in zip(heads, left, strict=True) if head != "name")
         derived = int(number) > len(config.slide.cases)
-        default = config.slide.cases == type(config.slide).model_fields["cases"].default
+        default = config.slide.cases in (SOFTENED, cases_of_loose_sand(config.section))
         by = "borings ([triggering])" if derived else "default" if default else "slide.cases"
         yield config.called(int(number)), f"{names}: {phrase}", by
 

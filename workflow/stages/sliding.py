@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
+from dem.case import Case
 from dem.ground import Ground
 from dem.model import DiscModel
-from dem.settings import Case
 from dem.slides.liquefaction import Slider
 from dem.slides.row import Row
 from dem.slides.slide import Slide

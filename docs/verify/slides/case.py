@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, TypeAdapter, ValidationError
 
-from dem.settings import Case
+from dem.case import Case
 from docs.verify.case import case_files
 from meshes.errors import InputError
 from meshes.section.quantity import Angle, Length

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from dem.case import Case
 from dem.laboratory.soil_contacts import soil_contacts
 from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
 from dem.search.deposit import deposit
-from dem.settings import Case
 from dem.slides.column import G, SoilColumn
 from dem.slides.cycles import cyclic_acceleration
 from dem.slides.liquefaction import Slider

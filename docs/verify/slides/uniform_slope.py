@@ -12,12 +12,13 @@ import numpy as np
 
 from dem.acceleration import tilted_gravity
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
+from dem.case import Case
 from dem.engine.engine import Engine, largest_step
 from dem.ground import Ground
 from dem.laboratory.patch import POROSITY, VOID_RATIO
 from dem.model import DiscModel
 from dem.packing import Packing
-from dem.settings import Case, SlideSettings
+from dem.settings import SlideSettings
 from dem.slides.liquefaction import Slider
 from dem.slides.until_rest import UntilRest, run_until_rest
 from dem.springs import LayerSprings

@@ -6,10 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from dem.case import Case
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import lattice_box
-from dem.settings import Case, DemSettings, SlideSettings
+from dem.settings import DemSettings, SlideSettings
 from dem.slides.balance import (
     at_the_sides,
     both_sides,

@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import trapezoid
 
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
+from dem.case import Case
 from dem.engine.engine import Engine
 from dem.ground import Ground
 from dem.kernels.contact import ALLOWED, CN, CT, KN, KS, MU
@@ -27,7 +28,6 @@ from dem.liquefied_ground import (
 from dem.model import DiscModel
 from dem.packing import lattice_box
 from dem.pair_table import pair_table
-from dem.settings import Case
 from dem.slides.liquefied_strength import SHEAR_MODULUS, liquefied, onset
 from dem.slides.overburden import effective_overburden
 from tests.support.dem_cases import BARE, RADIUS

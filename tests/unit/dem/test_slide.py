@@ -6,12 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from dem.case import Case
 from dem.engine.engine import Engine
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import lattice_box
 from dem.search.equilibrium import settle
-from dem.settings import Case, DemSettings, SlideSettings
+from dem.settings import DemSettings, SlideSettings
 from dem.slides.drive import Shaking
 from dem.slides.liquefaction import LEAST_STEP, Slider
 from dem.slides.liquefied_strength import liquefied

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dem.settings import Case, SlideSettings
+from dem.case import Case
+from dem.settings import SlideSettings
 from tests.support import dem_fixture
 from tests.support.answers import bounds, fem, results, warned
 from tests.support.sections import analysed, slope

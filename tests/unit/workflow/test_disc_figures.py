@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
+from dem.case import Case
 from dem.engine.engine import Engine
 from dem.engine.forces import contact_forces
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import lattice_box
-from dem.settings import Case
 from tests.support import SECTIONS
 from tests.support.dem_cases import RADIUS, box
 from workflow.config import Config

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from dem.settings import Case
+from dem.case import Case
 from meshes.errors import InputError
 from meshes.section.cutting import key_in_file, shown_name, soil_numbers, value_of_stratum
 from tests.support.sections import layer

@@ -53,7 +53,7 @@ def test_as_f_l_says(tmp_path: Path) -> None:
 
 
 def test_kh_that_is_held_has_no_record_and_a_missing_one_is_told(tmp_path: Path) -> None:
-    assert shaking_of(analysed(slope()), [0]) is None
+    assert shaking_of(analysed({**slope(), "slide": {"kh": 0.1}}), [0]) is None
     (tmp_path / "record.csv").unlink(missing_ok=True)
     given = shaken(tmp_path)
     (tmp_path / "record.csv").unlink()

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from dem.assembly import DiscGeometry, DiscMaterials
+from dem.case import Case
 from dem.engine.engine import Engine, largest_step
 from dem.model import DiscModel
-from dem.settings import Case
 from dem.slides.liquefied_strength import liquefied
 from dem.springs import LayerSprings, Strength, soil_discs
 from tests.support import SECTIONS

@@ -1,0 +1,165 @@
+"""What liquefaction does to layers: the cases of the slides, a table [[slide.cases]] each."""
+
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import AfterValidator, Field, model_validator
+
+from meshes.section.cutting import value_of_stratum, whole_soil
+from meshes.section.liquefies import Remains
+from meshes.section.quantity import Quantity, Strength
+from meshes.section.section import Model, Section
+
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+LIQUEFIED = (50.0, 1e6)  # Pa: what residual strengths are, from a slurry to dense ground
+
+
+def _of_liquefied_soil(strength: Quantity) -> Quantity:
+    """Check a residual strength (Pa); raises ValueError for one that soil does not have, naming what may have been
+    meant.
+    """
+    least, most = LIQUEFIED
+    if strength == 0.0 or least <= strength <= most:
+        return strength
+    factor = 1e3 if strength < least else 1e-3
+    number = str(strength.written).split()[0]
+    meant = f' (did you mean "{number} kPa"?)' if least <= factor * strength <= most else ""
+    raise ValueError(
+        f"{strength / 1e3:.6g} kPa is beyond what there is{meant}; expected 0, or {least / 1e3:g} to {most / 1e3:g} kPa"
+    )
+
+
+ResidualStrength = Annotated[Strength, AfterValidator(_of_liquefied_soil)]
+
+
+class Case(Model):
+    """What liquefaction does to the layers that name this case in `liquefies_in`."""
+
+    name: str = Field(default="", description="what the case is called, such as low strength")
+    stiffness: float = Field(
+        default=1.0,
+        gt=0.0,
+        le=1.0,
+        description="factor on the element springs, such as 0.02; of soil discs on the shear modulus, "
+        "with which residual strength is reached at a shear strain of 0.4 to 2 %",
+    )
+    damping: float | None = Field(
+        default=None,
+        ge=0.0,
+        le=1.0,
+        description="factor on the dashpots; if not given the root of stiffness: springs that are left are damped as "
+        "before",
+    )
+    friction: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=1.0,
+        description="factor on the friction; of other discs and of the continuum on tan phi",
+    )
+    cohesion: float = Field(default=0.0, ge=0.0, le=1.0, description="share of its cohesion that the soil keeps")
+    residual: Share | dict[str, Share] = Field(
+        default=0.0,
+        description="residual strength over the vertical effective stress before shaking; one for all, or one for "
+        "each by the name of the stratum; what friction and cohesion leave counts in its place where that is more",
+    )
+    residual_strength: ResidualStrength | dict[str, ResidualStrength] = Field(
+        default=0.0,
+        description='residual strength, the same all over a stratum, such as "4 kPa"; one for all, or '
+        "one for each by the name of the stratum; in place of residual",
+    )
+    strain_potential: Share | dict[str, Share] = Field(
+        default=0.0,
+        description="shear strain that liquefied ground goes through before it holds, such as 0.4, with next to no "
+        "stiffness; one for all, or one for each by the name of the stratum",
+    )
+    volumetric_strain: float = Field(
+        default=0.0, ge=0.0, le=0.2, description="volume that drains away over the onset, such as 0.03; discs shrink"
+    )
+
+    @property
+    def damping_left(self) -> float:
+        """`damping`, or the root of `stiffness`: dashpots are a share of sqrt(m K), and K is what is left of it."""
+        return float(np.sqrt(self.stiffness)) if self.damping is None else self.damping
+
+    def residual_of(self, stratum: str) -> float:
+        """The residual strength of a stratum by its name, over the vertical effective stress."""
+        return value_of_stratum(self.residual, stratum) or 0.0 if isinstance(self.residual, dict) else self.residual
+
+    def strength_of(self, stratum: str) -> float:
+        """The residual strength (Pa) of a stratum by its name, where it is given as such."""
+        kept = self.residual_strength
+        return value_of_stratum(kept, stratum) or 0.0 if isinstance(kept, dict) else kept
+
+    def strain_potential_of(self, stratum: str) -> float:
+        """The shear strain that a stratum, by its name, goes through before it holds."""
+        potential = self.strain_potential
+        return value_of_stratum(potential, stratum) or 0.0 if isinstance(potential, dict) else potential
+
+    def residual_remains(self, stratum: str) -> Remains:
+        """What a stratum, by its name, keeps by its residual strength alone."""
+        kept = self.residual_of(stratum), self.strength_of(stratum), self.strain_potential_of(stratum)
+        return Remains(0.0, 0.0, *kept)
+
+    def remains_of(self, section: Section, number: int) -> Remains:
+        """The strength a stratum keeps: its residual strength, or shares of cohesion and friction where those give
+        more. Back-calculated residual strengths are all that slides had left, so that the two do not add up.
+        """
+        stratum, field = section.strata[number], section.cohesion_field
+        residual = self.residual_remains(stratum.name)
+        shares = Remains(self.cohesion, self.friction, 0.0)
+        if not (self.cohesion or self.friction):
+            return residual
+        stress, cohesion = field.mean_effective_stress(number), field.means()[number].cohesion
+        kept = self.cohesion * cohesion + self.friction * np.tan(stratum.friction_angle) * stress
+        return shares if kept > residual.residual * stress + residual.strength else residual
+
+    @model_validator(mode="after")
+    def _one_residual(self) -> Self:
+        if self.residual and self.residual_strength:
+            raise ValueError("residual and residual_strength: expected one of them")
+        return self
+
+
+# Clean sand of (N1)60 = 8, and of 3 and 12, the ends of their cases: 0.03 + 0.0075 (N1)60 of Olson & Stark (2002), and
+# the limiting shear strain of the same sand, 1.859 (1.1 - √(N/46))³, at most 0.5 (Idriss & Boulanger 2008).
+LOOSE_SAND = (
+    Case(name="median", residual=0.09, strain_potential=0.5),
+    Case(name="low strength", residual=0.0525, strain_potential=0.5),
+    Case(name="high strength", residual=0.12, strain_potential=0.38),
+)
+SOFTENED = (Case(stiffness=0.1), Case(stiffness=0.02), Case(stiffness=0.01))  # of the paper
+
+
+def cases_of_loose_sand(section: Section) -> tuple[Case, ...]:
+    """The cases of slides where an input gives none: residual strengths of loose sand (`LOOSE_SAND`), each the same all
+    over a soil.
+
+    A strength that goes with the local stress would vanish at the face of a bank. Parts of a soil, above water and
+    below it, share one strength.
+
+    Parameters
+    ----------
+    section : Section
+        The ground; what liquefies in it names the numbers of the cases.
+
+    Returns
+    -------
+    tuple of Case
+        With the ratios of `LOOSE_SAND` times the mean vertical effective stress of each soil that liquefies (Pa).
+    """
+    areas, weights = section.layering.areas(), dict[str, list[tuple[float, float]]]()
+    for k, stratum in enumerate(section.strata):
+        if stratum.liquefies_in and areas[k] > 0.0:
+            stress = section.cohesion_field.mean_effective_stress(k)
+            weights.setdefault(whole_soil(stratum.name), []).append((stress, float(areas[k])))
+    means = {
+        soil: float(np.average([p[0] for p in parts], weights=[p[1] for p in parts])) for soil, parts in weights.items()
+    }
+    least = LIQUEFIED[0]
+    return tuple(
+        case.changed(
+            residual=0.0,
+            residual_strength={soil: max(least, round(case.residual_of(soil) * mean)) for soil, mean in means.items()},
+        )
+        for case in LOOSE_SAND
+    )
