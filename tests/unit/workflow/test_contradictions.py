@@ -13,11 +13,12 @@ from tests.support.answers import bounds, fem, results, warned
 from tests.support.sections import analysed, slope
 from workflow.config import Config
 from workflow.report.console import safety_sentence, slide_sentences
-from workflow.report.contradictions import deepest_fall, is_weaker, of_curve, of_order, of_settlement, of_sides
+from workflow.report.contradictions import deepest_fall, is_weaker, of_curve, of_ends, of_order, of_settlement, of_sides
 from workflow.results.bounds import SafetyPart
 from workflow.results.cases import CasesAnswer, RandomCase, RandomPackings, Spread
 from workflow.results.continuum import FactorOfSafety, OtherWay
 from workflow.results.discs import DiscsAnswer
+from workflow.results.material_points import PointCase
 
 LEVEE = (
     {"name": "median", "residual_strength": "9 kPa", "strain_potential": 0.3},
@@ -175,3 +176,24 @@ def test_a_factor_of_safety_above_its_strict_upper_bound_is_told(run: Config) ->
     assert warning.contradiction
     sound = answer.model_copy(update={"safety_factors": (factor.model_copy(update={"factor": 1.08}),)})
     assert results(run, fem=sound, bounds=strict).warnings == []
+
+
+def point_slide(along: list[tuple[float, float]], **more: Any) -> PointCase:
+    """A slide by material points of ground that falls to the right, with slides (m) along its surface."""
+    surface = tuple((x, 10.0 - 0.1 * x) for x, _ in along)
+    values = {"slide_max_m": max(u for _, u in along), "stopped_by": None, "settled": True, "slide_along": tuple(along)}
+    return PointCase.model_construct(**{**values, "surface_before": surface, "surface_after": surface, **more})
+
+
+def test_points_that_leave_the_section_or_take_its_uphill_end_along_are_found() -> None:
+    stays = point_slide([(0.0, 0.0), (40.0, 20.0), (80.0, 5.0)])
+    as_one = point_slide([(0.0, 4.0), (40.0, 4.2), (80.0, 4.1)])
+    assert list(of_ends({1: stays, 2: as_one})) == []
+    leaves = point_slide([(0.0, 0.0), (40.0, 63.0)], stopped_by="right", settled=False)
+    [told] = of_ends({1: leaves, 2: stays})
+    assert told.startswith("material points have run out of the section in case 1: 63 m is the least")
+    [told] = of_ends({3: point_slide([(0.0, 8.0), (40.0, 20.0)])})
+    assert told.startswith("the uphill end of the section slides along by 8.0 m in case 3")
+    falls_left = point_slide([(0.0, 20.0), (40.0, 8.0)], surface_before=((0.0, 0.0), (40.0, 10.0)))
+    [told] = of_ends({3: falls_left})
+    assert "8.0 m" in told
