@@ -6,28 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.kernels import liquefied_pairs as bond
 from dem.kernels.liquefied_lists import densities
-from dem.kernels.liquefied_pairs import (
-    AREA,
-    AT_X,
-    AT_Z,
-    DENSITY,
-    FIELDS,
-    FITTED,
-    FORCE_X,
-    FORCE_Z,
-    FRESH,
-    KNEE,
-    MEMORY,
-    NOW,
-    PRESSURE,
-    SHARE,
-    SOFT_TO,
-    STIFFNESS,
-    STRAIN,
-    STRENGTH,
-    VISCOSITY,
-)
 from dem.kernels.liquefied_stress import held_shear
 from dem.kernels.neighbours import Near, cell_grid, find_pairs, known_pairs
 from dem.ranges import Ranges, serial
@@ -96,14 +76,14 @@ def list_liquefied(state: DiscState, in_ranges: Ranges = serial) -> None:
 
     pairs = in_ranges(find, len(state))
     first, second, old = pairs[0] if len(pairs) == 1 else map(np.concatenate, zip(*pairs, strict=True))
-    state.bonds = np.concatenate([state.bonds, np.zeros((1, MEMORY))])[old]
+    state.bonds = np.concatenate([state.bonds, np.zeros((1, bond.MEMORY))])[old]
     before = _in_pairs(state)
     state.liquefied_i, state.liquefied_j = order[first], order[second]
     # who comes near for the first time was not followed until now, and nothing holds who is no longer near
     now = _in_pairs(state)
     came = now & ~before
-    state.liquefied[came, AT_X], state.liquefied[came, AT_Z] = state.x[came], state.z[came]
-    state.liquefied[~now, FORCE_X] = state.liquefied[~now, FORCE_Z] = 0.0
+    state.liquefied[came, bond.AT_X], state.liquefied[came, bond.AT_Z] = state.x[came], state.z[came]
+    state.liquefied[~now, bond.FORCE_X] = state.liquefied[~now, bond.FORCE_Z] = 0.0
 
 
 def match_strength(state: DiscState) -> None:
@@ -120,17 +100,17 @@ def match_strength(state: DiscState) -> None:
     held, strain, used = held_shear(
         wet, way, np.array([state.liquefied_i, state.liquefied_j]), state.bonds, state.reach, state.repeats
     )
-    measured = wet[:, SHARE] == 1.0
+    measured = wet[:, bond.SHARE] == 1.0
     measured[state.liquefied_i[state.fixed[state.liquefied_j]]] = False
     measured[state.liquefied_j[state.fixed[state.liquefied_i]]] = False
     slipped = np.where(measured, np.clip((used - SLIPS) / (FLOWS - SLIPS), 0.0, 1.0), 0.0) * strain
     factor = state.strength_factor
-    asked = np.maximum(wet[:, STRENGTH] / factor, LEAST_STRENGTH)
+    asked = np.maximum(wet[:, bond.STRENGTH] / factor, LEAST_STRENGTH)
     lacking = np.clip(1.0 - held / asked, -MOST_LACKING, MOST_LACKING)
     change = np.clip(ADJUSTS * slipped * lacking, -MOST_CHANGE, MOST_CHANGE)
     now = np.clip(factor * np.exp(change), LEAST_FACTOR, MOST_FACTOR)
-    wet[:, STRENGTH] *= now / factor
-    wet[:, STRAIN] *= now / factor  # their stiffness, and with it the stable step, stays
+    wet[:, bond.STRENGTH] *= now / factor
+    wet[:, bond.STRAIN] *= now / factor  # their stiffness, and with it the stable step, stays
     state.strength_factor = now
 
 
@@ -155,30 +135,30 @@ def liquefy(model: DiscState, onset: Onset) -> None:
             f"three times the range of its pore pressure kernel; it is {model.period[0]:g} m"
         )
     if not len(model.liquefied):
-        model.liquefied = np.zeros((len(model), FIELDS))
+        model.liquefied = np.zeros((len(model), bond.FIELDS))
         model.strength_factor = np.ones(len(model))
         model.reach = reach
     wet, new = model.liquefied, onset.discs & ~has_begun(model)
-    wet[:, AREA] = np.where(wet[:, AREA] > 0.0, wet[:, AREA], onset.area)
-    wet[new, PRESSURE] = onset.pressure[new]
-    wet[new, STRENGTH] = onset.strength[new]
-    wet[new, STRAIN] = onset.strain[new]
-    wet[new, KNEE] = np.broadcast_to(onset.knee, len(wet))[new]
-    wet[new, SOFT_TO] = np.broadcast_to(onset.soft_to, len(wet))[new]
-    wet[:, AT_X], wet[:, AT_Z] = model.x, model.z
+    wet[:, bond.AREA] = np.where(wet[:, bond.AREA] > 0.0, wet[:, bond.AREA], onset.area)
+    wet[new, bond.PRESSURE] = onset.pressure[new]
+    wet[new, bond.STRENGTH] = onset.strength[new]
+    wet[new, bond.STRAIN] = onset.strain[new]
+    wet[new, bond.KNEE] = np.broadcast_to(onset.knee, len(wet))[new]
+    wet[new, bond.SOFT_TO] = np.broadcast_to(onset.soft_to, len(wet))[new]
+    wet[:, bond.AT_X], wet[:, bond.AT_Z] = model.x, model.z
     for k in np.unique(model.layer[new]):
         here = new & (model.layer == k)
-        wet[here, STIFFNESS] = WATER * float(onset.pressure[here].mean())
+        wet[here, bond.STIFFNESS] = WATER * float(onset.pressure[here].mean())
     list_liquefied(model)
-    model.bonds[new[model.liquefied_i] | new[model.liquefied_j], FRESH] = 1.0
+    model.bonds[new[model.liquefied_i] | new[model.liquefied_j], bond.FRESH] = 1.0
     density = _densities(model)
     for k in np.unique(model.layer[new]):
         here = new & (model.layer == k)
         middle = np.median(density[here])
-        wet[here, DENSITY] = np.where(density[here] < LOOSER * middle, LOOSE * middle, density[here])
-    wet[new, NOW] = density[new]
-    speed = np.sqrt(wet[new, STIFFNESS] * model.mass[new] / wet[new, AREA])  # density times speed of sound
-    wet[new, VISCOSITY] = VISCOUS * model.reach * speed
+        wet[here, bond.DENSITY] = np.where(density[here] < LOOSER * middle, LOOSE * middle, density[here])
+    wet[new, bond.NOW] = density[new]
+    speed = np.sqrt(wet[new, bond.STIFFNESS] * model.mass[new] / wet[new, bond.AREA])  # density times speed of sound
+    wet[new, bond.VISCOSITY] = VISCOUS * model.reach * speed
 
 
 def longest_look(model: DiscState) -> tuple[float, int]:
@@ -191,9 +171,9 @@ def longest_look(model: DiscState) -> tuple[float, int]:
     if not len(which):
         return np.inf, -1
     wet = model.liquefied[which]
-    steepest = (1.0 - wet[:, KNEE]) / (1.0 - wet[:, SOFT_TO])
-    bonds = 2.4 * np.pi * FITTED * steepest * wet[:, STRENGTH] / wet[:, STRAIN]
-    square = 2.0 * (bonds + 3.0 * wet[:, STIFFNESS]) * wet[:, AREA] / (model.mass[which] * model.reach**2)
+    steepest = (1.0 - wet[:, bond.KNEE]) / (1.0 - wet[:, bond.SOFT_TO])
+    bonds = 2.4 * np.pi * bond.FITTED * steepest * wet[:, bond.STRENGTH] / wet[:, bond.STRAIN]
+    square = 2.0 * (bonds + 3.0 * wet[:, bond.STIFFNESS]) * wet[:, bond.AREA] / (model.mass[which] * model.reach**2)
     highest = int(np.argmax(square))
     return float(SOFTEST / np.sqrt(square[highest])), int(which[highest])
 
@@ -206,7 +186,7 @@ def steps_held(model: DiscState, dt: float) -> int:
 def _densities(model: DiscState) -> np.ndarray:
     """Density of the discs' areas (n,) when the pairs were last evaluated; of use for liquefied discs alone."""
     wet = model.liquefied
-    x, z, area = (np.ascontiguousarray(wet[:, field]) for field in (AT_X, AT_Z, AREA))
+    x, z, area = (np.ascontiguousarray(wet[:, field]) for field in (bond.AT_X, bond.AT_Z, bond.AREA))
     return densities(x, z, area, model.liquefied_i, model.liquefied_j, model.reach, model.repeats)
 
 
@@ -214,17 +194,17 @@ def change_areas(model: DiscState, factor: np.ndarray) -> None:
     """Scales the areas with voids by a factor (n,), such as where ground drains; pore pressure changes, too."""
     if not len(model.liquefied):
         return
-    model.liquefied[:, AREA] *= factor
+    model.liquefied[:, bond.AREA] *= factor
     begun = has_begun(model)
-    model.liquefied[begun, NOW] = _densities(model)[begun]
+    model.liquefied[begun, bond.NOW] = _densities(model)[begun]
 
 
 def has_begun(model: DiscState) -> np.ndarray:
     """Mask (n,) of the discs that have begun to liquefy."""
-    return model.liquefied[:, STIFFNESS] > 0.0 if len(model.liquefied) else np.zeros(len(model), bool)
+    return model.liquefied[:, bond.STIFFNESS] > 0.0 if len(model.liquefied) else np.zeros(len(model), bool)
 
 
 def set_share(model: DiscState, share: np.ndarray) -> None:
     """How far each disc (n,) has liquefied, 0 to 1; those that never began to liquefy stay as they are."""
     wet = model.liquefied
-    wet[:, SHARE] = np.where(has_begun(model), share, 0.0)
+    wet[:, bond.SHARE] = np.where(has_begun(model), share, 0.0)

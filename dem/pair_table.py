@@ -8,29 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dem.kernels.contact import (
-    ALLOWED,
-    BC,
-    BETA,
-    CN,
-    COHESION,
-    COHESION_OTHER,
-    CONSTANTS,
-    CT,
-    DEPTH,
-    FKPS,
-    FKS,
-    GAP,
-    KN,
-    KPN,
-    KPS,
-    KS,
-    MU,
-    MU_OTHER,
-    MU_ROLLING,
-    STOP,
-    TAN,
-)
+from dem.kernels import contact as row
 from dem.springs import NOTHING_ROLLS, STOP_DEPTH, Law, LayerSprings, Mean
 
 ANY_OVERLAP = 2.0  # half of the sum of radii, and more
@@ -81,34 +59,36 @@ def pair_table(
         raise ValueError("contact cohesion, rolling friction and stop belong to soil discs: take law='soil'")
     n = len(layers)
     pairs = _square(values, mean)
-    held = np.maximum(values[KN], [layer.boundary for layer in layers])
-    pairs[KN, :n, n] = pairs[KN, n, :n] = held
+    held = np.maximum(values[row.KN], [layer.boundary for layer in layers])
+    pairs[row.KN, :n, n] = pairs[row.KN, n, :n] = held
     left = _share_left([layer.faded for layer in layers])
     _fade(pairs, left)
-    np.divide(_attraction(layers) * left, pairs[KN], out=pairs[GAP], where=pairs[KN] > 0.0)
-    np.minimum(pairs[GAP], widest, out=pairs[GAP])
-    lines = np.zeros((CONSTANTS, n + 1))
+    np.divide(_attraction(layers) * left, pairs[row.KN], out=pairs[row.GAP], where=pairs[row.KN] > 0.0)
+    np.minimum(pairs[row.GAP], widest, out=pairs[row.GAP])
+    lines = np.zeros((row.CONSTANTS, n + 1))
     lines[:, :n] = values
-    lines[KN] = (values[KN] + values[STOP]).max()
-    lines[CN, :n] *= np.sqrt(lines[KN, :n] / values[KN])
-    lines[[MU, MU_OTHER, COHESION, COHESION_OTHER, MU_ROLLING], :n] *= 1.0 - np.array([s.faded for s in layers])
+    lines[row.KN] = (values[row.KN] + values[row.STOP]).max()
+    lines[row.CN, :n] *= np.sqrt(lines[row.KN, :n] / values[row.KN])
+    lines[[row.MU, row.MU_OTHER, row.COHESION, row.COHESION_OTHER, row.MU_ROLLING], :n] *= 1.0 - np.array(
+        [s.faded for s in layers]
+    )
     if law == "soil":
         _weaker(pairs[:, :n, :n], values)
-        pairs[[COHESION, COHESION_OTHER]] *= left
+        pairs[[row.COHESION, row.COHESION_OTHER]] *= left
     for table in (pairs, lines):
-        for spring, flexibility in ((KS, FKS), (KPS, FKPS)):
+        for spring, flexibility in ((row.KS, row.FKS), (row.KPS, row.FKPS)):
             np.divide(1.0, table[spring], out=table[flexibility], where=table[spring] > 0.0)
     alpha = _square(np.array([[layer.alpha for layer in layers]]), mean)
     alpha[0, n, n] = 1.0
-    return PairTable(tuple(layers), pairs.reshape(CONSTANTS, -1), lines, alpha.ravel())
+    return PairTable(tuple(layers), pairs.reshape(row.CONSTANTS, -1), lines, alpha.ravel())
 
 
 def _weaker(pairs: np.ndarray, values: np.ndarray) -> None:
     """Writes friction and cohesion of both materials into the constants of a pair, and the smaller rolling friction."""
     first, other = np.broadcast_arrays(values[:, :, None], values[:, None, :])
-    for row, second in ((MU, MU_OTHER), (COHESION, COHESION_OTHER)):
-        pairs[row], pairs[second] = first[row], other[row]
-    pairs[MU_ROLLING] = np.minimum(first[MU_ROLLING], other[MU_ROLLING])
+    for own, second in ((row.MU, row.MU_OTHER), (row.COHESION, row.COHESION_OTHER)):
+        pairs[own], pairs[second] = first[own], other[own]
+    pairs[row.MU_ROLLING] = np.minimum(first[row.MU_ROLLING], other[row.MU_ROLLING])
 
 
 def _attraction(layers: Sequence[LayerSprings]) -> np.ndarray:
@@ -134,17 +114,18 @@ def _square(values: np.ndarray, mean: Mean) -> np.ndarray:
 
 def _columns(layers: Sequence[LayerSprings]) -> np.ndarray:
     """The constants of contacts within each layer, a column for each."""
-    values = np.zeros((CONSTANTS, len(layers)))
+    values = np.zeros((row.CONSTANTS, len(layers)))
     for k, layer in enumerate(layers):
         tan = layer.friction if layer.pore_friction is None else layer.pore_friction
-        for row, value in (
-            (KN, layer.kn), (KS, layer.ks), (CN, layer.cn), (CT, layer.ct), (MU, layer.friction),
-            (KPN, layer.kpn), (KPS, layer.kps), (TAN, tan), (BC, layer.cohesion), (BETA, layer.beta),
-            (ALLOWED, 0.5 * layer.allowed_overlap), (COHESION, layer.contact_cohesion), (MU_OTHER, layer.friction),
-            (COHESION_OTHER, layer.contact_cohesion), (STOP, max(layer.stop - layer.kn, 0.0)),
-            (DEPTH, 0.5 * STOP_DEPTH), (MU_ROLLING, min(layer.rolling_friction, NOTHING_ROLLS)),
+        for constant, value in (
+            (row.KN, layer.kn), (row.KS, layer.ks), (row.CN, layer.cn), (row.CT, layer.ct), (row.MU, layer.friction),
+            (row.KPN, layer.kpn), (row.KPS, layer.kps), (row.TAN, tan), (row.BC, layer.cohesion),
+            (row.BETA, layer.beta), (row.ALLOWED, 0.5 * layer.allowed_overlap), (row.MU_OTHER, layer.friction),
+            (row.COHESION, layer.contact_cohesion), (row.COHESION_OTHER, layer.contact_cohesion),
+            (row.STOP, max(layer.stop - layer.kn, 0.0)), (row.DEPTH, 0.5 * STOP_DEPTH),
+            (row.MU_ROLLING, min(layer.rolling_friction, NOTHING_ROLLS)),
         ):  # fmt: skip
-            values[row, k] = value
+            values[constant, k] = value
     return values
 
 
@@ -159,5 +140,5 @@ def _share_left(faded: Sequence[float]) -> np.ndarray:
 
 def _fade(pairs: np.ndarray, left: np.ndarray) -> None:
     """Takes what is gone off the stiffness of contacts (CONSTANTS, n + 1, n + 1): they may overlap as they like."""
-    pairs[[KN, KS, CN, CT, STOP]] *= left
-    pairs[ALLOWED] = np.where(left < 1.0, ANY_OVERLAP, pairs[ALLOWED])
+    pairs[[row.KN, row.KS, row.CN, row.CT, row.STOP]] *= left
+    pairs[row.ALLOWED] = np.where(left < 1.0, ANY_OVERLAP, pairs[row.ALLOWED])

@@ -2,26 +2,12 @@
 
 import numpy as np
 
+from dem.kernels import layout as field
 from dem.kernels.arguments import Law, Springs, State
 from dem.kernels.contact import ALLOWED
 from dem.kernels.device_function import device_function
 from dem.kernels.interaction import at_line, between_discs, contact_geometry, line_lane
-from dem.kernels.layout import (
-    FR,
-    FX,
-    FZ,
-    LANES,
-    LENGTH,
-    LINK,
-    PORE,
-    RADII,
-    ROLL_LINK,
-    ROLLED,
-    SHARE,
-    SHEAR,
-    TORQUE,
-    Layout,
-)
+from dem.kernels.layout import Layout
 from dem.kernels.losses import ANY_ORDER
 from dem.kernels.prefetch import wide_vectors
 from dem.kernels.work_buffers import BLOCK, constant, load_partners
@@ -48,21 +34,21 @@ def contact(
     """
     links = state.links
     m, now = between_discs(d, q, w, state, buffer, slip_time, law, soil, pores, with_losses)
-    deep = now.over > buffer[constant(ALLOWED) + q] * links[d + RADII + q]
+    deep = now.over > buffer[constant(ALLOWED) + q] * links[d + field.RADII + q]
     if pores:
-        cracked = now.length != links[d + LENGTH + q]
-        links[d + PORE + q] = now.pore
+        cracked = now.length != links[d + field.LENGTH + q]
+        links[d + field.PORE + q] = now.pore
         if cracked:
-            links[d + LENGTH + q] = now.length
-    links[d + SHEAR + q] = now.shear
-    links[d + FX + q] = now.push * m.nx + now.drag * m.nz
-    links[d + FZ + q] = now.push * m.nz - now.drag * m.nx
+            links[d + field.LENGTH + q] = now.length
+    links[d + field.SHEAR + q] = now.shear
+    links[d + field.FX + q] = now.push * m.nx + now.drag * m.nz
+    links[d + field.FZ + q] = now.push * m.nz - now.drag * m.nx
     rim = now.drag * m.lever
     if soil:
-        rim -= state.rolling[w + SHARE + q] * now.torque
-        state.rolling[w + ROLLED + q] = now.rolled
-        state.rolling[w + TORQUE + q] = now.torque
-    links[d + FR + q] = rim
+        rim -= state.rolling[w + field.SHARE + q] * now.torque
+        state.rolling[w + field.ROLLED + q] = now.rolled
+        state.rolling[w + field.TORQUE + q] = now.torque
+    links[d + field.FR + q] = rim
     return deep, now.damped, now.slid, now.cracked, now.rolled_off
 
 
@@ -73,10 +59,10 @@ def load_geometry(chunk: int, state: State, buffer: np.ndarray, law: Law, soil: 
     state: arrays of discs and contacts; law: holds the period of the ground; soil: whether the discs are soil discs.
     """
     wide_vectors()
-    for begin in range(0, LANES, BLOCK):
+    for begin in range(0, field.LANES, BLOCK):
         load_partners(chunk, begin, state, buffer, soil)
         for lane in range(begin, begin + BLOCK):
-            contact_geometry(np.uint64(chunk) * LINK, np.uint64(lane), state, buffer, law, soil)
+            contact_geometry(np.uint64(chunk) * field.LINK, np.uint64(lane), state, buffer, law, soil)
 
 
 @device_function(forceinline=True)
@@ -92,9 +78,9 @@ def all_lanes(
     wide_vectors()
     too_deep = False
     damping, sliding, cracks, rolling = 0.0, 0.0, 0.0, 0.0
-    d, w = np.uint64(chunk) * LINK, np.uint64(chunk) * ROLL_LINK
+    d, w = np.uint64(chunk) * field.LINK, np.uint64(chunk) * field.ROLL_LINK
     load_geometry(chunk, state, buffer, law, soil)
-    for lane in range(LANES):
+    for lane in range(field.LANES):
         deep, damped, slid, cracked, rolled = contact(
             d, np.uint64(lane), w, state, buffer, slip_time, law, soil, pores, with_losses
         )
@@ -148,13 +134,13 @@ def line_contact(
     links = layout.links
     at, w = line_lane(e, layout)
     m, now = at_line(e, at, w, layout, springs, slip_time, law)
-    links[at + SHEAR] = now.shear
-    links[at + FX] = now.push * m.nx + now.drag * m.nz
-    links[at + FZ] = now.push * m.nz - now.drag * m.nx
-    links[at + FR] = now.drag
+    links[at + field.SHEAR] = now.shear
+    links[at + field.FX] = now.push * m.nx + now.drag * m.nz
+    links[at + field.FZ] = now.push * m.nz - now.drag * m.nx
+    links[at + field.FR] = now.drag
     if law.soil:
-        links[at + FR] += now.torque
-        layout.rolling[w + ROLLED] = now.rolled
-        layout.rolling[w + TORQUE] = now.torque
+        links[at + field.FR] += now.torque
+        layout.rolling[w + field.ROLLED] = now.rolled
+        layout.rolling[w + field.TORQUE] = now.torque
     allowed = 2.0 * springs.lines[ALLOWED, layout.line_kind[e]] * layout.line_radius[e]
     return now.over > allowed, 0.5 * now.damped, 0.5 * now.slid, 0.5 * now.rolled_off

@@ -8,27 +8,13 @@ did since the last step, without anything being changed.
 import numpy as np
 from numba import njit
 
+from dem.kernels import layout as field
 from dem.kernels.added_mass import pull_added_mass
 from dem.kernels.arguments import Law, Loads, Springs, State
 from dem.kernels.chunks import add, load_geometry
 from dem.kernels.device_function import device_function
 from dem.kernels.interaction import Contact, at_line, between_discs, line_lane
-from dem.kernels.layout import (
-    DISC,
-    INVMASS,
-    LANES,
-    LINK,
-    MASS,
-    PULL_X,
-    PULL_Z,
-    RIM,
-    ROLL_LINK,
-    SHARE,
-    VR,
-    VX,
-    VZ,
-    Layout,
-)
+from dem.kernels.layout import Layout
 from dem.kernels.liquefied_pairs import liquefied_energy
 from dem.kernels.losses import along
 from dem.kernels.prefetch import wide_vectors
@@ -41,7 +27,7 @@ PORE_WATER, LIQUEFIED_BONDS = 11, 12
 ENERGIES = 13
 
 # Where a chunk's forces on partners, and their rim forces, come to lie: over velocities no longer needed.
-PARTNER_X, PARTNER_Z, PARTNER_R = VX, VZ, VR
+PARTNER_X, PARTNER_Z, PARTNER_R = field.VX, field.VZ, field.VR
 
 
 @device_function(nogil=True, forceinline=True)
@@ -67,10 +53,10 @@ def lanes_energy(
     state, buffer, slip_time, law, soil: as in `chunks.contact`; out: (ENERGIES,) (J).
     """
     wide_vectors()
-    d, w = np.uint64(chunk) * LINK, np.uint64(chunk) * ROLL_LINK
+    d, w = np.uint64(chunk) * field.LINK, np.uint64(chunk) * field.ROLL_LINK
     elements, bonds, pores, rolling = 0.0, 0.0, 0.0, 0.0
     damping, sliding, cracks, rolled_off = 0.0, 0.0, 0.0, 0.0
-    for lane in range(LANES):
+    for lane in range(field.LANES):
         q = np.uint64(lane)
         m, now = between_discs(d, q, w, state, buffer, slip_time, law, soil, True, True)
         elements = add(elements, now.elements)
@@ -84,7 +70,7 @@ def lanes_energy(
         fx, fz = now.push * m.nx + now.drag * m.nz, now.push * m.nz - now.drag * m.nx
         rim = now.drag * m.lever
         if soil:
-            rim -= state.rolling[w + SHARE + q] * now.torque
+            rim -= state.rolling[w + field.SHARE + q] * now.torque
         buffer[SUM_X + q] -= fx
         buffer[SUM_Z + q] -= fz
         buffer[SUM_R + q] += rim + now.torque
@@ -113,7 +99,7 @@ def slice_energy(
     state = State(layout.discs, layout.links, layout.rolling, layout.shared, layout.partner)
     load_own(p, layout.shared, buffer)
     for row in range(3):
-        for lane in range(LANES):
+        for lane in range(field.LANES):
             buffer[SUM_X + np.uint64(row) * ROW + np.uint64(lane)] = 0.0
     for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
         load_all_constants(np.uint64(chunk) * ROW, layout.kinds, springs.records, True, True, buffer)
@@ -122,14 +108,14 @@ def slice_energy(
             lanes_energy(chunk, state, buffer, slip_time, law, True, out)
         else:
             lanes_energy(chunk, state, buffer, slip_time, law, False, out)
-        for lane in range(LANES):
-            j, q = np.int64(layout.partner[chunk * LANES + lane]), np.uint64(lane)
+        for lane in range(field.LANES):
+            j, q = np.int64(layout.partner[chunk * field.LANES + lane]), np.uint64(lane)
             force[0, j] += buffer[PARTNER_X + q]
             force[1, j] += buffer[PARTNER_Z + q]
             force[2, j] += buffer[PARTNER_R + q]
     for row in range(3):
-        for lane in range(LANES):
-            force[row, p * LANES + lane] += buffer[SUM_X + np.uint64(row) * ROW + np.uint64(lane)]
+        for lane in range(field.LANES):
+            force[row, p * field.LANES + lane] += buffer[SUM_X + np.uint64(row) * ROW + np.uint64(lane)]
 
 
 @device_function(nogil=True)
@@ -161,16 +147,16 @@ def kinetic(
     ax, az = loads.acceleration[0, 0], loads.acceleration[1, 0]
     pull_added_mass(p, layout, loads.acceleration[2, 0])
     load_own(p, layout.shared, buffer)
-    b, i = np.uint64(p) * DISC, np.uint64(p) * ROW
+    b, i = np.uint64(p) * field.DISC, np.uint64(p) * ROW
     translation, rotation, boundary = 0.0, 0.0, 0.0
-    for lane in range(LANES):
+    for lane in range(field.LANES):
         q = np.uint64(lane)
         fx, fz, fr = force[0, i + q], force[1, i + q], force[2, i + q]
-        vx, vz, vr = buffer[OWN + VX + q], buffer[OWN + VZ + q], buffer[OWN + VR + q]
-        invmass, rim = discs[b + INVMASS + q], discs[b + RIM + q]
-        next_x = vx + dt * (fx * invmass + discs[b + PULL_X + q] + ax)
-        next_z = vz + dt * (fz * invmass + discs[b + PULL_Z + q] + az)
-        translation = add(translation, discs[b + MASS + q] * along(vx, vz, next_x, next_z))
+        vx, vz, vr = buffer[OWN + field.VX + q], buffer[OWN + field.VZ + q], buffer[OWN + field.VR + q]
+        invmass, rim = discs[b + field.INVMASS + q], discs[b + field.RIM + q]
+        next_x = vx + dt * (fx * invmass + discs[b + field.PULL_X + q] + ax)
+        next_z = vz + dt * (fz * invmass + discs[b + field.PULL_Z + q] + az)
+        translation = add(translation, discs[b + field.MASS + q] * along(vx, vz, next_x, next_z))
         rotation = add(rotation, vr * (vr + dt * fr * rim) / rim if rim > 0.0 else 0.0)
         boundary = add(boundary, 0.0 if invmass > 0.0 else along(fx, fz, vx, vz) + fr * vr)
     out[TRANSLATION] += 0.5 * translation
@@ -188,7 +174,7 @@ def energies(layout: Layout, springs: Springs, law: Law, loads: Loads, last_dt: 
     out = np.zeros(ENERGIES)
     slices = len(layout.chunk_start) - 1
     buffer = new_buffer()
-    force = np.zeros((3, slices * LANES))
+    force = np.zeros((3, slices * field.LANES))
     for p in range(slices):
         slice_energy(p, layout, springs, buffer, last_dt, law, force, out)
     for e in range(len(layout.line_disc)):

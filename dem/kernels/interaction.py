@@ -9,61 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.kernels import contact as row
+from dem.kernels import layout as field
 from dem.kernels.arguments import Law, Springs, State
-from dem.kernels.contact import (
-    BC,
-    BETA,
-    CN,
-    COHESION,
-    COHESION_OTHER,
-    CT,
-    DEPTH,
-    FKPS,
-    FKS,
-    GAP,
-    KN,
-    KPN,
-    KPS,
-    KS,
-    MU,
-    MU_OTHER,
-    MU_ROLLING,
-    STOP,
-    TAN,
-    friction_limit,
-    held,
-    normal_force,
-    pore,
-    spring,
-    spring_energy,
-    stop,
-    strength,
-)
+from dem.kernels.contact import friction_limit, held, normal_force, pore, spring, spring_energy, stop, strength
 from dem.kernels.device_function import device_function
-from dem.kernels.layout import (
-    FX,
-    FZ,
-    LANES,
-    LENGTH,
-    LINK,
-    PORE,
-    RADII,
-    ROLL_LINK,
-    ROLLED,
-    SHARE,
-    SHEAR,
-    TORQUE,
-    VR,
-    VRS,
-    VX,
-    VXS,
-    VZ,
-    VZS,
-    Layout,
-    X,
-    Z,
-    entry,
-)
+from dem.kernels.layout import Layout, entry
 from dem.kernels.losses import (
     along,
     both,
@@ -158,9 +109,9 @@ def contact_geometry(d: int, q: int, state: State, buffer: np.ndarray, law: Law,
     One square root and one division: they take longer than all else in the law. So they are computed apart, while the
     records of the next partners are fetched.
     """
-    radii = state.links[d + RADII + q]
-    dx = buffer[X + q] - buffer[OWN + X + q]
-    dz = buffer[Z + q] - buffer[OWN + Z + q]
+    radii = state.links[d + field.RADII + q]
+    dx = buffer[field.X + q] - buffer[OWN + field.X + q]
+    dz = buffer[field.Z + q] - buffer[OWN + field.Z + q]
     if soil:
         dx, dz = image(dx, dz, law.period)
     square = dx * dx + dz * dz
@@ -177,13 +128,13 @@ def motion(q: int, buffer: np.ndarray, slip_time: float) -> Motion:
     """Slip and separation of the contact in lane q of a slice, after `contact_geometry` has written its geometry."""
     nx, nz = buffer[NORMAL_X + q], buffer[NORMAL_Z + q]
     distance, lever = buffer[DISTANCE + q], buffer[LEVER + q]
-    ux = buffer[VXS + q] - buffer[OWN + VXS + q]
-    uz = buffer[VZS + q] - buffer[OWN + VZS + q]
-    hx = buffer[VX + q] - buffer[OWN + VX + q]
-    hz = buffer[VZ + q] - buffer[OWN + VZ + q]
+    ux = buffer[field.VXS + q] - buffer[OWN + field.VXS + q]
+    uz = buffer[field.VZS + q] - buffer[OWN + field.VZS + q]
+    hx = buffer[field.VX + q] - buffer[OWN + field.VX + q]
+    hz = buffer[field.VZ + q] - buffer[OWN + field.VZ + q]
     vn = ux * nx + uz * nz
-    vt = (uz * nx - ux * nz) - lever * (buffer[VRS + q] + buffer[OWN + VRS + q])
-    slip = slip_time * ((hz * nx - hx * nz) - lever * (buffer[VR + q] + buffer[OWN + VR + q]))
+    vt = (uz * nx - ux * nz) - lever * (buffer[field.VRS + q] + buffer[OWN + field.VRS + q])
+    slip = slip_time * ((hz * nx - hx * nz) - lever * (buffer[field.VR + q] + buffer[OWN + field.VR + q]))
     return Motion(distance, nx, nz, lever, vn, vt, slip, slip_time * along(hx, hz, nx, nz))
 
 
@@ -194,9 +145,9 @@ def rolling_motion(q: int, buffer: np.ndarray, share: float, slip_time: float) -
     q: lane of the contact; buffer: rows that `load_geometry` filled; slip_time: length of the last step (s);
     share: r_i/(r_i + r_j). With rim speeds r_i w_i, R (w_j - w_i) is share (r_i w_i + r_j w_j) - r_i w_i.
     """
-    rim, rim_end = buffer[OWN + VR + q], buffer[OWN + VRS + q]
-    roll = slip_time * (share * (rim + buffer[VR + q]) - rim)
-    return roll, share * (rim_end + buffer[VRS + q]) - rim_end
+    rim, rim_end = buffer[OWN + field.VR + q], buffer[OWN + field.VRS + q]
+    roll = slip_time * (share * (rim + buffer[field.VR + q]) - rim)
+    return roll, share * (rim_end + buffer[field.VRS + q]) - rim_end
 
 
 @device_function(forceinline=True)
@@ -219,47 +170,47 @@ def between_discs(
     springs, and losses are wanted. Callers write these three out, so that the compiler leaves out what is not wanted.
     """
     links = state.links
-    radii = links[d + RADII + q]
+    radii = links[d + field.RADII + q]
     m = motion(q, buffer, slip_time)
     over = radii - m.distance
-    kn, ks = buffer[constant(KN) + q], buffer[constant(KS) + q]
-    ct, fks = buffer[constant(CT) + q], buffer[constant(FKS) + q]
-    mu = buffer[constant(MU) + q]
-    gap = buffer[constant(GAP) + q] if soil else 0.0
+    kn, ks = buffer[constant(row.KN) + q], buffer[constant(row.KS) + q]
+    ct, fks = buffer[constant(row.CT) + q], buffer[constant(row.FKS) + q]
+    mu = buffer[constant(row.MU) + q]
+    gap = buffer[constant(row.GAP) + q] if soil else 0.0
     push = spring(over, kn, gap)
     elements, bonds = spring_energy(over, kn, gap)
     stiffness, depth = 0.0, 0.0
     if soil:
-        stiffness, depth = buffer[constant(STOP) + q], buffer[constant(DEPTH) + q] * radii
+        stiffness, depth = buffer[constant(row.STOP) + q], buffer[constant(row.DEPTH) + q] * radii
         more = stop(over, stiffness, depth)
         elements += 0.5 * more * (over - depth)
         push += more
-    normal = normal_force(over, m.vn, law.floor - kn * gap, push, buffer[constant(CN) + q], gap)
+    normal = normal_force(over, m.vn, law.floor - kn * gap, push, buffer[constant(row.CN) + q], gap)
     if soil:
         limit = strength(
-            over, normal, mu, buffer[constant(COHESION) + q], buffer[constant(MU_OTHER) + q],
-            buffer[constant(COHESION_OTHER) + q], gap,
+            over, normal, mu, buffer[constant(row.COHESION) + q], buffer[constant(row.MU_OTHER) + q],
+            buffer[constant(row.COHESION_OTHER) + q], gap,
         )  # fmt: skip
     else:
         limit = friction_limit(normal, mu)
-    shear = links[d + SHEAR + q]
+    shear = links[d + field.SHEAR + q]
     tangential, trial, kept = held(shear, m.slip, m.vt, ks, ct, limit)
 
     kpn, fkps, length, old_pore = 0.0, 0.0, 0.0, 0.0
     pore_normal, pore_trial, pore_kept, new = 0.0, 0.0, 0.0, 0.0
     if pores:
-        kpn, fkps = buffer[constant(KPN) + q], buffer[constant(FKPS) + q]
-        length, old_pore = links[d + LENGTH + q], links[d + PORE + q]
+        kpn, fkps = buffer[constant(row.KPN) + q], buffer[constant(row.FKPS) + q]
+        length, old_pore = links[d + field.LENGTH + q], links[d + field.PORE + q]
         pore_normal, pore_trial, pore_kept, new = pore(
-            length, m.distance, m.slip, old_pore, law.share * normal, kpn, buffer[constant(KPS) + q],
-            buffer[constant(TAN) + q], buffer[constant(BC) + q], buffer[constant(BETA) + q],
+            length, m.distance, m.slip, old_pore, law.share * normal, kpn, buffer[constant(row.KPS) + q],
+            buffer[constant(row.TAN) + q], buffer[constant(row.BC) + q], buffer[constant(row.BETA) + q],
         )  # fmt: skip
 
     torque, rolled, rolling, rolled_off = 0.0, 0.0, 0.0, 0.0
     if soil:
-        before, whole = state.rolling[w + ROLLED + q], state.rolling[w + TORQUE + q]
-        roll, rate = rolling_motion(q, buffer, state.rolling[w + SHARE + q], slip_time)
-        most = friction_limit(normal, buffer[constant(MU_ROLLING) + q])
+        before, whole = state.rolling[w + field.ROLLED + q], state.rolling[w + field.TORQUE + q]
+        roll, rate = rolling_motion(q, buffer, state.rolling[w + field.SHARE + q], slip_time)
+        most = friction_limit(normal, buffer[constant(row.MU_ROLLING) + q])
         torque, tried, rolled = held(before, roll, rate, ks, ct, most)
         rolling = 0.5 * rolled * rolled * fks
         rolled_off = both(damping_loss(roll, torque - rolled, whole - before), sliding_loss(before, tried, rolled, fks))
@@ -272,7 +223,7 @@ def between_discs(
             springs_then = both(springs_then, spring_before(over - depth, m.stretch, stiffness, 0.0))
         if pores:
             springs_then = both(springs_then, pore_before(length, m.distance, m.stretch, kpn))
-        fx, fz = links[d + FX + q], links[d + FZ + q]
+        fx, fz = links[d + field.FX + q], links[d + field.FZ + q]
         damped = damping_losses(
             m.nx, m.nz, m.slip, m.stretch, fx, fz, tangential - kept, normal - push, shear + old_pore, springs_then
         )
@@ -300,16 +251,18 @@ def line_motion(e: int, layout: Layout, walls: np.ndarray, slip_time: float) -> 
     disc, shared = layout.line_disc[e], layout.shared
     line = walls[layout.line_id[e]]
     nx, nz = line[LINE_NX], line[LINE_NZ]
-    px, pz = shared[entry(disc, X)] - line[LINE_X], shared[entry(disc, Z)] - line[LINE_Z]
+    px, pz = shared[entry(disc, field.X)] - line[LINE_X], shared[entry(disc, field.Z)] - line[LINE_Z]
     distance = px * nx + pz * nz
     over = layout.line_radius[e] - distance
     along = pz * nx - px * nz
     if along < line[LINE_FROM] or along > line[LINE_TO]:
         over = -1.0
-    vn = shared[entry(disc, VXS)] * nx + shared[entry(disc, VZS)] * nz
-    vt = shared[entry(disc, VZS)] * nx - shared[entry(disc, VXS)] * nz - shared[entry(disc, VRS)]
-    slip = slip_time * (shared[entry(disc, VZ)] * nx - shared[entry(disc, VX)] * nz - shared[entry(disc, VR)])
-    stretch = slip_time * (shared[entry(disc, VX)] * nx + shared[entry(disc, VZ)] * nz)
+    vn = shared[entry(disc, field.VXS)] * nx + shared[entry(disc, field.VZS)] * nz
+    vt = shared[entry(disc, field.VZS)] * nx - shared[entry(disc, field.VXS)] * nz - shared[entry(disc, field.VRS)]
+    slip = slip_time * (
+        shared[entry(disc, field.VZ)] * nx - shared[entry(disc, field.VX)] * nz - shared[entry(disc, field.VR)]
+    )
+    stretch = slip_time * (shared[entry(disc, field.VX)] * nx + shared[entry(disc, field.VZ)] * nz)
     return over, Motion(distance, nx, nz, 1.0, vn, vt, slip, stretch)
 
 
@@ -325,25 +278,27 @@ def at_line(
     links = layout.links
     column = springs.lines[:, layout.line_kind[e]]
     over, m = line_motion(e, layout, springs.walls, slip_time)
-    kn, ks, ct, fks = column[KN], column[KS], column[CT], column[FKS]
+    kn, ks, ct, fks = column[row.KN], column[row.KS], column[row.CT], column[row.FKS]
     push = spring(over, kn, 0.0)
-    normal = normal_force(over, m.vn, law.floor, push, column[CN], 0.0)
-    limit = friction_limit(normal, column[MU])
+    normal = normal_force(over, m.vn, law.floor, push, column[row.CN], 0.0)
+    limit = friction_limit(normal, column[row.MU])
     torque, rolled, rolling, rolled_off = 0.0, 0.0, 0.0, 0.0
     if law.soil:
-        limit = strength(over, normal, column[MU], column[COHESION], column[MU_OTHER], column[COHESION_OTHER], 0.0)
+        limit = strength(
+            over, normal, column[row.MU], column[row.COHESION], column[row.MU_OTHER], column[row.COHESION_OTHER], 0.0
+        )
         disc = layout.line_disc[e]
-        before, whole = layout.rolling[w + ROLLED], layout.rolling[w + TORQUE]
-        roll = -slip_time * layout.shared[entry(disc, VR)]
-        most = friction_limit(normal, column[MU_ROLLING])
-        torque, tried, rolled = held(before, roll, -layout.shared[entry(disc, VRS)], ks, ct, most)
+        before, whole = layout.rolling[w + field.ROLLED], layout.rolling[w + field.TORQUE]
+        roll = -slip_time * layout.shared[entry(disc, field.VR)]
+        most = friction_limit(normal, column[row.MU_ROLLING])
+        torque, tried, rolled = held(before, roll, -layout.shared[entry(disc, field.VRS)], ks, ct, most)
         rolling = 0.5 * rolled * rolled * fks
         rolled_off = both(damping_loss(roll, torque - rolled, whole - before), sliding_loss(before, tried, rolled, fks))
-    shear = links[at + SHEAR]
+    shear = links[at + field.SHEAR]
     tangential, trial, kept = held(shear, m.slip, m.vt, ks, ct, limit)
     damped = damping_losses(
-        m.nx, m.nz, m.slip, m.stretch, links[at + FX], links[at + FZ], tangential - kept, normal - push, shear,
-        spring(over + m.stretch, kn, 0.0),
+        m.nx, m.nz, m.slip, m.stretch, links[at + field.FX], links[at + field.FZ], tangential - kept, normal - push,
+        shear, spring(over + m.stretch, kn, 0.0),
     )  # fmt: skip
     elements = 0.5 * push * push / kn + 0.5 * kept * kept * fks
     return m, Contact(
@@ -355,5 +310,5 @@ def at_line(
 @device_function(nogil=True)
 def line_lane(e: int, layout: Layout) -> tuple[np.uint64, np.uint64]:
     """Where disc e at a rigid line has its place in links, and in rolling: behind the chunks and the silent lane."""
-    place = np.uint64(layout.chunk_start[-1] + 1) + np.uint64(e // LANES)
-    return place * LINK + np.uint64(e % LANES), place * ROLL_LINK + np.uint64(e % LANES)
+    place = np.uint64(layout.chunk_start[-1] + 1) + np.uint64(e // field.LANES)
+    return place * field.LINK + np.uint64(e % field.LANES), place * field.ROLL_LINK + np.uint64(e % field.LANES)

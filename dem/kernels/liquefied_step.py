@@ -4,14 +4,12 @@ import math
 
 import numpy as np
 
+from dem.kernels import liquefied_pairs as bond
 from dem.kernels.arguments import BONDS, STAND_IN, VISCOSITY, Entries, Law, Team
 from dem.kernels.barrier import slices_of, wait
 from dem.kernels.device_function import device_function
 from dem.kernels.layout import LANES, Layout
 from dem.kernels.liquefied_pairs import (
-    FORCE_X,
-    FORCE_Z,
-    RELAXES,
     Liquefied,
     fetch_motion,
     fetch_strength,
@@ -62,7 +60,7 @@ def press(team: Team, layout: Layout, law: Law, entries: Entries, dt: float) -> 
     wet = layout.liquefied
     begin, end = slices_of(team.thread, team.threads, len(layout.chunk_start) - 1)
     ahead, held = 0.5 * (wet.every - 1) * dt, wet.every * dt
-    kept = math.exp(-held / RELAXES)
+    kept = math.exp(-held / bond.RELAXES)
     for p in range(begin, end):
         look_at_slice(p, layout, law, entries, ahead)
     if team.threads > 1:
@@ -88,5 +86,5 @@ def add_pressed(p: int, layout: Layout, buffer: np.ndarray) -> None:
     for k in range(wet.near_start[p], wet.near_start[p + 1]):
         i = np.int64(wet.near[k])
         q = np.uint64(i % LANES)
-        buffer[SUM_X + q] += wet.discs[i, FORCE_X]
-        buffer[SUM_Z + q] += wet.discs[i, FORCE_Z]
+        buffer[SUM_X + q] += wet.discs[i, bond.FORCE_X]
+        buffer[SUM_Z + q] += wet.discs[i, bond.FORCE_Z]

@@ -12,28 +12,15 @@ import math
 import numpy as np
 from numba import njit
 
+from dem.kernels import liquefied_pairs as bond
 from dem.kernels.bond_law import force_share
 from dem.kernels.liquefied_laws import bond_kernel, density_kernel
-from dem.kernels.liquefied_pairs import (
-    ACROSS,
-    ALONG,
-    AREA,
-    AT_X,
-    AT_Z,
-    BOND,
-    DASH_ACROSS,
-    DASH_ALONG,
-    FIRST,
-    FITTED,
-    FRESH,
-    LANES,
-    PUSH,
-    SHARE,
-    bond_lines,
-)
+from dem.kernels.liquefied_pairs import bond_lines
 from dem.kernels.period import Period, image
 
-ALONG_AT, ACROSS_AT, DASH_ALONG_AT, DASH_ACROSS_AT = (int(k) // LANES for k in (ALONG, ACROSS, DASH_ALONG, DASH_ACROSS))
+ALONG_AT, ACROSS_AT, DASH_ALONG_AT, DASH_ACROSS_AT = (
+    int(k) // bond.LANES for k in (bond.ALONG, bond.ACROSS, bond.DASH_ALONG, bond.DASH_ACROSS)
+)
 # sums over the pairs of a disc: stress, gradient and moment of its neighbours, mobilised strength
 S_XX, S_XZ, S_ZX, S_ZZ, G_XX, G_XZ, G_ZX, G_ZZ, M_XX, M_XZ, M_ZZ, USED, WEIGHT = range(13)
 FLAT = 1e-6  # of the square of a moment: neighbours on a line have no gradient
@@ -69,7 +56,7 @@ def held_shear(
     mean = _means(discs, pairs, width, reach, sums[:, : G_ZZ + 1])
     out = np.zeros((3, n))
     for i in range(n):
-        if discs[i, SHARE] > 0.0:
+        if discs[i, bond.SHARE] > 0.0:
             out[0, i], out[1, i] = _held(mean[i])
             out[2, i] = sums[i, USED] / sums[i, WEIGHT] if sums[i, WEIGHT] > 0.0 else 0.0
     return out
@@ -85,16 +72,23 @@ def _sums(
     width = np.zeros(pairs.shape[1])
     for c in range(pairs.shape[1]):
         i, j = pairs[0, c], pairs[1, c]
-        dx, dz = image(discs[j, AT_X] - discs[i, AT_X], discs[j, AT_Z] - discs[i, AT_Z], period)
+        dx, dz = image(discs[j, bond.AT_X] - discs[i, bond.AT_X], discs[j, bond.AT_Z] - discs[i, bond.AT_Z], period)
         apart = math.sqrt(dx * dx + dz * dz)
         if not 0.0 < apart < reach:
             continue
         width[c], slope = density_kernel(apart, reach)
         nx, nz = dx / apart, dz / apart
-        twice = 1.0 if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0 else 2.0
-        push = -twice * (discs[i, PUSH] + discs[j, PUSH]) * discs[i, AREA] * discs[j, AREA] * slope
-        limit = 0.5 * math.pi * FITTED * twice * (discs[i, BOND] + discs[j, BOND]) * bond_kernel(apart, reach)
-        limit *= 1.0 + FIRST * memory[c, FRESH]
+        twice = 1.0 if discs[i, bond.SHARE] > 0.0 and discs[j, bond.SHARE] > 0.0 else 2.0
+        push = -twice * (discs[i, bond.PUSH] + discs[j, bond.PUSH]) * discs[i, bond.AREA] * discs[j, bond.AREA] * slope
+        limit = (
+            0.5
+            * math.pi
+            * bond.FITTED
+            * twice
+            * (discs[i, bond.BOND] + discs[j, bond.BOND])
+            * bond_kernel(apart, reach)
+        )
+        limit *= 1.0 + bond.FIRST * memory[c, bond.FRESH]
         along, across = memory[c, ALONG_AT], memory[c, ACROSS_AT]
         soft, steep, _ = bond_lines(discs, i, j)
         share = force_share(along, across, soft, steep)
@@ -120,8 +114,8 @@ def _sums(
             sums[k, USED] += used
             sums[k, WEIGHT] += width[c]
     for i in range(n):
-        if discs[i, SHARE] > 0.0:
-            sums[i, : S_ZZ + 1] /= discs[i, AREA]
+        if discs[i, bond.SHARE] > 0.0:
+            sums[i, : S_ZZ + 1] /= discs[i, bond.AREA]
         _solve(sums[i])
     return sums, width
 
@@ -148,14 +142,14 @@ def _means(discs: np.ndarray, pairs: np.ndarray, width: np.ndarray, reach: float
     out, weight = np.zeros((n, count)), np.zeros(n)
     own = 7.0 / (math.pi * reach * reach)
     for i in range(n):
-        if discs[i, SHARE] > 0.0:
-            weight[i] = own * discs[i, AREA]
+        if discs[i, bond.SHARE] > 0.0:
+            weight[i] = own * discs[i, bond.AREA]
             out[i] = weight[i] * values[i]
     for c in range(pairs.shape[1]):
         i, j = pairs[0, c], pairs[1, c]
-        if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0:
+        if discs[i, bond.SHARE] > 0.0 and discs[j, bond.SHARE] > 0.0:
             for k, other in ((i, j), (j, i)):
-                part = width[c] * discs[other, AREA]
+                part = width[c] * discs[other, bond.AREA]
                 weight[k] += part
                 out[k] += part * values[other]
     for i in range(n):

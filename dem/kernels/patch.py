@@ -6,25 +6,8 @@ Bringing a patch back into the model between two short runs would take longer th
 import numpy as np
 from numba import njit
 
-from dem.kernels.layout import (
-    FX,
-    FZ,
-    INVMASS,
-    LANES,
-    LENGTH,
-    LINK,
-    VR,
-    VRS,
-    VX,
-    VXS,
-    VZ,
-    VZS,
-    Layout,
-    X,
-    Z,
-    entry,
-    place,
-)
+from dem.kernels import layout as field
+from dem.kernels.layout import Layout, entry, place
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -60,13 +43,13 @@ def pair_forces(layout: Layout, discs: int, back: np.ndarray, region: np.ndarray
     sum_of_forces, carrying, cracked = 0.0, 0, 0
     for p in range(len(layout.chunk_start) - 1):
         for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
-            for lane in range(LANES):
-                i, j = p * LANES + lane, np.int64(layout.partner[chunk * LANES + lane])
+            for lane in range(field.LANES):
+                i, j = p * field.LANES + lane, np.int64(layout.partner[chunk * field.LANES + lane])
                 if i >= discs or j >= discs:
                     continue
-                at = np.uint64(chunk) * LINK + np.uint64(lane)
-                cracked += links[at + LENGTH] < 0.0
-                fx, fz = links[at + FX], links[at + FZ]
+                at = np.uint64(chunk) * field.LINK + np.uint64(lane)
+                cracked += links[at + field.LENGTH] < 0.0
+                fx, fz = links[at + field.FX], links[at + field.FZ]
                 if fx == 0.0 and fz == 0.0:
                     continue
                 sum_of_forces += np.hypot(fx, fz)
@@ -75,8 +58,8 @@ def pair_forces(layout: Layout, discs: int, back: np.ndarray, region: np.ndarray
                 total[i, 1] -= fz
                 total[j, 0] += fx
                 total[j, 1] += fz
-                x, z = shared[entry(i, X)], shared[entry(i, Z)]
-                dx, dz = shared[entry(j, X)] - x, shared[entry(j, Z)] - z
+                x, z = shared[entry(i, field.X)], shared[entry(i, field.Z)]
+                dx, dz = shared[entry(j, field.X)] - x, shared[entry(j, field.Z)] - z
                 share = share_inside(
                     back[0, 0] * x + back[0, 1] * z, back[1, 0] * x + back[1, 1] * z,
                     back[0, 0] * dx + back[0, 1] * dz, back[1, 0] * dx + back[1, 1] * dz, region,
@@ -89,7 +72,7 @@ def pair_forces(layout: Layout, discs: int, back: np.ndarray, region: np.ndarray
         return carried, 0.0, cracked
     left, free = 0.0, 0
     for i in range(discs):
-        if layout.discs[place(i, INVMASS)] > 0.0:
+        if layout.discs[place(i, field.INVMASS)] > 0.0:
             left += np.hypot(total[i, 0], total[i, 1])
             free += 1
     return carried, (left / free) / (sum_of_forces / carrying), cracked
@@ -104,14 +87,14 @@ def outside(layout: Layout, discs: int, back: np.ndarray) -> int:
     shared = layout.shared
     most_x, most_z = 0.0, 0.0
     for i in range(discs):
-        if layout.discs[place(i, INVMASS)] == 0.0:
-            x, z = shared[entry(i, X)], shared[entry(i, Z)]
+        if layout.discs[place(i, field.INVMASS)] == 0.0:
+            x, z = shared[entry(i, field.X)], shared[entry(i, field.Z)]
             most_x = max(most_x, abs(back[0, 0] * x + back[0, 1] * z))
             most_z = max(most_z, abs(back[1, 0] * x + back[1, 1] * z))
     for i in range(discs):
-        x, z = shared[entry(i, X)], shared[entry(i, Z)]
+        x, z = shared[entry(i, field.X)], shared[entry(i, field.Z)]
         across, up = abs(back[0, 0] * x + back[0, 1] * z), abs(back[1, 0] * x + back[1, 1] * z)
-        if layout.discs[place(i, INVMASS)] > 0.0 and not (across <= most_x and up <= most_z):
+        if layout.discs[place(i, field.INVMASS)] > 0.0 and not (across <= most_x and up <= most_z):
             return i
     return -1
 
@@ -125,18 +108,18 @@ def turn(layout: Layout, radius: np.ndarray, change: np.ndarray, rates: np.ndarr
     shared = layout.shared
     spin = 0.5 * (change[1, 0] - change[0, 1])
     for i in range(len(radius)):
-        x, z = shared[entry(i, X)], shared[entry(i, Z)]
+        x, z = shared[entry(i, field.X)], shared[entry(i, field.Z)]
         vx, vz = change[0, 0] * x + change[0, 1] * z, change[1, 0] * x + change[1, 1] * z
-        shared[entry(i, VR)] += spin * radius[i]
-        shared[entry(i, VRS)] += spin * radius[i]
-        if layout.discs[place(i, INVMASS)] > 0.0:
-            shared[entry(i, VX)] += vx
-            shared[entry(i, VXS)] += vx
-            shared[entry(i, VZ)] += vz
-            shared[entry(i, VZS)] += vz
+        shared[entry(i, field.VR)] += spin * radius[i]
+        shared[entry(i, field.VRS)] += spin * radius[i]
+        if layout.discs[place(i, field.INVMASS)] > 0.0:
+            shared[entry(i, field.VX)] += vx
+            shared[entry(i, field.VXS)] += vx
+            shared[entry(i, field.VZ)] += vz
+            shared[entry(i, field.VZS)] += vz
         else:
             vx, vz = rates[0, 0] * x + rates[0, 1] * z, rates[1, 0] * x + rates[1, 1] * z
-            shared[entry(i, VX)] = vx
-            shared[entry(i, VXS)] = vx
-            shared[entry(i, VZ)] = vz
-            shared[entry(i, VZS)] = vz
+            shared[entry(i, field.VX)] = vx
+            shared[entry(i, field.VXS)] = vx
+            shared[entry(i, field.VZ)] = vz
+            shared[entry(i, field.VZS)] = vz

@@ -14,6 +14,7 @@ that thread has been through the last of them: all threads meet only once a step
 import numpy as np
 from numba import njit
 
+from dem.kernels import layout as field
 from dem.kernels.added_mass import added_momentum, pull_added_mass
 from dem.kernels.arguments import (
     CRACKS,
@@ -35,34 +36,7 @@ from dem.kernels.arguments import (
 from dem.kernels.barrier import report, slices_of, wait, wait_for
 from dem.kernels.chunks import add, contacts, contacts_with_losses, line_contact
 from dem.kernels.device_function import device_function
-from dem.kernels.layout import (
-    DISC,
-    DISC_FIELDS,
-    FR,
-    FX,
-    FZ,
-    INVMASS,
-    LANES,
-    LINK,
-    MASS,
-    PULL_X,
-    PULL_Z,
-    RIM,
-    ROLL,
-    ROLL_LINK,
-    TORQUE,
-    VR,
-    VRS,
-    VX,
-    VXS,
-    VZ,
-    VZS,
-    X0,
-    Z0,
-    Layout,
-    X,
-    Z,
-)
+from dem.kernels.layout import Layout
 from dem.kernels.liquefied_step import add_pressed, press
 from dem.kernels.losses import along
 from dem.kernels.prefetch import LINE, fetch, wide_vectors
@@ -72,7 +46,9 @@ from dem.kernels.work_buffers import OWN, ROW, SUM_R, SUM_X, SUM_Z, load_all_con
 # Why a run of the kernel came to its end.
 DONE, MOVED, OVERLAP = 0, 1, 2
 
-OWN_LINES = (DISC_FIELDS - 1) * LANES // 8  # cache lines of a slice that its neighbours do not read, MASS left out
+OWN_LINES = (
+    (field.DISC_FIELDS - 1) * field.LANES // 8
+)  # cache lines of a slice that its neighbours do not read, MASS left out
 
 
 @device_function(nogil=True, _nrt=False, forceinline=True)
@@ -84,26 +60,26 @@ def sum_forces(p: int, layout: Layout, buffer: np.ndarray) -> None:
     owned = layout.chunk_start[p + 1] - layout.chunk_start[p]
     others = np.uint64(layout.incoming_start[p])
     count = layout.incoming_start[p + 1] - layout.incoming_start[p]
-    for lane in range(LANES):
+    for lane in range(field.LANES):
         q = np.uint64(lane)
         buffer[SUM_X + q] = 0.0
         buffer[SUM_Z + q] = 0.0
         buffer[SUM_R + q] = 0.0
     for k in range(owned):
-        at = (first + np.uint64(k)) * LINK
-        for lane in range(LANES):
+        at = (first + np.uint64(k)) * field.LINK
+        for lane in range(field.LANES):
             q = np.uint64(lane)
-            buffer[SUM_X + q] -= links[at + FX + q]
-            buffer[SUM_Z + q] -= links[at + FZ + q]
-            buffer[SUM_R + q] += links[at + FR + q]
+            buffer[SUM_X + q] -= links[at + field.FX + q]
+            buffer[SUM_Z + q] -= links[at + field.FZ + q]
+            buffer[SUM_R + q] += links[at + field.FR + q]
         if len(layout.rolling) > 0:
-            at = (first + np.uint64(k)) * ROLL_LINK
-            for lane in range(LANES):
+            at = (first + np.uint64(k)) * field.ROLL_LINK
+            for lane in range(field.LANES):
                 q = np.uint64(lane)
-                buffer[SUM_R + q] += layout.rolling[at + TORQUE + q]
+                buffer[SUM_R + q] += layout.rolling[at + field.TORQUE + q]
     for k in range(count):
         slot = (others + np.uint64(k)) * ROW
-        for lane in range(0, LANES, EIGHT):
+        for lane in range(0, field.LANES, EIGHT):
             q = np.uint64(lane)
             add_gathered(links, layout.incoming, slot + q, buffer, SUM_X + q)
 
@@ -119,42 +95,42 @@ def move_lanes(
     acceleration and moving boundaries on them (J).
     """
     wide_vectors()
-    b = np.uint64(p) * DISC
+    b = np.uint64(p) * field.DISC
     half = 0.5 * step.dt
     moved = False
     by_weight, by_external, by_boundary = 0.0, 0.0, 0.0
-    for lane in range(LANES):
+    for lane in range(field.LANES):
         q = np.uint64(lane)
-        invmass = discs[b + INVMASS + q]
+        invmass = discs[b + field.INVMASS + q]
         free = 1.0 if invmass > 0.0 else 0.0
-        pull_x, pull_z = discs[b + PULL_X + q], discs[b + PULL_Z + q]
+        pull_x, pull_z = discs[b + field.PULL_X + q], discs[b + field.PULL_Z + q]
         accel_x = buffer[SUM_X + q] * invmass + free * (pull_x + step.ax)
         accel_z = buffer[SUM_Z + q] * invmass + free * (pull_z + step.az)
-        accel_r = buffer[SUM_R + q] * discs[b + RIM + q]
-        vx = buffer[OWN + VX + q] + step.kick * accel_x
-        vz = buffer[OWN + VZ + q] + step.kick * accel_z
-        vr = buffer[OWN + VR + q] + step.kick * accel_r
-        x = buffer[OWN + X + q] + step.dt * vx
-        z = buffer[OWN + Z + q] + step.dt * vz
-        buffer[OWN + VX + q] = vx
-        buffer[OWN + VZ + q] = vz
-        buffer[OWN + VR + q] = vr
-        buffer[OWN + VXS + q] = vx + half * accel_x
-        buffer[OWN + VZS + q] = vz + half * accel_z
-        buffer[OWN + VRS + q] = vr + half * accel_r
-        buffer[OWN + X + q] = x
-        buffer[OWN + Z + q] = z
-        discs[b + ROLL + q] += step.dt * vr
-        dx = x - discs[b + X0 + q]
-        dz = z - discs[b + Z0 + q]
+        accel_r = buffer[SUM_R + q] * discs[b + field.RIM + q]
+        vx = buffer[OWN + field.VX + q] + step.kick * accel_x
+        vz = buffer[OWN + field.VZ + q] + step.kick * accel_z
+        vr = buffer[OWN + field.VR + q] + step.kick * accel_r
+        x = buffer[OWN + field.X + q] + step.dt * vx
+        z = buffer[OWN + field.Z + q] + step.dt * vz
+        buffer[OWN + field.VX + q] = vx
+        buffer[OWN + field.VZ + q] = vz
+        buffer[OWN + field.VR + q] = vr
+        buffer[OWN + field.VXS + q] = vx + half * accel_x
+        buffer[OWN + field.VZS + q] = vz + half * accel_z
+        buffer[OWN + field.VRS + q] = vr + half * accel_r
+        buffer[OWN + field.X + q] = x
+        buffer[OWN + field.Z + q] = z
+        discs[b + field.ROLL + q] += step.dt * vr
+        dx = x - discs[b + field.X0 + q]
+        dz = z - discs[b + field.Z0 + q]
         moved |= not (dx * dx + dz * dz <= step.reach)
         if with_losses:
-            mass = discs[b + MASS + q]
+            mass = discs[b + field.MASS + q]
             by_weight = add(by_weight, along(mass * pull_x, mass * pull_z, vx, vz))
             by_external = add(by_external, along(mass * step.mean_x, mass * step.mean_z, vx, vz))
             driven = along(buffer[SUM_X + q], buffer[SUM_Z + q], vx, vz) + buffer[SUM_R + q] * vr
             by_boundary = add(by_boundary, 0.0 if invmass > 0.0 else -driven)
-    for lane in range(0, LANES, EIGHT):
+    for lane in range(0, field.LANES, EIGHT):
         q = np.uint64(lane)
         spread(buffer, OWN + q, shared, (np.uint64(p) * ROW + q) * LINE)
     return moved, by_weight * step.dt, by_external * step.dt, by_boundary * step.kick
@@ -202,7 +178,7 @@ def contacts_of_slice(
     pores = law.pores or not law.soil
     damping, sliding, cracks, rolling = 0.0, 0.0, 0.0, 0.0
     for line in range(OWN_LINES):
-        fetch(layout.discs, np.uint64(p) * DISC + np.uint64(line) * LINE)
+        fetch(layout.discs, np.uint64(p) * field.DISC + np.uint64(line) * LINE)
     for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
         if chunk == unknown:
             load_all_constants(np.uint64(chunk) * ROW, layout.kinds, springs.records, law.soil, pores, buffer)
