@@ -17,6 +17,7 @@ or the ground below a footing, where no Kh would tell by how much.
 """
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,19 +40,72 @@ LARGEST_FACTOR = 20.0
 TRIALS, LARGEST_STEP, CLOSE = 20, 3.0, 0.04
 # The largest share of the strength that ground is taken to do without.
 MOST_SPARE = 0.95
+# Programs of one mesh begin where the last one did where ln F differs by no more than this.
+NEAR = 1.0
+# Steps to the factor by another flow rule at which the same mechanism meets the same resistance.
+AHEAD = 4
 # Step of ln F over which the strength is differentiated.
 DIFFERENCE = 1e-4
 # The least softening of a point, as a share of the mean: ground without any has to have an answer, too.
 LEAST_SOFTENING = 1e-3
 
 
+@dataclass(frozen=True, eq=False)
+class FactorStart:
+    """Where the search for another factor of safety of the same elements under the same forces may begin.
+
+    Attributes
+    ----------
+    log_factor : float
+        Logarithm of the factor of safety (-).
+    shear : ndarray (points,)
+        Shear rates of the mechanism times the weight of the points (-).
+    mean : ndarray (points,)
+        Mean stress in the plane in Pa, tension positive.
+    resisted : float
+        What the mechanism dissipates at the factor, by the yield condition without tension cut-offs.
+    place : Warm or None
+        Where the solver may begin.
+    """
+
+    log_factor: float
+    shear: np.ndarray
+    mean: np.ndarray
+    resisted: float
+    place: cone_program.Warm | None
+
+    def __reduce__(self) -> tuple:
+        """Sent to another process it is None, since a ``place`` is one in memory."""
+        return _none, ()
+
+
+def _none() -> None:
+    """Nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class ConicSafetyFactor:
+    """The divisor of c and tan φ at which ground fails, its mechanism, and where a search for another may begin, None
+    on ranks other than the first."""
+
+    factor: float
+    mechanism: State
+    start: FactorStart | None
+
+
 def conic_safety_factor(
-    problem: "PlaneStrain", mesh: QuadMesh, forces: np.ndarray, kh: float, guess: float = 1.0
-) -> tuple[float, State]:
+    problem: "PlaneStrain",
+    mesh: QuadMesh,
+    forces: np.ndarray,
+    kh: float,
+    guess: float = 1.0,
+    start: FactorStart | None = None,
+) -> ConicSafetyFactor:
     """The divisor of c and tan φ at which nodal forces (dofs,) in N/m are just borne, and the mechanism.
 
     ``problem``: the elements of ``mesh``; ``forces``: nodal forces (N/m); ``guess``: factor at which the search begins;
-    ``kh`` labels the mechanism. The flow is associated, the element "reduced". The strength of the ``problem`` is
+    ``kh`` labels the mechanism; ``start``: that of the factor by another flow rule, in place of the guess. The flow is
+    associated, the element "reduced". The strength of the ``problem`` is
     divided by the factor afterwards. Raises UnstableError if the factor is below 1/20, NoAnswerError if it is above 20
     or the solver leaves no answer.
     """
@@ -60,12 +114,15 @@ def conic_safety_factor(
     ground = gathered(problem, mesh, forces)
     means = grid.comm.gather(mean) or [mean]
 
+    starts: list[FactorStart | None] = [None]  # those of other ranks are not sent
+
     def find() -> tuple[float, State]:
-        return _Search(problem, mesh, ground, np.concatenate(means)).find(guess, kh)
+        factor, mechanism, starts[0] = _Search(problem, mesh, ground, np.concatenate(means), start).find(guess, kh)
+        return factor, mechanism
 
     factor, mechanism = computed_by_first_rank(problem, find)
     problem.use_strength(factor)
-    return factor, mechanism
+    return ConicSafetyFactor(factor, mechanism, starts[0])
 
 
 def too_weak(kh: float) -> UnstableError:
@@ -87,15 +144,23 @@ def _elastic_mean(problem: "PlaneStrain", forces: np.ndarray) -> np.ndarray:
 class _Search:
     """Newton's method for the logarithm of the factor, between factors known to be too small and too large."""
 
-    def __init__(self, problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised, mean: np.ndarray) -> None:
-        self.problem, self.mesh, self.ground = problem, mesh, ground
+    def __init__(
+        self,
+        problem: "PlaneStrain",
+        mesh: QuadMesh,
+        ground: Discretised,
+        mean: np.ndarray,
+        start: FactorStart | None = None,
+    ) -> None:
+        self.problem, self.mesh, self.ground, self.start = problem, mesh, ground, start
         self.elastic = mean  # mean of the elastic stress in the plane (points,) in Pa, tension positive
         self.material = ground.cells.material.ravel()
-        self.last: tuple[float, cone_program.Warm | None] | None = None  # logarithm of the factor, and where to begin
+        # Logarithm of the last factor tried, and where to begin.
+        self.last = (start.log_factor, start.place) if start is not None else (math.inf, None)
 
-    def find(self, guess: float, kh: float) -> tuple[float, State]:
-        """The factor and its mechanism."""
-        low, high, at = -math.inf, math.inf, math.log(guess)
+    def find(self, guess: float, kh: float) -> tuple[float, State, FactorStart]:
+        """The factor, its mechanism, and where a search by another flow rule may begin."""
+        low, high, at = -math.inf, math.inf, math.log(guess) if self.start is None else self.ahead(self.start)
         for _ in range(TRIALS):
             if at < -math.log(LARGEST_FACTOR):
                 raise too_weak(kh)
@@ -106,7 +171,10 @@ class _Search:
             if abs(step) < CLOSE:
                 factor = math.exp(at + step)
                 self.problem.use_strength(factor)  # whose shares the mechanism tells
-                return factor, self.ground.mechanism(self.problem, self.mesh, solution, kh)
+                mechanism = self.ground.mechanism(self.problem, self.mesh, solution, kh)
+                mean = self.ground.stress(solution)[:, :2].mean(axis=1)
+                resisted = float(solution.shear @ self.resistance(at + step, mean))
+                return factor, mechanism, FactorStart(at + step, solution.shear, mean, resisted, self.last[1])
             step = float(np.clip(step, -math.log(LARGEST_STEP), math.log(LARGEST_STEP)))
             at = at + step if low < at + step < high else 0.5 * (low + high)
         raise NoAnswerError("no factor of safety was found", "use another mesh")
@@ -121,8 +189,8 @@ class _Search:
             dead = ground.load(0)
             return ground.program(strength, dead, np.zeros_like(dead), softening)
 
-        near = self.last is not None and abs(at - self.last[0]) < cone_program.NEAR
-        self.ground, solution = self.ground.solved(program, self.last[1] if near and self.last else None)
+        near = abs(at - self.last[0]) < NEAR
+        self.ground, solution = self.ground.solved(program, self.last[1] if near else None)
         self.last = at, solution.warm
         if solution.none or not solution.sure:
             why = solution.ended or solution.none
@@ -132,11 +200,24 @@ class _Search:
         spare = solution.multiplier / slope if slope > 0.0 else solution.multiplier
         return -math.log1p(-min(spare, MOST_SPARE)), solution
 
+    def ahead(self, start: FactorStart) -> float:
+        """The logarithm of the factor at which the mechanism of a ``start`` meets as much resistance by this flow rule
+        as it did by the other one."""
+        at = start.log_factor
+        for _ in range(AHEAD):
+            resisted = float(start.shear @ self.resistance(at, start.mean))
+            if not resisted > 0.0 or not start.resisted > 0.0:
+                return start.log_factor
+            at += math.log(resisted / start.resisted)
+        return at
+
     def softening(self, at: float, mean: np.ndarray) -> np.ndarray:
         """What the strength R (points,) under ``mean`` stresses in Pa loses where the logarithm of the factor grows."""
-        problem, ends = self.problem, []
-        for log in (at - DIFFERENCE, at + DIFFERENCE):
-            weak = strength_of(problem.strata, problem.flow, math.exp(log), problem.form)
-            sin, cos = np.sin(weak.friction), np.cos(weak.friction)
-            ends.append((weak.cohesion * cos)[self.material] - sin[self.material] * mean)
+        ends = [self.resistance(log, mean) for log in (at - DIFFERENCE, at + DIFFERENCE)]
         return (ends[0] - ends[1]) / (2.0 * DIFFERENCE)
+
+    def resistance(self, at: float, mean: np.ndarray) -> np.ndarray:
+        """The strength R (points,) in Pa under ``mean`` stresses in Pa where the logarithm of the factor is ``at``."""
+        weak = strength_of(self.problem.strata, self.problem.flow, math.exp(at), self.problem.form)
+        sin, cos = np.sin(weak.friction), np.cos(weak.friction)
+        return (weak.cohesion * cos)[self.material] - sin[self.material] * mean

@@ -131,7 +131,8 @@ def asked_again(result: LimitLoadResult, section: Section, mesh: QuadMesh, setti
     problem.flow = settings.flow
     problem.use_strength(1.0)
     problem.hold(sides_held(settings))
-    limit = conic_limit_load(problem, mesh, ground.constant, ground.load)
+    start = ground.limit.start if ground.limit else None
+    limit = conic_limit_load(problem, mesh, ground.constant, ground.load, start)
     return _told(section, mesh, settings, replace(ground, limit=limit))
 
 

@@ -252,7 +252,9 @@ class AdaptiveSearch:
 
         Raises what ``limit_load_safety_factor`` does.
         """
-        same = limit_load_safety_factor(self.section, base.mesh, other, kh, self.comm, base.result.factor)
+        same = limit_load_safety_factor(
+            self.section, base.mesh, other, kh, self.comm, base.result.factor, base.result.start
+        )
         factor = same.factor
         if same.mechanism is not None and not base.resolves(same.mechanism):
             strain = same.mechanism.plastic_shear_strain

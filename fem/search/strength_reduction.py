@@ -16,7 +16,7 @@ from fem.continuum.nodal_loads import seismic_load, still_load
 from fem.continuum.shallow_failure import faces_at, least_rolling_factor
 from fem.continuum.strength import is_associated, strength_of
 from fem.errors import UnstableError
-from fem.limit_load.conic_safety_factor import LARGEST_FACTOR, conic_safety_factor, too_weak
+from fem.limit_load.conic_safety_factor import LARGEST_FACTOR, FactorStart, conic_safety_factor, too_weak
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import (
     UNDER_GRAVITY,
@@ -70,6 +70,8 @@ class SafetyFactor:
     beside : float or None
         The factor by the other flow rule (-): Davis's estimate where ψ = φ is the flow, that of ψ = φ where Davis's
         estimate is; None where both are the same, or where it was not computed.
+    start : FactorStart or None
+        Where the search for the factor by the other flow rule may begin on the same mesh.
     """
 
     kh: float
@@ -82,6 +84,7 @@ class SafetyFactor:
     shallow_failure: float | None = None
     mechanism: State | None = None
     beside: float | None = None
+    start: FactorStart | None = None
 
     @property
     def value(self) -> float:
@@ -90,11 +93,18 @@ class SafetyFactor:
 
 
 def limit_load_safety_factor(
-    section: Section, mesh: QuadMesh, settings: FemSettings, kh: float, comm: Any, guess: float = 1.0
+    section: Section,
+    mesh: QuadMesh,
+    settings: FemSettings,
+    kh: float,
+    comm: Any,
+    guess: float = 1.0,
+    start: FactorStart | None = None,
 ) -> SafetyFactor:
     """The factor of safety of a meshed section under its weight and ``kh``, for flow that is associated.
 
-    The search begins at ``guess``, such as the factor of a coarser mesh. Faces, sides and errors are those of
+    The search begins at ``guess``, such as the factor of a coarser mesh, or at the ``start`` of the factor by another
+    flow rule on this mesh. Faces, sides and errors are those of
     ``safety_factor``.
     ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
@@ -107,10 +117,12 @@ def limit_load_safety_factor(
         problem, _, constant = at_the_sides(section, mesh, settings, comm, faces, kh != 0.0)
     if kh != 0.0:
         constant = constant + kh * seismic_load(problem, mesh, section, push(section, settings))
-    factor, mechanism = conic_safety_factor(problem, mesh, constant, kh, guess)
+    found = conic_safety_factor(problem, mesh, constant, kh, guess, start)
     shallow = least_rolling_factor(section, faces, kh, _friction(section, settings))
     reason = f"it is that of {len(mesh.cells)} cells"
-    return SafetyFactor(kh, factor, factor, "plateau", reason, "", [], shallow, mechanism)
+    return SafetyFactor(
+        kh, found.factor, found.factor, "plateau", reason, "", [], shallow, found.mechanism, start=found.start
+    )
 
 
 def safety_factor(

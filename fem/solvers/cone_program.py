@@ -30,7 +30,7 @@ from fem.solvers import cholmod, interior_point
 from fem.solvers.blas_threads import use_one_thread
 from fem.solvers.cone_matrices import Assembled, ConeProgram, assembled, standard, stress_of
 from fem.solvers.corner_matrix import CornerMatrix
-from fem.solvers.interior_point import Standard
+from fem.solvers.interior_point import Standard, Tolerance
 from meshes.executor import check_cancelled, interruptible
 
 use_one_thread()
@@ -64,8 +64,9 @@ MOST_ITERATIONS = 120
 COST_NONZEROS, COST_SECONDS, COST_EXPONENT = 1e6, 0.065, 1.13
 LEAST_ITERATIONS = 40
 # Relative gaps of the interior-point method of our own (``interior_point.py``), how many times as much will do where it
-# breaks down, and the velocities below which Clarabel is as quick.
-INTERIOR_GAP, INTERIOR_GAP_OF_ELEMENTS, WIDER, LEAST_VELOCITIES = 3e-4, 2e-4, 2.5, 2000
+# breaks down, and the velocities below which Clarabel is as quick. The middle of the bracket of elements is off by less
+# than half of their gap, which is a tenth of the accuracy that is asked for of the discretisation.
+INTERIOR_GAP, INTERIOR_GAP_OF_ELEMENTS, WIDER, LEAST_VELOCITIES = 3e-4, 1e-3, 2.5, 2000
 # Its work: an iteration whose stiffness matrix has so many entries takes so long, and goes with this power of them.
 # However little work is left, it is given so many iterations.
 INTERIOR_ENTRIES, INTERIOR_SECONDS, INTERIOR_EXPONENT, LEAST_INTERIOR_ITERATIONS = 1e6, 0.35, 1.1, 25
@@ -168,20 +169,21 @@ def solve(
     """
     feasibility = FEASIBILITY_TORN if len(program.torn) else FEASIBILITY
     ask = partial(_by_clarabel, regularisations, feasibility)
-    return _solve(program, INTERIOR_GAP, ask, magnified, most_work, start=start)
+    return _solve(program, Tolerance(INTERIOR_GAP), ask, magnified, most_work, start=start)
 
 
-def solve_for_elements(program: ConeProgram, start: Warm | None = None) -> Solution:
+def solve_for_elements(program: ConeProgram, start: Warm | None = None, least: float = 1.0) -> Solution:
     """Solve the program of a finite element limit analysis, less exactly than one of bounds; the multiplier is the
-    middle of the solver's own bracket.
+    middle of the solver's own bracket, whose width is a share of the multiplier, or of ``least`` where that is larger.
     """
     ask = partial(_by_clarabel, REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS)
-    return _solve(program, INTERIOR_GAP_OF_ELEMENTS, ask, in_the_middle=True, start=start)
+    tolerance = Tolerance(INTERIOR_GAP_OF_ELEMENTS, least, FEASIBILITY_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS)
+    return _solve(program, tolerance, ask, in_the_middle=True, start=start)
 
 
 def _solve(
     program: ConeProgram,
-    gap: float,
+    tolerance: Tolerance,
     ask_clarabel: "Callable[[Assembled, float, float], _End]",
     magnified: float = 1.0,
     most_work: float = math.inf,
@@ -194,7 +196,7 @@ def _solve(
     data = assembled(program, clay)
     started, own = time.thread_time(), None
     if n >= LEAST_VELOCITIES and cholmod.available():
-        own = _by_interior_point(program, data, magnified, gap, most_work, start)
+        own = _by_interior_point(program, data, magnified, tolerance, most_work, start)
     if own is not None and (own.status in MET or own.out_of_work):
         end = own
     else:
@@ -239,7 +241,12 @@ class _End:
 
 
 def _by_interior_point(
-    program: ConeProgram, data: Assembled, magnified: float, gap: float, most_work: float, start: Warm | None = None
+    program: ConeProgram,
+    data: Assembled,
+    magnified: float,
+    tolerance: Tolerance,
+    most_work: float,
+    start: Warm | None = None,
 ) -> _End:
     """The end of the interior-point method of our own; from the beginning where a ``start`` leads nowhere."""
     form, order = standard(program, data, magnified)
@@ -252,9 +259,11 @@ def _by_interior_point(
             most = max(LEAST_INTERIOR_ITERATIONS, int(most_work / cost))
         iterations = 0
         for place in (warm.place, None) if warm else (None,):
-            solution = interior_point.interior_solution(form, magnified, gap, matrix, check_cancelled, place, most)
+            solution = interior_point.interior_solution(
+                form, magnified, tolerance, matrix, check_cancelled, place, most
+            )
             iterations += solution.iterations
-            met = solution.residual <= interior_point.NEARLY and solution.gap <= WIDER * gap
+            met = solution.residual <= tolerance.nearly and solution.gap <= WIDER * tolerance.gap
             if met:
                 break
     except (MemoryError, ArithmeticError) as error:  # the second where there is no place to begin

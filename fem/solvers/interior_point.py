@@ -1,10 +1,10 @@
 """An interior-point method for the programs of ``cone_program.py`` that eliminates every corner in closed form.
 
 Primal and dual equations are met in full from some iteration on, so that from then on the two objectives are a bracket
-of the multiplier: a bound needs no more than a gap of 3e-4. Newton's directions have the scaling of Nesterov & Todd
-(1997), the corrector of Mehrotra (1992) and up to two of Gondzio (1996). What is factorised is the stiffness matrix of
-a body whose corners have the compliances of ``corner_stiffness.py``, positive definite, by CHOLMOD; the load is one
-more right-hand side. It proves no infeasibility, and below gaps of 1e-4 it may break down.
+of the multiplier: a bound needs no more than a gap of 3e-4, elements need one of 1e-3. Newton's directions have the
+scaling of Nesterov & Todd (1997), the corrector of Mehrotra (1992) and up to two of Gondzio (1996). What is factorised
+is the stiffness matrix of a body whose corners have the compliances of ``corner_stiffness.py``, positive definite, by
+CHOLMOD; the load is one more right-hand side. It proves no infeasibility, and below gaps of 1e-4 it may break down.
 """
 
 from collections.abc import Callable
@@ -17,10 +17,6 @@ from fem.kernels.corner_cones import add_products, centrality, corrections, long
 from fem.kernels.corner_stiffness import condense, expand, stiffnesses
 from fem.solvers.corner_matrix import CornerMatrix
 
-# Relative residual of both equations at the end, that which will do where no iteration makes it smaller, and the least
-# multiplier that the gap is a share of. Where edges go on almost straight through a point, the volumes of clay around
-# it all but depend on each other, and 5e-9 stay: bounds correct their equations anyhow, and are checked after that.
-FEASIBILITY, NEARLY, LEAST_MULTIPLIER = 1e-9, 1e-8, 0.05
 MOST_ITERATIONS = 60
 # After so many iterations the equations are met but for this, if there is a solution; 5 to 12 are usual.
 HOPELESS, HOPELESS_RESIDUAL = 20, 1e-4
@@ -73,6 +69,29 @@ class Standard:
     rates: sparse.csr_matrix  # [volume, difference, shear] (3 k, velocities)
 
 
+@dataclass(frozen=True)
+class Tolerance:
+    """When the method has converged.
+
+    Attributes
+    ----------
+    gap : float
+        Difference of both objectives as a share of the multiplier (-).
+    least : float
+        The least multiplier that the gap is a share of (-).
+    residual : float
+        Relative residual of both equations (-).
+    nearly : float
+        The residual that will do where no iteration makes it smaller (-). Where edges go on almost straight through a
+        point, the volumes of clay around it all but depend on each other, and 5e-9 stay.
+    """
+
+    gap: float
+    least: float = 0.05
+    residual: float = 1e-9
+    nearly: float = 1e-8
+
+
 # Unknowns y, multipliers z and slacks s.
 Place = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -92,30 +111,29 @@ class Iterate:
     iterations: int
     warm: "Place | None" = None
 
-    @property
-    def rank(self) -> tuple[bool, float]:
-        """Rank of an iterate, smaller for a better one: by its gap where the equations are nearly met."""
-        met = self.residual <= NEARLY
+    def rank(self, nearly: float) -> tuple[bool, float]:
+        """Rank of an iterate, smaller for a better one: by its gap where the equations are met to ``nearly``."""
+        met = self.residual <= nearly
         return (not met, self.gap if met else self.residual)
 
 
 def interior_solution(
     standard: Standard,
     unit: float,
-    gap: float,
+    tolerance: Tolerance,
     matrix: CornerMatrix,
     heed: Callable[[], None],
     start: Place | None = None,
     most_iterations: int = MOST_ITERATIONS,
 ) -> Iterate:
-    """The solution to a relative ``gap``, of a program whose costs are ``unit`` times as large as the multiplier.
+    """The solution to a ``tolerance``, of a program whose costs are ``unit`` times as large as the multiplier.
 
     ``heed`` is called before each of at most ``most_iterations`` iterations. After a breakdown the best iterate that
     meets the equations is returned, if there is one. ``start`` is an iterate of the same mesh with another strength:
     one well inside the cones saves half of the iterations, one near the solution often breaks down.
     ``standard``: the program in standard form; ``matrix``: the normal equations to factorise.
     """
-    return _Method(standard, unit, gap, matrix).run(heed, start, most_iterations)
+    return _Method(standard, unit, tolerance, matrix).run(heed, start, most_iterations)
 
 
 class _BreakdownError(ArithmeticError):
@@ -125,8 +143,9 @@ class _BreakdownError(ArithmeticError):
 class _Method:
     """The interior-point method on one program: its iterate, and the factors of its stiffness matrix."""
 
-    def __init__(self, standard: Standard, unit: float, gap: float, matrix: CornerMatrix) -> None:
-        self.given, self.unit, self.gap, self.stiffness_matrix = standard, unit, gap, matrix
+    def __init__(self, standard: Standard, unit: float, tolerance: Tolerance, matrix: CornerMatrix) -> None:
+        self.given, self.wanted, self.stiffness_matrix = standard, tolerance, matrix
+        self.least = tolerance.least * unit
         corners = standard.corners
         self.a, self.a_t = standard.matrix, standard.matrix.T.tocsr()
         self.b, self.c = standard.offset, standard.cost
@@ -155,7 +174,7 @@ class _Method:
     def run(self, heed: Callable[[], None], start: Place | None, most_iterations: int) -> Iterate:
         """Iterations until the tolerances are met, or no more can be done."""
         y, z, s = start or self.start()
-        warm = start
+        warm, wanted = start, self.wanted
         best: Iterate | None = None
         late = 0
         for iteration in range(1 + (most_iterations if start is None else min(most_iterations, MOST_WARM))):
@@ -167,15 +186,15 @@ class _Method:
                 np.abs(rz).max() / max(1.0, np.abs(self.b).max() + np.abs(y).max() + np.abs(s).max()),
                 np.abs(ry).max() / max(1.0, np.abs(self.c).max() + np.abs(z).max()),
             )
-            gap = max(abs(primal - dual), product) / max(abs(dual), LEAST_MULTIPLIER * self.unit)
+            gap = max(abs(primal - dual), product) / max(abs(dual), self.least)
             now = Iterate(y, z, s, primal, dual, gap, float(residual), iteration)
-            if best is None or now.rank < best.rank:
+            if best is None or now.rank(wanted.nearly) < best.rank(wanted.nearly):
                 best = now
-            if warm is None and product <= WARM * max(abs(dual), LEAST_MULTIPLIER * self.unit):
+            if warm is None and product <= WARM * max(abs(dual), self.least):
                 warm = y, z, s
-            if (now is best and residual <= FEASIBILITY and gap <= self.gap) or not np.isfinite(gap):
+            if (now is best and residual <= wanted.residual and gap <= wanted.gap) or not np.isfinite(gap):
                 break
-            late += gap < self.gap and residual > FEASIBILITY
+            late += gap < wanted.gap and residual > wanted.residual
             if late > MOST_LATE:
                 break
             if iteration > HOPELESS and best.residual > HOPELESS_RESIDUAL:  # as without a solution
