@@ -92,7 +92,7 @@ def _weaker(pairs: np.ndarray, values: np.ndarray) -> None:
 
 
 def _attraction(layers: Sequence[LayerSprings]) -> np.ndarray:
-    """What pairs of layers bear of pull (n + 1, n + 1), the lesser of both (N); the boundary as much as its partner."""
+    """Tensile strength (N) of contacts of layers (n + 1, n + 1): the smaller of both; with the boundary the layer's."""
     own = np.array([*(layer.attraction * layer.contact_cohesion for layer in layers), np.inf])
     pull = np.minimum(own[:, None], own[None, :])
     pull[-1, -1] = 0.0

@@ -42,7 +42,7 @@ def precompile(executor: Executor, tell: Tell) -> None:
 
 
 def _kept_for() -> str:
-    """What the compiled files of Numba depend on: its version, the processor, and the file of the step loop."""
+    """Fingerprint of what Numba's compiled files depend on: its version, the processor, the file of the step loop."""
     source = Path(stepping.__file__)
     kept = (numba.__version__, get_host_cpu_name(), str(source), source.stat().st_mtime_ns)
     return hashlib.sha256(repr(kept).encode()).hexdigest()[:16]
@@ -64,7 +64,7 @@ def _compiled(what: str, _: Tell) -> None:
 
 
 def types_of_a_step() -> tuple[Type, ...]:
-    """Types of what the step loop is called with, of three discs."""
+    """Types of the arguments of the step loop, for a model of three discs."""
     arguments = EngineRun(Engine(), three_discs(), dt=1e-6).arguments(steps=1)[0]
     return tuple(typeof(argument) for argument in arguments)
 

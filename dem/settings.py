@@ -105,7 +105,7 @@ class DemSettings(Model):
 
     @property
     def ductility(self) -> float:
-        """`growth`, or what it is for the model of the discs."""
+        """The setting `growth`, or its default for the chosen model of the discs."""
         return GROWTH[self.model] if self.growth is None else self.growth
 
     @property
@@ -258,7 +258,7 @@ class SlideSettings(Model):
 
     @property
     def shaking(self) -> str:
-        """What drives the slides, in words."""
+        """The loading of the slides in words: a record, cycles of Kh, or a constant Kh."""
         if self.accelerogram == AVERAGE:
             return "the average acceleration above the slip surface"
         if self.accelerogram:
@@ -270,15 +270,15 @@ class SlideSettings(Model):
         return f"Kh = {self.kh:g}" + (f" for {self.kh_seconds:g} s" if self.kh_seconds is not None else "")
 
     def onset_of(self, model: DiscModelName) -> float:
-        """`onset` (s), or what it is for the model of the discs."""
+        """The setting `onset` (s), or its default for the chosen model of the discs."""
         return ONSET[model] if self.onset is None else self.onset
 
     def step_of(self, model: DiscModelName) -> float:
-        """`step`, or what it is for the model of the discs."""
+        """The setting `step`, or its default for the chosen model of the discs."""
         return STEP[model] if self.step is None else self.step
 
     def packings(self, model: DiscModelName) -> tuple[int, ...]:
-        """`seeds`, or what they are for the model of the discs."""
+        """The setting `seeds`, or its default for the chosen model of the discs."""
         if isinstance(self.seeds, int):
             return tuple(range(self.seeds))
         return SEEDS[model] if self.seeds is None else self.seeds

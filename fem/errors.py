@@ -1,4 +1,4 @@
-"""How an analysis can end without an answer."""
+"""Errors with which an analysis ends without an answer."""
 
 from meshes.errors import NoAnswerError
 

@@ -1,4 +1,4 @@
-"""What is told to a person whose input cannot be used, or has no answer."""
+"""Errors for a person whose input cannot be used, or has no answer."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -65,7 +65,7 @@ class Executor(futures.Executor):
         heard: Callable[[int, Any], None] | None = None,
         done: Callable[[int, Found], None] | None = None,
     ) -> list[Found]:
-        """What the work makes of every input, in their order; raises the first error of a task.
+        """The results of the work for all inputs, in their order; raises the first error of a task.
 
         In this thread ``heard`` hears what a task tells, with the place of its input, and ``done`` every result as it
         comes.
@@ -99,7 +99,7 @@ def _do(future: "Future[A]", work: Callable[[], A], kept: type[BaseException] = 
 
 
 def then(future: "Future[A]", follow: Callable[["Future[A]"], Found]) -> "Future[Found]":
-    """What follows once a future is done, in the thread that has done it."""
+    """A future of what follows once another future is done; it runs in the thread that has done that one."""
     following: Future[Found] = Future()
     future.add_done_callback(lambda done: _do(following, partial(follow, done)))
     return following

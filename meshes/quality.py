@@ -7,7 +7,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Quality:
-    """How many cells a mesh has, and the worst of them.
+    """Number of cells of a mesh, and the worst measures of quality among them.
 
     Attributes
     ----------

@@ -52,7 +52,8 @@ class Invocation:
         found.
         """
         asked = {
-            table: {key: value for key, value in its.items() if value is not None} for table, its in options.items()
+            table: {key: value for key, value in values.items() if value is not None}
+            for table, values in options.items()
         }
         tables = merged(dotted(settings or []), asked)
         read = load_config(section, tables)

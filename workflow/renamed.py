@@ -75,13 +75,13 @@ def current(data: Mapping[str, Any]) -> dict[str, Any]:
     -------
     A copy with new words in the tables of settings, and in [uncertain], whose keys are paths such as "fem.sides".
     """
-    found = dict(data)
+    tables = dict(data)
     for rule in RENAMED:
         places = (rule.table, rule.key, rule.key_now), ("uncertain", rule.path, f"{rule.table}.{rule.key_now}")
         for table, old, new in places:
-            if isinstance(found.get(table), Mapping):
-                found[table] = rule.moved(found[table], old, new)
-    return found
+            if isinstance(tables.get(table), Mapping):
+                tables[table] = rule.moved(tables[table], old, new)
+    return tables
 
 
 def current_answer(data: Any) -> Any:
@@ -90,10 +90,10 @@ def current_answer(data: Any) -> Any:
         return [current_answer(each) for each in data]
     if not isinstance(data, dict):
         return data
-    found = {ANSWER_KEYS.get(str(key), str(key)): current_answer(each) for key, each in data.items()}
+    answer = {ANSWER_KEYS.get(str(key), str(key)): current_answer(each) for key, each in data.items()}
     for rule in RENAMED:
-        found = rule.moved(found, rule.key, rule.key_now)
-    return found
+        answer = rule.moved(answer, rule.key, rule.key_now)
+    return answer
 
 
 def notices(data: Mapping[str, Any]) -> list[str]:
@@ -171,8 +171,8 @@ def _places(text: str) -> Iterator[tuple[int, int, str]]:
     """Places in a text where an old key or value may stand: start, end, and its replacement."""
     for rule in RENAMED:
         for old, new in rule.values.items():
-            for found in re.finditer(f"([\"']){re.escape(old)}\\1", text):
-                yield found.start(), found.end(), f"{found[1]}{new}{found[1]}"
+            for place in re.finditer(f"([\"']){re.escape(old)}\\1", text):
+                yield place.start(), place.end(), f"{place[1]}{new}{place[1]}"
         if rule.new_key:
-            for found in re.finditer(rf"(?<![\w-]){re.escape(rule.key)}(?![\w-])", text):
-                yield found.start(), found.end(), rule.new_key
+            for place in re.finditer(rf"(?<![\w-]){re.escape(rule.key)}(?![\w-])", text):
+                yield place.start(), place.end(), rule.new_key

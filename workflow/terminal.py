@@ -111,7 +111,7 @@ def show_plan(job: Job, choice: Choice, verbosity: Verbosity) -> None:
 
 
 def _time_of(decisions: Sequence[Decision]) -> str:
-    """How long the stages that run take together as a rule."""
+    """The usual computing time of all stages that run, as a sentence."""
     minutes = [decision.stage.minutes for decision in decisions if decision.action == "run"]
     low, high = (sum(ends) for ends in zip(*minutes, strict=True)) if minutes else (0.0, 0.0)
     return f"On two cores this takes about {time_words(low, high)}; large or many-layered sections take longer."
@@ -209,7 +209,7 @@ def redraw(job: Job, json: bool) -> None:
 
 
 def show_runs(runs: "Sequence[ComparedRun]") -> None:
-    """Runs side by side: what they found, and where their inputs differ."""
+    """Runs side by side: their results, and the settings in which they differ."""
     from workflow.report import side_by_side
 
     folders = [str(run.folder) for run in runs]

@@ -344,7 +344,7 @@ class EngineRun:
         return self.collect()
 
     def arguments(self, steps: int) -> list[tuple[Any, ...]]:
-        """What every thread calls the kernel with."""
+        """The arguments of the stepping kernel for every thread."""
         model, threads = self.model, self.threads
         barrier, stops = new_barrier(threads), np.zeros((2, threads), np.int64)
         layout = self.pack()

@@ -1,4 +1,4 @@
-"""Forces of the contacts as they are now, and what they add up to on each disc."""
+"""Current contact forces, and their resultant on each disc."""
 
 from dataclasses import dataclass
 

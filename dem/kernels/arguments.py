@@ -90,7 +90,7 @@ class Loads(NamedTuple):
 
 
 class Clock(NamedTuple):
-    """How many steps, of what length, from when.
+    """Number of time steps, their length (s), and the time at which they begin (s).
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Kernel: one contact, from where its two sides are and what it remembers to its forces, energies and losses.
+"""Kernel: forces, energies and losses of one contact, from the places of its two sides and its history variables.
 
 Here the law meets the layout, once for the stepping kernel, which keeps the result, and for the energies, which only
 look at it. All is inlined where it is used: what a caller does not need is not computed.

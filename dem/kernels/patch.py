@@ -101,7 +101,7 @@ def outside(layout: Layout, discs: int, back: np.ndarray) -> int:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def turn(layout: Layout, radius: np.ndarray, change: np.ndarray, rates: np.ndarray) -> None:
-    """Gives all discs the `change` of a velocity gradient (2, 2), and those of the frame exactly `rates` (1/s).
+    """Adds the `change` of a velocity gradient (2, 2) to all discs; those of the frame move exactly by `rates` (1/s).
 
     layout: discs and contacts, changed here; radius: of every disc (m), in spatial order.
     """

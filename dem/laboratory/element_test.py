@@ -103,7 +103,7 @@ class ElementTest:
 
     @property
     def verdicts(self) -> tuple[str, ...]:
-        """What keeps the strengths from being those of a peak or plateau, in words."""
+        """Why the measured strengths are not those of a peak or a plateau, one sentence for each reason."""
         verdicts = []
         for test in self.tests:
             for curve, result in ((test.biaxial, test.biaxial_strength), (test.shear, test.shear_strength)):

@@ -1,4 +1,4 @@
-"""Comparison of a layer of soil with its discs, as it is stored."""
+"""Stored comparison of a layer of soil with its discs."""
 
 # ruff: noqa: N815 (units are written as they are)
 

@@ -83,7 +83,7 @@ class Sample:
 
 @dataclass(eq=False)
 class Patch:
-    """A sample in its frame, as it is now.
+    """The current state of a sample in its frame.
 
     Attributes
     ----------

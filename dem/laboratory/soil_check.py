@@ -63,7 +63,7 @@ class ElementTestProgramme:
         ]
 
     def checks(self, done: Sequence[PatchStrength | str]) -> list[LayerCheck]:
-        """All layers, by what became of the ``patches``, in their order."""
+        """The comparison of every layer with its discs, from the tests ``done`` on its ``patches``."""
         by_kind = {like: done[k * len(SEEDS) : (k + 1) * len(SEEDS)] for k, like in enumerate(self.first)}
         scaled = [
             [_scaled(patch, self.first[like], itself) for patch in by_kind[like]]

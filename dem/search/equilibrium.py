@@ -130,7 +130,7 @@ class Displacement:
         self.total = self.mass.sum()
 
     def __call__(self, model: DiscModel) -> float:
-        """How far the discs have come (m)."""
+        """Mean displacement of the discs so far (m)."""
         before, free = self.before, self.free
         dx, _ = self.ground.turned(model.x[free] - before.x[free], model.z[free] - before.z[free])
         return float(self.ground.downhill * ((dx * self.mass).sum() / self.total))

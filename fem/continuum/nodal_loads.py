@@ -87,7 +87,7 @@ def _pressed(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarr
 
 
 def pressed_sides(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | float:
-    """Nodal forces (dofs,) in N/m of the pore pressure on both sides, as it is at rest; 0.0 without any."""
+    """Nodal forces (dofs,) in N/m of the pore pressure at rest on both sides; 0.0 without pore pressure."""
     water = section.water_pressure
     if not water.present:
         return 0.0

@@ -33,7 +33,7 @@ DavisForm = Literal["A", "B", "C"]
 
 @dataclass(frozen=True)
 class Strength:
-    """What the strata bear and how they flow.
+    """Strength and flow rule of the strata.
 
     Attributes
     ----------

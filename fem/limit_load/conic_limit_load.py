@@ -189,7 +189,7 @@ A = TypeVar("A")
 
 
 def computed_by_first_rank(problem: "PlaneStrain", find: Callable[[], A]) -> A:
-    """What the first rank finds, or NoAnswerError as it is raised there, on all ranks."""
+    """The result of the first MPI rank, or its NoAnswerError, on all ranks."""
     comm = problem.grid.comm
     answer: A | NoAnswerError | None = None
     if comm.rank == 0:

@@ -180,7 +180,7 @@ class _Search:
         raise NoAnswerError("no factor of safety was found", "use another mesh")
 
     def step(self, at: float) -> tuple[float, cone_program.Solution]:
-        """What the logarithm of the factor lacks by Newton's method where it is ``at``, and the solution there."""
+        """Newton correction of the logarithm of the factor of safety at the value ``at``, and the solution there."""
         self.problem.use_strength(math.exp(at))
         strength, softening = self.problem.strength, self.softening(at, self.elastic)
         softening = np.maximum(softening, LEAST_SOFTENING * softening.mean())
@@ -212,7 +212,7 @@ class _Search:
         return at
 
     def softening(self, at: float, mean: np.ndarray) -> np.ndarray:
-        """What the strength R (points,) under ``mean`` stresses in Pa loses where the logarithm of the factor grows."""
+        """Decrease of the strength R (points,) at ``mean`` stresses in Pa per unit of the logarithm of the factor."""
         ends = [self.resistance(log, mean) for log in (at - DIFFERENCE, at + DIFFERENCE)]
         return (ends[0] - ends[1]) / (2.0 * DIFFERENCE)
 

@@ -170,7 +170,7 @@ def pushed(
 
 
 def at_rest(ground: Ground) -> Ground:
-    """The same ground in equilibrium under its weight; raises UnstableError if it fails."""
+    """The ground in equilibrium under its weight; raises UnstableError if it fails under it."""
     if ground.gravity is not None:
         return ground
     gravity = bring_to_rest(ground.problem, ground.weight, ground.constant, ground.settings)

@@ -133,7 +133,7 @@ class EquilibriumPath:
         return True
 
     def relax(self) -> bool:
-        """Let the overstress decay; True if what is left is in equilibrium without it.
+        """Let the overstress decay; True if the state without overstress is in equilibrium.
 
         Where the multiplier acts on a load, the control displacement is kept and the multiplier falls. Where it acts
         on the strength, elastic ground does not feel it, so there the multiplier is set, as high as the ground stands.

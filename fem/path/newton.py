@@ -44,7 +44,7 @@ class NewtonSettings:
 
 
 class Loading(Protocol):
-    """What the load multiplier λ acts on: a load, or the strength of the ground."""
+    """The quantity that the load multiplier λ scales: a load, or the strength of the ground."""
 
     def unbalanced(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
         """External minus internal nodal forces (N/m)."""

@@ -1,4 +1,4 @@
-"""What is recorded, and stored, of every step of a path."""
+"""The stored record of every step of an equilibrium path."""
 
 from dataclasses import dataclass
 

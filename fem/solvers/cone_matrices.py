@@ -59,7 +59,7 @@ class ConeProgram:
 
     @cached_property
     def torn(self) -> np.ndarray:
-        """Numbers of the corners with a tension cut-off that lies before the apex of their cone."""
+        """Numbers of the corners whose tension cut-off lies below the apex of their cone, so that it acts."""
         tension = np.broadcast_to(self.tension, self.cohesion.shape)
         finite = np.where(np.isfinite(tension), tension, 0.0)
         return np.flatnonzero(np.isfinite(tension) & (finite * np.tan(self.friction) < self.cohesion))

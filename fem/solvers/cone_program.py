@@ -74,7 +74,7 @@ INTERIOR_ENTRIES, INTERIOR_SECONDS, INTERIOR_EXPONENT, LEAST_INTERIOR_ITERATIONS
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """What the solver left.
+    """The solution of a cone program as the solver returned it.
 
     Attributes
     ----------
@@ -315,7 +315,7 @@ def _solved(
 
 
 def _poorness(solution: clarabel.DefaultSolution) -> int:
-    """How far a solution is from what was asked of the solver: 0 is good, 3 is none.
+    """Rank of a solution by its status: 0 within the tolerances, 3 without a solution.
 
     0: tolerances met (or almost, with well-met equations), or infeasibility proven; 1: tolerances almost met; 2:
     infeasibility almost proven; 3: anything else.

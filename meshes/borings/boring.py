@@ -31,7 +31,7 @@ class Sample(Model):
 
 
 class Cone(Model):
-    """What a cone penetration test found at one depth."""
+    """Readings of a cone penetration test at one depth."""
 
     depth: Length = Field(description='the depth below the ground, such as "3.3 m"')
     qc: Strength = Field(description='the cone resistance, corrected for pore pressure (qt), such as "4.2 MPa"')

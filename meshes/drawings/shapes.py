@@ -48,7 +48,7 @@ class Shape:
 
 @dataclass(frozen=True)
 class Shapes:
-    """What a drawing holds.
+    """The shapes of a drawing.
 
     Attributes
     ----------

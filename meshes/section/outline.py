@@ -10,7 +10,7 @@ from meshes.section.polyline import Points, pairs_of, written
 
 
 def read_outline(value: Any) -> Points:
-    """The corners in turn, the first one once.
+    """The corners of a closed outline in order, without the first one repeated at the end.
 
     Raises ValueError with every problem of the outline, one on each line of the message.
     """

@@ -63,7 +63,7 @@ def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
 
 
 def proven_by(strengthened: bool) -> str:
-    """Which bounds an interval follows from: of the ground as it is, or with its bare faces ``strengthened``."""
+    """Name of the bounds that give an interval: of the ground as given, or with its bare faces ``strengthened``."""
     return "by bounds of deeper failures" if strengthened else "by strict bounds"
 
 

@@ -102,7 +102,7 @@ def of_ends(points: Mapping[int, PointCase]) -> Iterator[str]:
             f"material points have run out of the section in {of_cases(sorted(out))}: {lengths} is the least that the "
             "ground slides; take a longer section (beyond)"
         )
-    ends = {number: case.slide_along[_uphill_end(case)][1] for number, case in points.items()}
+    ends = {number: case.slide_along[_uphill_end(case)][1] for number, case in points.items() if case.slide_along}
     along = [n for n, end in ends.items() if ALONG[0] < end / max(points[n].slide_max_m, LEAST_END) < ALONG[1]]
     if along:
         yield (

@@ -160,7 +160,7 @@ def _alike(results: Results) -> str:
 
 
 def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
-    """The cases that come to rest, and those that were still moving; apart where a side of the box stopped them."""
+    """Sentences on the cases that come to rest, on those still moving, and on those that a side of the box stopped."""
     stays = [number for number, case in cases.items() if case.settled and case.slide_max_m < STAYS]
     if stays:
         yield f"In {of_cases(stays)} the surface moves less than {STAYS:g} m."

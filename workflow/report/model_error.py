@@ -18,11 +18,11 @@ def model_error(results: Results) -> Iterator[str]:
         slides += case.slide_max_m.values
     known = {case.flows for case in cases.values()}
     flows = known.pop() if len(known) == 1 else None
-    if said := error_sentence(slides, flows):
-        yield said
+    if sentence := error_sentence(slides, flows):
+        yield sentence
     points = [case.slide_max_m for case in results.mpm.cases.values()] if results.mpm is not None else []
-    if said := error_sentence(points, flows, "mpm"):
-        yield said
+    if sentence := error_sentence(points, flows, "mpm"):
+        yield sentence
 
 
 def error_sentence(slides: Sequence[float], flows: bool | None, method: SlideMethod = "discs") -> str:

@@ -33,7 +33,7 @@ SHADES = 9
 
 @dataclass(frozen=True)
 class Film:
-    """What the page holds of a film: ``kind`` is "slides" or "path", ``text`` is JSON that may stand in a script."""
+    """An animation of the page: ``kind`` is "slides" or "path", ``text`` is JSON that may stand in a script."""
 
     kind: str
     title: str

@@ -44,7 +44,7 @@ def read(folders: Sequence[Path]) -> list[ComparedRun]:
 
 
 def differences(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
-    """The keys in which the inputs differ, with what each has."""
+    """The settings in which the inputs differ, with the value of each run."""
     flat = [dict(_leaves(run.config.to_data(), "")) for run in runs]
     for key in dict.fromkeys(key for values_of_run in flat for key in values_of_run):
         values = [plain(values_of_run[key]) if key in values_of_run else "–" for values_of_run in flat]
@@ -65,7 +65,7 @@ def _leaves(data: Any, name: str) -> Iterator[tuple[str, Any]]:
 
 
 def rows(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
-    """What was found: the name of a quantity, and what each run has."""
+    """The results: the name of a quantity, and its value in each run."""
     columns: dict[str, Callable[[Summary], str]] = {
         "section": lambda summary: f"{summary.section.name}, {summary.section.sha256[:12]}",
         "sides": lambda summary: summary.fem.sides if summary.fem else "–",

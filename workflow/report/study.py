@@ -57,7 +57,7 @@ def write_page(config: Config, answer: StudyAnswer, store: Store) -> Path:
 
 
 def sentences(config: Config, answer: StudyAnswer) -> Iterator[str]:
-    """What was found, in plain sentences."""
+    """The results of the study, a sentence each."""
     drawn = f"{answer.samples} samples of {len(config.uncertain.numbers)} uncertain numbers by {METHODS[answer.method]}"
     without = f"; {answer.failed} have no answer or only a part of it" if answer.failed else ", all with an answer"
     yield f"{drawn}, seed {answer.seed}{without}."

@@ -104,7 +104,7 @@ def _numbers(cases: dict[int, CaseAnswer]) -> dict[int, CaseNumbers]:
 
 
 def _summaries(results: Results, cases: dict[int, CaseAnswer]) -> dict[int, CaseSummary]:
-    """The numbers of every case with what several packings say of its largest slide."""
+    """The numbers of every case, with the mean and interval of its largest slide over several packings."""
     random = results.cases.random if results.cases is not None else None
     summaries = {}
     for number, numbers in _numbers(cases).items():

@@ -201,7 +201,7 @@ def _points(points: Any) -> str:
 
 
 def changed_settings(config: Config) -> Iterator[tuple[str, str, str]]:
-    """The settings that differ from their defaults: name, value, and what it is."""
+    """The settings that differ from their defaults: name, value and description."""
     for table in config.tables():
         settings: BaseModel = getattr(config, table)
         for key, field in type(settings).model_fields.items():

@@ -46,7 +46,7 @@ def sentences(language: Language) -> dict[str, str]:
 
 @cache
 def _patterns(language: Language) -> tuple[tuple[re.Pattern[str], str], ...]:
-    """What sentences look like, those with the most fixed words first, and their translations."""
+    """Regular expressions of the sentences, those with the most fixed words first, and their translations."""
     by_words = sorted(sentences(language).items(), key=lambda pair: len(pair[0].replace("{}", "")), reverse=True)
     return tuple((re.compile(VALUE.join(map(re.escape, text.split("{}")))), to) for text, to in by_words)
 

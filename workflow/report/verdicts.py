@@ -186,7 +186,7 @@ def _not_computed(results: Results) -> Iterator[Found]:
 
 
 def verdict_paragraph(parts: list[VerdictPart]) -> Iterator[str]:
-    """Every criterion in a sentence, with what decides it."""
+    """Every criterion in a sentence, with the quantities that decide it."""
     phrases = []
     for criterion in dict.fromkeys(part.criterion for part in parts):
         parts_of_criterion = [part for part in parts if part.criterion == criterion]

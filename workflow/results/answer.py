@@ -124,6 +124,6 @@ def line(points: np.ndarray) -> Line:
 
 
 def _problems(error: ValidationError) -> list[str]:
-    """The first few keys that do not fit, each with what was expected."""
+    """The first three keys that do not fit, each with the expected value."""
     phrases = [f"{'.'.join(map(str, fault['loc'])) or 'the file'}: {fault['msg']}" for fault in error.errors()]
     return [*phrases[:3], "it was written by another version of the program; run the stage that writes it again"]

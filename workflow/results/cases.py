@@ -98,7 +98,7 @@ class CaseAnswer(MovedSurface, CaseNumbers):
 
     @property
     def uphill(self) -> str:
-        """What the uphill third of the surface does, as a verb."""
+        """Whether the uphill third of the surface "rises" or "settles"."""
         return "rises" if self.settlement_uphill_m < 0.0 else "settles"
 
     @property

@@ -44,8 +44,8 @@ class FemResults:
 
     def slip_surface(self, state: State) -> np.ndarray:
         """Points (n, 2) in m of the slip surface of one of the ``states``; none where the ground does not fail."""
-        phrase = next(phrase for phrase, loaded in zip(self.answer.states, self.states, strict=True) if loaded is state)
-        return np.array(phrase.slip_surface).reshape(-1, 2)
+        kept = next(kept for kept, loaded in zip(self.answer.states, self.states, strict=True) if loaded is state)
+        return np.array(kept.slip_surface).reshape(-1, 2)
 
 
 def _state(grid: pv.UnstructuredGrid, label: str, kh: float) -> State:

@@ -1,4 +1,4 @@
-"""The quadrilaterals of a section as VTK grids, which say what they are of."""
+"""The quadrilaterals of a section as VTK grids, with the name of the section."""
 
 from collections.abc import Sequence
 

@@ -61,8 +61,8 @@ class Results:
     def of(cls, job: Job) -> "Results":
         """Read what the stages left for this input; results of other inputs are not looked at."""
         record, ends, missing, older = Record(job.store), {}, {}, []
-        phrase = tuple(stage for stage in job.stages if not stage.of_all)
-        for stage in phrase:
+        stages = tuple(stage for stage in job.stages if not stage.of_all)
+        for stage in stages:
             prints = made_from(stage, job, record)
             entry, why = record[stage.name], changes(stage, prints, record)
             if entry is not None and (not why or (entry.outcome == "part" and entry.inputs == prints)):
@@ -96,7 +96,7 @@ class Results:
             liquefied=left("liquefied", LiquefiedAnswer),
             response=left("response", SiteResponseAnswer),
             mpm=left("mpm", PointSlidesAnswer),
-            stages=phrase,
+            stages=stages,
             older=tuple(older),
         )
 
@@ -121,7 +121,7 @@ class Results:
     @property
     def warnings(self) -> list[ResultWarning]:
         """Warnings on the critical Kh of the FEM: contradictions, and notes."""
-        phrase = list(self.fem.warnings) if self.fem is not None else []
+        of_fem = list(self.fem.warnings) if self.fem is not None else []
         looked_at = ("mesh",) if self._bracketed else ("mesh", "element")
         others = [
             Computed(variant.change, variant.kc, decisive=variant.name == "mesh", without=variant.kc_without)
@@ -129,7 +129,7 @@ class Results:
             if self.kc and variant.kc is not None and variant.name in looked_at
         ]
         contradictions = of_others(self.kc, others) if self.kc else ()
-        return [*phrase, *contradictions, *self.warnings_by_bounds()]
+        return [*of_fem, *contradictions, *self.warnings_by_bounds()]
 
     @property
     def _bracketed(self) -> bool:
@@ -157,7 +157,7 @@ class Results:
         ]
 
     def _judged_by(self, bounds: BoundsAnswer) -> Iterator[Judged]:
-        """The critical Kh of every direction that the bounds are of, by every flow rule, with the bounds of its own."""
+        """The critical Kh of every direction and flow rule that has strict bounds, with these bounds."""
         fem = self.fem
         assert fem is not None
         for part in bounds.directions:

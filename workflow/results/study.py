@@ -97,7 +97,7 @@ class Failure(Part):
 
 
 class StudyAnswer(Answer):
-    """The distributions of all results, what they depend on, and fragility curves."""
+    """Distributions of all results, effects of the uncertain numbers on them, and fragility curves."""
 
     FILE: ClassVar[str] = "study.json"
 

@@ -166,7 +166,7 @@ class PaperModel(Part):
 
 
 class Summary(Answer):
-    """What all stages found; a stage without an answer stands under ``no_answer``."""
+    """The results of all stages; a stage without an answer stands under ``no_answer``."""
 
     FILE: ClassVar[str] = "summary.json"
 

@@ -59,7 +59,9 @@ class TestPart(Part):
     @classmethod
     def of(cls, test: Judged, stratum: str) -> Self:
         """A test as an answer holds it."""
-        found = vars(test.outcome) if test.outcome else dict.fromkeys(("normalised", "corrected", "load", "resistance"))
+        stresses = (
+            vars(test.outcome) if test.outcome else dict.fromkeys(("normalised", "corrected", "load", "resistance"))
+        )
         return cls.taken(
             test,
             x_m=test.x,
@@ -72,7 +74,7 @@ class TestPart(Part):
             fines_percent=test.sample.fines,
             total_Pa=test.where.total,
             effective_Pa=test.where.effective,
-            **found,
+            **stresses,
         )
 
 

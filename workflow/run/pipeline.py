@@ -249,7 +249,7 @@ class Run:
         return pictures
 
     def _logged(self, stage: Stage, progress: Progress) -> Progress:
-        """The same, with a line in the log every half a minute."""
+        """A progress callback that also writes a line into the log every 30 s."""
         last = time.monotonic()
 
         def tell(line: str, share: float | None) -> None:

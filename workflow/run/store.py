@@ -95,7 +95,7 @@ class Store:
         return self.write_text(name, json.dumps(_finite(data), indent=1, allow_nan=False) + "\n")
 
     def read_json(self, name: str) -> Any:
-        """What a JSON file holds; raises InputError if it is not there or not JSON."""
+        """The content of a JSON file; raises InputError if it is not there or not JSON."""
         path = self.folder / name
         try:
             return json.loads(path.read_text(encoding="utf-8"))

@@ -32,8 +32,8 @@ def __getattr__(name: str) -> Any:
     """STAGES, the declarations of all stages, once they are needed (PEP 562)."""
     if name != "STAGES":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    found = globals()["STAGES"] = tuple(import_module(f"{__name__}.{stage}").STAGE for stage in NAMES)
-    return found
+    declared = globals()["STAGES"] = tuple(import_module(f"{__name__}.{stage}").STAGE for stage in NAMES)
+    return declared
 
 
 def stored_job(folder: Path) -> "Job":
@@ -50,7 +50,7 @@ def stored_job(folder: Path) -> "Job":
         raise InputError(str(folder), [f"holds no run: there is no section.toml; {expected}"])
     store = Store(folder)
     left = Record(store)["mesh"]
-    given = left is not None and GIVEN in left.inputs
-    found = globals().get("STAGES") or __getattr__("STAGES")
-    config = load_config(path)
-    return Job(config, store, found, mesh_file=folder / "mesh/section.msh" if given else None)
+    has_own_mesh = left is not None and GIVEN in left.inputs
+    declared = globals().get("STAGES") or __getattr__("STAGES")
+    mesh_file = folder / "mesh/section.msh" if has_own_mesh else None
+    return Job(load_config(path), store, declared, mesh_file=mesh_file)

@@ -183,7 +183,7 @@ def _gap(bracket: "Bracket") -> str:
 
 
 def _wanted(bracket: "Bracket", settings: BoundsSettings) -> str:
-    """How far apart the bounds may be: a share of Kh, or where Kh is small a difference in Kh."""
+    """The gap asked for: a share of Kh, or where Kh is small a difference in Kh."""
     small = 0.5 * (abs(bracket.upper) + abs(bracket.lower)) < LEAST_KH
     return f"{settings.gap * LEAST_KH:.4f} in Kh" if small else f"{100 * settings.gap:g} %"
 

@@ -263,7 +263,7 @@ def discs_answer(
     sliding: DiscModel,
     paper: PaperDiscs | None = None,
 ) -> DiscsAnswer:
-    """What dem/critical.json holds; ``sliding`` are the discs at rest that slides start from.
+    """The content of dem/critical.json; ``sliding`` are the discs at rest from which slides start.
 
     ``config``: of the run; ``discs``: at rest; ``searched``: critical Kh before and after calibration; ``kept``: states
     at recorded Kh; ``surfaces``: slip surfaces; ``paper``: answer of the paper's discs.

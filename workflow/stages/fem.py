@@ -103,7 +103,7 @@ def _slip_line(mesh: "QuadMesh", state: "State") -> Line:
 
 
 def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
-    """The critical Kh with what it is compared with, the path to it, the states kept, and the factors of safety."""
+    """The critical Kh with its alternatives, the path to it, the states kept, and the factors of safety."""
     from fem.continuum.shallow_failure import joined
     from fem.search.mesh_sequence import AdaptiveResult
 

@@ -35,6 +35,6 @@ def cases_as_data(config: Config, keys: Collection[str] | None = None) -> list[d
 
 
 def taken(config: Config) -> dict[str, Any]:
-    """The cases as they come to, and where a record decides when strata liquefy, at which share of its peak."""
+    """The resolved cases; where a record decides when strata liquefy, also the smallest F_L of each stratum."""
     decides = (config.slide.accelerogram or config.slide.kh_cycles) and config.slide.liquefies_at == "F_L"
     return {"what liquefies": cases_as_data(config)} | ({"its F_L": lowest_factors(config)} if decides else {})

@@ -44,7 +44,7 @@ def work(job: Job) -> None:
 
 
 def _different(config: Config) -> dict[tuple[tuple[int, Remains], ...], list[int]]:
-    """The numbers of the cases, by what is left of the strata that liquefy in them."""
+    """The numbers of the cases, grouped by the strength that remains in their liquefied strata."""
     groups: dict[tuple[tuple[int, Remains], ...], list[int]] = {}
     for number, case in enumerate(config.cases, start=1):
         kept = tuple(
@@ -176,7 +176,7 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
 
 
 def _tried(what: str, notes: list[str], find: Callable[[], Found]) -> Found | None:
-    """What is found; None, and a note of the reason, where there is no answer."""
+    """The answer of an analysis; None, and a note of the reason, where it has none."""
     try:
         return find()
     except (NoAnswerError, InputError) as error:

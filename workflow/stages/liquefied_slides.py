@@ -82,7 +82,7 @@ def _starts(config: Config, store: Store) -> dict[str, tuple[DiscModel, Ground]]
 
 
 def _tasks(config: Config, starts: dict[str, tuple[DiscModel, Ground]], wanted: list[int]) -> list[PlannedSlide]:
-    """The cases on every set of springs, and Kh alone: first those of the paper's discs, which take longest."""
+    """The slides of all cases, and of Kh alone, on every set of springs; the paper's discs, the slowest, first."""
     numbers = sorted({ALONE, *wanted}, reverse=True) if wanted else []
     return [task(config, springs, number, *starts[springs]) for springs in reversed(starts) for number in numbers]
 
@@ -124,7 +124,7 @@ class Hearer:
 
 
 def _share(of_duration: float) -> float:
-    """How much of a slide is done after a part of the time that it may last: most are at rest long before its end."""
+    """Share of the work of a slide done after a share of its longest duration: most come to rest long before that."""
     late = max(0.0, of_duration - USUAL) / (1.0 - USUAL)
     return min(1.0, ALMOST * min(of_duration / USUAL, 1.0) + (1.0 - ALMOST) * late)
 

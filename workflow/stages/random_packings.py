@@ -42,7 +42,7 @@ class RandomPackingsWanted:
 
     @classmethod
     def of(cls, config: Config, store: Store, numbers: Sequence[int]) -> "RandomPackingsWanted":
-        """Those of a run whose discs are calibrated."""
+        """The wanted packings of a run whose discs are calibrated."""
         continuum = continuum_for(config, store)
         return cls(config, store, continuum, tuple(numbers), _own_seed(config, CalibrationAnswer.read(store)))
 
@@ -110,7 +110,7 @@ class Packing:
 
 
 def packed(packing: Packing, tell: Tell) -> Packed:
-    """How it was calibrated, and its slides by case; none where it is out of reach."""
+    """The calibration of a packing and its slides by case; no slides where the calibration is out of reach."""
     config, store, parameter = packing.config, packing.store, packing.parameter
     dem = config.dem.changed(packing="random", seed=packing.seed, parameter=parameter)
     discs = discs_at_rest(config.section, store, dem, f"dem/slide_seed{dem.seed}_settled.h5", tell)

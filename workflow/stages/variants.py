@@ -32,7 +32,7 @@ FLOWS: Mapping[Flow, str] = {
 
 
 def work(job: Job) -> None:
-    """Leave fem/variants.json: for every change that was asked for what it is, and the critical Kh with it."""
+    """Leave fem/variants.json: every change of assumptions asked for, in words, and the critical Kh with it."""
     from workflow.results.stored_mesh import fem_mesh
 
     config, store, progress = job.config, job.store, job.progress

@@ -161,7 +161,7 @@ def attempt(wanted: Attempt) -> Outcome | None:
 
 
 def _outcome(task: Task[Given, Found]) -> Outcome:
-    """Call the function; what it raises becomes the reason.
+    """Call the function of a task; the message of an exception becomes the reason.
 
     Input that cannot be used, and an analysis without an answer, are so again. All else may be of the machine, or of
     a program that is mended later, and is tried again when the study continues.

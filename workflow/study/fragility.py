@@ -100,7 +100,7 @@ def _discs(config: Config, table: Table, name: str) -> Iterator[Curve]:
 
 
 def _levels(config: Config, table: Table) -> dict[str, np.ndarray]:
-    """What shakes the discs in every sample, where it is drawn: Kh, or the peak of their record over g."""
+    """The shaking of the discs in every sample, where it is drawn: Kh, or the peak of their record over g."""
     record = config.slide.accelerogram
     path = SCALE if record else KH
     drawn = config.uncertain.numbers.get(path)

@@ -1,4 +1,4 @@
-"""A study: samples of what is uncertain, each computed once, and what they say together."""
+"""A study: samples of the uncertain numbers, each computed once, and their statistics."""
 
 import re
 from collections import Counter
@@ -30,7 +30,7 @@ BLOCK = "block"  # the part that takes no task: a closed form of the critical Kh
 
 @dataclass(frozen=True)
 class Study:
-    """The samples of a study, and what they say together."""
+    """The samples of a study, and their statistics."""
 
     table: Table
     answer: StudyAnswer

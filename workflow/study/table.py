@@ -47,7 +47,7 @@ class Table:
         return np.array([np.nan if value is None else value for value in values], dtype=float)
 
     def drawn(self, path: str) -> list[Any]:
-        """What was drawn for a path, of all samples."""
+        """The drawn values of one uncertain number, by its path, in all samples."""
         return [row.drawn[path] for row in self.rows]
 
     def text(self) -> str:

@@ -40,8 +40,8 @@ class Task(Generic[Given, Found]):
     @property
     def answer_type(self) -> type[Found]:
         """The model of its answer."""
-        found: type[Found] = get_type_hints(self.function)["return"]
-        return found
+        answer_type: type[Found] = get_type_hints(self.function)["return"]
+        return answer_type
 
     @cached_property
     def fingerprint(self) -> str:
@@ -71,7 +71,7 @@ class Sample(BaseModel):
 
 
 class Numbers(BaseModel):
-    """What a task found, by the names of columns; words say how it ended.
+    """The results of a task, by the names of columns; words say how it ended.
 
     ``errors`` are half the 95 % intervals of numbers that are means over several packings.
     """

@@ -148,7 +148,7 @@ def _is_number(value: Any) -> bool:
 
 
 def measured(value: Any) -> tuple[float, str]:
-    """Number and unit of what was written; raises ValueError."""
+    """Number and unit of a written value; raises ValueError."""
     if isinstance(value, int | float):
         return float(value), ""
     parts = NUMBER_AND_UNIT.fullmatch(value) if isinstance(value, str) else None
@@ -172,7 +172,7 @@ def in_unit(value: Any, unit: str) -> float:
 
 
 def _si(unit: str) -> float:
-    """How many SI units one of these is; 1 for none."""
+    """Factor from a unit to the SI unit; 1 without a unit."""
     if not unit:
         return 1.0
     if unit in COMMON_UNITS:

@@ -36,7 +36,7 @@ class Reach:
     problem: str = ""
 
     def within(self, chance: float) -> float:
-        """The chance in the whole distribution of a chance (0 to 1) in what is left of it."""
+        """Probability in the whole distribution that belongs to a probability (0 to 1) in the truncated one."""
         return self.low + chance * (self.high - self.low)
 
 

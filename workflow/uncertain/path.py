@@ -20,7 +20,7 @@ def plain(data: Any) -> Any:
 
 
 def changed(data: Mapping[str, Any], drawn: Mapping[str, Any], numbers: Mapping[str, Distribution]) -> dict[str, Any]:
-    """Nested tables with what was drawn put where it belongs; raises ValueError for a path that leads nowhere."""
+    """Nested tables with the drawn values in their places; raises ValueError for a path that leads nowhere."""
     new: dict[str, Any] = plain(data)
     for path, value in drawn.items():
         for place in list(places(new, path)):

@@ -50,7 +50,7 @@ def correlated(points: np.ndarray, correlation: np.ndarray) -> np.ndarray:
 def samples(
     uncertain: UncertainSettings, study: StudySettings, reach: Mapping[str, Reach] = MappingProxyType({})
 ) -> list[dict[str, Any]]:
-    """What is drawn for every sample, by the paths of the numbers, each no further than it may reach."""
+    """The drawn values of every sample, by the paths of the numbers, within the range that each may have."""
     numbers = uncertain.numbers
     points = chances(len(numbers), study.samples, study.method, study.seed)
     points = correlated(points, uncertain.correlation())

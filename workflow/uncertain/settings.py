@@ -1,4 +1,4 @@
-"""What is uncertain in an input, a table [uncertain], and how a study samples it, a table [study]."""
+"""The tables [uncertain], distributions of numbers of the input, and [study], how a study samples them."""
 
 from collections.abc import Callable, Iterator, Mapping, Set
 from contextlib import suppress
@@ -104,7 +104,7 @@ Length = Annotated[float, Field(gt=0.0)]
 
 
 class StudySettings(Model):
-    """How many samples a study draws, how, and what it tells of them."""
+    """Number and method of the samples of a study, and the slides whose probability it gives."""
 
     samples: int = Field(default=64, ge=2, le=1_000_000, description="samples; a power of two fills the space best")
     method: Method = Field(
