@@ -1,7 +1,7 @@
 """The slip surface of ground that moves, defined alike for finite elements and discs: in the middle of the shear."""
 
 import numpy as np
-from scipy.ndimage import median_filter
+from numpy.lib.stride_tricks import sliding_window_view
 
 ARCH = 0.25  # of the height of a line, by which it lies above the chord between its ends on average
 
@@ -27,7 +27,8 @@ def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
     starts, ends = edges[0::2], edges[1::2]
     longest = int(np.argmax(ends - starts))
     row = slice(starts[longest], ends[longest])
-    line = np.column_stack([x[row], median_filter(np.array(depths)[row], size=3, mode="nearest")])
+    neighbours = sliding_window_view(np.pad(np.array(depths)[row], 1, mode="edge"), 3)
+    line = np.column_stack([x[row], np.median(neighbours, axis=1)])
     above_chord = line[:, 1] - np.interp(line[:, 0], line[[0, -1], 0], line[[0, -1], 1])
     return line if above_chord.mean() <= ARCH * np.ptp(line[:, 1]) else np.zeros((0, 2))
 

@@ -2,20 +2,13 @@
 
 import codecs
 import re
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
 from meshes.errors import InputError
 
 MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))
-# Kana, kanji of JIS level 1 with that for gravel, and signs of full width, not within a Western word; kana of half
-# width, two or more.
-COMMON = "礫" + "".join(
-    char for lead in (*range(0x81, 0x84), *range(0x88, 0x98)) for trail in range(0x40, 0xFD)
-    if len(char := bytes((lead, trail)).decode("cp932", "ignore")) == 1 and not "\0" <= char < "\x80"
-    and not "\uff61" <= char <= "\uff9f"
-)  # fmt: skip
-JAPANESE = re.compile(rf"(?<![A-Za-z])[{re.escape(COMMON)}]+(?![a-z])|(?<![A-Za-z])[\uff66-\uff9f]{{2,}}(?![a-z])")
 
 
 class Text(NamedTuple):
@@ -68,5 +61,18 @@ def _is_japanese(data: bytes) -> bool:
         text = data.decode("cp932")
     except UnicodeDecodeError:
         return False
-    japanese = sum(len(run) for run in JAPANESE.findall(text))
+    japanese = sum(len(run) for run in _japanese().findall(text))
     return japanese > 0.5 * sum(ord(letter) > 127 for letter in text)
+
+
+@cache
+def _japanese() -> re.Pattern[str]:
+    """A run of Japanese: kana, kanji of JIS level 1 with that for gravel, and signs of full width, not within a Western
+    word; kana of half width, two or more.
+    """
+    common = "礫" + "".join(
+        char for lead in (*range(0x81, 0x84), *range(0x88, 0x98)) for trail in range(0x40, 0xFD)
+        if len(char := bytes((lead, trail)).decode("cp932", "ignore")) == 1 and not "\0" <= char < "\x80"
+        and not "\uff61" <= char <= "\uff9f"
+    )  # fmt: skip
+    return re.compile(rf"(?<![A-Za-z])[{re.escape(common)}]+(?![a-z])|(?<![A-Za-z])[\uff66-\uff9f]{{2,}}(?![a-z])")

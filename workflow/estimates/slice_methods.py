@@ -9,7 +9,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from workflow.estimates.slices import Slices
 
@@ -130,7 +129,7 @@ def spencer_factor(slices: Slices, kh: float = 0.0) -> Balance | None:
             return np.nan
         first = changes[0]
         return float(
-            brentq(lambda f: _residuals(slices, np.array([f]), kh, theta)[0][0], FACTORS[first + 1], FACTORS[first])
+            _root(lambda f: _residuals(slices, np.array([f]), kh, theta)[0][0], FACTORS[first + 1], FACTORS[first])
         )
 
     balance = _moment_balance(force_balance, lambda f, theta: float(_residuals(slices, np.array([f]), kh, theta)[1][0]))
@@ -196,5 +195,12 @@ def _moment_balance(
     if not len(changes):
         return None
     k = changes[np.argmin(np.abs(angles[changes]))]  # the flattest side forces
-    theta = brentq(lambda angle: moment(force_balance(angle), angle), angles[k], angles[k + 1], xtol=1e-8)
-    return force_balance(theta), float(theta)
+    theta = _root(lambda angle: moment(force_balance(angle), angle), angles[k], angles[k + 1], 1e-8)
+    return force_balance(theta), theta
+
+
+def _root(function: Callable[[float], float], low: float, high: float, tolerance: float = 2e-12) -> float:
+    """Where a function of one variable is zero between two ends, by Brent's method."""
+    from scipy.optimize import brentq  # what only reads answers of slices does without it
+
+    return float(brentq(function, low, high, xtol=tolerance))

@@ -5,12 +5,18 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field
-from scipy.special import stdtrit
 
 from workflow.results.answer import Answer, Line, Part
 
 if TYPE_CHECKING:
     from dem.slides.slide import Slide
+
+
+def _student(freedoms: int) -> float:
+    """The 97.5 % quantile of Student's distribution."""
+    from scipy.special import stdtrit  # loaded for random packings only
+
+    return float(stdtrit(freedoms, 0.975))
 
 
 class CaseNumbers(Part):
@@ -127,7 +133,7 @@ class Spread(Part):
             return cls(mean=None, spread=None, values=())
         mean, several = float(np.mean(values)), len(values) > 1
         spread = float(np.std(values, ddof=1)) if several else None
-        half = stdtrit(len(values) - 1, 0.975) * spread / np.sqrt(len(values)) if spread is not None else None
+        half = _student(len(values) - 1) * spread / np.sqrt(len(values)) if spread is not None else None
         low, median, high = (float(value) for value in np.quantile(values, (0.05, 0.5, 0.95)))
         return cls(
             mean=mean,
