@@ -22,6 +22,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap, to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
+from PIL import Image
 
 from meshes.section.cutting import soil_numbers
 from workflow.figures import fonts
@@ -36,6 +37,7 @@ if not os.environ.get("DISPLAY"):
 COMPRESSION = 3  # of PNG: 6, the default, takes twice the time for a tenth less
 WIDTH = 1600  # px
 DPI = 160
+SAMPLES = 2  # pixels that are rendered for one of the picture, each way
 LEFT, RIGHT = 0.062, 0.985  # sides of the views, as shares of the width
 INK = "#26323a"
 WATER = "#1f6fb2"
@@ -110,16 +112,18 @@ def render(
 ) -> np.ndarray:
     """Render what ``draw`` adds to a plotter as an image (height, width, 3) of exactly the window.
 
-    Heights are multiplied by ``exaggeration``; a tall window gets a narrower image.
+    Heights are multiplied by ``exaggeration``; a tall window gets a narrower image. It is rendered twice as large and
+    averaged: VTK's own supersampling takes four times each way, and 0.2 s for a picture.
     """
     import pyvista as pv
 
     proportion = exaggeration * window.proportion
     width = max(2, round(width * min(1.0, TALLEST / proportion)))
-    plotter = pv.Plotter(off_screen=True, window_size=[width, max(2, round(width * proportion))])
+    height = max(2, round(width * proportion))
+    plotter = pv.Plotter(off_screen=True, window_size=[SAMPLES * width, SAMPLES * height])
     try:
         plotter.set_background("white")
-        plotter.enable_anti_aliasing("ssaa")
+        plotter.disable_anti_aliasing()
         draw(plotter)
         plotter.set_scale(yscale=exaggeration, render=False)
         x, z = 0.5 * (window.left + window.right), 0.5 * exaggeration * (window.bottom + window.top)
@@ -127,7 +131,7 @@ def render(
         plotter.camera.parallel_projection = True
         plotter.camera.parallel_scale = 0.5 * exaggeration * (window.top - window.bottom)
         plotter.camera.clipping_range = (0.1, 10.0)
-        return np.asarray(plotter.screenshot(return_img=True))
+        return np.asarray(Image.fromarray(plotter.screenshot(return_img=True)).reduce(SAMPLES))
     finally:
         plotter.close()
 
