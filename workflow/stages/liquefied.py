@@ -2,11 +2,10 @@
 
 import math
 from collections.abc import Callable
-from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from fem.errors import UnstableError
-from fem.settings import WITHOUT_EFFECT
+from fem.settings import WITHOUT_EFFECT, BoundsSettings, FemSettings
 from meshes.errors import InputError, NoAnswerError
 from meshes.section.liquefies import Remains
 from meshes.section.section import Section
@@ -18,6 +17,7 @@ from workflow.stages.liquefaction import LOST, cases_as_data
 
 if TYPE_CHECKING:
     from fem.limit.directions import SmallerKhBounds
+    from fem.limit.safety_bounds import SafetyBounds
     from fem.limit_load.limit_load import LimitLoadResult
     from fem.search.critical import CriticalResult
     from meshes.quad_mesh import QuadMesh
@@ -90,62 +90,27 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
     """Factor of safety and critical Kh of liquefied ground, as fields of the answer; with ``nothing`` left, only
     whether it stands.
     """
-    from mpi4py import MPI
-
-    from fem.continuum.strength import flow_of, is_associated
-    from fem.limit.bounds import kh_bounds
-    from fem.limit.safety_bounds import safety_bounds
-    from fem.search.adaptive import AdaptiveSearch
-    from fem.search.critical import critical_coefficient
-    from fem.search.liquefied_ground import weight_borne
-    from fem.search.strength_reduction import safety_factor
+    from fem.continuum.strength import flow_of
 
     flow = flow_of(config.section.strata, config.fem.flow)
     fem = config.fem.changed(kh=(), flow=flow, accuracy=0.0)  # the mesh of the stage, and no other
     asked = config.bounds.changed(max_cells=CELLS, gap=GAP, seconds=SECONDS, davis=False)
     notes: list[str] = []
-    critical: LimitLoadResult | CriticalResult | None = None
-
-    def limit_load() -> "LimitLoadResult":
-        return AdaptiveSearch(section, config.mesh, mesh, MPI.COMM_SELF).critical(fem).result
-
-    at_once = is_associated(section.strata, fem.flow)
-    borne = _tried("finite elements", [], lambda: weight_borne(section, mesh, fem, MPI.COMM_SELF)) if at_once else None
-    if borne is not None and borne < 1.0:  # a path would look for an equilibrium for minutes
-        notes.append(f"the elements bear {100.0 * borne:.0f} % of the weight")
-    else:
-        by_path = partial(critical_coefficient, section, mesh, fem, MPI.COMM_SELF)
-        find: Callable[[], LimitLoadResult | CriticalResult] = limit_load if at_once else by_path
-        critical = _tried("finite elements", notes, find)
+    critical = _critical(section, config, mesh, fem, notes)
     kc = critical.kc if critical is not None and critical.verdict in ("plateau", "peak") and critical.kc > 0.0 else None
-    safety = strict = bracket = None
+    factor: float | None = None
+    strict = bracket = None
     if nothing:
         notes.append("the layers keep no strength, so that no factor of safety can be given; see slide.cases, residual")
     else:
-        safety = _tried("finite elements", notes, lambda: safety_factor(section, mesh, fem, 0.0, MPI.COMM_SELF))
-        guess = safety.factor if safety is not None else 1.0
-        strict = _tried("strict bounds", notes, lambda: safety_bounds(section, fem, asked, 0.0, guess, held=True))
-        if strict is not None and strict.lower <= 1.0 <= strict.upper < math.inf:
-            fine = asked.changed(max_cells=FINER * CELLS, gap=GAP / FINER)
-            at = 0.5 * (strict.lower + strict.upper)
-            finer = _tried("finer bounds", notes, lambda: safety_bounds(section, fem, fine, 0.0, at, held=True))
-            strict = finer or strict
-    factor = safety.factor if safety is not None and safety.verdict != "undecided" else None
+        factor, strict = _factors(section, mesh, fem, asked, notes)
     lower = strict.lower if strict is not None and strict.lower > 0.0 else None
     upper = strict.upper if strict is not None and math.isfinite(strict.upper) else None
     if strict is not None and lower is None and upper is None:
         notes.append("strict bounds: none of the factor of safety within the work allowed")
-    unstable: list[str] = []  # why ground that stands between held sides does not between its own
+    unstable = ""  # why ground that stands between held sides does not between its own
     if lower is not None and lower > 1.0:
-
-        def own_sides() -> "SmallerKhBounds | None":
-            try:
-                return kh_bounds(section, fem, asked)
-            except UnstableError as error:
-                unstable.append(str(error))
-                return None
-
-        bracket = _tried("strict bounds of Kh", notes, own_sides)
+        bracket, unstable = _between_own_sides(section, fem, asked, notes)
     if strict is not None and strict.shallow_failure is not None:
         notes.append(
             f"a cohesionless face fails (shallow failure) at a factor of safety of {strict.shallow_failure:.2f}; the "
@@ -158,7 +123,7 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
         )
     stands, reason = _stands(kc, lower, upper)
     if unstable:
-        stands, reason = "flows", f"a mechanism that slides out at a side, where fem.sides lets it: {unstable[0]}"
+        stands, reason = "flows", f"a mechanism that slides out at a side, where fem.sides lets it: {unstable}"
         notes.append(f"between held sides a stress proves a factor of safety above {lower:.2f}")
         factor = lower = upper = None
     return {
@@ -175,13 +140,84 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
     }
 
 
+def _critical(
+    section: Section, config: Config, mesh: "QuadMesh", fem: FemSettings, notes: list[str]
+) -> "LimitLoadResult | CriticalResult | None":
+    """The critical Kh by finite elements; None, and a note, for ground that does not stand under its weight.
+
+    ``section``: liquefied; ``config``: for meshing; ``mesh``: to begin with; ``fem``: settings; ``notes``: grows.
+    """
+    from mpi4py import MPI
+
+    from fem.continuum.strength import is_associated
+    from fem.search.adaptive import AdaptiveSearch
+    from fem.search.critical import critical_coefficient
+    from fem.search.liquefied_ground import weight_borne
+
+    if not is_associated(section.strata, fem.flow):
+        return _tried("finite elements", notes, lambda: critical_coefficient(section, mesh, fem, MPI.COMM_SELF))
+    borne = _tried("finite elements", [], lambda: weight_borne(section, mesh, fem, MPI.COMM_SELF))
+    if borne is not None and borne < 1.0:  # a path would look for an equilibrium for minutes
+        notes.append(f"the elements bear {100.0 * borne:.0f} % of the weight")
+        return None
+    return _tried(
+        "finite elements", notes, lambda: AdaptiveSearch(section, config.mesh, mesh, MPI.COMM_SELF).critical(fem).result
+    )
+
+
+def _factors(
+    section: Section, mesh: "QuadMesh", fem: FemSettings, asked: BoundsSettings, notes: list[str]
+) -> "tuple[float | None, SafetyBounds | None]":
+    """Factor of safety at Kh = 0 between held sides by finite elements, and its strict bounds: finer ones where the
+    first leave open whether the ground stands. None, and a note, where there is no answer.
+
+    ``section``: liquefied; ``mesh``: of it; ``fem``, ``asked``: settings of both methods; ``notes``: grows.
+    """
+    from mpi4py import MPI
+
+    from fem.limit.safety_bounds import safety_bounds
+    from fem.search.strength_reduction import safety_factor
+
+    safety = _tried("finite elements", notes, lambda: safety_factor(section, mesh, fem, 0.0, MPI.COMM_SELF))
+    guess = safety.factor if safety is not None else 1.0
+    strict = _tried("strict bounds", notes, lambda: safety_bounds(section, fem, asked, 0.0, guess, held=True))
+    if strict is not None and strict.lower <= 1.0 <= strict.upper < math.inf:
+        fine = asked.changed(max_cells=FINER * CELLS, gap=GAP / FINER)
+        at = 0.5 * (strict.lower + strict.upper)
+        strict = _tried("finer bounds", notes, lambda: safety_bounds(section, fem, fine, 0.0, at, held=True)) or strict
+    return safety.factor if safety is not None and safety.verdict != "undecided" else None, strict
+
+
+def _between_own_sides(
+    section: Section, fem: FemSettings, asked: BoundsSettings, notes: list[str]
+) -> "tuple[SmallerKhBounds | None, str]":
+    """Strict bounds of the critical Kh with the sides of the section, or why ground fails under its weight with them.
+
+    ``section``: liquefied; ``fem``, ``asked``: settings; ``notes``: grows where there is no answer.
+    """
+    from fem.limit.bounds import kh_bounds
+
+    try:
+        return kh_bounds(section, fem, asked), ""
+    except UnstableError as error:
+        return None, str(error)
+    except (NoAnswerError, InputError) as error:
+        notes.append(_note("strict bounds of Kh", error))
+        return None, ""
+
+
 def _tried(what: str, notes: list[str], find: Callable[[], Found]) -> Found | None:
     """The answer of an analysis; None, and a note of the reason, where it has none."""
     try:
         return find()
     except (NoAnswerError, InputError) as error:
-        notes.append(f"{what}: {'; '.join(error.problems) if isinstance(error, InputError) else error}")
+        notes.append(_note(what, error))
         return None
+
+
+def _note(what: str, error: NoAnswerError | InputError) -> str:
+    """Why an analysis has no answer."""
+    return f"{what}: {'; '.join(error.problems) if isinstance(error, InputError) else error}"
 
 
 def _stands(kc: float | None, lower: float | None, upper: float | None) -> tuple[Stands, str]:
