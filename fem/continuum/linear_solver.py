@@ -88,9 +88,8 @@ class LinearSolver:
         self._rows = exchange.to_local(self._number)[d.dofs[:, :border]].astype(PETSc.IntType)
         self._inverse = np.zeros((len(d.dofs), d.inside, d.inside))
         self._elements = np.zeros((*d.dofs.shape, d.dofs.shape[1]))
-        both_sides = (np.diff(np.sort(self._rows, axis=1), axis=1) == 0).any()  # a cell as wide as its period
-        alone = symmetric and d.comm.size == 1 and not both_sides and cholmod.available()
-        self._matrix: _ByCholmod | _ByMumps = _ByCholmod(self._rows, len(self._own)) if alone else self._by_mumps()
+        alone, size = symmetric and d.comm.size == 1 and CholmodMatrix.suits(self._rows), len(self._own)
+        self._matrix: CholmodMatrix | _ByMumps = CholmodMatrix(self._rows, size) if alone else self._by_mumps()
 
     def factorise(self, tangent: np.ndarray, hourglass: np.ndarray, free: np.ndarray, held: np.ndarray) -> None:
         """Set the matrix from the ``tangent`` (points, 4, 4) in Pa and the ``hourglass`` stiffness, and factorise it.
@@ -134,8 +133,13 @@ class LinearSolver:
         return _ByMumps(self._grid, self._exchange, self._rows, self._own, self._symmetric)
 
 
-class _ByCholmod:
+class CholmodMatrix:
     """The matrix on one rank, by its lower triangle; ``rows`` (nc, border) are the components of the cells in it."""
+
+    @staticmethod
+    def suits(rows: np.ndarray) -> bool:
+        """Whether CHOLMOD is there, and no cell has a component twice, as one does that is as wide as its period."""
+        return not (np.diff(np.sort(rows, axis=1), axis=1) == 0).any() and cholmod.available()
 
     def __init__(self, rows: np.ndarray, size: int) -> None:
         self._order = np.argsort(rows, axis=1)

@@ -12,6 +12,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import SuperLU, splu
 
+from fem.continuum.linear_solver import CholmodMatrix
 from fem.continuum.plane_strain import Part, PlaneStrain
 from fem.kernels import assembly, mohr_coulomb
 from fem.path.line_search import Descent
@@ -48,18 +49,27 @@ class LocalSubproblem:
         """The displacement ``increment`` (dofs,) since the accepted state, solved in the subproblem until about as near
         to balance as the ground around it; unchanged if the subproblem cannot be solved."""
         moving, moved = self.moving, increment[self.part.components]
+        dofs = self.part.dofs
+        matrix = CholmodMatrix(dofs, len(moved)) if CholmodMatrix.suits(dofs) else None
         internal, tangent = _response(self.part, moved)
         left = unbalanced[self.components]
         force = left + internal[moving]
         number = np.full(len(moved), -1)
         number[moving] = np.arange(len(moving))
+        held = np.flatnonzero(number < 0)
         for _ in range(CORRECTIONS):
             if not np.abs(left).max(initial=0.0) > ALIKE * self._outside:
                 break
-            step = np.zeros(len(moved))
+            force_left, step = np.zeros((2, len(moved)))
+            force_left[moving] = left
+            elements = _elements(self.part, tangent, number >= 0)
             try:
-                step[moving] = _stiffness(self.part, tangent, number).solve(left)
-            except RuntimeError:  # the stiffness is singular
+                if matrix is not None:
+                    matrix.factorise(elements, held)
+                    step[moving] = matrix.solve(force_left)[moving]
+                else:
+                    step[moving] = _factors(self.part, elements, number).solve(left)
+            except (RuntimeError, ArithmeticError):  # the stiffness is singular
                 break
             search = Descent(float(left @ step[moving]))
             while True:
@@ -88,21 +98,23 @@ def _response(part: Part, moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return forces, tangent
 
 
-def _stiffness(part: Part, tangent: np.ndarray, number: np.ndarray) -> SuperLU:
-    """The stiffness of the moving components, ``number`` (components,) of which is not negative, factorised."""
+def _elements(part: Part, tangent: np.ndarray, moves: np.ndarray) -> np.ndarray:
+    """Stiffness matrices (nc, nd, nd) of the cells, zero for components that ``moves`` (components,) leaves out."""
     elements = part.hourglass.copy()
-    assembly.element_stiffness(part.matrix, part.weights, tangent + part.least, number >= 0, part.dofs, elements)
+    assembly.element_stiffness(part.matrix, part.weights, tangent + part.least, moves, part.dofs, elements)
+    return elements
+
+
+def _factors(part: Part, elements: np.ndarray, number: np.ndarray) -> SuperLU:
+    """Factors of the stiffness of the moving components, ``number`` (components,) of which is not negative.
+
+    Raises RuntimeError if it is singular.
+    """
     numbers = number[part.dofs]
     rows, columns = (np.broadcast_to(axis, elements.shape) for axis in (numbers[:, :, None], numbers[:, None, :]))
     moving = (rows >= 0) & (columns >= 0)
     size = int(number.max()) + 1
-    return factorised(sparse.csc_matrix((elements[moving], (rows[moving], columns[moving])), shape=(size, size)))
-
-
-def factorised(matrix: sparse.spmatrix) -> SuperLU:
-    """The factors of a matrix, with pivots on its diagonal and the minimum degree ordering that SuperLU wants for them.
-
-    Raises RuntimeError if it is singular.
-    """
+    matrix = sparse.csc_matrix((elements[moving], (rows[moving], columns[moving])), shape=(size, size))
+    # Pivots on the diagonal, and the minimum degree ordering that SuperLU wants for them.
     options = {"SymmetricMode": True}
-    return splu(sparse.csc_matrix(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
