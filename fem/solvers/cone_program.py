@@ -26,6 +26,7 @@ import clarabel
 import numpy as np
 from scipy import sparse
 
+from fem.settings import LEAST_KH
 from fem.solvers import cholmod, interior_point
 from fem.solvers.blas_threads import use_one_thread
 from fem.solvers.cone_matrices import Assembled, ConeProgram, assembled, standard, stress_of
@@ -169,7 +170,7 @@ def solve(
     """
     feasibility = FEASIBILITY_TORN if len(program.torn) else FEASIBILITY
     ask = partial(_by_clarabel, regularisations, feasibility)
-    return _solve(program, Tolerance(INTERIOR_GAP), ask, magnified, most_work, start=start)
+    return _solve(program, Tolerance(INTERIOR_GAP, LEAST_KH), ask, magnified, most_work, start=start)
 
 
 def solve_for_elements(program: ConeProgram, start: Warm | None = None, least: float = 1.0) -> Solution:
