@@ -248,8 +248,8 @@ class DiscModel(DiscState):
             (("pore_shear",), KPS, kind, self.springs.pairs, new.pairs),
             (("line_shear", "line_rolled", "line_torque"), KS, line_kind, self.springs.lines, new.lines),
         ):
-            old, given = old_table[row, columns], new_table[row, columns]
-            ratio = np.divide(given, old, out=np.zeros(len(old)), where=old > 0.0)
+            old_value, new_value = old_table[row, columns], new_table[row, columns]
+            ratio = np.divide(new_value, old_value, out=np.zeros(len(old_value)), where=old_value > 0.0)
             for name in names:
                 values = getattr(self, name)
                 values *= ratio[: len(values)]  # no discs of the paper remember rolling

@@ -292,25 +292,25 @@ def _size_field(
     Cells at ``steps`` (m, by curve) that are lower than these are twice as large as the step, and grow from there.
     """
     fields = gmsh.model.mesh.field
-    found = []
+    numbers = []
     for k, stratum in enumerate(section.strata):
         inside = fields.add("Constant")
         fields.setNumbers(inside, "SurfacesList", surfaces[k])
         fields.setNumber(inside, "VIn", sizes.strata.get(stratum.name, sizes.far * sizes.ordinary))
-        found.append(inside)
+        numbers.append(inside)
     for name, wanted in sizes.towards.items():
         far = max(sizes.ordinary, wanted)
-        found.append(_near_field(curves[name], wanted, far, GROWTH_REACH * far, stop=True))
+        numbers.append(_near_field(curves[name], wanted, far, GROWTH_REACH * far, stop=True))
     for curve, height in (steps or {}).items():
         near = STEP_CELLS * height
         if near < sizes.ordinary:
-            found.append(_near_field([curve], near, sizes.ordinary, (sizes.ordinary - near) / STEP_GROWTH, stop=True))
+            numbers.append(_near_field([curve], near, sizes.ordinary, (sizes.ordinary - near) / STEP_GROWTH, stop=True))
     if len(sizes.corners):
-        found.append(_view_field(sizes))
+        numbers.append(_view_field(sizes))
     if sizes.far > 1.0:
-        found.append(_inside_field(section, sizes))
+        numbers.append(_inside_field(section, sizes))
     smallest = fields.add("Min")
-    fields.setNumbers(smallest, "FieldsList", found)
+    fields.setNumbers(smallest, "FieldsList", numbers)
     fields.setAsBackgroundMesh(smallest)
 
 

@@ -153,7 +153,7 @@ class StrengthMap:
                 least_squares(miss, [min(mu, float(self.friction[-1])), c], bounds=bounds, x_scale=[0.1, scale])
                 for mu, c in ((-0.1, scale), (0.05, scale), (0.3, 1e-3 * scale), (0.3, scale))
             ),
-            key=lambda found: found.cost,
+            key=lambda solution: solution.cost,
         )
         # a bound that the solver only comes near to is meant to be reached
         mu, c = (

@@ -149,14 +149,14 @@ def joined(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
     -------
     list of ShallowFailure
     """
-    found: list[ShallowFailure] = []
+    failures: list[ShallowFailure] = []
     for face in faces:
-        last = found[-1] if found else None
+        last = failures[-1] if failures else None
         if last and (last.stratum, last.end) == (face.stratum, face.start) and abs(last.kh - face.kh) < SAME:
-            found[-1] = replace(last, end=face.end)
+            failures[-1] = replace(last, end=face.end)
         else:
-            found.append(face)
-    return found
+            failures.append(face)
+    return failures
 
 
 def faces_at(section: Section, settings: FemSettings, kh: float) -> list[ShallowFailure]:

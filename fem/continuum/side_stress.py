@@ -100,5 +100,5 @@ def _ends(section: Section, side: str, elevation: np.ndarray) -> tuple[np.ndarra
     x, layers = section.layering.x, len(elevation) - 1
     at, inside = (x[0], x[:2].mean()) if side == "left" else (x[-1], x[-2:].mean())
     ends = np.repeat(elevation, 2)[1:-1]
-    places, beside = (np.column_stack([np.full(2 * layers, one), ends]) for one in (at, inside))
+    places, beside = (np.column_stack([np.full(2 * layers, x_side), ends]) for x_side in (at, inside))
     return places.reshape(layers, 2, 2), beside.reshape(layers, 2, 2)

@@ -290,6 +290,6 @@ def _largest_jump(problem: LimitProblem, velocity: np.ndarray) -> float:
     """Largest difference of the velocities that cells have at a common node."""
     node = problem.mesh.own_node[problem.mesh.six_nodes.ravel()]
     flat = velocity.reshape(-1, 2)
-    one = np.zeros((int(node.max()) + 1, 2))
-    one[node] = flat
-    return float(np.abs(one[node] - flat).max())
+    of_node = np.zeros((int(node.max()) + 1, 2))
+    of_node[node] = flat
+    return float(np.abs(of_node[node] - flat).max())

@@ -25,24 +25,24 @@ def is_ags3(text: str) -> bool:
 
 def read_ags3(text: str) -> Ags3:
     """The groups of a file; a line that begins with <CONT> continues the cells of the row above it."""
-    found, group = Ags3(), ""
+    groups, group = Ags3(), ""
     row: dict[str, str] = {}
     for cells in csv.reader(text.splitlines(keepends=True)):
-        first, heads = cells[0].strip() if cells else "", found.headings.get(group, [])
+        first, heads = cells[0].strip() if cells else "", groups.headings.get(group, [])
         if first.startswith("**"):
             group, row = GROUPS.get(name := first.strip("*?"), name), {}
-            found.headings[group], found.rows[group] = [], []
+            groups.headings[group], groups.rows[group] = [], []
         elif first.startswith("*"):
             heads += [_heading(cell.strip(" *?")) for cell in cells if cell]
         elif first.upper() == "<UNITS>":
-            found.units |= {key: unit.strip() for key, unit in zip(heads[1:], cells[1:], strict=False) if unit.strip()}
+            groups.units |= {key: unit.strip() for key, unit in zip(heads[1:], cells[1:], strict=False) if unit.strip()}
         elif first.upper() == "<CONT>":
             for key, cell in zip(heads[1:], cells[1:], strict=False):
                 row[key] = row.get(key, "") + cell
         elif "".join(cells).strip() and group:
             row = dict(zip(heads, cells, strict=False))
-            found.rows[group].append(row)
-    return found
+            groups.rows[group].append(row)
+    return groups
 
 
 def _heading(name: str) -> str:

@@ -193,6 +193,6 @@ def _number(row: Row, key: str, name: str, groups: Groups) -> float:
     try:
         return groups.read(row, key)
     except ValueError as error:
-        said = f"= {row[key]!r}: {error}" if row.get(key) else f"is missing; {KINDS[key].expected}"
-        groups.problems.append(f"boring {name}, {key} {said}")
+        problem = f"= {row[key]!r}: {error}" if row.get(key) else f"is missing; {KINDS[key].expected}"
+        groups.problems.append(f"boring {name}, {key} {problem}")
         return math.nan

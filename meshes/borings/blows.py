@@ -103,24 +103,24 @@ def _counted(text: str) -> tuple[float, bool]:
 
 def _of_drives(text: str) -> tuple[float, bool]:
     """The count of a text that says how far the sampler was driven, and whether it was refused; see `_counted`."""
-    told, driven = TOLD.fullmatch(text), list(DRIVEN.finditer(text))
-    count = float(told[1] or told[3]) if told else math.nan
+    recorded, driven = TOLD.fullmatch(text), list(DRIVEN.finditer(text))
+    count = float(recorded[1] or recorded[3]) if recorded else math.nan
     if driven and driven[0].start() == 0 and text[driven[0].end() :].lstrip().startswith("("):  # "50/75mm (20,5,50)"
         return _driven(float(driven[0][1]), _depth(driven[0]))
     if quarters := QUARTERS.search(text):
         # Without a slash, what comes before the last drive may be its seating.
-        whole = [float(blows) for blows in re.findall(r"\d+", quarters["whole"] or "") if told or "/" in text]
-        count = count if told else sum(whole) + float(quarters[2])
+        whole = [float(blows) for blows in re.findall(r"\d+", quarters["whole"] or "") if recorded or "/" in text]
+        count = count if recorded else sum(whole) + float(quarters[2])
         return _driven(count, QUARTER * len(whole) + float(quarters[3]))
     bare = next((match for match in BARE.finditer(text) if match.end() == len(text)), None)
     if bare and not driven:
-        found = _without_unit(count if told else float(bare[1]), float(bare[2]))
-        return found if found[1] or not told else (count, False)
+        counted = _without_unit(count if recorded else float(bare[1]), float(bare[2]))
+        return counted if counted[1] or not recorded else (count, False)
     if driven and driven[-1].end() == len(text.rstrip(") ")):
-        return _driven(count if told else float(driven[-1][1]), _depth(driven[-1]))
+        return _driven(count if recorded else float(driven[-1][1]), _depth(driven[-1]))
     if count == 0.0 and any(float(drive[1]) >= SEATED for drive in driven):  # it was stopped while it was seated
         return REFUSAL, True
-    return count, bool(told) and ">" in text
+    return count, bool(recorded) and ">" in text
 
 
 def _depth(drive: re.Match[str]) -> float:

@@ -43,8 +43,8 @@ class Table:
         try:
             return float(COORDINATE.read(with_unit(cells.get(key, ""), self.units.get(key, ""))))
         except ValueError as error:
-            said = f" = {cells[key]!r}: {error}" if cells.get(key) else f": missing; {COORDINATE.expected}"
-            self.problems.append(f"line {number}, {key}{said}")
+            problem = f" = {cells[key]!r}: {error}" if cells.get(key) else f": missing; {COORDINATE.expected}"
+            self.problems.append(f"line {number}, {key}{problem}")
             return math.nan
 
     def place(self, number: int, cells: Mapping[str, str]) -> tuple[float, float]:
@@ -148,8 +148,8 @@ def _sheet(path: Path, columns: Mapping[str, str], known: Sequence[str]) -> _She
     text, notice = read_text(path)
     lines = text.splitlines(keepends=True)
     separator = ""
-    if lines and (said := re.fullmatch(r"\s*\"?sep=(.)\"?\s*", lines[0])):  # Excel's way to say it
-        separator, lines[0] = said[1], "\n"
+    if lines and (directive := re.fullmatch(r"\s*\"?sep=(.)\"?\s*", lines[0])):  # Excel's way to say it
+        separator, lines[0] = directive[1], "\n"
     heading = next((line for line in lines if line.strip(" \t\r\n,;")), "")
     separator = separator or max(SEPARATORS, key=re.sub(r'"[^"]*"|\([^)]*\)', "", heading).count)
     reader = csv.reader(lines, delimiter=separator)

@@ -104,10 +104,10 @@ def within_reason(entries: Sequence[zipfile.ZipInfo]) -> Sequence[zipfile.ZipInf
 
 def corners(points: Sequence[tuple[float, float]]) -> np.ndarray:
     """Points (n, 2) in m; raises ValueError where one is no number."""
-    found = np.array(points, dtype=float).reshape(-1, 2)
-    if not np.isfinite(found).all():
+    array = np.array(points, dtype=float).reshape(-1, 2)
+    if not np.isfinite(array).all():
         raise ValueError("a point whose coordinates are no numbers")
-    return found
+    return array
 
 
 def line_of(points: Sequence[tuple[float, float]]) -> np.ndarray:
@@ -147,9 +147,9 @@ def section_of(model: ForeignModel, path: Path, name: str) -> FoundSection:
     for k, bottom, wet in parts:
         layer = of_name[columns.stack.layers[k]]
         keys = {**layer.keys, **(layer.wet if wet else layer.dry)}
-        own = _across(keys, "piezometric_level", *sides)
+        levels = _across(keys, "piezometric_level", *sides)
         called = columns.stack.names[k] + (", wet" if [one for one, _, _ in parts].count(k) > 1 and wet else "")
-        strata.append({"name": called, "bottom": {"elevation": _points(bottom)}, **STIFFNESS, **own})
+        strata.append({"name": called, "bottom": {"elevation": _points(bottom)}, **STIFFNESS, **levels})
     data = {"name": name, "surface": _points(columns.points(ground)), "base": strata[-1].pop("bottom")}
     data |= {"water": water} if water else {}
     data |= {"surcharges": [dict(load) for load in model.surcharges]} if model.surcharges else {}
@@ -206,11 +206,11 @@ def _consolidate(data: dict[str, Any], yields: Sequence[YieldStress | None], pat
         return
     strata = data["strata"]
     section = Section.parse({**data, "strata": [NO_STRENGTH | stratum for stratum in strata]}, str(path))
-    for given, stratum in zip(yields, strata, strict=True):
-        if given is not None and "strength_ratio" in stratum:
-            at = np.array([[given.x, given.z]])
+    for yield_stress, stratum in zip(yields, strata, strict=True):
+        if yield_stress is not None and "strength_ratio" in stratum:
+            at = np.array([[yield_stress.x, yield_stress.z]])
             effective = float(section.cohesion_field.effective_stress(at, at, section.stratum_at(*at.T))[0])
-            stratum["pre_overburden_pressure"] = f"{max(given.stress - effective, 0.0) / 1e3:.4g} kPa"
+            stratum["pre_overburden_pressure"] = f"{max(yield_stress.stress - effective, 0.0) / 1e3:.4g} kPa"
 
 
 def _across(table: Mapping[str, Any], key: str, left: float, right: float) -> dict[str, Any]:

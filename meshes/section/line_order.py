@@ -42,15 +42,15 @@ def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
             inside[step] = list(inside[step]) if isinstance(inside[step], list | tuple) else dict(inside[step])
             inside = inside[step]
         try:
-            given = np.array(pairs_of(inside[place[-1]]), dtype=float)
+            points = np.array(pairs_of(inside[place[-1]]), dtype=float)
         except (TypeError, ValueError):
             continue
-        if (ordered := _ordered(given, reach)) is None:
+        if (ordered := _ordered(points, reach)) is None:
             continue
         inside[place[-1]] = ordered[0].tolist()
         if ordered[1] > 0.0:
             key = ", ".join(str(step + 1) if isinstance(step, int) else step for step in place)
-            back = int(np.count_nonzero(np.diff(given[:, 0]) < 0.0))
+            back = int(np.count_nonzero(np.diff(points[:, 0]) < 0.0))
             notices.append(
                 f"geometry: {key}: {back} points stood left of the point before them; points were put in order, none "
                 f"moved by more than {ordered[1]:.2g} m"

@@ -221,4 +221,4 @@ FORMATS = (
     NetworkFormat("PEER .AT2, .VT2, .DT2", _any(PEER_NEW, PEER_OLD), peer),
 )
 # Which files are read, in a sentence.
-READ = f"{', '.join(one.name for one in FORMATS if one.name)}, and columns of numbers: time (s) and acceleration"
+READ = f"{', '.join(known.name for known in FORMATS if known.name)}, and columns of numbers: time (s) and acceleration"

@@ -164,9 +164,9 @@ def _times(values: np.ndarray, column: Column) -> np.ndarray:
         )
     typical = float(np.median(np.diff(values))) * second
     if len(values) >= 50 and typical > LONGEST_STEP:
-        said = f'in "{column.unit}"' if column.unit else "without a unit, which are taken as seconds"
+        unit = f'in "{column.unit}"' if column.unit else "without a unit, which are taken as seconds"
         raise ValueError(
-            f"its times, {said}, are {typical:g} s apart; expected up to {LONGEST_STEP:g} s. If they are milliseconds, "
+            f"its times, {unit}, are {typical:g} s apart; expected up to {LONGEST_STEP:g} s. If they are milliseconds, "
             'head their column "time (ms)"'
         )
     return values * second

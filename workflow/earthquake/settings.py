@@ -128,8 +128,8 @@ class EarthquakeSettings(Model):
 
     def driving(self, slide: SlideSettings) -> EquivalentKh | None:
         """The equivalent cycles of Kh, where these drive the slides; else None."""
-        found = None if slide.accelerogram else self.equivalent()
-        return found if found is not None and (slide.kh, slide.kh_cycles) == (found.kh, found.cycles) else None
+        cycles = None if slide.accelerogram else self.equivalent()
+        return cycles if cycles is not None and (slide.kh, slide.kh_cycles) == (cycles.kh, cycles.cycles) else None
 
     def is_assumed(self, slide: SlideSettings) -> bool:
         """Whether nothing says how the ground shakes, and ``slide`` has what is assumed then."""

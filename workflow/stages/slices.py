@@ -99,7 +99,7 @@ STAGE = Stage(
     work=work,
     draw=draw,
     reads=("fem.safety_factor_at", "fem.least_depth", "fem.vertical", "criteria.factor_of_safety", "tension_crack"),
-    takes=lambda config: {"structures": [one.model_dump(mode="json") for one in config.section.structures]},
+    takes=lambda config: {"structures": [item.model_dump(mode="json") for item in config.section.structures]},
     results=(SlicesAnswer.FILE,),
     read=SlicesAnswer.read,
     pictures=(PICTURE,),
