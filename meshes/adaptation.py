@@ -29,6 +29,9 @@ FINER = 4.0
 FLOOR = 1e-6
 # gmsh makes about this many times as many quadrilaterals as sizes and areas say.
 SURPLUS = 1.17
+# Where it makes more than so many times as many as wanted, as thin bands and narrow layers may bring about, the mesh is
+# made once more from as much larger sizes.
+TOO_MANY = 1.4
 
 
 def adapted(
@@ -79,17 +82,23 @@ def adapted(
         raise InputError(section.name, [f"indicator of shape {indicator.shape}: {wish}"])
     largest = COARSER * settings.cell_size(section)
     triangles = np.concatenate([mesh.cells[:, [0, 1, 2]], mesh.cells[:, [0, 2, 3]]])
-    at_points = wanted_sizes(mesh, indicator, cells / SURPLUS, largest)
     scale = 1.0 / settings.refine
-    sizes = Sizes(
-        largest,
-        {name: scale * size for name, size in settings.sizes_in(section).items()},
-        {name: scale * size for name, size in settings.towards_in(section).items()},
-        mesh.points[triangles],
-        at_points[triangles],
-        repeats=repeats,
-    )
-    return free_mesh(section, settings, sizes, path)
+
+    def made(expected: float) -> QuadMesh:
+        sizes = Sizes(
+            largest,
+            {name: scale * size for name, size in settings.sizes_in(section).items()},
+            {name: scale * size for name, size in settings.towards_in(section).items()},
+            mesh.points[triangles],
+            wanted_sizes(mesh, indicator, expected, largest)[triangles],
+            repeats=repeats,
+        )
+        return free_mesh(section, settings, sizes, path)
+
+    first = made(cells / SURPLUS)
+    if len(first.cells) <= TOO_MANY * cells:
+        return first
+    return made(cells / SURPLUS * cells / len(first.cells))
 
 
 def wanted_sizes(mesh: QuadMesh, indicator: np.ndarray, cells: float, largest: float) -> np.ndarray:
