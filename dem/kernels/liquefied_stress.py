@@ -115,7 +115,8 @@ def _sums(
             sums[k, WEIGHT] += width[c]
     for i in range(n):
         if discs[i, bond.SHARE] > 0.0:
-            sums[i, : S_ZZ + 1] /= discs[i, bond.AREA]
+            for k in range(S_XX, S_ZZ + 1):
+                sums[i, k] /= discs[i, bond.AREA]
         _solve(sums[i])
     return sums, width
 
@@ -137,24 +138,30 @@ def _held(mean: np.ndarray) -> tuple[float, float]:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _means(discs: np.ndarray, pairs: np.ndarray, width: np.ndarray, reach: float, values: np.ndarray) -> np.ndarray:
-    """Means of values (n, k) over liquefied discs within reach, by the kernel (width) and their areas."""
+    """Means of values (n, k) over liquefied discs within reach, by the kernel (width) and their areas.
+
+    One value at a time: rows at once take the compiler seconds more.
+    """
     n, count = values.shape
     out, weight = np.zeros((n, count)), np.zeros(n)
     own = 7.0 / (math.pi * reach * reach)
     for i in range(n):
         if discs[i, bond.SHARE] > 0.0:
             weight[i] = own * discs[i, bond.AREA]
-            out[i] = weight[i] * values[i]
+            for q in range(count):
+                out[i, q] = weight[i] * values[i, q]
     for c in range(pairs.shape[1]):
         i, j = pairs[0, c], pairs[1, c]
         if discs[i, bond.SHARE] > 0.0 and discs[j, bond.SHARE] > 0.0:
             for k, other in ((i, j), (j, i)):
                 part = width[c] * discs[other, bond.AREA]
                 weight[k] += part
-                out[k] += part * values[other]
+                for q in range(count):
+                    out[k, q] += part * values[other, q]
     for i in range(n):
         if weight[i] > 0.0:
-            out[i] /= weight[i]
+            for q in range(count):
+                out[i, q] /= weight[i]
     return out
 
 
