@@ -96,7 +96,7 @@ class Case(Model):
         return value_of_stratum(potential, stratum) or 0.0 if isinstance(potential, dict) else potential
 
     def residual_remains(self, stratum: str) -> Remains:
-        """What a stratum, by its name, keeps by its residual strength alone."""
+        """Remaining strength of a stratum, by its name, where only its residual strength counts."""
         kept = self.residual_of(stratum), self.strength_of(stratum), self.strain_potential_of(stratum)
         return Remains(0.0, 0.0, *kept)
 

@@ -260,7 +260,7 @@ class DiscModel(DiscState):
             self.make_list()
 
     def remove_lines(self, which: Sequence[int]) -> None:
-        """Takes rigid lines away, by their numbers: a gate that opens. What the others remember stays.
+        """Takes rigid lines away, by their numbers: a gate that opens. Contacts with the others keep their forces.
 
         Parameters
         ----------

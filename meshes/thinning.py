@@ -50,7 +50,7 @@ def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering,
 
 
 def _stepped_once(layers: Layering, least: float, names: list[str]) -> tuple[Layering, list[str]]:
-    """Step the tips of every stratum once, from the top down; returns the layering and a notice for each step."""
+    """End the tips of every stratum in a vertical step once, from the top down; returns layering and notices."""
     notices: list[str] = []
 
     def longest(k: int) -> float:

@@ -90,7 +90,7 @@ class Config(Tables):
         return reach_of(self._before_the_cut(), self.uncertain.numbers, (Section, Tables))
 
     def _before_the_cut(self) -> dict[str, Any]:
-        """The section as it was written, before water cut its strata, with the settings as they are used."""
+        """The section as written in the file, before the water table divided its strata, with the settings in use."""
         settings = set(self.tables()) - {"uncertain", "study"}
         used = self.model_dump(mode="python", exclude_none=True, by_alias=True, include=settings)
         unset = OPEN.keys() - self.slide.model_fields_set

@@ -50,7 +50,7 @@ if config.DISABLE_JIT:
         """Nothing to fetch ahead for."""
 
     def wide_vectors() -> None:
-        """There are no vectors without the JIT."""
+        """Does nothing: without the JIT there is no vector width to choose."""
 
 else:
 

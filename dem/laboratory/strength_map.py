@@ -47,7 +47,7 @@ EARLY = 0.1  # cohesion number below which the map is even: the axis is the loga
 
 @dataclass(frozen=True)
 class ContactStrength:
-    """Constants of contacts, and how well they meet what was wanted.
+    """Constants of contacts, and the strength that the map expects of discs with them.
 
     Attributes
     ----------

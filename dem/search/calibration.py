@@ -349,8 +349,8 @@ def calibrate(
 
 
 def _between(tried: dict[float, Search], target: float, low: float, high: float) -> float:
-    """A factor between two that have the target between them: where a straight line over the logarithm meets it, but
-    not next to an end, since the critical Kh of discs is no smooth function of the factor."""
+    """Factor of the next trial, by linear interpolation of Kh over the logarithm of the factor between two trials; it
+    keeps off their ends, since the critical Kh of discs is no smooth function of the factor."""
     below, above = middle(tried[low]) - target, middle(tried[high]) - target
     share = float(np.clip(below / (below - above), SHORTEST, 1.0 - SHORTEST))
     return float(low * (high / low) ** share)
@@ -369,7 +369,7 @@ def _out_of_reach(
 
 
 def _outwards(base: Search | None, target: float, settings: DemSettings) -> Iterator[list[float]]:
-    """Factors to try, from 1 to the end of the range that lies towards the target.
+    """Factors of the trials, from 1 towards the lower end of the range where the discs are too strong, else the upper.
 
     Halves, quarters, ... or doubles, two at a time whoever computes them; for soil discs, whose range is short, first
     the ratio of the critical Kh wanted to that without a factor.

@@ -207,7 +207,7 @@ def _failed(model: DiscModel, before: DiscModel, ground: Ground, machine: Displa
 
 
 def _point(model: DiscModel, moved: float, kh: float, most: float, seconds: float) -> Trial:
-    """A point of the curve, with the largest Kh so far."""
+    """A point of the load-displacement curve, with the largest Kh so far."""
     more = kh > most
     reason = "more than they have borne so far" if more else "they have borne more on the way"
     ratios = unbalanced_ratio(model), kinetic_ratio(model)

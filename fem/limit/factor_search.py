@@ -133,7 +133,7 @@ class FactorSearch:
         self.unborne_from = math.inf  # from this factor on no stress on this mesh balances the loads
 
     def find(self) -> None:
-        """Narrow the factor down on ever finer triangles."""
+        """Bracket the factor of safety on ever finer triangles."""
         while True:
             self.settle()
             beyond = self.lower >= LARGEST or self.upper <= SMALLEST

@@ -71,7 +71,7 @@ class _Cells:
 
 @dataclass(frozen=True, eq=False)
 class Discretised:
-    """The equilibrium of all ranks' elements under nodal forces, dimensionless: for the first rank.
+    """Dimensionless equilibrium of the elements of all MPI ranks under nodal forces, gathered on the first rank.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ class Discretised:
         return np.sqrt(self.cells.weights) / self.length
 
     def load(self, number: int) -> np.ndarray:
-        """One of the forces on the free components, over the unit of force."""
+        """Nodal forces of load ``number`` on the free components, over the unit of force (-)."""
         return self.forces[number][self.free] / (self.unit * self.length)
 
     def program(

@@ -52,7 +52,7 @@ LEAST_SOFTENING = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class FactorStart:
-    """Where the search for another factor of safety of the same elements under the same forces may begin.
+    """Start of the search for another factor of safety of the same elements under the same forces.
 
     Attributes
     ----------

@@ -23,7 +23,7 @@ def keep(path: Path, engine: MaterialPointEngine, slide: PointSlide, **more: np.
 
 
 def resume(path: Path, engine: MaterialPointEngine, slide: PointSlide) -> dict[str, np.ndarray] | None:
-    """Bring the engine and the slide to where a file has them; the rest of it, or None where there is no such file."""
+    """Restore engine and slide from a file; returns its other arrays, or None where there is no such file."""
     if not path.exists():
         return None
     try:

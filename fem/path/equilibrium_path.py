@@ -60,7 +60,7 @@ class PathSettings:
 
 @dataclass
 class EquilibriumPath:
-    """The path of equilibria of ``problem`` under ``loading``, and the place on it that has been reached.
+    """The equilibrium path of ``problem`` under ``loading``, and the last equilibrium found on it.
 
     Attributes
     ----------

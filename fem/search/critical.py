@@ -254,7 +254,7 @@ def _ductility(path: EquilibriumPath) -> float:
 
 
 def states_at(path: EquilibriumPath, mesh: QuadMesh, wanted: list[float]) -> list[State]:
-    """The fields at those of the ``wanted`` Kh that the path reaches, in rising order."""
+    """The fields at every ``wanted`` Kh that the path reaches, in rising order."""
     kept: list[State] = []
     for kh in sorted(kh for kh in wanted if kh > 0.0):
         while not (reached := path.reach(kh)):

@@ -155,7 +155,7 @@ def _samples(name: str, groups: Groups) -> tuple[Sample, ...]:
 
 
 def _count_of(count: str, report: str) -> str:
-    """What says the blow count: ISPT_REP where that is a refusal, or where there is no ISPT_NVAL."""
+    """The text of the blow count: ISPT_REP where that is a refusal, or where there is no ISPT_NVAL."""
     try:
         return report if not count or is_refusal(read_blows(report)) else count
     except ValueError:

@@ -181,7 +181,7 @@ def _split(cell: str) -> tuple[str, str]:
 
 
 def written(value: str, unit: str) -> str:
-    """A value with the unit of its heading, if it has none of its own."""
+    """A value with the unit of its column heading, unless it has a unit itself."""
     return f"{value} {unit}" if unit and re.fullmatch(r"[-+.\deE]+", value) else value
 
 

@@ -90,7 +90,7 @@ def _with_one_side(outlines: Sequence[np.ndarray]) -> tuple[list[np.ndarray], li
 
 
 def _doubts(outlines: Sequence[Shape]) -> list[str]:
-    """What may not be meant: all outlines on one layer, and an outline round all others, as the frame of a sheet is."""
+    """Warnings of doubtful outlines: all on one layer, or one round all others as the frame of a sheet."""
     layers = {outline.layer for outline in outlines}
     doubts = []
     if len(layers) == 1 < len(outlines):

@@ -137,7 +137,7 @@ def _reach(gap: np.ndarray, x: np.ndarray, tolerance: float) -> np.ndarray:
 
 
 def without_pockets(parts: DividedStratum, cell: float) -> DividedStratum:
-    """The halves without pockets of either that end in a tip and are small beside cells (m) and the other half.
+    """A stratum cut by water, without thin wedges of a part that are small beside the cells (m) and the other part.
 
     Their corners would be as sharp as the angle at which water meets a layer.
     """

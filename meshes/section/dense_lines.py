@@ -241,7 +241,7 @@ def _between(x: np.ndarray, left: np.ndarray, right: np.ndarray, three: list[int
 
 
 def _rebuilt(x: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """A line (n, 2) of its values left and right of each x, which are no numbers where it is not."""
+    """A line (n, 2) from its elevations left and right of each x, which are NaN beyond its ends."""
     there = np.flatnonzero(np.isfinite(left) | np.isfinite(right))
     x, left, right = x[there], left[there], right[there]
     left[0], right[-1] = right[0], left[-1]

@@ -19,7 +19,7 @@ def hamada(thickness: float, gradient: float) -> float:
 
 
 def hamada_as_printed(thickness: float, gradient: float) -> float:
-    """The same with a cube root of H, as eq. (18) of the paper prints it; every other source has a square root."""
+    """D = 0.75 ∛H ∛θ (m), as eq. (18) of the paper prints it; every other source has the square root of H."""
     return 0.75 * float(np.cbrt(thickness)) * float(np.cbrt(gradient))
 
 

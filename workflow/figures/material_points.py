@@ -13,7 +13,7 @@ ROOM = 0.3  # of the height of the ground, above and below its surface in the pi
 
 
 def seen_from_above(surface: np.ndarray, cell: float) -> np.ndarray:
-    """The highest point (n, 2) of every half a ``cell`` (m): a front that rolled over has several."""
+    """Surface (n, 2) of material points: the highest point in every half a ``cell`` (m) along x."""
     _, place = np.unique(np.floor(2.0 * surface[:, 0] / cell), return_inverse=True)
     order = np.lexsort((surface[:, 1], place.ravel()))
     return surface[order][np.append(np.diff(place.ravel()[order]) > 0, True)]

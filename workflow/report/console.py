@@ -207,7 +207,7 @@ def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
         left = [f"{head} {factor}" for head, factor in zip(heads, factors, strict=True) if head != "name"]
         phrases.append(f"{config.called(int(number))}, {layers}: {', '.join(left)}")
     if phrases:
-        yield f"What is left of the layers that liquefy (factors): {'; '.join(phrases)}."
+        yield f"Factors and residual strengths of the layers that liquefy: {'; '.join(phrases)}."
     for name, which, case in answer.each():
         settled = "" if case.settled else f"; it has not come to rest: {case.reason}"
         if not case.settled and lies_still(case):
@@ -284,13 +284,17 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
     )
     if answer.change > CAME_TO_REST:
         yield (
-            f"Warning: after {answer.rounds} rounds one more would change a stiffness or a damping by "
-            f"{100.0 * answer.change:.1f} %."
+            f"Warning: the site response has not converged: after {answer.rounds} rounds one more changes G or damping "
+            f"by {100.0 * answer.change:.1f} %."
         )
     if answer.warning:
         yield f"Warning: {answer.warning}."
     phrases = [layer for layer in answer.layers if abs(layer.bottom_m - round(layer.bottom_m / 5.0) * 5.0) < 0.26]
-    yield "k_max of all above: " + ", ".join(f"{layer.k_max:.3f} ({layer.bottom_m:.0f} m)" for layer in phrases) + "."
+    yield (
+        "k_max of the ground above a depth: "
+        + ", ".join(f"{layer.k_max:.3f} ({layer.bottom_m:.0f} m)" for layer in phrases)
+        + "."
+    )
 
 
 def _slides(config: Config, store: Store) -> Iterator[str]:

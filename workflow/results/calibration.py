@@ -142,7 +142,7 @@ class CalibrationAnswer(Answer):
 
     @property
     def leaves_open(self) -> bool:
-        """Whether the continuum's critical Kh is known no closer than discs are asked to meet it."""
+        """Whether the interval of the continuum's critical Kh is wider than the tolerance of the calibration."""
         return self.continuum_kc is not None and self.continuum_kc[1] - self.continuum_kc[0] > self.tolerance
 
     @classmethod

@@ -36,7 +36,7 @@ class Effect(Part):
 
 
 class Curve(Part):
-    """A probability over a coefficient, with the interval that so many samples leave."""
+    """A probability over a coefficient, with its 95 % interval for the number of samples."""
 
     name: str
     over: tuple[float, ...]

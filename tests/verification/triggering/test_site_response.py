@@ -148,7 +148,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert answer["layers"][0]["velocity_m_s"] == 160.0
     assert answer["layers"][-1]["bottom_m"] == pytest.approx(20.0)
     assert answer["peak_rock_gal"] == pytest.approx(60.0, abs=1.0)
-    assert "k_max of all above" in capsys.readouterr().out
+    assert "k_max of the ground above a depth" in capsys.readouterr().out
     assert command_line.run("report", tmp_path / "run", "--quiet") == 0
     assert "<h3>Site response</h3>" in (tmp_path / "run/report.html").read_text(encoding="utf-8")
     assert answer["change"] < 0.002
