@@ -122,7 +122,7 @@ def run_all(
     """The whole workflow: mesh, FEM, calibrated discs, slides, pictures and report."""
     from workflow.invocation import Invocation
     from workflow.run.plan import Choice
-    from workflow.terminal import execute, show_plan, show_strata, show_time
+    from workflow.terminal import execute, show_plan, show_strata
 
     choice = Choice.of(stages.STAGES, start, only or (), force)
     verbosity = Verbosity.of(quiet, verbose, json)
@@ -132,7 +132,6 @@ def run_all(
         return show_plan(invocation.job(), choice, verbosity)
     if verbosity.in_sentences:
         show_strata(invocation.config.section)
-        show_time(invocation.job(), choice)
     return execute(invocation.job(), choice, verbosity, warnings)
 
 

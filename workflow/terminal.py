@@ -18,7 +18,7 @@ from meshes.section.section import Section, read_toml
 from workflow.options import Verbosity
 from workflow.renamed import notices
 from workflow.report import data, tables
-from workflow.run.plan import Action, Choice, Decision, plan
+from workflow.run.plan import Action, Choice, plan
 from workflow.run.record import Record
 from workflow.run.spelling import is_legible, legible
 from workflow.run.stage import Job
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from workflow.report.side_by_side import ComparedRun
 
 VERBS: Mapping[Action, str] = {"run": "run", "redraw": "draw again", "reuse": "be reused", "off": "not run"}
-LEAST_MINUTES = 0.2  # less is told as seconds
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
@@ -66,13 +65,6 @@ def show_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     out.print(table)
 
 
-def show_time(job: Job, choice: Choice) -> None:
-    """Print how long a run takes as a rule, where it has something to compute."""
-    decisions = plan(job, Record(job.store), choice)
-    if any(decision.action == "run" and not decision.stage.of_all for decision in decisions):
-        say(_time_of(decisions))
-
-
 def show_strata(section: Section) -> None:
     """The strata in a table, and that they are a reconstruction if they are one."""
     if section.reconstruction:
@@ -97,32 +89,10 @@ def show_plan(job: Job, choice: Choice, verbosity: Verbosity) -> None:
     if verbosity == Verbosity.JSON:
         return say_data(data.of_plan(decisions))
     rows = [
-        (
-            decision.stage.name,
-            VERBS[decision.action],
-            decision.why or "nothing has changed",
-            time_words(*decision.stage.minutes) if decision.action == "run" else "",
-        )
-        for decision in decisions
+        (decision.stage.name, VERBS[decision.action], decision.why or "nothing has changed") for decision in decisions
     ]
-    show_table(("stage", "would", "because", "takes about"), rows)
-    say(_time_of(decisions))
+    show_table(("stage", "would", "because"), rows)
     return _show_shaking(job)
-
-
-def _time_of(decisions: Sequence[Decision]) -> str:
-    """The usual computing time of all stages that run, as a sentence."""
-    minutes = [decision.stage.minutes for decision in decisions if decision.action == "run"]
-    low, high = (sum(ends) for ends in zip(*minutes, strict=True)) if minutes else (0.0, 0.0)
-    return f"On two cores this takes about {time_words(low, high)}; large or many-layered sections take longer."
-
-
-def time_words(low: float, high: float) -> str:
-    """A time from ``low`` to ``high`` (minutes), as 12 s to 2 min."""
-    if high < LEAST_MINUTES:
-        return "seconds"
-    ends = [f"{60 * end:.0f} s" if end < 1.0 else f"{end:.0f} min" for end in (low, high)]
-    return " to ".join(dict.fromkeys(ends))
 
 
 def _show_shaking(job: Job) -> None:

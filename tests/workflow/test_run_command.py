@@ -102,12 +102,12 @@ def test_nothing_changed_nothing_runs(whole: Path, capsys: pytest.CaptureFixture
 def test_a_dry_run_only_says_what_it_would_do(whole: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run("run", whole / "slope.toml", "--out", whole / "none", "--dry-run") == 0
     assert not (whole / "none").exists()
-    assert "On two cores this takes about 6 min to 32 min" in capsys.readouterr().out
+    assert ["mesh", "run", "not", "run"] in [text.split() for text in capsys.readouterr().out.splitlines()]
     changed = ("--set", "sliding_block.scale=2")
     assert run("run", whole / "slope.toml", "--out", whole / "out", "--dry-run", *changed) == 0
     told = [text.split() for text in capsys.readouterr().out.splitlines() if text.strip()]
     assert ["slide", "be", "reused", "nothing", "has", "changed"] in told
-    assert ["report", "run", "changed:", "[sliding_block]", "6", "s", "to", "30", "s"] in told
+    assert ["report", "run", "changed:", "[sliding_block]"] in told
 
 
 def test_plot_draws_again_without_computing(whole: Path, capsys: pytest.CaptureFixture[str]) -> None:

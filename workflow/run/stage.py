@@ -73,7 +73,6 @@ class Stage:
     read: reads its answers; raises OtherVersionError where another version of the program wrote one.
     pictures: patterns of the pictures that it leaves.
     leftovers: patterns of files from which it continues after a stop; removed once they belong to other inputs.
-    minutes: the time that it takes as a rule on two cores, from and to; slides for three cases.
     unwanted: why the settings do not ask for it, empty where they do. Where they do not, it runs only if it is asked
         for by name, and what it left before is used as long as it fits.
     partial: whether the job asks for a part of it only, so that the rest is still to come.
@@ -97,7 +96,6 @@ class Stage:
     read: Callable[[Store], object] = lambda store: None
     pictures: tuple[str, ...] = ()
     leftovers: tuple[str, ...] = ()
-    minutes: tuple[float, float] = (0.0, 0.1)
     unwanted: Callable[[Config], str] = lambda config: ""
     partial: Callable[[Job], bool] = lambda job: False
     beside: tuple[str, ...] | None = None

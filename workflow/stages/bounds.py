@@ -221,7 +221,6 @@ def in_words(bounds: "SmallerKhBounds") -> str:
 STAGE = Stage(
     name="bounds",
     what="strict bounds of the critical Kh",
-    minutes=(0.5, 2),
     work=work,
     reads=(
         "bounds", "fem.direction", "fem.flow", "fem.least_depth", "fem.safety_factor_at", "fem.sides", "fem.vertical",

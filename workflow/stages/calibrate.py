@@ -38,7 +38,6 @@ def ignored(config: Config) -> tuple[str, ...]:
 STAGE = Stage(
     name="calibrate",
     what="discs that fail at the same Kh",
-    minutes=(2, 8),
     work=work,
     draw=draw,
     needs=("fem",),

@@ -213,7 +213,6 @@ def write_fields(section: Section, mesh: "QuadMesh", states: list["State"], stor
 STAGE = Stage(
     name="fem",
     what="critical Kh by finite elements",
-    minutes=(0.2, 2),
     work=work,
     draw=draw,
     drawn_after=True,

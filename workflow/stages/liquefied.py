@@ -234,7 +234,6 @@ def _stands(kc: float | None, lower: float | None, upper: float | None) -> tuple
 STAGE = Stage(
     name="liquefied",
     what="whether it stands once layers have liquefied",
-    minutes=(0.2, 2),
     work=work,
     needs=("mesh",),
     reads=("fem",),

@@ -266,7 +266,6 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
 STAGE = Stage(
     name="mpm",
     what="slides of the continuum by material points",
-    minutes=(1, 5),
     work=work,
     draw=draw,
     needs=("mesh",),

@@ -46,7 +46,6 @@ def named(job: Job) -> Mapping[str, Path]:
 STAGE = Stage(
     name="report",
     what="pictures of all, summary and report",
-    minutes=(0.1, 0.5),
     work=work,
     draw=draw,
     needs=(

@@ -95,7 +95,6 @@ def _parts(circles: "tuple[SlipCircle, ...]") -> tuple[CirclePart, ...]:
 STAGE = Stage(
     name="slices",
     what="slip circles by Bishop and Spencer",
-    minutes=(0.1, 0.5),
     work=work,
     draw=draw,
     reads=("fem.safety_factor_at", "fem.least_depth", "fem.vertical", "criteria.factor_of_safety", "tension_crack"),

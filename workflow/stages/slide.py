@@ -53,7 +53,6 @@ def ignored(config: Config) -> tuple[str, ...]:
 STAGE = Stage(
     name="slide",
     what="slides once layers have liquefied",
-    minutes=(2, 15),
     work=work,
     draw=draw,
     needs=("calibrate",),

@@ -165,7 +165,6 @@ def _found(change: Change, tell: Tell) -> "LimitLoadResult | CriticalResult":
 STAGE = Stage(
     name="variants",
     what="what the critical Kh depends on",
-    minutes=(0.5, 2),
     work=work,
     needs=("fem",),
     reads=("mesh", "fem", "variants"),
