@@ -112,12 +112,14 @@ def s13() -> str:
 
 
 def speed() -> str:
-    """Times, beside LAMMPS where it has the same problem."""
+    """Times, beside LAMMPS where it has the same problem, and those of `noshiro fem` on twenty sections."""
     found = numbers()
-    slopes, discs = found["published"], found["dem_throughput"]
+    slopes, discs, sections = found["published"], found["dem_throughput"], found["sections"]
     rows: list[Sequence[object]] = [
         ("published slopes: strict bounds, median", f"{slopes['bounds_seconds']} s"),
         ("published slopes: finite elements with ψ = φ, median", f"{slopes['associated_seconds']} s"),
+        (f"`noshiro fem` with pictures, median of {len(sections['rows'])} sections", f"{sections['median_seconds']} s"),
+        ("the slowest of these", f"{sections['slowest_seconds']} s"),
         (f"soil discs, {discs['elements']:g} of them, one core", f"{discs['soil_discs']} million disc-steps a second"),
     ]
     if "lammps" in discs:
@@ -125,6 +127,13 @@ def speed() -> str:
             ("LAMMPS gran/hooke/history, same discs, same core", f"{discs['lammps']} million disc-steps a second"),
             ("discs with the same law as LAMMPS, over LAMMPS", f"{discs['times_lammps']} times"),
         ]
-    dates = "\n".join(f"- {made(name)}" for name in ("published", "dem_throughput"))
+    dates = "\n".join(f"- {made(name)}" for name in ("published", "sections", "dem_throughput"))
+    shown = (("kc", 3), ("factor", 2))
+    each = [
+        (row["section"], f"{row['seconds']:g} s", *(f"{row[key]:.{n}f}" if key in row else "none" for key, n in shown))
+        for row in sections["rows"]
+    ]
+    answers = table(("section", "`noshiro fem`", "critical Kh", "factor of safety"), each)
+    why = "A section that fails under its own weight has no critical Kh."
     words = "Seconds of processor time on one machine. All benchmarks: `python -m tests.benchmarks`."
-    return "\n\n".join(["# Speed", words, table(("what", "speed"), rows), dates]) + "\n"
+    return "\n\n".join(["# Speed", words, table(("what", "speed"), rows), answers, why, dates]) + "\n"
