@@ -7,12 +7,9 @@ from dataclasses import dataclass, fields
 from typing import Self
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fem.kernels import material_points as kernel
 
-REACH = 0.75  # cells between a weak layer and the nodes of knot spans which have its strength
-SQUEEZED = np.array([2.8, 1.0])  # a cell aside counts as so many cells above or below
 UNLIMITED = 1e30  # Pa: tension without a cut-off
 
 
@@ -180,39 +177,3 @@ class MaterialPoints:
         softly = np.divide(below**2, soft, out=np.zeros(len(soft)), where=knee > 0.0)
         density = 0.5 * (mean**2 / bulk + softly + (radius**2 - below**2) / shear)
         return float(np.sum(self.state[:, kernel.VOLUME] * density))
-
-
-def next_to(x: np.ndarray, weak: np.ndarray, cell: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points that need the strength of a weak layer beside them, so that it is as thick on the grid as in the ground.
-
-    The strain rate of quadratic splines is continuous, and none in a knot span of ground that holds: from there it
-    rises linearly over the next span. On the average of all places of the layer on the grid, it works as if it were
-    three quarters of a cell thinner at each side, and a shear band at its edge lies 1.25 cells inside it. Where knot
-    spans whose node lies within three quarters of a cell above or below the layer have its strength, a rigid block on
-    the edge of the layer moves 0.9 times as far as it should on the average, and a layer which shears throughout 0.9
-    times as far (six and four cells in the layer), instead of 0.15 to 0.53 and 0.78 times. Ground at the end of a
-    layer, such as a quay wall, keeps its strength.
-
-    Parameters
-    ----------
-    x : ndarray (n, 2)
-        Places of all points on the grid (m).
-    weak : ndarray (n,) of bool
-        Which of them are of the weak layer.
-    cell : float
-        Side of a cell of the grid (m).
-
-    Returns
-    -------
-    points, donors : ndarray (k,) of int
-        Numbers of the points of those knot spans, and of the weak point next to the node of each.
-    """
-    sound, weak_points = np.flatnonzero(~weak), np.flatnonzero(weak)
-    if not len(weak_points):
-        return sound[:0], weak_points
-    nodes = np.round(x[sound] / cell) * cell
-    # the layer reaches a quarter of a cell beyond its last points
-    reach = (REACH + 0.25) * cell + 1e-9
-    distance, nearest = cKDTree(SQUEEZED * x[weak_points]).query(SQUEEZED * nodes, p=np.inf)
-    within = distance < reach
-    return sound[within], weak_points[nearest[within]]

@@ -11,8 +11,9 @@ from fem.kernels import material_points as kernel
 from fem.mpm.checkpoint import keep, resume
 from fem.mpm.engine import MaterialPointEngine, Push
 from fem.mpm.ground import FAR, PointGround, with_free_sides
-from fem.mpm.points import UNLIMITED, next_to
+from fem.mpm.points import UNLIMITED
 from fem.mpm.slide_record import PointSlide
+from fem.mpm.weak_edges import edge_strength
 from fem.search.liquefied_ground import LEAST, UNDRAINED
 from meshes.section.liquefies import Remains
 from meshes.section.strain_potential import BEYOND, stress_at_potential
@@ -196,19 +197,24 @@ class PointSlider:
                 after[mine, SOFT], after[mine, KNEE], after[mine, VISCOUS] = soft, knee, CREEP * soft
                 before[mine, SOFT] = before[mine, SHEAR]
         liquefies = np.where(np.isin(stratum, list(programme.remains)), stratum, -1)
-        self._weaken_beside(before, after, liquefies)
+        self._weaken_edges(before, after, liquefies)
         pressure = UNDRAINED / (1.0 - UNDRAINED) * self.ground.effective * height * (liquefies >= 0)
         after[:, SIDE] = np.sign(before[:, SIDE]) * np.maximum(pressure, np.abs(before[:, SIDE]))
         self.began = {"before": before, "after": after, "liquefies": liquefies}
 
-    def _weaken_beside(self, before: np.ndarray, after: np.ndarray, liquefies: np.ndarray) -> None:
-        """Give the knot spans next to liquefying ground its strength, where that is the smaller one (`next_to`)."""
-        x = self.engine.original(self.ground.points.x)
-        near, donor = next_to(x, liquefies >= 0, self.ground.grid.cell)
-        stress = self.ground.effective[near]
-        theirs, own = (of[:, STRENGTH] + stress * of[:, SINE] for of in (after[donor], before[near]))
-        near, donor = near[theirs < own], donor[theirs < own]
-        after[np.ix_(near, [STRENGTH, SINE, LIMIT])] = after[np.ix_(donor, [STRENGTH, SINE, LIMIT])]
+    def _weaken_edges(self, before: np.ndarray, after: np.ndarray, liquefies: np.ndarray) -> None:
+        """Give the knot spans at the edges of liquefying layers the strength with which they slip there."""
+        original, points, stress = self.engine.original, self.ground.points, self.ground.effective
+        x, volume, mass = original(points.x), original(points.state[:, kernel.VOLUME]), original(points.mass)
+        height = volume / (0.5 * self.ground.grid.cell)
+        strength = after[:, STRENGTH] + stress * after[:, SINE]
+        edge = edge_strength(x, height, mass, liquefies, strength, self.ground.grid.cell)
+        own = np.where(liquefies >= 0, after[:, STRENGTH], before[:, STRENGTH])[edge.points]
+        own += stress[edge.points] * np.where(liquefies >= 0, after[:, SINE], before[:, SINE])[edge.points]
+        less = edge.strength < own
+        near, donor = edge.points[less], edge.donors[less]
+        after[np.ix_(near, [SINE, LIMIT])] = after[np.ix_(donor, [SINE, LIMIT])]
+        after[near, STRENGTH] = np.maximum(edge.strength[less] - stress[near] * after[near, SINE], 0.0)
         liquefies[near] = liquefies[donor]
 
     def _under_way(self, programme: SlideProgramme, time: float) -> bool:

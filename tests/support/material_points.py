@@ -14,7 +14,7 @@ from fem.mpm import (
     SlideProgramme,
     ground_of,
 )
-from fem.mpm.points import next_to
+from fem.mpm.weak_edges import edge_strength
 from fem.settings import Sides
 from meshes.section.polyline import downhill
 from meshes.section.quantity import GRAVITY
@@ -65,7 +65,8 @@ class EndlessSlope:
         self, cell: float, columns: int = 6, threads: int = 1, decay: float = 1.0, above_node: float = 0.0
     ) -> MaterialPointEngine:
         """The slope at rest, in equilibrium; the layer begins so much of a cell above a node."""
-        firm, deep = 3.0 * cell, self.crust + self.layer
+        deeper = int(above_node > 0.0)  # or the firm ground hardly reaches the nodes at rest
+        firm, deep = (3.0 + deeper) * cell, self.crust + self.layer
         places = lattice(columns * cell, deep + firm, 0.5 * cell)
         height = places[:, 1] - firm
         depth = deep - height
@@ -76,10 +77,12 @@ class EndlessSlope:
         own = self.strength * UNIT_WEIGHT * depth if self.as_ratio else np.full(len(depth), self.strength)
         cohesion = np.where(stratum == 0, own, np.where(stratum < 0, 1e15, 5e3))
         friction = np.where(stratum == 1, np.radians(33.0), 0.0)
-        places = places + np.array([0.0, (FLOOR - 1 + above_node) * cell])
+        places = places + np.array([0.0, (FLOOR - 1 - deeper + above_node) * cell])
         if not self.as_ratio:  # whose shear band is at the edge
-            near, donor = next_to(places, stratum == 0, cell)
-            cohesion[near], friction[near] = own[donor], 0.0
+            mass = np.full(len(places), density * 0.25 * cell**2)
+            weak = np.where(stratum == 0, 0, -1)
+            edge = edge_strength(places, np.full(len(places), 0.5 * cell), mass, weak, own, cell)
+            cohesion[edge.points], friction[edge.points] = edge.strength, 0.0
         soil = PointSoil(density, 2.0 * shear * (1.0 + poisson), poisson, cohesion, friction, keep=decay)
         points = MaterialPoints.of(places, np.full(len(places), 0.25 * cell**2), soil, stratum)
         points.stress[:, 1] = -UNIT_WEIGHT * np.cos(self.angle) * depth
@@ -122,7 +125,7 @@ def column(
     depth = np.where(stratum == 0, height + (FLOOR - 1) * cell + firm - places[:, 1], 0.0)
     points.stress[:, 1] = -UNIT_WEIGHT * depth
     points.stress[:, 0] = points.stress[:, 1] * poisson / (1.0 - poisson)
-    if friction == 0.0:  # the floor over which it will run, too: knot spans halfway in it, as `next_to` has them
+    if friction == 0.0:  # the floor over which it will run, too: knot spans halfway in it
         points.set_strength(cohesion, 0.0, where=(stratum < 0) & (places[:, 1] > (FLOOR - 1.5) * cell + firm))
     grid = BackgroundGrid.empty(cell, 2 * half + 1, int(height / cell) + 2 * FLOOR + 8, floor=FLOOR)
     return MaterialPointEngine(points, grid)
