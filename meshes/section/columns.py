@@ -36,12 +36,16 @@ class Columns:
     tally: "Tally"
     problems: list[str]
 
-    def interfaces(self) -> tuple[np.ndarray, np.ndarray]:
+    def interfaces(self, bare: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """The ground (columns, 2), and the bottoms of the strata (strata, columns, 2): elevations (m) at both ends.
 
         The bottom of a stratum that is not there is that of the one above.
+        ``bare`` (columns, 2): the ground where columns have no pieces, as where the base comes out of the ground.
         """
-        ground = np.array([[pieces[0].left[0], pieces[0].right[0]] for pieces in self.pieces])
+        ground = np.full((len(self.pieces), 2), np.nan) if bare is None else bare.copy()
+        for column, pieces in enumerate(self.pieces):
+            if pieces:
+                ground[column] = pieces[0].left[0], pieces[0].right[0]
         bottoms = np.full((len(self.stack.names), *ground.shape), np.nan)
         for column, (pieces, numbers) in enumerate(zip(self.pieces, self.stack.numbers, strict=True)):
             for piece, number in zip(pieces, numbers, strict=True):
@@ -55,6 +59,7 @@ class Columns:
     def points(self, line: np.ndarray) -> np.ndarray:
         """A line given at both ends (columns, 2) of every column as points (n, 2): two where it steps."""
         chain = np.column_stack([np.repeat(self.x, 2)[1:-1], line.ravel()])
+        chain = chain[np.isfinite(chain[:, 1])]  # without columns that have no pieces and nothing bare
         again = np.concatenate([[False], np.all(np.abs(np.diff(chain, axis=0)) <= SNAP, axis=1)])
         chain = chain[~again]
         return chain[needed(chain, SNAP)]

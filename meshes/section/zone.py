@@ -116,8 +116,9 @@ def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequenc
     problems, notices = _of_zones(zones, inside, columns.tally, layers.tolerance)
     if problems:
         return Zoned(surface, base, tuple(strata), [], problems)
-    line, bottoms = columns.interfaces()
-    above = float((line - _ground_at(layers, columns.x)).max())
+    before = _ground_at(layers, columns.x)
+    line, bottoms = columns.interfaces(before)
+    above = float((line - before).max())
     if above > layers.tolerance:
         base = without_depth(ground, base) or base
         strata = [with_elevations(ground, layer, (*OF_GROUND, "cohesion_from")) for layer in strata]

@@ -148,3 +148,29 @@ def test_what_lies_past_the_sides_is_left_out_and_told() -> None:
     section = Section.parse(with_zones(zone("a", [[-10.0, 3.0], [10.0, 3.0], [10.0, 5.0], [-10.0, 5.0]])))
     assert section.layering.areas()[[s.name for s in section.strata].index("a")] == pytest.approx(20.0)
     assert any('zones 1 "a": 50 % of it lies past the sides' in text for text in section.notices)
+
+
+@pytest.mark.parametrize("toe", [[0.0, 10.0, 20.0], [0.0, 35.0, 40.0]])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_zone_on_ground_that_the_base_comes_out_of(toe: list[float], mirrored: bool) -> None:
+    """Ahead of the toe the base is the ground, and no stratum lies there; the lens lies under the crest."""
+    start, end, beyond = toe
+    surface = [[start, 0.0], [beyond, 0.0], [60.0, 10.0], [90.0, 10.0]]
+    base = [[start, 0.0], [end, 0.0], [beyond, -1.0], [90.0, -4.0]]
+    lens = [[62.0, 1.0], [75.0, 1.0], [75.0, 3.0], [62.0, 3.0]]
+
+    def placed(points: list[list[float]]) -> list[list[float]]:
+        return [[90.0 - x, z] for x, z in reversed(points)] if mirrored else points
+
+    data = {
+        "name": "toe",
+        "surface": placed(surface),
+        "base": {"elevation": placed(base)},
+        "strata": [layer("clay", **SOIL)],
+    }
+    whole = Section.parse(data)
+    section = Section.parse(data | {"zones": [zone(points=placed(lens))]})
+    assert section.layering.areas().sum() == pytest.approx(whole.layering.areas().sum(), rel=1e-6)
+    areas = dict(zip([stratum.name for stratum in section.strata], section.layering.areas(), strict=True))
+    assert areas["lens"] == pytest.approx(26.0)
+    assert section.ground == pytest.approx(whole.ground)
