@@ -77,9 +77,7 @@ def _analysed(config: Config) -> Config:
         count = len(slide.cases) + len(config.triggering.cases)
         section = ground_after_triggering(section, assessment, config.triggering, count)
         cases = cases_after_triggering(section, assessment, config.triggering)
-    if "cases" not in config.slide.model_fields_set:
-        slide = slide.changed(cases=cases_of_loose_sand(section))
-    return config.analysed(section, slide, cases, of_the_earthquake)
+    return config.analysed(section, _assumed(config, section, slide), cases, of_the_earthquake)
 
 
 def ground_after_triggering(
@@ -151,7 +149,17 @@ def _driven(config: Config) -> tuple[SlideSettings, list[str]]:
     if written.get("kh") == K_MAX:
         written["kh"] = average_kh(config.section, config.site_response)
     numbers = push_of_slides(config.earthquake, written, config.section.name)
-    assumed: dict[str, float] = {}
-    if not numbers and config.dem.model == "soil" and not written.keys() & set(SHAKES):
-        assumed = assumed_push()
-    return SlideSettings.model_validate({**written, **numbers, **assumed}), list(numbers)
+    return SlideSettings.model_validate({**written, **numbers}), list(numbers)
+
+
+def _assumed(config: Config, section: Section, slide: SlideSettings) -> SlideSettings:
+    """Settings of slides in which what is left to be assumed has numbers, where ground liquefies.
+
+    ``config``: as it was read; ``section``: its ground after triggering; ``slide``: settings after the earthquake.
+    """
+    if not section.liquefies or config.dem.model != "soil":
+        return slide
+    if "cases" not in config.slide.model_fields_set:
+        slide = slide.changed(cases=cases_of_loose_sand(section))
+    shaken = slide.model_fields_set | config.left_open.keys()
+    return slide if shaken & set(SHAKES) else slide.changed(**assumed_push())

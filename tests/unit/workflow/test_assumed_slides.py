@@ -80,3 +80,9 @@ def test_cases_that_are_written_stay() -> None:
     assert not [text for text in config.notices if text.startswith("slide, cases")]
     with pytest.raises(InputError, match="expected cases from 1 to 1"):
         analysed(liquefied(slide={"cases": [{"residual": 0.1}]}))
+
+
+def test_ground_that_does_not_liquefy_is_left_as_it_was_written() -> None:
+    config = analysed(slope())
+    assert config.slide.model_fields_set == set()
+    assert not [text for text in config.notices if text.startswith("slide")]
