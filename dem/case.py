@@ -147,14 +147,12 @@ def cases_of_loose_sand(section: Section) -> tuple[Case, ...]:
     tuple of Case
         With the ratios of `LOOSE_SAND` times the mean vertical effective stress of each soil that liquefies (Pa).
     """
-    areas, weights = section.layering.areas(), dict[str, list[tuple[float, float]]]()
+    areas, parts = section.layering.areas(), dict[str, list[int]]()
     for k, stratum in enumerate(section.strata):
         if stratum.liquefies_in and areas[k] > 0.0:
-            stress = section.cohesion_field.mean_effective_stress(k)
-            weights.setdefault(whole_soil(stratum.name), []).append((stress, float(areas[k])))
-    means = {
-        soil: float(np.average([p[0] for p in parts], weights=[p[1] for p in parts])) for soil, parts in weights.items()
-    }
+            parts.setdefault(whole_soil(stratum.name), []).append(k)
+    stress = section.cohesion_field.mean_effective_stress
+    means = {soil: float(np.average([stress(k) for k in ks], weights=areas[ks])) for soil, ks in parts.items()}
     least = LIQUEFIED[0]
     return tuple(
         case.changed(

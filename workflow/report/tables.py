@@ -91,11 +91,11 @@ def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
         by = "[earthquake]" if derived else "default" if default else "slide.kh"
         yield "shaking of the slides", config.slide.shaking, by
     heads = [name for name, _ in case_heads(config)]
+    assumed = config.slide.cases in (SOFTENED, cases_of_loose_sand(config.section))
     for number, names, *left in case_rows(config):
         phrase = ", ".join(f"{head} {value}" for head, value in zip(heads, left, strict=True) if head != "name")
         derived = int(number) > len(config.slide.cases)
-        default = config.slide.cases in (SOFTENED, cases_of_loose_sand(config.section))
-        by = "borings ([triggering])" if derived else "default" if default else "slide.cases"
+        by = "borings ([triggering])" if derived else "default" if assumed else "slide.cases"
         yield config.called(int(number)), f"{names}: {phrase}", by
 
 
