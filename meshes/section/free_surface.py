@@ -29,6 +29,9 @@ MOST_ITERATIONS = 300
 STEPS = ((20, 1.0), (60, 0.5), (150, 0.25), (MOST_ITERATIONS, 0.1))
 # Of a permeability, a rate or a pressure head in m: smaller differences are rounding.
 ROUNDING = 1e-9
+# Change (m) of pressure heads below which they have come to rest, where points at the shore of the water keep
+# changing sides.
+SETTLED = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +103,7 @@ def free_surface_flow(
     # One unknown a point: the pressure, or, below 0, the rate less the most in terms of the pressure that it is worth.
     def state(unknown: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Points (n,) that are dry, rates (n,) at which water falls from them, and falls that could take more."""
-        dry = (unknown < 0.0) & ~fixed
+        dry = (unknown < -ROUNDING) & ~fixed
         rate = np.where(dry, np.minimum(most + unknown / through, (1.0 - ROUNDING) * most), most)
         return dry, rate, dry[falls.upper] & (rate[falls.upper] < falls.permeability)
 
@@ -123,13 +126,14 @@ def free_surface_flow(
         inflow = matrix @ wanted - load
         outlets = seeping | (dry & ends)
         wanted[outlets] = -inflow[outlets] / diagonal[outlets]
-        wanted[outlets & (np.abs(wanted) <= ROUNDING)] = 0.0
         next_dry, _, next_spare = state(wanted)
         wanted[bare] = np.minimum(wanted[bare], 0.0)
         if np.array_equal(dry, next_dry) and np.array_equal(spare, next_spare):
             break
         if iteration > until:
             until, share = next(step)
+        if share < 1.0 and np.abs(wanted - unknown).max() <= SETTLED:
+            break
         unknown = unknown + share * (wanted - unknown)
     converged = iteration < MOST_ITERATIONS
     least = np.full(size, np.inf)

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 # Bounds of the fall of the pressure head with height up to the phreatic line; 1 is that of still water.
 FALL = (0.2, 2.0)
+# A discharge of less than this share of the largest permeability times the height of the section is rounding.
+STILL = 1e-12
 # The line of the water may pass its points at this share of the distance of vertical lines.
 LINE = 0.25
 
@@ -81,6 +83,8 @@ class Seepage:
     @property
     def words(self) -> str:
         """How much flows, where it comes out above free water, and how steeply it rises there."""
+        if not self.discharge:
+            return "Seepage: the water stands still."
         faces = " and ".join(f"x = {start:.4g} to {end:.4g} m" for start, end in self.seepage_faces)
         gradient, x = self.exit_gradient
         leaves = f"; it seeps out of the ground from {faces}" if faces else ""
@@ -182,6 +186,8 @@ def steady_seepage(
     # Water that enters and leaves by the same free water, as near its shore, does not flow through the section.
     _, pond = np.unique(np.round(heads[np.isfinite(heads)] / tolerance), return_inverse=True)
     discharge = float(np.maximum(np.bincount(pond, flow.inflow[np.isfinite(heads)]), 0.0).sum())
+    if discharge <= STILL * float(permeability.max() * np.ptp(grid.points[:, 1])):
+        discharge = 0.0
     seeps = flow.seeps & ~np.isfinite(heads)
     return Seepage(grid, _continued(grid, flow), flow.inflow, seeps, discharge, table, tolerance)
 

@@ -179,3 +179,17 @@ def test_ground_that_conducts_better_along_x_has_dupuits_discharge() -> None:
     data = dam(10.0, 2.0, 10.0, 12.0)
     data["strata"][0]["permeability_vertical"] = 0.1 * K
     assert Section.parse(data).water_pressure.flow.discharge == pytest.approx(K * 96.0 / 20.0, rel=1e-6)
+
+
+def test_still_water_in_layers_on_a_sloping_base_is_hydrostatic() -> None:
+    """u = γw (level - z) below the level and 0 above, whatever the permeabilities; no water flows."""
+    ground = [[0.0, 0.0], [3.86, 0.0], [3.86, 5.67], [17.01, 5.67]]
+    soil = flowing(ground, -0.18)["strata"][0]
+    strata = [{**soil, "name": "b", "permeability": 1e-8, "bottom": {"elevation": [[0.0, 5.464], [7.65, 5.464]]}}, soil]
+    data = flowing(ground, -0.18, strata, base=[[0.0, -2.44], [17.01, -5.27]])
+    flow = Section.parse(data).water_pressure.flow
+    assert flow is not None
+    assert flow.discharge == 0.0
+    z = flow.grid.points[:, 1]
+    found = np.maximum(flow.head - z, 0.0)
+    assert found == pytest.approx(np.maximum(-0.18 - z, 0.0), abs=1e-6)
