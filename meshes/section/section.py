@@ -310,7 +310,7 @@ class Section(Model):
         if strata == self.strata:
             return self
         # The model has two densities; a third one is that of a film of moist ground in a stratum below water.
-        return self._derived(
+        return self.with_strata(
             [s.model_copy(update={"density": None}) if s.density == s.density_ordinary else s for s in strata]
         )
 
