@@ -1,11 +1,15 @@
 """Blocks of columns by bands of rows: how a section is cut up for a mapped mesh, if it can be."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from meshes.section.section import Section
+
+# Where nothing is said: cells in the height of a section, and how much wider than high those of a mapped mesh are.
+ROWS, WIDER = 12, 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,17 +75,22 @@ def share_out(total: int, weights: Sequence[float] | np.ndarray) -> np.ndarray:
     return count
 
 
-def divisions(blocks: Blocks, columns: int | None, rows: int | None, size: float | None) -> tuple[int, int]:
+def divisions(blocks: Blocks, columns: int | None, rows: int | None, size: float | None, most: int) -> tuple[int, int]:
     """Columns and rows as asked for; else from ``size`` (m); else 12 rows or one for each layer, and columns that
     make the cells half as wide again as high.
-    ``blocks``: of the section; ``columns``, ``rows``: wanted numbers, or None.
+    ``blocks``: of the section; ``columns``, ``rows``: wanted numbers, or None; ``most``: cells where nothing is wanted,
+    fewer rows of longer ones where they would be more.
     """
     widths, thickness = np.diff(blocks.x), band_thickness(blocks)
     if size is not None:
         rows = rows or max(round(thickness.sum() / size), len(thickness))
         columns = columns or max(round(widths.sum() / size), len(widths))
-    rows = rows or max(12, len(thickness))
-    return columns or max(round(widths.sum() / (1.5 * thickness.sum() / rows)), len(widths)), rows
+    shape = widths.sum() / (WIDER * thickness.sum())  # columns a row
+    if rows is None and columns is None:
+        rows = max(min(ROWS, math.floor(math.sqrt(most / shape))), len(thickness))
+        columns = max(min(round(shape * rows), most // rows), len(widths))
+    rows = rows or max(ROWS, len(thickness))
+    return columns or max(round(shape * rows), len(widths)), rows
 
 
 def band_thickness(blocks: Blocks) -> np.ndarray:

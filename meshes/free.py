@@ -10,7 +10,7 @@ import gmsh
 import numpy as np
 
 from meshes.mapped import name_groups
-from meshes.seams import Seam, seam_ends, seams_of
+from meshes.seams import Seam, along_and_above, seam_ends, seams_of
 from meshes.section.layering import Layering
 from meshes.section.section import Section
 from meshes.settings import GROWTH_REACH
@@ -233,11 +233,8 @@ def _cut_ring(
     taken in between."""
     ring: list[int] = []
     for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        along = end - start
-        length = float(np.hypot(*along))
-        offset = corners - start
-        at = offset @ along / length
-        off = np.abs(offset[:, 0] * along[1] - offset[:, 1] * along[0]) / length
+        length = float(np.hypot(*(end - start)))
+        at, off = along_and_above(start, end, corners)
         on_edge = np.flatnonzero((off <= reach) & (at > tolerance) & (at < length - tolerance))
         ring.append(number[tuple(start.tolist())])
         ring += on_edge[np.argsort(at[on_edge])].tolist()

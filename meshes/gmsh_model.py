@@ -1,6 +1,7 @@
 """gmsh: mapped or free meshes of a section, all quadrilaterals, with named strata and boundaries."""
 
 import errno
+import math
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -45,6 +46,10 @@ _in_fresh_processes = Processes(
     1, _FRESH | {name: os.environ[name] for name in _KEPT if name in os.environ}, __name__, forks=True, tries=1
 )
 
+# Where nothing is said of sizes, a mesh of more than so many times the most cells, as many thin layers make it, is made
+# anew with larger ones, up to so many times.
+TOO_MANY, COARSER_TRIES = 2.0, 2
+
 # Cells far beyond the ends of a section are this many times as large as those within.
 FAR = 3.0
 
@@ -77,12 +82,17 @@ def generate(section: Section, settings: MeshSettings | None = None, path: Path 
     if problems:
         raise InputError(section.name, problems)
     if settings.method_for(section) == "free":
-        return free_mesh(section, settings, sizes_of(section, settings), path)
+        mesh = free_mesh(section, settings, sizes_of(section, settings), path)
+        by_default = settings.size is None and not settings.sizes and not settings.towards
+        for _ in range(COARSER_TRIES if by_default else 0):
+            surplus = len(mesh.cells) / (settings.max_cells * settings.refine**2)
+            if surplus <= TOO_MANY:
+                break
+            settings = settings.changed(size=settings.cell_size(section) * math.sqrt(surplus))
+            mesh = free_mesh(section, settings, sizes_of(section, settings), path)
+        return mesh
 
-    def build() -> None:
-        build_mapped(section, settings.columns, settings.rows, settings.size, settings.refine)
-
-    return _built(section, "mapped", build, path)
+    return _built(section, "mapped", partial(build_mapped, section, settings), path)
 
 
 def sizes_of(section: Section, settings: MeshSettings) -> Sizes:
@@ -237,8 +247,7 @@ def refuse_other_ground(mesh: QuadMesh, layers: Layering) -> None:
             f'gmsh gave stratum "{mesh.strata[worst]}" {areas[worst]:.6g} m² for {wanted[worst]:.6g} m²; '
             "try another size"
         )
-    outline = layers.outline()
-    length = float(np.hypot(*(np.roll(outline, -1, axis=0) - outline).T).sum())
+    length = layers.perimeter()
     ends = mesh.points[np.concatenate(list(mesh.boundaries.values()))]
     around = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
     if abs(around - length) > SAME * length:

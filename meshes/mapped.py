@@ -6,12 +6,13 @@ import numpy as np
 from meshes.blocks import Blocks, band_thickness, blocks_of, divisions, share_out
 from meshes.errors import InputError
 from meshes.section.section import Section
+from meshes.settings import MeshSettings
 
 
-def build_mapped(section: Section, columns: int | None, rows: int | None, size: float | None, refine: int) -> None:
+def build_mapped(section: Section, settings: MeshSettings) -> None:
     """Mesh the section in the current gmsh model as columns by rows, each cell divided ``refine`` x ``refine``.
 
-    What is not given of columns and rows follows from ``size`` (m) or a default. Columns go to the blocks by their
+    What is not given of columns and rows follows from the size or a default. Columns go to the blocks by their
     widths, rows to the bands by their mean thickness. Raises InputError if the section cannot be mapped or has more
     kinks than columns or more layers than rows.
     """
@@ -20,7 +21,7 @@ def build_mapped(section: Section, columns: int | None, rows: int | None, size: 
         wish = 'expected the same layers all along, or method = "free"'
         raise InputError(section.name, [f'mesh, method = "mapped": not possible, {blocks}; {wish}'])
     widths, thickness = np.diff(blocks.x), band_thickness(blocks)
-    columns, rows = divisions(blocks, columns, rows, size)
+    columns, rows = divisions(blocks, settings.columns, settings.rows, settings.size, settings.max_cells)
     problems = [
         f"mesh, {key} = {have}: expected at least {need}, one for each {what}"
         for key, have, need, what in (
@@ -31,7 +32,8 @@ def build_mapped(section: Section, columns: int | None, rows: int | None, size: 
     ]
     if problems:
         raise InputError(section.name, problems)
-    _transfinite(section, blocks, refine * share_out(columns, widths), refine * share_out(rows, thickness))
+    fine = settings.refine
+    _transfinite(section, blocks, fine * share_out(columns, widths), fine * share_out(rows, thickness))
 
 
 def _transfinite(section: Section, blocks: Blocks, columns: np.ndarray, rows: np.ndarray) -> None:

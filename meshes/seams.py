@@ -18,8 +18,9 @@ from meshes.section.layering import Layering
 
 # A layer with more rows than this, where its cells are smallest, is none: it has room for a free mesh.
 MOST_ROWS = 4
-# Columns are at most this many times as long as the layer is thick.
-MOST_ASPECT = 8.0
+# Columns are at most this many times as long as the layer is thick, but no shorter than this share of the cells there:
+# along a seam that is thinner than that ground slips as a whole, and shorter columns would only be many.
+MOST_ASPECT, SHORTEST = 8.0, 0.5
 # Corners of the two lines nearer to each other than this share of a column's length become one column's ends.
 NEAR = 0.5
 # Columns lean with an end over so many times its run: from upright to the end by equal steps.
@@ -192,7 +193,7 @@ def _seam(
         return None
     if any(len(_on(bottom.corners[end], top.corners[end], corners, tolerance)) > 2 for end in (0, -1)):
         return None  # something ends at its end
-    length = np.minimum(wanted, MOST_ASPECT * thick)
+    length = np.clip(MOST_ASPECT * thick, SHORTEST * wanted, wanted)
     on_top, on_bottom = (line.cut_at(corners, tolerance) for line in lines)
     pairs = _paired(
         top.places(on_top), bottom.places(on_bottom), lambda place: NEAR * float(np.interp(place, at, length))
@@ -236,10 +237,20 @@ def _steepness(first: np.ndarray, second: np.ndarray) -> float:
 
 def _on(start: np.ndarray, end: np.ndarray, points: np.ndarray, tolerance: float) -> np.ndarray:
     """The points out of (n, 2) on an edge, its ends included."""
-    along = (end - start) / np.hypot(*(end - start))
-    offset = points - start
-    at, off = offset @ along, np.abs(offset[:, 0] * along[1] - offset[:, 1] * along[0])
+    at, off = along_and_above(start, end, points)
     return points[(off <= tolerance) & (at >= -tolerance) & (at <= np.hypot(*(end - start)) + tolerance)]
+
+
+def along_and_above(start: np.ndarray, end: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How far (m) points (n, 2) are along the line of an edge, and how far above or below it, or beside an upright one.
+
+    Lines of a section that are nearer to each other at one x are one. Measured square to a steep face, lines below it
+    would be as near long before.
+    """
+    way, offset = end - start, points - start
+    cross = np.abs(offset[:, 0] * way[1] - offset[:, 1] * way[0])
+    length = float(np.hypot(*way))
+    return offset @ way / length, cross / (abs(float(way[0])) or length)
 
 
 def _paired(top: np.ndarray, bottom: np.ndarray, length: Callable[[float], float]) -> np.ndarray:

@@ -1,11 +1,12 @@
 """How to mesh a section: the table [mesh] of the input."""
 
+import math
 from typing import Literal
 
 import numpy as np
 from pydantic import Field
 
-from meshes.blocks import blocks_of, divisions, largest_corner
+from meshes.blocks import ROWS, WIDER, blocks_of, divisions, largest_corner
 from meshes.section.cutting import BELOW_WATER, value_of_stratum
 from meshes.section.layering import Layering
 from meshes.section.quantity import Length
@@ -45,6 +46,13 @@ class MeshSettings(Model):
         description="thickness at which a layer that thins out ends in a step, in a free mesh; by default a third of "
         "the size of its cells",
     )
+    max_cells: int = Field(
+        default=3000,
+        ge=100,
+        le=MOST_QUADRILATERALS,
+        description="about the most cells of a mesh for which neither size nor columns and rows are given, before "
+        "refine; by default 3000, or fem.max_cells where that is less",
+    )
     refine: int = Field(default=1, ge=1, le=64, description="a whole number that divides every cell size")
 
     def problems(self, section: Section) -> list[str]:
@@ -74,6 +82,12 @@ class MeshSettings(Model):
             )
         return problems
 
+    def at_most(self, cells: int) -> "MeshSettings":
+        """The settings with no more than so many ``cells`` where they do not say how many."""
+        if "max_cells" in self.model_fields_set or cells >= self.max_cells:
+            return self
+        return self.changed(max_cells=cells)
+
     def method_for(self, section: Section) -> Literal["mapped", "free"]:
         """The method as set; for "auto", mapped if columns or rows are set, or if layers and slopes allow it."""
         if self.method != "auto":
@@ -91,7 +105,7 @@ class MeshSettings(Model):
             blocks = blocks_of(section)
             if isinstance(blocks, str):
                 return 0.0
-            columns, rows = divisions(blocks, self.columns, self.rows, self.size)
+            columns, rows = divisions(blocks, self.columns, self.rows, self.size, self.max_cells)
             return float(columns) * rows * self.refine**2
         size = self.cell_size(section)
         wanted = [min(self.sizes_in(section).get(stratum.name, size), size) for stratum in section.strata]
@@ -104,11 +118,12 @@ class MeshSettings(Model):
         return count * self.refine**2
 
     def cell_size(self, section: Section) -> float:
-        """The target size (m) as set, or else a twelfth of the section's mean height."""
+        """The target size (m) as set, or else a twelfth of the section's mean height, more for ``max_cells``."""
         if self.size is not None:
             return self.size
         left, right = section.extent
-        return float(section.layering.areas().sum()) / (right - left) / 12.0
+        area = float(section.layering.areas().sum())
+        return max(area / (right - left) / ROWS, math.sqrt(area / self.max_cells))
 
     def sizes_in(self, section: Section) -> dict[str, float]:
         """`sizes` by the names of all strata with a size of their own, parts that water cut off among them."""
@@ -133,6 +148,15 @@ class MeshSettings(Model):
     def notices(self, section: Section) -> list[str]:
         """What a person has to know of the mesh before it is made, one sentence each."""
         notices = self.meshed_layers(section)[1]
+        left, right = section.extent
+        length, height = right - left, float(section.layering.areas().sum()) / (right - left)
+        fewest = length / height * ROWS**2 / (WIDER if self.method_for(section) == "mapped" else 1.0)
+        if self.size is None and self.columns is None and self.rows is None and fewest > self.max_cells:
+            notices.append(
+                f"mesh: the section is {length / height:.0f} times as long as it is high on the average, which takes "
+                f"{fewest:,.0f} cells with {ROWS} in the height; the mesh has about {self.max_cells:,} "
+                "larger ones (max_cells, or size, in [mesh])"
+            )
         blocks = blocks_of(section) if self.method_for(section) == "mapped" else ""
         if not isinstance(blocks, str) and (angle := largest_corner(blocks)) > LARGEST_CORNER:
             notices.append(

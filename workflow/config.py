@@ -201,7 +201,11 @@ class Config(Tables):
         if section is None or settings is None:
             raise InputError(source, problems)
         try:
-            used = {**dict(settings), "criteria": settings.criteria.resolved(_peak(settings))}
+            used = {
+                **dict(settings),
+                "mesh": settings.mesh.at_most(settings.fem.max_cells),
+                "criteria": settings.criteria.resolved(_peak(settings)),
+            }
             config = cls(section=section, **used)
         except ValidationError as error:
             raise InputError(source, sentences(error, data, cls)) from None

@@ -100,6 +100,15 @@ class Layering:
         everything = list(range(len(self.width)))
         return self._chain(everything, self.strata, 0)
 
+    def perimeter(self) -> float:
+        """Length (m) of the border of the ground; of a stretch where the base lies at its surface, nothing."""
+        top, base = (np.stack([self.left[:, k], self.right[:, k]], axis=1) for k in (0, -1))
+        is_ground = (top > base).any(axis=1)
+        along = sum(float(np.hypot(self.width, line[:, 1] - line[:, 0])[is_ground].sum()) for line in (top, base))
+        # At every breakpoint both sides are upright edges of the ground, but for what they have in common.
+        common = np.minimum(top[:-1, 1], top[1:, 0]) - np.maximum(base[:-1, 1], base[1:, 0])
+        return along + float((top - base).sum() - 2.0 * np.maximum(common, 0.0).sum())
+
     def _joined(self, i: int, stratum: int) -> bool:
         """Whether the stratum's parts left and right of breakpoint i share more than a point."""
         top = min(self.right[i - 1, stratum], self.left[i, stratum])

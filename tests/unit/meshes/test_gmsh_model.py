@@ -111,6 +111,47 @@ def test_ground_in_the_wrong_stratum_and_a_slit_are_refused() -> None:
         refuse_other_ground(replace(mesh, boundaries=mesh.boundaries | {"base": slit}), layers)
 
 
+def test_ground_on_both_sides_of_bare_rock_is_meshed() -> None:
+    """Its outline goes twice along the rock: this ended as a slit in the ground."""
+    ground = [[0.0, 6.0], [10.0, 6.0], [16.0, 0.0], [20.0, 0.0], [26.0, 3.0], [40.0, 3.0]]
+    section = Section.parse({"name": "t", "surface": ground, "base": {"elevation": 0.0}, "strata": [layer("a")]})
+    mesh = generate(section)
+    np.testing.assert_allclose(mesh.stratum_areas(), [78.0 + 51.0], rtol=1e-9)
+
+
+def test_layers_below_a_steep_face_are_apart_as_they_are_above_one_another() -> None:
+    """5 cm below a face of 18 m in 2 m the bottom of a layer is 6 mm from it: it was taken for the face."""
+    ground = [[0.0, 18.0], [30.0, 18.0], [32.0, 0.0], [60.0, 0.0]]
+    strata = [layer("a", bottom={"depth": 0.05}), layer("b")]
+    section = Section.parse({"name": "t", "surface": ground, "base": {"depth": 11.0}, "strata": strata})
+    mesh = generate(section, free(section))
+    np.testing.assert_allclose(mesh.stratum_areas(), [3.0, 657.0], rtol=1e-6)
+
+
+def test_long_thin_ground_has_as_many_cells_as_are_allowed() -> None:
+    """100 m of a cover 0.4 m thick had 40,000 cells, a twelfth of its height each."""
+    ground = [[0.0, 40.0], [50.0, 40.0], [60.0, 35.0], [100.0, 15.0]]
+    for bottoms in ([], [{"depth": [[20.0, 0.1], [60.0, 0.2]]}]):  # mapped, and free
+        strata = [*(layer("s", bottom=bottom) for bottom in bottoms), layer("a")]
+        section = Section.parse({"name": "t", "surface": ground, "base": {"depth": 0.4}, "strata": strata})
+        for most in (500, 3000):
+            settings = MeshSettings(max_cells=most)
+            mesh = generate(section, settings)
+            assert mesh.method == ("free" if bottoms else "mapped")
+            assert len(mesh.cells) < 2 * most
+            assert [line for line in settings.notices(section) if "250 times as long as it is high" in line]
+        assert len(generate(section, MeshSettings(size=0.1)).cells) > 3000
+
+
+def test_a_very_thin_seam_does_not_make_the_cells_beside_it_small() -> None:
+    """2 cm of clay in 12 m had 10,930 cells in a free mesh, columns eight times as long as it is thick."""
+    bottoms = [{"elevation": -2.0}, {"elevation": -2.02}]
+    strata = [*(layer(f"{k}", bottom=bottom) for k, bottom in enumerate(bottoms)), layer("a")]
+    ground = [[0.0, 12.0], [30.0, 12.0], [54.0, 0.0], [110.0, 0.0]]
+    section = Section.parse({"name": "t", "surface": ground, "base": {"elevation": -6.0}, "strata": strata})
+    assert len(generate(section, free(section)).cells) < 5000
+
+
 # --- What every mesh must be --------------------------------------------------------------------------------------
 
 

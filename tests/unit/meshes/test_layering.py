@@ -154,3 +154,16 @@ def test_a_step_within_a_centimetre_of_a_corner_of_a_steep_line() -> None:
     with pytest.raises(ValueError, match=r"the bottom of stratum 2 rises above its top by 0\.1"):
         section([[0.0, 20.0], [60.0, 20.0]], {"elevation": 0.0}, upper,
                 {"elevation": [[0.0, 11.0], [30.0, 12.02], [31.0, 8.12], [60.0, 8.12]]}, None)  # fmt: skip
+
+
+def test_the_border_of_two_bodies_with_bare_rock_between() -> None:
+    """A block of 3 m by 2 m and a triangle with legs of 3 and 4 m; where the base lies at the ground there is none."""
+    ground = [[0.0, 2.0], [3.0, 2.0], [3.0, 0.0], [6.0, 0.0], [10.0, 3.0]]
+    layers = section(ground, {"elevation": 0.0}, None).layering
+    assert layers.perimeter() == pytest.approx(10.0 + 12.0, rel=1e-14)
+
+
+def test_the_border_of_ground_that_steps() -> None:
+    """3 m by 2 m beside 2 m by 1 m: around as a rectangle that holds them."""
+    layers = section([[0.0, 2.0], [3.0, 2.0], [3.0, 1.0], [5.0, 1.0]], {"elevation": 0.0}, None).layering
+    assert layers.perimeter() == pytest.approx(14.0, rel=1e-14)

@@ -10,6 +10,7 @@ import tomli_w
 
 from meshes.errors import InputError
 from meshes.section.recorded_kh import in_name
+from meshes.settings import MeshSettings
 from tests.support import SECTIONS
 from tests.support.sections import slope
 from workflow.config import Config, merged
@@ -186,3 +187,10 @@ def test_factors_of_safety_read_whether_bounds_are_wanted(tmp_path: Path) -> Non
     invocation = Invocation.of(path, tmp_path, {}, ["bounds.run=false", "bounds.gap=0.1"])
     assert invocation.unread(["mesh", "fem"]) == ["bounds.run", "bounds.gap"]
     assert invocation.with_safety_factors().unread(["mesh", "fem"]) == ["bounds.gap"]
+
+
+def test_a_first_mesh_has_no_more_cells_than_finer_ones_may_have() -> None:
+    few = {**slope(), "fem": {"max_cells": 400}}
+    assert Config.parse(few).mesh.max_cells == 400
+    assert Config.parse({**few, "mesh": {"max_cells": 900}}).mesh.max_cells == 900
+    assert Config.parse({**few, "fem": {"max_cells": 50_000}}).mesh.max_cells == MeshSettings().max_cells
