@@ -106,7 +106,9 @@ def touched_sides(mesh: QuadMesh, state: State) -> tuple[str, ...]:
         return ()
     moved = np.hypot(*state.displacement.T)
     return tuple(
-        side for side in ("left", "right") if moved[mesh.boundaries[side]].max() > TOUCHES * max(moved.max(), 1e-300)
+        side
+        for side in ("left", "right")
+        if moved[mesh.boundaries[side]].max(initial=0.0) > TOUCHES * max(moved.max(), 1e-300)
     )
 
 

@@ -136,6 +136,18 @@ def shallow_failures(
     return faces
 
 
+def failing_at_rest(
+    section: Section, settings: FemSettings, friction: Sequence[float] | np.ndarray | None = None
+) -> list[ShallowFailure]:
+    """The cohesionless faces that fall against the seismic force and fail by their own weight, as where water leaves.
+
+    No stress balances them without a force, and they fail before the slope does in the direction of the force.
+    ``section``, ``settings``, ``friction``: as in ``shallow_failures``.
+    """
+    against = settings.changed(direction="downhill" if settings.direction == "uphill" else "uphill")
+    return [face for face in shallow_failures(section, against, friction) if face.kh < 0.0]
+
+
 def joined(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
     """Shallow failures from left to right; neighbours of one stratum that fail at one Kh are one, whether water begins
     below them or not.
@@ -280,7 +292,7 @@ def strengthened(section: Section, faces: Sequence[ShallowFailure], settings: Fe
     strata: list[Stratum] = []
     for k, stratum in enumerate(section.strata):
         for face in faces:
-            if stratum.name in (face.stratum, face.stratum + BELOW_WATER if face.into_water else ""):
+            if stratum.name in (face.stratum, face.stratum + BELOW_WATER):
                 strata += _strip(section, face, k, names.index(face.stratum), settings)
         strata.append(stratum)
     return section.with_strata(strata)

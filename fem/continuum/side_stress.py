@@ -41,7 +41,9 @@ class SideStress:
         return self.strata[np.minimum(below, len(self.strata) - 1)]
 
     def at(self, elevation: np.ndarray, stratum: np.ndarray) -> np.ndarray:
-        """The stress (Pa) at elevations (m) within strata."""
+        """The stress (Pa) at elevations (m) within strata; none where no ground reaches the side."""
+        if not len(self.strata):
+            return np.zeros(len(elevation))
         place = np.searchsorted(self.strata, stratum)
         top, bottom = self.elevation[place].T
         share = np.clip((top - elevation) / (top - bottom), 0.0, 1.0)

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.continuum.loads import Direction, lifted, push, soils
 from fem.continuum.repetition import refuse_other_sides
-from fem.continuum.shallow_failure import ShallowFailure, shallow_failures, strengthened
+from fem.continuum.shallow_failure import ShallowFailure, failing_at_rest, shallow_failures, strengthened
 from fem.continuum.strength import davis_factor, flow_of, is_dilating_fully, tensile_strengths
 from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import BoundSearch, proven_upper_bound
@@ -90,16 +90,18 @@ class DirectionGround:
         """The ground for the direction of the settings.
 
         Faces are compared with an upper bound on one coarse mesh of the section with all its faces strengthened, so
-        that they may be a few too many, and none is missing. A mechanism of the section as it is given is no
+        that they may be a few too many, and none is missing. Those that fall against the force and fail by their own
+        weight are strengthened in any case: no stress balances them. A mechanism of the section as it is given is no
         comparison: where faces of unlike water meet, it may be shallow, too. Raises what ``first_mesh`` raises.
         """
-        faces = shallow_failures(section, fem)
-        whole = strengthened(section, faces, fem)
+        faces, always = shallow_failures(section, fem), failing_at_rest(section, fem)
+        whole = strengthened(section, faces + always, fem)
         upper = _coarse_upper_bound(whole, fem) if faces else -np.inf
-        govern = tuple(face for face in faces if face.kh < upper)
-        if not govern:
+        govern = [face for face in faces if face.kh < upper]
+        if not govern and not always:
             return cls(fem, max_cells, (), np.inf, section)
-        return cls(fem, max_cells, govern, _coarse_upper_bound(section, fem), whole)
+        ground = whole if govern else strengthened(section, always, fem)
+        return cls(fem, max_cells, (*govern, *always), _coarse_upper_bound(section, fem), ground)
 
     def search(self, limits: Limits, after: BoundSearch | None = None) -> DirectionSearch:
         """The search for bounds; ``after`` another one of stronger ground for Davis's estimate, on its last mesh if
@@ -182,7 +184,8 @@ def kh_bounds(
         left = replace(limits, seconds=settings.seconds - spent)
         weaker = [ground.search(left, after=searches[direction]) for direction, ground in grounds.items()]
         substitute = search_all(weaker, left, observer)
-    govern = tuple(face for ground in grounds.values() for face in ground.shallow_failures if face.kh < bounds.upper)
+    faces = dict.fromkeys(face for ground in grounds.values() for face in ground.shallow_failures)
+    govern = tuple(face for face in faces if face.kh < bounds.upper)
     as_given = min(ground.as_given for ground in grounds.values())
     some = bool(govern or wet)
     shallow = as_given if some and as_given < min([bounds.upper, *(face.kh for face in govern)]) else None

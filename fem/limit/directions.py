@@ -89,7 +89,7 @@ def sides_left_through(mechanism: Mechanism) -> tuple[SectionSide, ...]:
     speed = np.zeros(len(mesh.points))
     speed[mesh.cells] = np.hypot(*np.moveaxis(mechanism.velocity[:, :3], -1, 0))
     sides: tuple[SectionSide, ...] = ("left", "right")
-    return tuple(side for side in sides if speed[mesh.boundaries[side]].max() > LEAVES * speed.max())
+    return tuple(side for side in sides if speed[mesh.boundaries[side]].max(initial=0.0) > LEAVES * speed.max())
 
 
 def smaller_of(directions: Iterable[DirectionBounds]) -> SmallerKhBounds:

@@ -15,7 +15,7 @@ from fem.continuum.fields import State
 from fem.continuum.loads import Direction, push
 from fem.continuum.nodal_loads import seismic_load
 from fem.continuum.plane_strain import PlaneStrain
-from fem.continuum.shallow_failure import ShallowFailure, shallow_failures
+from fem.continuum.shallow_failure import ShallowFailure, failing_at_rest, shallow_failures
 from fem.continuum.strength import Flow, flow_of, is_associated, strength_of
 from fem.errors import UnstableError
 from fem.limit_load.conic_limit_load import ConicLimitLoad, conic_limit_load
@@ -142,7 +142,8 @@ def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Groun
     kc, cells = min(ground.limit.multiplier, settings.kh_limit), len(mesh.cells)
     verdict: PathVerdict = "plateau" if kc == ground.limit.multiplier else "no failure"
     reason = f"it is the limit load of {cells} cells" if verdict == "plateau" else f"no failure up to {kc:g}"
-    rolling = [face for face in cohesionless_faces(section, settings) if ground.faces and face.kh < kc]
+    sand = [*cohesionless_faces(section, settings), *faces_failing_at_rest(section, settings)]
+    rolling = [face for face in sand if ground.faces and face.kh < kc]
     direction: Direction = "uphill" if settings.direction == "uphill" else "downhill"
     flow = flow_of(section.strata, settings.flow)
     return LimitLoadResult(kc, verdict, flow, direction, reason, ground.limit.mechanism, rolling, ground)
@@ -154,18 +155,19 @@ def pushed(
     """The ground with ``faces`` strengthened, and the limit load of the seismic force if it is unique; at rest if it is
     not. Where faces are not given, all cohesionless faces are strengthened if any of them fails before the ground below
     does, as in the bounds: where a layer thins out, its neighbour may reach the face in the mesh. Without a limit load
-    they are strengthened if they fail under their own weight. Raises InputError, UnstableError.
+    they are strengthened if they fail under their own weight, as those are that fall against the force and do so.
+    Raises InputError, UnstableError.
     ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
     if faces is not None:
         return _pushed(section, mesh, settings, comm, faces)
-    sand = cohesionless_faces(section, settings)
+    sand, always = cohesionless_faces(section, settings), faces_failing_at_rest(section, settings)
     first = min((face.kh for face in sand), default=np.inf)
     if first > 0.0 and not is_unique(section, settings):
-        return _pushed(section, mesh, settings, comm, [])
-    ground = _pushed(section, mesh, settings, comm, sand)
+        return _pushed(section, mesh, settings, comm, always)
+    ground = _pushed(section, mesh, settings, comm, sand + always)
     if ground.limit is not None and ground.limit.multiplier <= first < np.inf and first > 0.0:
-        return _pushed(section, mesh, settings, comm, [])
+        return _pushed(section, mesh, settings, comm, always)
     return ground
 
 
@@ -205,3 +207,8 @@ def _pushed(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, 
 def cohesionless_faces(section: Section, settings: FemSettings) -> list[ShallowFailure]:
     """The cohesionless faces that fall in the direction of the push, with the strength of the analysis."""
     return shallow_failures(section, settings, strength_of(section.strata, settings.flow).friction)
+
+
+def faces_failing_at_rest(section: Section, settings: FemSettings) -> list[ShallowFailure]:
+    """The cohesionless faces that fall against the push and fail by their own weight, with that strength."""
+    return failing_at_rest(section, settings, strength_of(section.strata, settings.flow).friction)

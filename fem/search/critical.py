@@ -14,7 +14,7 @@ from fem.continuum.loads import Direction, sign_of
 from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.shallow_failure import ShallowFailure
 from fem.continuum.strength import Flow, flow_of
-from fem.limit_load.limit_load import Ground, at_rest, cohesionless_faces, pushed
+from fem.limit_load.limit_load import Ground, at_rest, cohesionless_faces, faces_failing_at_rest, pushed
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import path_settings
 from fem.path.load_stepping import climb
@@ -182,9 +182,10 @@ def _towards(
         ground = at_rest(ground)
         result = _followed(ground, mesh, sign, settings, listener)
         sand = cohesionless_faces(section, settings)
-        if ground.limit is not None or ground.faces or all(face.kh >= result.kc for face in sand):
+        strengthened = any(face in ground.faces for face in sand)
+        if ground.limit is not None or strengthened or all(face.kh >= result.kc for face in sand):
             break
-        ground = pushed(section, mesh, settings, comm, sand)
+        ground = pushed(section, mesh, settings, comm, sand + faces_failing_at_rest(section, settings))
     return replace(result, shallow_failures=[face for face in ground.faces if face.kh < result.kc])
 
 

@@ -139,7 +139,7 @@ def proven(strengthened: bool) -> str:
 def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     """The strict bounds of fem/bounds.json, and the shallow failures of faces before them."""
     for face in answer.shallow_failures:
-        when = f"at Kh = {face.kh:.3f}" if face.kh > 0.0 else "by their own weight"
+        when = f"at Kh = {face.kh:.3f}" if face.kh > 0.0 else "by its own weight"
         yield (
             f"Shallow failure of the face of {shown_name(face.stratum)} from x = {face.start:g} to {face.end:g} m "
             f"{when}. The bounds below are for failures deeper than {answer.least_depth:g} m."

@@ -288,3 +288,29 @@ def test_bare_sand_from_which_water_seeps_is_strengthened_where_it_slips_first()
     assert any(face.kh < 0.0 and face.end == pytest.approx(46.0) for face in bounds.shallow_failures)
     for direction in bounds.directions:
         assert direction.lower <= direction.upper
+
+
+@pytest.mark.parametrize(("direction", "lowest", "highest"), [("downhill", 0.0745, 0.0763), ("uphill", 0.142, 0.1466)])
+def test_a_bank_out_of_which_water_flows_has_both_bounds_either_way(
+    direction: str, lowest: float, highest: float
+) -> None:
+    """Water seeps out of 0.4 m of sand beside the pond, with a skin of it dry, and washes it out at rest.
+
+    Below the skin sand without cohesion met the face, and against the force the face was left as it is: neither way had
+    a lower bound. Elements have 0.0756 and 0.1456, bounds of much work 0.0745 to 0.0761 and 0.1437 to 0.1454.
+    """
+    ground = {"surface": [[0, 8], [20, 8], [36, 0], [60, 0]], "base": {"elevation": -6.0}}
+    silt = soil("Silt", cohesion="6 kPa", friction_angle="30 deg", permeability="1e-6 m/s", bottom={"elevation": 3.0})
+    sand = soil("Sand", cohesion=0.0, friction_angle="34 deg", permeability="1e-4 m/s", bottom={"elevation": -2.0})
+    clay = soil("Clay", cohesion="40 kPa", friction_angle="0 deg", permeability="1e-8 m/s")
+    water = {"flow": True, "table": [[0, 6], [20, 5], [32, 2], [60, 2]]}
+    for one in (silt, sand, clay):
+        one |= {"density": "1.8 t/m^3", "density_saturated": "2.0 t/m^3"}
+    section = Section.parse({"name": "bank", **ground, "water": water, "strata": [silt, sand, clay]})
+    wish = BoundsSettings(gap=0.1, max_cells=2500, seconds=20.0, davis=False)
+    found = kh_bounds(section, FemSettings(direction=direction), wish)
+    assert 0.9 * lowest < found.lower < highest
+    assert lowest < found.upper < 1.15 * highest
+    washed_out = [face for face in found.shallow_failures if face.kh < 0.0]
+    assert washed_out[0].start > 31.7
+    assert washed_out[-1].end < 32.2
