@@ -248,8 +248,13 @@ def _named_curves(
     lines: dict[tuple[int, int], int],
     owners: dict[tuple[int, int], list[int]],
 ) -> tuple[dict[str, list[int]], dict[str, list[int]]]:
-    """Curves of the four boundaries, and of the bottom of every stratum by its name."""
+    """Curves of the four boundaries, and of the bottom of every stratum by its name.
+
+    Where no ground of the section reaches a side, the last face of the mesh is ground in the open, and no side.
+    """
     left, right = layers.x[0], layers.x[-1]
+    heights = section.layering.left[0], section.layering.right[-1]
+    has_side = {x: elevation[0] > elevation[-1] for x, elevation in zip((left, right), heights, strict=True)}
     boundaries: dict[str, list[int]] = {"surface": [], "base": [], "left": [], "right": []}
     bottoms: dict[str, list[int]] = {stratum.name: [] for stratum in section.strata}
     for edge, curve in lines.items():
@@ -258,8 +263,8 @@ def _named_curves(
         if len(owners[edge]) == 2:
             if x1 != x2:
                 bottoms[section.strata[min(owners[edge])].name].append(curve)
-        elif x1 == x2 and x1 in (left, right):
-            boundaries["left" if x1 == left else "right"].append(curve)
+        elif x1 == x2 and x1 in has_side:
+            boundaries[("left" if x1 == left else "right") if has_side[x1] else "surface"].append(curve)
         else:
             elevation = layers.interfaces(middle)[0]
             z = 0.5 * (z1 + z2)

@@ -151,7 +151,7 @@ class MeshSettings(Model):
         left, right = section.extent
         length, height = right - left, float(section.layering.areas().sum()) / (right - left)
         fewest = length / height * ROWS**2 / (WIDER if self.method_for(section) == "mapped" else 1.0)
-        if self.size is None and self.columns is None and self.rows is None and fewest > self.max_cells:
+        if self.size is None and self.columns is None and self.rows is None and fewest > 1.2 * self.max_cells:
             notices.append(
                 f"mesh: the section is {length / height:.0f} times as long as it is high on the average, which takes "
                 f"{fewest:,.0f} cells with {ROWS} in the height; the mesh has about {self.max_cells:,} "

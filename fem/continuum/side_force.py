@@ -33,8 +33,7 @@ def side_force(problem: PlaneStrain, mesh: QuadMesh, section: Section, weight: n
         def traction(
             points: np.ndarray, near: np.ndarray, normal: np.ndarray, pressed: SideStress = pressed
         ) -> np.ndarray:
-            # A section that thins out towards its side ends in a step of the mesh beside it.
-            stratum = pressed.stratum_at(near[:, 1]) if len(pressed.strata) else section.layering.stratum_at(*near.T)
+            stratum = pressed.stratum_at(near[:, 1])
             total = pressed.at(points[:, 1], stratum)
             if water.present:
                 total = total - water.at_rest(points, near, stratum)

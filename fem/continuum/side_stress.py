@@ -41,9 +41,7 @@ class SideStress:
         return self.strata[np.minimum(below, len(self.strata) - 1)]
 
     def at(self, elevation: np.ndarray, stratum: np.ndarray) -> np.ndarray:
-        """The stress (Pa) at elevations (m) within strata; none where no ground reaches the side."""
-        if not len(self.strata):
-            return np.zeros(len(elevation))
+        """The stress (Pa) at elevations (m) within strata."""
         place = np.searchsorted(self.strata, stratum)
         top, bottom = self.elevation[place].T
         share = np.clip((top - elevation) / (top - bottom), 0.0, 1.0)
@@ -73,7 +71,7 @@ def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndar
         # Half-way to either limit at most: loose ground at the limit at its surface would not stand any push.
         lowest, highest = (0.5 * (np.clip(plain, active, passive) + limit) for limit in (active, passive))
         sides.append(-np.clip(factor * plain, lowest, highest))
-    return SideStress(here, np.column_stack([elevation[here], elevation[here + 1]]), np.array(sides))
+    return SideStress(here, np.column_stack([elevation[here], elevation[here + 1]]), np.array(sides).reshape(-1, 2))
 
 
 def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.ndarray:

@@ -1,9 +1,11 @@
-"""Ground that thins out towards its sides: no stress at rest acts there."""
+"""Ground that ends before its sides: no stress at rest acts there, and its last face is in the open."""
 
+import pytest
 from mpi4py import MPI
 
 from fem.limit.bounds import kh_bounds
 from fem.limit_load.limit_load import critical_limit_load
+from fem.search.strength_reduction import limit_load_safety_factor
 from fem.settings import BoundsSettings, FemSettings
 from meshes.gmsh_model import generate
 from meshes.section.section import Section
@@ -23,3 +25,14 @@ def test_a_mound_on_rock_has_a_critical_kh_within_its_bounds() -> None:
         kh = critical_limit_load(section, mesh, fem, MPI.COMM_SELF).kc
         assert bounds.lower < kh < 1.03 * bounds.upper
         assert bounds.upper < 1.08 * bounds.lower
+
+
+def test_a_vertical_cut_on_bare_rock_has_the_factor_of_a_vertical_cut() -> None:
+    """γ H / c = 3.776 (upper bound 3.786 and lower 3.772, Pastor, Thore & Pastor 2009); its face was held as a side."""
+    cut = {"surface": [[0.0, 4.0], [14.0, 4.0], [14.0, 0.0], [20.0, 0.0]], "base": {"elevation": 0.0}}
+    clay = soil("Clay", cohesion="20 kPa", friction_angle="0 deg", density="18 kN/m^3")
+    section = Section.parse({"name": "cut", **cut, "strata": [clay]})
+    mesh = generate(section, MeshSettings(size=0.25))
+    assert not len(mesh.boundaries["right"])
+    found = limit_load_safety_factor(section, mesh, FemSettings(flow="associated"), 0.0, MPI.COMM_SELF)
+    assert found.factor == pytest.approx(3.776 * 20.0 / (18.0 * 4.0), rel=0.04)
