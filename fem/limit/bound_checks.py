@@ -17,6 +17,8 @@ ROUNDING = 1e-9
 # Tension beyond the cut-off, over the unit of stress, up to which it is none: 0.2 Pa in a slope of 10 m.
 # Where ground bears no tension a bare surface leaves no room to keep away from.
 NO_TENSION = 1e-6
+# Differences of velocities along a side that count as none, over the largest velocity of the cell: its last bits.
+LAST_BITS = 16.0 * np.finfo(float).eps
 
 
 @dataclass(frozen=True)
@@ -175,9 +177,11 @@ def _unit_normals(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray) ->
 def corner_rates(problem: LimitProblem, velocity: np.ndarray) -> np.ndarray:
     """Strain rates (m, 3 corners, [xx, yy, engineering xy]) of velocities (m, 6, 2), by differences along the sides.
 
-    On a side from a corner, the velocity is quadratic: its slope there is -3 v + 4 v(middle) - v(end).
+    On a side from a corner, the velocity is quadratic: its slope there is -3 v + 4 v(middle) - v(end). Where that is no
+    more than the last bits of the velocities, as at a corner between held sides, the ground does not strain.
     """
     points = problem.mesh.points[problem.mesh.cells]
+    none = LAST_BITS * np.abs(velocity).max(axis=(1, 2))[:, None, None]
     rates = np.empty((len(points), 3, 3))
     for k in range(3):
         after, before = (k + 1) % 3, (k + 2) % 3
@@ -190,6 +194,7 @@ def corner_rates(problem: LimitProblem, velocity: np.ndarray) -> np.ndarray:
             ],
             axis=1,
         )
+        slopes[np.abs(slopes) <= none] = 0.0
         gradient = np.linalg.solve(sides, slopes)  # [by x or y, of vx or vy]
         rates[:, k] = np.column_stack([gradient[:, 0, 0], gradient[:, 1, 1], gradient[:, 0, 1] + gradient[:, 1, 0]])
     return rates

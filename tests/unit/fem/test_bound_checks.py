@@ -8,7 +8,7 @@ import pytest
 from fem.errors import UnstableError
 from fem.limit import adaptive_bounds
 from fem.limit.adaptive_bounds import gap_shares, proven_lower_bound, proven_upper_bound
-from fem.limit.bound_checks import check_stress, check_velocity
+from fem.limit.bound_checks import check_stress, check_velocity, corner_rates
 from fem.limit.bounds import body_of, first_mesh, kh_bounds, strengths
 from fem.limit.bracket import Bracket
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of
@@ -105,6 +105,15 @@ def test_velocities_on_a_held_boundary_are_found(problem, high):
     check = check_velocity(problem, high.velocity + 1e-3 * np.abs(high.velocity).max() * np.array([0.0, 1.0]))
     assert check.boundary == pytest.approx(1e-3, rel=0.01)
     assert not check.holds
+
+
+def test_a_corner_between_held_sides_does_not_strain_by_the_last_bits_of_its_velocities(problem):
+    """Along both sides the velocity leaves the corner without a slope, as upper_bound has it there; rounding is none."""
+    velocity = np.random.default_rng(1).normal(size=(len(problem.mesh.cells), 6, 2))
+    velocity[:, 3] = 0.75 * velocity[:, 0] + 0.25 * velocity[:, 1]
+    velocity[:, 5] = 0.75 * velocity[:, 0] + 0.25 * velocity[:, 2]
+    assert not corner_rates(problem, velocity)[:, 0].any()
+    assert corner_rates(problem, velocity)[:, 1:].any(axis=2).all()
 
 
 def test_the_parts_of_the_gap_add_up_to_it(problem, low, high):
