@@ -76,7 +76,9 @@ def lower_bound(
     size = np.repeat(np.sqrt(problem.mesh.areas), 3)[free[::3]]
     more = np.broadcast_to(more_margin, (len(problem.mesh.cells), 3)).ravel()[free[::3]]
     kept = np.maximum(STRESS_MARGIN * size, LEAST_MARGIN) + more
-    balance, dead, live = independent_equations(balance[:, free].tocsr(), dead, live, points)
+    balance = balance[:, free].tocsr()
+    points = points_of_equations(balance, points, problem.mesh.own_node[problem.mesh.cells.ravel()[free[::3]]])
+    balance, dead, live = independent_equations(balance, dead, live, points)
     ones = np.ones(len(cohesion))
     program = cone_program.ConeProgram(
         balance.T.tocsr(),
@@ -116,15 +118,31 @@ def equations(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.
     return sparse.vstack(matrices).tocsr(), np.concatenate(dead), np.concatenate(live), point
 
 
+def points_of_equations(matrix: sparse.csr_matrix, points: np.ndarray, corner_points: np.ndarray) -> np.ndarray:
+    """The point of every equation, -1 for none, where the equilibrium of a cell with one stress holds at its corner.
+
+    The other two corners of such a cell lie at a bare surface of ground without cohesion. The equilibrium of several
+    of them around a point, as in the tip of a wedge of sand, depends on the tractions there.
+    ``matrix``: of the stresses of corners whose points are ``corner_points`` (k,); ``points``: of tractions alone.
+    """
+    rows = np.flatnonzero((points < 0) & (np.diff(matrix.indptr) > 0))
+    corners = matrix[rows].indices // 3
+    start = np.append(0, np.cumsum(np.diff(matrix.indptr)[rows]))[:-1]
+    least, most = np.minimum.reduceat(corners, start), np.maximum.reduceat(corners, start)
+    points = points.copy()
+    points[rows[least == most]] = corner_points[least[least == most]]
+    return points
+
+
 def independent_equations(
     matrix: sparse.csr_matrix, dead: np.ndarray, live: np.ndarray, points: np.ndarray
 ) -> tuple[sparse.csr_matrix, np.ndarray, np.ndarray]:
     """A, b0, b1 of linearly independent equations with the same solutions, found point by point.
 
-    Tractions at a point depend on each other where edges go on straight through it, and at corners without stress. The
+    Equations at a point depend on each other where edges go on straight through it, and at corners without stress. The
     dual velocities of dependent equations are not unique and could grow without end, and with them the solver's
     tolerance. Where edges go on almost straight, equations are all but dependent: they are made orthonormal.
-    ``matrix``: A; ``dead``, ``live``: b0 and b1; ``points``: number of the point of every equation, -1 for none.
+    ``matrix``: A; ``dead``, ``live``: b0 and b1; ``points``: of every equation, as ``points_of_equations`` has them.
     """
     at_point = np.flatnonzero(points >= 0)
     at_point = at_point[np.argsort(points[at_point], kind="stable")]

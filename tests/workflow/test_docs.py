@@ -157,7 +157,7 @@ def test_the_tutorial_shows_the_section_that_comes_with_the_program() -> None:
 
 # So that the commands of a tutorial take minutes: little of everything.
 SMALL = {
-    "mesh.size": "4 m", "fem.accuracy": "0", "fem.direction": "downhill", "bounds.max_cells": "400",
+    "mesh.size": "4 m", "fem.accuracy": "0", "fem.direction": "downhill", "bounds.max_cells": "1000",
     "variants.which": '["sides"]', "dem.elements": "250", "dem.resolution": "0.05", "dem.tolerance": "0.05",
     "dem.out_of_reach": "go on", "dem.element_tests": "false", "slide.seeds": "[]", "slide.duration": "2",
     "slide.frames": "2", "slide.mpm_cells": "200",

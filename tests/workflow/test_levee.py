@@ -22,7 +22,7 @@ UNCERTAIN = """
 """
 COARSE = {"mesh.size": "5 m", "fem.accuracy": "0", "fem.direction": "downhill"}
 SMALL = {
-    **COARSE, "mesh.size": "3 m", "bounds.max_cells": "400", "bounds.seconds": "60", "variants.which": '["sides"]',
+    **COARSE, "mesh.size": "3 m", "bounds.max_cells": "1000", "bounds.seconds": "60", "variants.which": '["sides"]',
     "dem.elements": "250", "dem.resolution": "0.05", "dem.tolerance": "0.05", "dem.out_of_reach": "go on",
     "dem.element_tests": "false", "slide.seeds": "[]", "slide.duration": "2", "slide.frames": "2",
     "slide.mpm_cells": "200",

@@ -5,10 +5,11 @@ import itertools
 import pytest
 
 from fem.limit.adaptive_bounds import BoundSearch
-from fem.limit.bounds import body_of, first_mesh
+from fem.limit.bounds import DirectionGround, body_of, first_mesh
 from fem.limit.bracket import Limits
 from fem.settings import FemSettings
 from meshes.section.section import Section
+from tests.support.random_sections import random_section
 from tests.support.sections import layer
 
 DENSITIES = ("density_ordinary", "density_seismic")
@@ -48,3 +49,12 @@ def test_no_finer_mesh_loses_the_lower_bound(section):
     assert len(found) >= 2
     assert all(one.failed == () for one in search.bracket.meshes)
     assert all(after >= before - 1e-4 for before, after in itertools.pairwise(found))
+
+
+def test_the_tip_of_a_wedge_of_bare_sand_leaves_a_lower_bound():
+    """Section 18 of the random ones, where equilibrium in the tip depends on its tractions: there was none uphill."""
+    ground = DirectionGround.of(random_section(18), FemSettings(sides="fixed", direction="uphill"), 20_000)
+    search = ground.search(Limits(0.5, 20_000))
+    search.advance()
+    assert search.bracket.meshes[0].failed == ()
+    assert 0.4 < search.bracket.lower < 0.49  # the upper bound on a finer mesh is 0.4898
