@@ -24,6 +24,10 @@ which keeps the volume strain of the span, and its elastic energy can only fall:
 the mean dilatation of those authors on the side of the stress, so that no strain is invented and none is lost. A step
 is about the time in which a wave crosses 0.7 of a cell, so ρ = 0.1 is a relaxation time of seven cells.
 
+Rows of nodes may dip, so that layers lie along the cells: node (i, j) is at (i h, j h + s i h), s the slope of a row.
+Splines, d and C are those of (x, z - s x), where cells are squares; with J = [[1, 0], [-s, 1]] the gradient of the
+velocity is C J, and σ Jᵀ stands for σ above.
+
 Stress is positive in tension, Pa, [xx, zz, xz]; lengths m, masses kg/m, z upwards. Points are sorted by stripes of
 columns; stripes of even number never write to the same node, nor do those of odd number, so that every sum has one
 order for any number of threads.
@@ -74,15 +78,15 @@ def _flows(state: Floats, properties: Floats, p: int) -> bool:
 @njit(cache=True, nogil=True, error_model="numpy")
 def scatter(
     stripes: Integers, offsets: Integers, x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats,
-    heavy: Floats, side: Floats, properties: Floats, cell: float, periodic: bool, push: float, gravity_x: float,
-    gravity_z: float, grid: Floats,
+    heavy: Floats, side: Floats, properties: Floats, cell: float, slope: float, periodic: bool, push: float,
+    gravity_x: float, gravity_z: float, grid: Floats,
 ) -> None:  # fmt: skip
     """Add mass, momentum, force and volume of the points of some stripes to the ``grid`` (nx, nz, NODE).
 
     ``stripes``: their numbers; ``offsets``: first point of every stripe; ``x``, ``v`` (n, 2): places (m) and velocities
-    (m/s); ``affine`` (n, 4): velocity gradient, row by row (1/s); ``stress`` (n, 3): Pa; ``state`` (n, STATE);
+    (m/s); ``affine`` (n, 4): C of the velocities, row by row (1/s); ``stress`` (n, 3): Pa; ``state`` (n, STATE);
     ``properties`` (n, PROPERTIES); ``heavy`` (n,): weight over seismic mass; ``cell``: size of a cell (m);
-    ``periodic``: whether the sides move alike;
+    ``slope``: dz/dx of the rows of nodes; ``periodic``: whether the sides move alike;
     ``push`` (m/s²): horizontal acceleration of the whole mass by shaking; ``gravity_x``, ``gravity_z`` (m/s²) act on
     ``heavy`` times the mass; ``side`` (N/m): horizontal force on points beside a free-field side, a quarter of a cell
     from them, where nodes are held vertically; 0 elsewhere.
@@ -91,8 +95,9 @@ def scatter(
     stiff = 4.0 * inverse * inverse
     for stripe in stripes:
         for p in range(offsets[stripe], offsets[stripe + 1]):
-            i, j = math.floor(x[p, 0] * inverse - 0.5), math.floor(x[p, 1] * inverse - 0.5)
-            fx, fz = x[p, 0] * inverse - i, x[p, 1] * inverse - j
+            across, up = inverse * x[p, 0], inverse * (x[p, 1] - slope * x[p, 0])
+            i, j = math.floor(across - 0.5), math.floor(up - 0.5)
+            fx, fz = across - i, up - j
             w0, w1, w2 = _weights(fx)
             q0, q1, q2 = _weights(fz)
             mass, volume = state[p, MASS], state[p, VOLUME]
@@ -102,6 +107,7 @@ def scatter(
             sxx, szz, sxz = k * stress[p, 0], k * stress[p, 1], k * stress[p, 2]
             bx, bz = mass * (push + heavy[p] * gravity_x) + side[p], mass * heavy[p] * gravity_z
             sxx += 0.25 * cell * stiff * abs(side[p])  # its moment about the point
+            txz, tzz = sxz - slope * sxx, szz - slope * sxz
             if _flows(state, properties, p):
                 span, compliance = grid[i % columns if periodic else i, j], volume / properties[p, BULK]
                 span[SPAN_STRAIN] += 0.5 * compliance * (stress[p, 0] + stress[p, 1])
@@ -118,8 +124,8 @@ def scatter(
                     grid[column, j + b, 0] += w * mass
                     grid[column, j + b, 1] += w * (px + cxx * dx + cxz * dz)
                     grid[column, j + b, 2] += w * (pz + czx * dx + czz * dz)
-                    grid[column, j + b, 3] += w * (bx - sxx * dx - sxz * dz)
-                    grid[column, j + b, 4] += w * (bz - sxz * dx - szz * dz)
+                    grid[column, j + b, 3] += w * (bx - sxx * dx - txz * dz)
+                    grid[column, j + b, 4] += w * (bz - sxz * dx - tzz * dz)
                     grid[column, j + b, 5] += w * volume
                     grid[column, j + b, 6] += abs(side[p])
 
@@ -243,15 +249,15 @@ def _update_stress(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def gather(
-    stripes: Integers, offsets: Integers, grid: Floats, velocity: Floats, cell: float, periodic: bool, dt: float,
-    push: float, gravity_x: float, gravity_z: float, x: Floats, v: Floats, affine: Floats, stress: Floats,
+    stripes: Integers, offsets: Integers, grid: Floats, velocity: Floats, cell: float, slope: float, periodic: bool,
+    dt: float, push: float, gravity_x: float, gravity_z: float, x: Floats, v: Floats, affine: Floats, stress: Floats,
     state: Floats, side: Floats, properties: Floats, sums: Floats,
 ) -> None:  # fmt: skip
     """Move the points of some stripes with the grid, and update their stress.
 
     ``velocity`` (nx, nz, 4): of the nodes, see `move_grid`; ``properties`` (n, PROPERTIES); ``dt``: time step (s);
     ``sums`` (stripes, 2) take energies (J/m). ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``,
-    ``state``, ``side``, ``cell``, ``periodic``, ``push``, ``gravity_x``, ``gravity_z``: as in `scatter`.
+    ``state``, ``side``, ``cell``, ``slope``, ``periodic``, ``push``, ``gravity_x``, ``gravity_z``: as in `scatter`.
     """
     inverse, columns, rows = 1.0 / cell, velocity.shape[0], velocity.shape[1]
     stiff = 4.0 * inverse * inverse
@@ -259,8 +265,9 @@ def gather(
     for stripe in stripes:
         external = dissipated = 0.0
         for p in range(offsets[stripe], offsets[stripe + 1]):
-            i, j = math.floor(x[p, 0] * inverse - 0.5), math.floor(x[p, 1] * inverse - 0.5)
-            fx, fz = x[p, 0] * inverse - i, x[p, 1] * inverse - j
+            across, up = inverse * x[p, 0], inverse * (x[p, 1] - slope * x[p, 0])
+            i, j = math.floor(across - 0.5), math.floor(up - 0.5)
+            fx, fz = across - i, up - j
             w0, w1, w2 = _weights(fx)
             q0, q1, q2 = _weights(fz)
             old_x = old_z = new_x = new_z = cxx = cxz = czx = czz = 0.0
@@ -284,6 +291,7 @@ def gather(
                     czz += w * vz * dz
             cxx, cxz, czx, czz = stiff * cxx, stiff * cxz, stiff * czx, stiff * czz
             affine[p, 0], affine[p, 1], affine[p, 2], affine[p, 3] = cxx, cxz, czx, czz
+            cxx, czx = cxx - slope * cxz, czx - slope * czz
             keep, heavy, mass = properties[p, KEEP], properties[p, HEAVY], state[p, MASS]
             middle_x, middle_z = 0.5 * (old_x + new_x), 0.5 * (old_z + new_z)
             external += mass * dt * ((push + heavy * gravity_x) * middle_x + heavy * gravity_z * middle_z)
@@ -294,8 +302,9 @@ def gather(
             x[p, 1] += dt * new_z
             if not periodic and not low < x[p, 0] < high_x:
                 x[p, 0], v[p, 0] = min(max(x[p, 0], low), high_x), 0.0
-            if not low < x[p, 1] < high_z:
-                x[p, 1], v[p, 1] = min(max(x[p, 1], low), high_z), 0.0
+            height = x[p, 1] - slope * x[p, 0]
+            if not low < height < high_z:
+                x[p, 1], v[p, 1] = min(max(height, low), high_z) + slope * x[p, 0], 0.0
             relaxed = 0.0
             if _flows(state, properties, p):
                 span = grid[i % columns if periodic else i, j]
@@ -311,17 +320,17 @@ def gather(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def advance(
-    steps: int, stripes: Integers, offsets: Integers, cell: float, periodic: bool, dt: float, pushes: Floats,
-    gravity_x: float, gravity_z: float, damping: float, uplift: Floats, held: NDArray[np.int8], x: Floats, v: Floats,
-    affine: Floats, stress: Floats, state: Floats, side: Floats, properties: Floats, grid: Floats, velocity: Floats,
-    gained: Floats, sums: Floats,
+    steps: int, stripes: Integers, offsets: Integers, cell: float, slope: float, periodic: bool, dt: float,
+    pushes: Floats, gravity_x: float, gravity_z: float, damping: float, uplift: Floats, held: NDArray[np.int8],
+    x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats, side: Floats, properties: Floats,
+    grid: Floats, velocity: Floats, gained: Floats, sums: Floats,
 ) -> None:  # fmt: skip
     """Take some steps on one thread.
 
     ``pushes`` (steps,): accelerations by shaking (m/s²); ``steps``: how many. ``uplift``, ``held``, ``damping``,
     ``velocity``, ``gained``: as in `move_grid`; ``properties``, ``sums``: as in `gather`; ``stripes``, ``offsets``,
-    ``x``, ``v``, ``affine``, ``stress``, ``state``, ``side``, ``cell``, ``periodic``, ``dt``, ``gravity_x``,
-    ``gravity_z``, ``grid``: as in `scatter`.
+    ``x``, ``v``, ``affine``, ``stress``, ``state``, ``side``, ``cell``, ``slope``, ``periodic``, ``dt``,
+    ``gravity_x``, ``gravity_z``, ``grid``: as in `scatter`.
     """
     heavy = properties[:, HEAVY].copy()
     for step in range(steps):
@@ -329,11 +338,11 @@ def advance(
         push = pushes[step]
         for parity in range(2):
             scatter(
-                stripes[parity::2], offsets, x, v, affine, stress, state, heavy, side, properties, cell, periodic,
-                push, gravity_x, gravity_z, grid,
+                stripes[parity::2], offsets, x, v, affine, stress, state, heavy, side, properties, cell, slope,
+                periodic, push, gravity_x, gravity_z, grid,
             )  # fmt: skip
         move_grid(0, grid.shape[0], grid, uplift, held, dt, damping, velocity, gained)
         gather(
-            stripes, offsets, grid, velocity, cell, periodic, dt, push, gravity_x, gravity_z, x, v, affine, stress,
-            state, side, properties, sums,
+            stripes, offsets, grid, velocity, cell, slope, periodic, dt, push, gravity_x, gravity_z, x, v, affine,
+            stress, state, side, properties, sums,
         )  # fmt: skip

@@ -124,7 +124,7 @@ class MaterialPointEngine:
             fastest = float(np.sqrt((self.points.v**2).sum(axis=1).max(initial=0.0)))
             if not np.isfinite(fastest):
                 raise FloatingPointError(f"the material points have no finite velocity at {self.time:.2f} s")
-            speed = self.points.wave_speed + fastest
+            speed = self.grid.stretch * (self.points.wave_speed + fastest)
             steps = max(1, int(np.ceil(batch * speed / (COURANT * self.grid.cell))))
             dt = batch / steps
             middles = self.time + dt * (np.arange(steps) + 0.5)
@@ -174,9 +174,9 @@ class MaterialPointEngine:
         moving = points.x, points.v, points.affine, points.stress, points.state
         if self.threads == 1:
             kernel.advance(
-                len(pushes), self._stripes, self._offsets, grid.cell, grid.periodic, dt, pushes, *self.gravity,
-                damping, grid.uplift, grid.held, *moving, points.side, points.properties, self._nodes, self._velocity,
-                self._gained, self._sums,
+                len(pushes), self._stripes, self._offsets, grid.cell, grid.slope, grid.periodic, dt, pushes,
+                *self.gravity, damping, grid.uplift, grid.held, *moving, points.side, points.properties, self._nodes,
+                self._velocity, self._gained, self._sums,
             )  # fmt: skip
             return
         heavy = points.properties[:, kernel.HEAVY].copy()
@@ -186,21 +186,21 @@ class MaterialPointEngine:
                 self._nodes[:] = 0.0
                 for shares in self._even, self._odd:
                     list(pool.map(lambda mine, push=push: kernel.scatter(
-                        mine, self._offsets, *moving, heavy, points.side, points.properties, grid.cell,
+                        mine, self._offsets, *moving, heavy, points.side, points.properties, grid.cell, grid.slope,
                         grid.periodic, push, *self.gravity, self._nodes,
                     ), shares))  # fmt: skip
                 list(pool.map(lambda first, last: kernel.move_grid(
                     first, last, self._nodes, grid.uplift, grid.held, dt, damping, self._velocity, self._gained
                 ), edges[:-1], edges[1:]))  # fmt: skip
                 list(pool.map(lambda mine, push=push: kernel.gather(
-                    mine, self._offsets, self._nodes, self._velocity, grid.cell, grid.periodic, dt, push,
+                    mine, self._offsets, self._nodes, self._velocity, grid.cell, grid.slope, grid.periodic, dt, push,
                     *self.gravity, *moving, points.side, points.properties, self._sums,
                 ), self._all))  # fmt: skip
 
     def _sort(self) -> None:
         """Put the points in the order of stripes, columns and rows, and the stripes to the threads."""
         points, columns = self.points, self.grid.shape[0]
-        i, j = (np.floor(points.x / self.grid.cell - 0.5)).astype(np.int64).T
+        i, j = (np.floor(self.grid.level(points.x) / self.grid.cell - 0.5)).astype(np.int64).T
         i = i % columns if self.grid.periodic else i
         width = -(-columns // len(self._stripes))
         stripe = np.minimum(i // width, len(self._stripes) - 1)

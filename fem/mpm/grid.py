@@ -1,4 +1,4 @@
-"""The background grid on which the points move for a step: square cells, and what is held."""
+"""The background grid on which the points move for a step: its cells, and what is held."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from fem.kernels import material_points as kernel
 
 @dataclass(frozen=True, eq=False)
 class BackgroundGrid:
-    """A grid of square cells from x = 0, z = 0 on.
+    """A grid of cells from x = 0, z = 0 on, squares but for rows of nodes that dip.
 
     Attributes
     ----------
@@ -21,12 +21,15 @@ class BackgroundGrid:
         Minus the gradient of the pore pressure (N/m³).
     periodic : bool
         Whether the right side continues at the left one.
+    slope : float
+        dz/dx of its rows of nodes, which lie along layers that dip.
     """
 
     cell: float
     held: np.ndarray
     uplift: np.ndarray
     periodic: bool = False
+    slope: float = 0.0
 
     @classmethod
     def empty(cls, cell: float, columns: int, rows: int, periodic: bool = False, floor: int = 3) -> "BackgroundGrid":
@@ -44,3 +47,13 @@ class BackgroundGrid:
     def shape(self) -> tuple[int, int]:
         """Columns and rows of nodes."""
         return int(self.held.shape[0]), int(self.held.shape[1])
+
+    @property
+    def stretch(self) -> float:
+        """How much shorter cells are than their side where they are shortest: the norm of [[1, 0], [-slope, 1]] (-)."""
+        half = 0.5 * abs(self.slope)
+        return float(half + np.sqrt(1.0 + half**2))
+
+    def level(self, x: np.ndarray) -> np.ndarray:
+        """Places (n, 2) in m, with heights above the row of nodes through the origin: there, cells are squares."""
+        return np.column_stack([x[:, 0], x[:, 1] - self.slope * x[:, 0]])

@@ -205,7 +205,8 @@ class PointSlider:
     def _weaken_edges(self, before: np.ndarray, after: np.ndarray, liquefies: np.ndarray) -> None:
         """Give the knot spans at the edges of liquefying layers the strength with which they slip there."""
         original, points, stress = self.engine.original, self.ground.points, self.ground.effective
-        x, volume, mass = original(points.x), original(points.state[:, kernel.VOLUME]), original(points.mass)
+        x, mass = self.ground.grid.level(original(points.x)), original(points.mass)
+        volume = original(points.state[:, kernel.VOLUME])
         height = volume / (0.5 * self.ground.grid.cell)
         strength = after[:, STRENGTH] + stress * after[:, SINE]
         edge = edge_strength(x, height, mass, liquefies, strength, self.ground.grid.cell)

@@ -14,11 +14,14 @@ from fem.mpm import (
     SlideProgramme,
     ground_of,
 )
+from fem.mpm.slide import DECAYS
 from fem.mpm.weak_edges import edge_strength
 from fem.settings import Sides
+from meshes.section.liquefies import Remains
 from meshes.section.polyline import downhill
 from meshes.section.quantity import GRAVITY
 from tests.support import SECTIONS
+from tests.support.sections import layer
 from workflow.config import Config
 
 UNIT_WEIGHT = 18e3  # N/m³
@@ -101,6 +104,45 @@ class EndlessSlope:
         engine.run(end, push)
         points = engine.points
         return float(points.displacement[points.stratum == 1, 0].mean())
+
+    def slid(self, kh: float, end: float, place: float, cells: int = 16) -> float:
+        """Displacement (m) along the same slope as a section that dips, its base ``place`` above a row of nodes.
+
+        A row of such sections is the slope; Kh, weak layer and duration as in `moved`, cells of 1 m, ``cells`` of them
+        along the section.
+        """
+        upright, firm = 1.0 / np.cos(self.angle), 3.0
+        deep = (self.crust + self.layer) * upright
+        density = UNIT_WEIGHT / GRAVITY
+        soil = {
+            "density_ordinary": density,
+            "density_seismic": density,
+            "friction_angle": "0 deg",
+            "poissons_ratio": 0.3,
+        }
+        stiff = 2.6 * density * 200.0**2
+        crust = layer("crust", **soil | {"cohesion": 5e3, "friction_angle": "33 deg", "youngs_modulus": stiff})
+        weak = {"cohesion": 2e5, "poissons_ratio": 0.45, "youngs_modulus": 2.9 * density * 100.0**2}
+        top = firm + deep + place
+        data = {
+            "name": "endless",
+            "surface": [[0.0, top], [float(cells), top - cells * float(np.tan(self.angle))]],
+            "base": {"depth": deep + firm},
+            "strata": [
+                crust | {"bottom": {"depth": self.crust * upright}},
+                layer("weak", **soil | weak, bottom={"depth": deep}, liquefies_in=[1]),
+                layer("firm", **soil | {"cohesion": 2e6, "youngs_modulus": stiff}),
+            ],
+        }
+        slider = PointSlider(ground_of(Config.parse(data).section, round(cells * (deep + firm)), "periodic"), 1)
+        slider.settle()
+
+        def push(time: np.ndarray) -> np.ndarray:
+            return kh * GRAVITY * np.minimum(1.0, time / self.rise) * (time < self.hold)
+
+        remains = Remains(0.0, 0.0, *((self.strength, 0.0) if self.as_ratio else (0.0, self.strength)))
+        slide = slider.run(SlideProgramme(push, {1: 0.0}, {1: remains}, 0.05, end, end, still=1e-9), decay=DECAYS[1])
+        return float(np.mean(slide.slide[-1])) * upright
 
 
 def column(
