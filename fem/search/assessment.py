@@ -311,17 +311,23 @@ class _Search:
         if self.section.uplift is not None:
             return error if self.section.uplift.words in error.reason else lifted(self.section.uplift, error.reason)
         factor = known or self.safety(settings, 0.0).result
-        message = f"{error.reason}; its factor of safety is {factor.factor:.2f}"
+        message, remedy = f"{error.reason}; its factor of safety is {factor.factor:.2f}", error.remedy
+        if factor.factor > 1.0 and settings.sides == "free-field":  # the factor is that between held sides
+            message = (
+                f"{error.reason} with the K0 stress on its free-field sides, and stands with its sides held: its factor "
+                f"of safety is {factor.factor:.2f} then"
+            )
+            remedy = 'make the section longer, or take fem.sides = "smooth"'
         if is_dilating_fully(self.section.strata):
-            return UnstableError(message, error.remedy)
+            return UnstableError(message, remedy)
         if not self.is_substituted(settings):
             low = "" if factor.beside is None else f", and {factor.beside:.2f} {self.by('davis')}"
-            return UnstableError(f"{message} {self.by('associated')}{low}", error.remedy)
+            return UnstableError(f"{message} {self.by('associated')}{low}", remedy)
         full = factor.beside
         if full is None:
             full = self.safety(settings.changed(flow="associated"), 0.0).result.factor
         rule = f" {self.by('davis')}" if settings.flow == "davis" else ""
-        remedy = 'with fem.flow = "associated" it stands, and has a critical Kh' if full > 1.0 else error.remedy
+        remedy = 'with fem.flow = "associated" it stands, and has a critical Kh' if full > 1.0 else remedy
         return UnstableError(f"{message}{rule}, and {full:.2f} {self.by('associated')}", remedy)
 
     def or_warning(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor] | ResultWarning:

@@ -1,6 +1,7 @@
-"""Lines whose points step back a little, or stand three and more on a wall, as scanners and drawings have them."""
+"""Lines drawn from right to left, and lines whose points step back a little, or stand three and more on a wall, as
+scanners and drawings have them."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,8 @@ from meshes.section.polyline import Line, pairs_of
 def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """What a file holds with the points of its lines from left to right, at most two of them at one x.
 
-    A point may be moved by no more than cells can see; a line with one that is farther off stays as it is, and is
-    refused by who reads it.
+    Lines drawn from right to left are turned round. Else a point may be moved by no more than cells can see; a line
+    with one that is farther off stays as it is, and is refused by who reads it.
 
     Parameters
     ----------
@@ -25,37 +26,58 @@ def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     data : dict
         The same with other points.
     notices : list of str
-        One sentence for each line whose points were moved.
+        One sentence for each line whose points were moved, and one for all that were turned round.
     """
     data = dict(data)
+    notices = _turned_round(data)
     try:
         surface = tuple(pairs_of(data["surface"]))
         if surface[0][0] == surface[-1][0]:
-            return data, []
+            return data, notices
         reach = NEAR * CELL * mean_height(surface, Line.model_validate(data["base"]))
     except (KeyError, TypeError, ValueError, IndexError):
-        return data, []
-    notices = []
-    for place in _written_lines(data):
-        inside: Any = data
-        for step in place[:-1]:
-            inside[step] = list(inside[step]) if isinstance(inside[step], list | tuple) else dict(inside[step])
-            inside = inside[step]
-        try:
-            points = np.array(pairs_of(inside[place[-1]]), dtype=float)
-        except (TypeError, ValueError):
-            continue
+        return data, notices
+    for place, table, points in _lines(data):
         if (ordered := _ordered(points, reach)) is None:
             continue
-        inside[place[-1]] = ordered[0].tolist()
+        table[place[-1]] = ordered[0].tolist()
         if ordered[1] > 0.0:
-            key = ", ".join(str(step + 1) if isinstance(step, int) else step for step in place)
             back = int(np.count_nonzero(np.diff(points[:, 0]) < 0.0))
             notices.append(
-                f"geometry: {key}: {back} points stood left of the point before them; points were put in order, none "
-                f"moved by more than {ordered[1]:.2g} m"
+                f"geometry: {_key(place)}: {back} points stood left of the point before them; points were put in order, "
+                f"none moved by more than {ordered[1]:.2g} m"
             )
     return data, notices
+
+
+def _turned_round(data: dict[str, Any]) -> list[str]:
+    """Turn round the lines that go from right to left; returns the sentence that tells it, if there is one to tell."""
+    turned = []
+    for place, table, points in _lines(data):
+        steps = np.diff(points[:, 0])
+        if len(points) and points[0, 0] > points[-1, 0] and np.sum(steps < 0.0) > np.sum(steps > 0.0):
+            table[place[-1]] = list(table[place[-1]])[::-1]
+            turned.append(_key(place))
+    return [f"geometry: from right to left in the file, and turned round: {'; '.join(turned)}"] if turned else []
+
+
+def _lines(data: dict[str, Any]) -> Iterator[tuple[Place, Any, np.ndarray]]:
+    """Every list of points: its place, the table that holds it, of which ``data`` has its own copy, and its points."""
+    for place in _written_lines(data):
+        table: Any = data
+        for step in place[:-1]:
+            table[step] = list(table[step]) if isinstance(table[step], list | tuple) else dict(table[step])
+            table = table[step]
+        try:
+            points = np.array(pairs_of(table[place[-1]]), dtype=float)
+        except (TypeError, ValueError):
+            continue
+        yield place, table, points
+
+
+def _key(place: Place) -> str:
+    """A place in words, strata counted from 1."""
+    return ", ".join(str(step + 1) if isinstance(step, int) else step for step in place)
 
 
 def _ordered(points: np.ndarray, reach: float) -> tuple[np.ndarray, float] | None:

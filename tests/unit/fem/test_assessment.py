@@ -89,3 +89,13 @@ def test_ground_that_stands_only_as_it_dilates_has_a_critical_kh_and_an_estimate
     assert found.critical.kc > 0.0
     assert found.davis.result.kc == 0.0
     assert "own weight" in found.davis.result.reason
+
+
+def test_ground_that_only_its_free_field_sides_push_over_is_told_so():
+    """A short cut with K0 = 0.96 on 6 m of clay: it failed "under its own weight; its factor of safety is 1.18"."""
+    surface = [[0.0, 1.0], [1.0, 1.0], [6.0, 6.0], [8.0, 6.0]]
+    clay = layer("clay") | {"cohesion": "22 kPa", "friction_angle": "0 deg", "poissons_ratio": 0.49}
+    cut = Section.parse({"name": "cut", "surface": surface, "base": {"elevation": 0.0}, "strata": [clay]})
+    with pytest.raises(UnstableError, match=r"stands with its sides held: its factor of safety is 1\.\d\d then"):
+        assessed(cut)
+    assert assessed(cut, sides="smooth").critical.kc > 0.0

@@ -11,6 +11,7 @@ from meshes.errors import InputError
 from meshes.gmsh_model import generate
 from meshes.section.dense_lines import thinned_lines
 from meshes.section.section import Section
+from tests.support.sections import layer
 from workflow.config import Config
 
 SOIL = {"density": "18 kN/m^3", "density_saturated": "20 kN/m^3", "youngs_modulus": "20 MPa", "poissons_ratio": 0.3,
@@ -135,3 +136,28 @@ def test_lines_move_no_more_than_is_told_and_do_not_cross(
     assert len(found[("surface",)]) < count
     smooth = max(4.5 * noise + 0.5 * (0.125 * cell / 4.0) ** 2 * 3.0, 0.02)  # what the running median takes off
     assert np.abs(top - np.interp(at, x, ground)).max() <= tolerance + smooth + 0.05
+
+
+def test_a_section_drawn_from_right_to_left_is_turned_round_and_told() -> None:
+    """As sections of right banks are drawn; every point of every line was refused on its own."""
+    lines = {
+        "surface": [[0.0, 8.0], [25.0, 8.0], [40.0, 0.0], [60.0, 0.0]],
+        "base": [[0.0, -4.0], [60.0, -5.0]],
+        "bottom": [[0.0, 2.0], [60.0, -1.0]],
+        "table": [[0.0, 5.0], [40.0, 0.0], [60.0, 0.0]],
+    }
+    there, back = (
+        {
+            "name": "bank",
+            "surface": lines["surface"][::way],
+            "base": {"elevation": lines["base"][::way]},
+            "water": {"table": lines["table"][::way]},
+            "strata": [layer("a", bottom={"elevation": lines["bottom"][::way]}), layer("b")],
+        }
+        for way in (1, -1)
+    )
+    one, other = Section.parse(there), Section.parse(back)
+    assert (one.surface, one.base, one.water, one.strata) == (other.surface, other.base, other.water, other.strata)
+    (told,) = [text for text in other.notices if "turned round" in text]
+    assert "surface; base, elevation; strata, 1, bottom, elevation; water, table" in told
+    assert not [text for text in one.notices if "turned round" in text]
