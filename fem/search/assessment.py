@@ -314,8 +314,8 @@ class _Search:
         message, remedy = f"{error.reason}; its factor of safety is {factor.factor:.2f}", error.remedy
         if factor.factor > 1.0 and settings.sides == "free-field":  # the factor is that between held sides
             message = (
-                f"{error.reason} with the K0 stress on its free-field sides, and stands with its sides held: its factor "
-                f"of safety is {factor.factor:.2f} then"
+                f"{error.reason} with the K0 stress on its free-field sides, and stands with its sides held: its "
+                f"factor of safety is {factor.factor:.2f} then"
             )
             remedy = 'make the section longer, or take fem.sides = "smooth"'
         if is_dilating_fully(self.section.strata):

@@ -108,7 +108,7 @@ def test_velocities_on_a_held_boundary_are_found(problem, high):
 
 
 def test_a_corner_between_held_sides_does_not_strain_by_the_last_bits_of_its_velocities(problem):
-    """Along both sides the velocity leaves the corner without a slope, as upper_bound has it there; rounding is none."""
+    """Along both sides the velocity leaves the corner without a slope, as upper_bound has it; rounding is none."""
     velocity = np.random.default_rng(1).normal(size=(len(problem.mesh.cells), 6, 2))
     velocity[:, 3] = 0.75 * velocity[:, 0] + 0.25 * velocity[:, 1]
     velocity[:, 5] = 0.75 * velocity[:, 0] + 0.25 * velocity[:, 2]
