@@ -93,7 +93,7 @@ def test_points_of_an_endless_slope_move_by_the_integral_of_its_strain() -> None
     slope = EndlessSlope(STRENGTH, as_ratio=False, angle=np.radians(0.25))
     depth = slope.crust + slope.layer * (np.arange(60) + 0.5) / 60.0
     wanted = slope.layer * strain(SOIL * depth * np.sin(slope.angle), SOIL * depth).mean()
-    coarse, fine = crust_of_points(slope, 1.5), crust_of_points(slope, 0.75)
+    coarse, fine = crust_of_points(slope, 2.0), crust_of_points(slope, 1.0)
     assert coarse < fine < wanted
     assert 2.0 * fine - coarse == pytest.approx(wanted, rel=0.05)
 

@@ -21,8 +21,8 @@ from tests.support.sentences import disagreements
 COARSE = {"fem.element": "bilinear", "fem.accuracy": 0.0, "fem.kh": [0.1], "variants.which": []}
 FEW_DISCS = {
     "mesh.size": 3, "dem.elements": 60, "dem.parameter": "none", "dem.kh": [0.1], "dem.resolution": 0.1,
-    "dem.unbalanced": 1e-2, "dem.element_tests": False, "slide.duration": 2.0, "slide.seeds": [], "slide.frames": 5,
-    "bounds.max_cells": 300, "fem.direction": "downhill",
+    "dem.unbalanced": 1e-2, "dem.element_tests": False, "slide.kh": 0.1, "slide.duration": 2.0,
+    "slide.seeds": [], "slide.frames": 5, "bounds.max_cells": 300, "fem.direction": "downhill",
 }  # fmt: skip
 CONTINUUM = ("--only", "mesh", "--only", "fem", "--only", "report")
 WITH_DISCS = (*CONTINUUM, "--only", "bounds", "--only", "calibrate", "--only", "slide")

@@ -28,10 +28,10 @@ SECTION: dict[str, Any] = {
     "mesh": {"size": "2 m"},
     "fem": {"element": "bilinear", "kh": [], "accuracy": 0.0, "direction": "downhill"},
     "dem": {
-        "elements": 200, "kh": [0.1], "resolution": 0.04, "tolerance": 0.05, "out_of_reach": "go on",
+        "elements": 150, "kh": [0.1], "resolution": 0.04, "tolerance": 0.05, "out_of_reach": "go on",
         "element_tests": False,
     },
-    "slide": {"methods": ["discs"], "seeds": [1], "duration": 6.0, "frames": 3, "kh_seconds": 2.0,
+    "slide": {"methods": ["discs"], "seeds": [1], "duration": 4.0, "frames": 3, "kh_seconds": 1.0,
               "cases": [{"stiffness": 0.1, "residual": 0.1}, {"volumetric_strain": 0.03}]},
 }  # fmt: skip
 

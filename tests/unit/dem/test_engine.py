@@ -57,7 +57,7 @@ def lists(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> No
 @pytest.mark.parametrize("energies", [True, False])
 def test_number_of_threads_changes_no_bit(energies: bool, law: Law) -> None:
     runs = []
-    for threads in (1, 2, 3, 5):
+    for threads in (1, 2, 5):
         model = shaken(law)
         Engine(threads=threads, energies=energies, balance=1.0).run(model, 1.0)
         runs.append(model)
@@ -186,8 +186,8 @@ def test_no_jump_of_force_when_a_pair_enters_or_leaves_the_list() -> None:
         force.append(np.hypot(*(f[1] for f in resultants(m, contact_forces(m))[:2])))
         return 0.0
 
-    dt = 5e-4
-    trace(model, dt, 5000, watch)
+    dt = 2e-3
+    trace(model, dt, 1250, watch)
     assert 0 in pairs
     assert 1 in pairs
     jumps = np.abs(np.diff(force))

@@ -18,8 +18,8 @@ from tests.support.sections import layer
 def test_two_threads_find_the_same_bits_as_one(monkeypatch):
     surface = [[0.0, 10.0], [20.0, 10.0], [35.0, 4.0], [55.0, 4.0]]
     ground = Section.parse({"name": "a", "surface": surface, "base": {"elevation": 0.0}, "strata": [layer("only")]})
-    settings = FemSettings(accuracy=0.05, max_cells=400, safety_factor_at=(0.0, 0.05))
-    meshing = MeshSettings(size=2.5)
+    settings = FemSettings(accuracy=0.1, max_cells=300, safety_factor_at=(0.0, 0.05))
+    meshing = MeshSettings(size=3.0)
     found = []
     for alone in (False, True):
         if alone:

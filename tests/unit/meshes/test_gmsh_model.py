@@ -155,7 +155,7 @@ def test_a_very_thin_seam_does_not_make_the_cells_beside_it_small() -> None:
 # --- What every mesh must be --------------------------------------------------------------------------------------
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=25, deadline=None, derandomize=True)
 @given(section=sections())
 def test_random_sections_mesh_freely(section: Section) -> None:
     mesh = generate(section, free(section))
@@ -163,7 +163,7 @@ def test_random_sections_mesh_freely(section: Section) -> None:
     assert_conforming(mesh, section, free(section))
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=20, deadline=None, derandomize=True)
 @given(section=sections())
 def test_random_sections_are_mapped_wherever_possible(section: Section) -> None:
     assume(not isinstance(blocks_of(section), str))

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -106,6 +107,7 @@ def test_the_curve_is_elastic_and_then_level() -> None:
     assert found.trials[-1].displacement_m <= BEYOND * SETTINGS.ductility * yielding
 
 
+@pytest.mark.slow
 def test_the_ground_does_not_swing_on_the_machine() -> None:
     """On a stiff one, which a small reach makes, Kh is as smooth: no point is far from those beside it."""
     ground, model = heap()
@@ -115,6 +117,7 @@ def test_the_ground_does_not_swing_on_the_machine() -> None:
     assert max(trial.kinetic_ratio for trial in found.trials) < 1e-3
 
 
+@cache
 def heap() -> tuple[Ground, DiscModel]:
     soil = soil_discs("sand", 4.0e7, Strength(0.3), 2000.0, 2000.0, RADIUS, 0.1)
     ground = Ground(lattice_box(12, 4, RADIUS), "box", RADIUS, 4, 0.0, (0.0, 0.0), 1)
@@ -129,6 +132,7 @@ def test_the_answer_does_not_depend_on_threads_and_the_discs_stay_as_they_were()
     assert np.array_equal(model.x, before)
 
 
+@pytest.mark.slow
 def test_stronger_discs_bear_more() -> None:
     """And the factor that meets a target between two is found."""
     ground, model = heap()

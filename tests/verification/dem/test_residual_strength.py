@@ -43,6 +43,7 @@ def test_an_endless_slope_slides_as_newmarks_block(seed: int) -> None:
     assert (sine + 2.0 * critical * cosine - rate) / cosine == pytest.approx(ratio, rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_slump_of_clay_runs_as_far_as_that_of_a_continuum() -> None:
     """gamma H/su = 10, let go at once: a material point method has 1.6 to 2.1 by its transfer scheme; nothing flies."""
     out, loose = Slump(0, 10.0).let_go()
