@@ -289,12 +289,11 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
         )
     if answer.warning:
         yield f"Warning: {answer.warning}."
-    phrases = [layer for layer in answer.layers if abs(layer.bottom_m - round(layer.bottom_m / 5.0) * 5.0) < 0.26]
-    yield (
-        "k_max of the ground above a depth: "
-        + ", ".join(f"{layer.k_max:.3f} ({layer.bottom_m:.0f} m)" for layer in phrases)
-        + "."
-    )
+    bottoms = [layer.bottom_m for layer in answer.layers]
+    wanted = [5.0 * k for k in range(1, int(bottoms[-1] / 5.0) + 1)] or bottoms[-1:]
+    nearest = dict.fromkeys(min(range(len(bottoms)), key=lambda k: abs(bottoms[k] - depth)) for depth in wanted)
+    phrases = (f"{answer.layers[k].k_max:.3f} ({bottoms[k]:.3g} m)" for k in nearest)
+    yield f"k_max of the ground above a depth: {', '.join(phrases)}."
 
 
 def _slides(config: Config, store: Store) -> Iterator[str]:

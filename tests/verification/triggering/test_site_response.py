@@ -21,6 +21,9 @@ from workflow.earthquake.site_response import (
     waves,
 )
 from workflow.estimates.comparison import estimates
+from workflow.report.console import response_sentences
+from workflow.results.site_response import SiteResponseAnswer
+from workflow.run.store import Store
 
 STEP = 0.01
 TIME = np.arange(0.0, 20.48, STEP)
@@ -149,6 +152,10 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert answer["layers"][-1]["bottom_m"] == pytest.approx(20.0)
     assert answer["peak_rock_gal"] == pytest.approx(60.0, abs=1.0)
     assert "k_max of the ground above a depth" in capsys.readouterr().out
+    found = SiteResponseAnswer.read(Store(tmp_path / "run"))
+    between = [layer for layer in found.layers if abs(layer.bottom_m - 5.0 * round(layer.bottom_m / 5.0)) > 0.3]
+    *_, told = response_sentences(found.model_copy(update={"layers": between}))
+    assert told.count(" m)") == 3  # nearest to 5, 10 and 15 m, whatever the layers are; it named none of these
     assert command_line.run("report", tmp_path / "run", "--quiet") == 0
     assert "<h3>Site response</h3>" in (tmp_path / "run/report.html").read_text(encoding="utf-8")
     assert answer["change"] < 0.002
