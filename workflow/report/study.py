@@ -67,6 +67,10 @@ def sentences(config: Config, answer: StudyAnswer) -> Iterator[str]:
         spread = result.spread
         if spread.median is None or result.is_detail:
             continue
+        if result.title == WORDS["kc"] and spread.median <= 0.0:
+            share = "All" if spread.spread == 0.0 else "Half or more of the"
+            yield f"{share} samples fail under their own weight: the critical Kh is 0."
+            continue
         title = result.title[:1].upper() + result.title[1:]
         yield f"{title}: {_where(spread, result.samples)}{_strongest(result)}."
         for group in result.groups:

@@ -15,10 +15,12 @@ from fem.errors import NoEquilibriumError, UnstableError
 from meshes.errors import NoAnswerError
 from tests.support.sections import slope
 from tests.support.tasks import Numbers, infinite_slope, ishigami
+from workflow.config import Config
 from workflow.report.study import _strongest as strongest
 from workflow.report.study import _where as where
+from workflow.report.study import sentences
 from workflow.results.cases import Spread
-from workflow.results.study import Effect, Result
+from workflow.results.study import Effect, Result, StudyAnswer
 from workflow.study import continuum, task
 from workflow.study.ensemble import Ensemble
 from workflow.study.fragility import curve, fit
@@ -162,6 +164,17 @@ def test_what_a_result_depends_on_is_rarely_named_by_chance(samples: int) -> Non
         result = Result(name="kc", samples=samples, spread=spread, effects=tuple(found), groups=())
         named += "depends most on" in strongest(result)
     assert named <= 400 * 0.072
+
+
+def test_samples_that_fail_under_their_own_weight_are_told_to_do_so() -> None:
+    """It was "Critical Kh: half of the samples are below 0.000"."""
+    config = Config.parse(slope())
+    for values, told in (([0.0] * 4, "All samples fail"), ([0.0, 0.0, 0.0, 0.1], "Half or more of the samples fail")):
+        result = Result(name="kc", samples=4, spread=Spread.of(values), effects=(), groups=())
+        answer = StudyAnswer.model_construct(
+            samples=4, method="sobol", seed=0, failed=0, results=(result,), failures=(), section=None
+        )
+        assert [line for line in sentences(config, answer) if line.startswith(told)]
 
 
 def test_four_samples_tell_no_more_than_their_median() -> None:
