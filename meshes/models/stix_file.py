@@ -81,7 +81,11 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
         notices.append("not taken: the stages before it; preconsolidation is that over the stress in this one")
     table = _table(water)
     layers: list[Layer] = []
-    for item in part("geometries", "GeometryId")["Layers"]:
+    outlines = part("geometries", "GeometryId")["Layers"]
+    if not outlines:
+        where = f'scenario "{scenario["Label"]}", stage "{stage["Label"]}"'
+        raise InputError(str(path), [f"{where}: it has no layers; expected one at least"])
+    for item in outlines:
         points, soil = corners(_pairs(item["Points"])), of_layer[item["Id"]]
         level, of_level = _head(water, points, table)
         notices += [f'"{soil["Name"]}": {text}' for text in of_level]

@@ -130,6 +130,10 @@ def test_bad_models_are_told(tmp_path: Path) -> None:
         read_stix(path, "dike", "Flood")
     with pytest.raises(InputError, match="expected a model of D-Stability"):
         read_stix(written(tmp_path, {"projectinfo": {}}), "dike")
+    empty = model()
+    empty["geometries/geometry"]["Layers"] = []
+    with pytest.raises(InputError, match="it has no layers; expected one at least"):  # as a new file has none
+        read_stix(written(tmp_path, empty), "dike")
     path.write_text("no zip")
     with pytest.raises(InputError, match="cannot be read: File is not a zip file"):
         read_stix(path, "dike")
