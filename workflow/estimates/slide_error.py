@@ -15,6 +15,7 @@ BY: dict[SlideMethod, str] = {"discs": "", "mpm": " by material points"}
 TABLE = "slide_errors.csv"
 FACTORS = (1.5, 2.0, 3.0, 5.0, 10.0)
 MOST = 2.0 / 3.0  # of the cases that the factor is to hold
+MOST_ERROR = 3.0  # times: with a larger error an interval of slides spans two orders of magnitude and says nothing
 FEW = 3  # cases, below which those of other kinds are counted as well
 
 
@@ -50,6 +51,11 @@ class SlideError:
             f"{named} were predicted{BY[self.method]} within a factor of {self.factor:g} in {self.held} of "
             f"{self.cases} cases"
         )
+
+    @property
+    def bounds_slides(self) -> bool:
+        """Whether the error is small enough for an interval of slides."""
+        return self.factor <= MOST_ERROR
 
     def interval(self, low: float, high: float) -> tuple[float, float]:
         """Interval of slides (m) by predictions and their error."""

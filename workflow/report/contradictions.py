@@ -9,7 +9,7 @@ from dem.case import Case
 from workflow.report.numbers import coefficient, metre_range, of_cases
 from workflow.results.cases import CaseAnswer, RandomPackings
 from workflow.results.discs import DiscsAnswer, DiscSearch
-from workflow.results.material_points import PointCase
+from workflow.results.material_points import PointCase, PointSlidesAnswer
 from workflow.results.results import Results
 from workflow.results.verdicts import Weight
 
@@ -19,8 +19,8 @@ LESS, LESS_SHARE = 0.1, 0.03
 FALLS, FALLS_TIMES = 0.5, 3.0
 # Discs that lose such a share of their critical Kh on the way to it do not bear it where it is held.
 FALLEN = 0.25
-# Shares of the largest slide by which the uphill end of a section moves where a slide goes on behind it; and the slide
-# (m) below which that does not matter.
+# Shares of the largest slide by which the uphill end of a section moves where a slide goes on behind it; and the
+# largest slide (m) below which that does not matter.
 ALONG, LEAST_END = (0.1, 0.8), 2.0
 NEAR_KC = 0.95  # of the critical Kh, at which a push has come to it
 
@@ -33,7 +33,7 @@ def contradictions(results: Results) -> Iterator[tuple[Weight, str]]:
     if results.dem is not None and results.no_answer("calibrate") is None:
         yield from ((1, text) for text in of_curve(results.dem))
     yield from ((2, text) for text in of_sides(cases))
-    yield from ((2, text) for text in of_ends(results.mpm.cases if results.mpm is not None else {}))
+    yield from ((2, text) for text in of_ends(results.mpm))
     strata = [stratum.name for stratum in results.config.section.strata if stratum.liquefies_in]
     random = results.cases.random if results.cases is not None else None
     config = {number: results.config.cases[number - 1] for number in cases if number <= len(results.config.cases)}
@@ -90,20 +90,27 @@ def of_sides(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
             )
 
 
-def of_ends(points: Mapping[int, PointCase]) -> Iterator[str]:
-    """Slides by material points that left the section, or that took ground along as far as its uphill end.
+def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
+    """Slides by material points that a side held or let out, or that took ground along as far as the uphill end.
 
     Ground that slides as one, such as an endless slope, moves at its ends as anywhere else.
     """
-    out = {number: case for number, case in points.items() if case.stopped_by is not None and not case.settled}
-    if out:
-        lengths = metre_range([case.slide_max_m for case in out.values()])
+    points = answer.cases if answer is not None else {}
+    stopped = {number: case for number, case in points.items() if case.stopped_by is not None and not case.settled}
+    if answer is not None and stopped:
+        lengths = metre_range([case.slide_max_m for case in stopped.values()])
+        end = (
+            "have run up against the fixed side of the section"
+            if answer.sides == "fixed"
+            else "have run out of the section"
+        )
         yield (
-            f"material points have run out of the section in {of_cases(sorted(out))}: {lengths} is the least that the "
-            "ground slides; take a longer section (beyond)"
+            f"material points {end} in {of_cases(sorted(stopped))}: {lengths} is the least that the ground slides; "
+            "take a longer section (beyond)"
         )
     ends = {number: case.slide_along[_uphill_end(case)][1] for number, case in points.items() if case.slide_along}
-    along = [n for n, end in ends.items() if ALONG[0] < end / max(points[n].slide_max_m, LEAST_END) < ALONG[1]]
+    far = {number: end for number, end in ends.items() if points[number].slide_max_m >= LEAST_END}
+    along = [number for number, end in far.items() if ALONG[0] < end / points[number].slide_max_m < ALONG[1]]
     if along:
         yield (
             f"the uphill end of the section slides along by {metre_range([ends[n] for n in along])} in "

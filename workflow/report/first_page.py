@@ -233,6 +233,16 @@ def _of_slides(results: Results, cases: Slides, _: Texts) -> str:
         return _("the error on known slides is not known")
     if 2 * error.held < error.cases:
         return _("no interval: discs did not predict the known slides of this kind")
+    if not error.bounds_slides:
+        return _(
+            "uncertain by a factor of {factor}: {held} of {cases} known slides were predicted within it by {method}, "
+            "half of them within a factor of {middle}",
+            factor=f"{error.factor:g}",
+            held=error.held,
+            cases=error.cases,
+            method="discs" if discs else "material points",
+            middle=f"{error.middle:.2g}",
+        )
     return _(
         "{span}: {held} of {cases} known slides were predicted within a factor of {factor}",
         span=span(error.interval(min(moved), max(moved))),

@@ -13,7 +13,6 @@ from workflow.results.material_points import PointCase, PointSlidesAnswer
 from workflow.results.verdicts import WarningPart
 
 Span = tuple[float, float]
-MOST_ERROR = 3.0  # times: a model with a larger error on known slides has no interval by it
 ALIKE, CLOSE = 0.05, 1.5  # m, and times: slides that are no further apart agree whatever their intervals
 
 
@@ -97,7 +96,7 @@ def _opinion(case: CaseAnswer, packings: Span, other: PointCase) -> SecondOpinio
 def _with_error(low: float, high: float, flows: bool | None, method: SlideMethod) -> Span:
     """An interval with the error of the model on known slides, unless that is so large that all would agree."""
     error = slide_error(flows, method)
-    return (low, high) if error is None or error.factor > MOST_ERROR else error.interval(max(low, 0.0), high)
+    return (low, high) if error is None or not error.bounds_slides else error.interval(max(low, 0.0), high)
 
 
 def contradicting(opinions: dict[int, SecondOpinion]) -> Iterator[WarningPart]:

@@ -15,8 +15,11 @@ class TimeLeft:
     """The time left of a stage, which never rises. The share that is done gives the time for the rest, at the same
     speed. Work is told in pieces: while a piece lasts, its share stands still, and the time left counts down. Where a
     piece takes longer than was thought, the time left stays where it is, as a lower bound, until the work has caught
-    up.
+    up. Before a share of `EARLY` is done, the start (compilation, meshes) would be taken for the speed of the rest, and
+    hours would be told of minutes: until then nothing is told.
     """
+
+    EARLY = 0.03
 
     PATIENCE = 0.5  # of what the elapsed time alone says: less is never told
     TOO_LITTLE = 1.5  # where the elapsed time says that many times what is told, it is told as a lower bound
@@ -27,7 +30,7 @@ class TimeLeft:
 
     def seconds(self, now: float, share: float | None) -> float | None:
         """Seconds that are left at a time (s) when a share of the work is done; None where nobody can say."""
-        if share is None or not 0.0 < share <= 1.0:
+        if share is None or not self.EARLY <= share <= 1.0:
             return None
         plain = self._plain(now, share)
         if share > self.share:

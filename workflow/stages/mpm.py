@@ -42,6 +42,16 @@ class PointRun:
     coarse: bool = False
 
     @property
+    def name(self) -> str:
+        """Name of the case and, where it is not the one that counts, how it differs from that."""
+        from fem.mpm.slide import DECAYS
+
+        called = self.config.called(self.number)
+        if self.coarse:
+            return f"{called}, for its error in cells {COARSE} times larger"
+        return called if self.decay == DECAYS[0] else f"{called}, for its error with velocities that decay slower"
+
+    @property
     def checkpoint(self) -> Path | None:
         """The checkpoint file of this slide."""
         name = f"mpm/checkpoint_{self.number}_{self.decay:g}{'_coarse' if self.coarse else ''}.npz"
@@ -77,7 +87,7 @@ def work(job: Job) -> None:
 
     def heard(place: int, message: tuple[float, float, float]) -> None:
         shares[place], time, slide = message
-        said = f"{config.called(runs[place].number)}: {time:.1f} s, slide {slide:.2f} m"
+        said = f"{runs[place].name}: {time:.1f} s, slide {slide:.2f} m"
         job.progress(said, sum(shares) / len(runs))
 
     slides = job.executor.compute(_slid, runs, heard)

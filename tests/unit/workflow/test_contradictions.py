@@ -13,12 +13,21 @@ from tests.support.answers import bounds, fem, results, warned
 from tests.support.sections import analysed, slope
 from workflow.config import Config
 from workflow.report.console import safety_sentence, slide_sentences
-from workflow.report.contradictions import deepest_fall, is_weaker, of_curve, of_ends, of_order, of_settlement, of_sides
+from workflow.report.contradictions import (
+    LEAST_END,
+    deepest_fall,
+    is_weaker,
+    of_curve,
+    of_ends,
+    of_order,
+    of_settlement,
+    of_sides,
+)
 from workflow.results.bounds import SafetyPart
 from workflow.results.cases import CasesAnswer, RandomCase, RandomPackings, Spread
 from workflow.results.continuum import FactorOfSafety, OtherWay
 from workflow.results.discs import DiscsAnswer
-from workflow.results.material_points import PointCase
+from workflow.results.material_points import PointCase, PointSlidesAnswer
 
 LEVEE = (
     {"name": "median", "residual_strength": "9 kPa", "strain_potential": 0.3},
@@ -185,15 +194,29 @@ def point_slide(along: list[tuple[float, float]], **more: Any) -> PointCase:
     return PointCase.model_construct(**{**values, "surface_before": surface, "surface_after": surface, **more})
 
 
+def ends_of(cases: dict[int, PointCase], sides: str = "free-field") -> list[str]:
+    """The warnings of slides by material points with such sides of the section."""
+    return list(of_ends(PointSlidesAnswer.model_construct(cases=cases, sides=sides)))
+
+
 def test_points_that_leave_the_section_or_take_its_uphill_end_along_are_found() -> None:
+    assert list(of_ends(None)) == []
     stays = point_slide([(0.0, 0.0), (40.0, 20.0), (80.0, 5.0)])
     as_one = point_slide([(0.0, 4.0), (40.0, 4.2), (80.0, 4.1)])
-    assert list(of_ends({1: stays, 2: as_one})) == []
+    assert ends_of({1: stays, 2: as_one}) == []
     leaves = point_slide([(0.0, 0.0), (40.0, 63.0)], stopped_by="right", settled=False)
-    [told] = of_ends({1: leaves, 2: stays})
-    assert told.startswith("material points have run out of the section in case 1: 63 m is the least")
-    [told] = of_ends({3: point_slide([(0.0, 8.0), (40.0, 20.0)])})
-    assert told.startswith("the uphill end of the section slides along by 8.0 m in case 3")
+    [warning] = ends_of({1: leaves, 2: stays})
+    assert warning.startswith("material points have run out of the section in case 1: 63 m is the least")
+    [warning] = ends_of({1: leaves, 2: stays}, "fixed")
+    assert warning.startswith("material points have run up against the fixed side of the section in case 1: 63 m is")
+    [warning] = ends_of({3: point_slide([(0.0, 8.0), (40.0, 20.0)])})
+    assert warning.startswith("the uphill end of the section slides along by 8.0 m in case 3")
     falls_left = point_slide([(0.0, 20.0), (40.0, 8.0)], surface_before=((0.0, 0.0), (40.0, 10.0)))
-    [told] = of_ends({3: falls_left})
-    assert "8.0 m" in told
+    [warning] = ends_of({3: falls_left})
+    assert "8.0 m" in warning
+
+
+def test_an_uphill_end_that_slides_along_in_a_short_slide_is_no_warning() -> None:
+    """Below `LEAST_END` the ground behind the section changes little, whatever share of the slide its end moves."""
+    assert ends_of({1: point_slide([(0.0, 0.7), (40.0, LEAST_END - 0.1)])}) == []
+    assert len(ends_of({1: point_slide([(0.0, 0.7), (40.0, LEAST_END + 0.1)])})) == 1

@@ -148,6 +148,11 @@ def test_the_report_says_how_far_off_the_model_was_and_no_more_digits_than_that(
         "slide is 0.4 to 7 m."
     )
     assert model_error.error_sentence([0.0], True) == ""
+    monkeypatch.setattr(model_error, "slide_error", lambda flows, method: SlideError("flow failures", 10.0, 7, 9, 2.9))
+    told = model_error.error_sentence([4.0, 10.0], True)  # by a factor of 10: 0.4 to 100 m, which nobody can use
+    assert told.endswith(
+        "in 7 of 9 cases, half of them within a factor of 2.9: use the slide as an order of magnitude."
+    )
     monkeypatch.setattr(
         model_error, "slide_error", lambda flows, method: SlideError("lateral spreads", 10.0, 3, 9, 20.0)
     )
