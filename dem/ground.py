@@ -15,7 +15,7 @@ from dem.model import DiscModel
 from dem.packing import ROW, Packing, lattice_box, random_packing, triangular_lattice
 from dem.settings import DemSettings
 from dem.springs import LayerSprings, from_strata, table2
-from dem.water import added_mass, excess, still_water
+from dem.water import added_mass, buoyancy, excess, still_water
 from meshes.errors import InputError
 from meshes.section.polyline import downhill
 from meshes.section.section import Section
@@ -89,6 +89,13 @@ class Ground:
         model.pore_acceleration_x = model.pore_acceleration_x + ax
         model.pore_acceleration_z = model.pore_acceleration_z + az
         return True
+
+    def buoyancy(self, model: DiscModel) -> np.ndarray | None:
+        """Acceleration (2, n) in m/s2, in the frame of the discs, by still water at the places where discs are by now;
+        None without any, see `dem.water.buoyancy`.
+        """
+        felt = None if self.section is None else buoyancy(self.section, self.to_section(model.x, model.z), model)
+        return None if felt is None else np.array(self._own(felt))
 
     def _own(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Vectors (n, 2) of the section's frame in the discs' own."""

@@ -1,6 +1,7 @@
 """Forces of water and surcharges on discs, by the same fields as in finite elements and bounds. The force on a disc is
 that of its share of the soil at its initial place; forces on the ground surface, and between strata with different pore
-pressures, act on the nearest discs. Each disc keeps its force as it moves.
+pressures, act on the nearest discs. Each disc keeps its force as it moves, but for buoyancy: the water table stays
+where it is, and soil discs that slide through it are buoyed as far as they are below it (`buoyancy`).
 """
 
 from collections.abc import Callable
@@ -37,6 +38,42 @@ def still_water(section: Section, places: Places, discs: DiscState) -> np.ndarra
         acceleration += _at_nearest(
             discs, places, *_on_ground(mesh, lambda at, out: section.surface_loads.dead(at, at, out))
         )
+    return acceleration
+
+
+def buoyancy(section: Section, places: Places, discs: DiscState) -> np.ndarray | None:
+    """Acceleration (n, 2) in m/s2 of discs by the pore pressure at rest below the water table, on the average over each.
+
+    A disc that lies across the table is buoyed in proportion to its part below it, so that ground which sinks is
+    carried more and more, as Archimedes has it, and ground that rises above the table weighs what it weighs.
+
+    Parameters
+    ----------
+    section
+        Whose water it is.
+    places
+        Where discs are by now (m); the water stays where it was.
+    discs
+        Their radii (m), layers, and which are held.
+
+    Returns
+    -------
+    (n, 2) or None
+        Zero for discs of strata without a water level. None for a section without any still water below a table: the
+        pressure of water that flows, or that is a share of the weight above, is not known where ground has moved to.
+    """
+    water = section.water_pressure
+    floats = [level is not None and s.pore_pressure_ratio is None for level, s in zip(water.levels, section.strata)]
+    if water.flow is not None or not any(floats):
+        return None
+    free = np.flatnonzero(~discs.fixed & np.append(floats, False)[discs.layer])
+    at, layer, radius = np.column_stack(places)[free], discs.layer[free].astype(int), discs.radius[free]
+    density = np.array([s.density_seismic for s in section.strata])[layer]
+    acceleration = np.zeros((len(discs), 2))
+    for axis in (0, 1):
+        away = radius[:, np.newaxis] * np.eye(2)[axis]
+        rise = water.at_rest(at + away, at, layer) - water.at_rest(at - away, at, layer)
+        acceleration[free, axis] = -rise / (2.0 * radius) / density
     return acceleration
 
 

@@ -18,6 +18,7 @@ LOST = 0.01  # of the area, beyond what was asked for
 THROUGH = 1.0  # mean radii of overlap with a fixed disc: the centre of one is within the rim of the other
 NEAR = 2.0  # diameters from a side
 PILED = 2.0  # mean radii that the surface at a side rises
+SCATTER = 0.25  # diameters by which level ground drifts when it liquefies: 0.05 to 0.2 by discs of 1.26 and 0.63 m radius
 STOPPED = 0.5  # of the largest slide: what has slid so far and ends at a side was stopped by it
 
 
@@ -136,6 +137,19 @@ def at_the_sides(sides: Sequence[AtSide]) -> list[str]:
                 "hold them: take a longer section (beyond)"
             )
     return notes
+
+
+def within_scatter(far: float, radius: float) -> list[str]:
+    """A sentence on a slide that is no longer than what liquefied discs move by alone, or none.
+
+    far: the largest slide (m); radius: mean radius of the discs (m).
+    """
+    if abs(far) >= SCATTER * 2.0 * radius:
+        return []
+    return [
+        f"the slide is less than {SCATTER * 2.0 * radius:.2g} m, a quarter of a disc: level ground that liquefies "
+        "drifts as far, either way, by its packing alone, and a smaller radius would show whether this ground slides"
+    ]
 
 
 def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[str]:

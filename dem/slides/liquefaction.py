@@ -30,6 +30,7 @@ from dem.slides.balance import (
     pressed_through,
     stopped_by,
     thin_layers,
+    within_scatter,
 )
 from dem.slides.drive import SAME, Shaking, held, shaken
 from dem.slides.liquefied_strength import liquefied, onset
@@ -97,6 +98,7 @@ class Slider:
         self.kept = -np.inf  # when the last checkpoint was left (s)
         self.undrained = undrained(start, strata if case is not None else [])
         self.area_per_disc = area_per_disc(start, start) if self.undrained else np.zeros(0)
+        self.buoyed = ground.buoyancy(start) if start.law == "soil" else None
         self.swelling: list[list[float]] = []  # before every look, of the discs of each undrained stratum
         self.model = self._resumed() or self._begun()
 
@@ -107,6 +109,7 @@ class Slider:
         while not slide.reason:
             self._liquefy()
             self._keep_volume()
+            self._float()
             try:
                 dt = slide.step_share * largest_step(self.model).seconds
                 Engine(dt=dt, threads=threads).run(self.model, self._until())
@@ -194,6 +197,16 @@ class Slider:
         if not np.array_equal(radius, self.model.radius):
             self.model.set_radius(radius)
 
+    def _float(self) -> None:
+        """Soil discs that have moved up or down through the water table are buoyed by what of them is below it."""
+        if self.buoyed is None:
+            return
+        now = self.ground.buoyancy(self.model)
+        if now is not None:
+            model, start = self.model, self.start
+            model.pore_acceleration_x = start.pore_acceleration_x + (now - self.buoyed)[0]
+            model.pore_acceleration_z = start.pore_acceleration_z + (now - self.buoyed)[1]
+
     def _until(self) -> float:
         """Seconds to the next look or change of springs."""
         return self.drive.wait(self.model.time - self.start.time, LOOK)
@@ -266,6 +279,7 @@ class Slider:
         notes += self._lost()
         if self.case is not None:
             notes += thin_layers(start, self.ground, self.strata)
+            notes += within_scatter(far, self.ground.radius) if start.law == "soil" else []
         return notes
 
     def _lost(self) -> list[str]:

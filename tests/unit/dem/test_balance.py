@@ -21,6 +21,7 @@ from dem.slides.balance import (
     pressed_through,
     stopped_by,
     thin_layers,
+    within_scatter,
 )
 from dem.slides.liquefaction import Slider
 from dem.slides.surface import Surface
@@ -143,6 +144,13 @@ def test_a_thin_layer_is_told_with_the_radius_that_it_wants(start: DiscModel, gr
     assert len(told) == 1
     assert "less than two discs" in told[0]
     assert "0.38 m" in told[0]  # a row of 1.5 m: two discs of a quarter of that
+
+
+def test_a_slide_within_the_scatter_of_packings_is_told() -> None:
+    """A quarter of a diameter, downhill or uphill; a longer slide is one."""
+    for far in (0.2, -0.2):
+        assert "less than 0.25 m" in within_scatter(far, 0.5)[0]
+    assert within_scatter(0.3, 0.5) == []
 
 
 def test_liquefied_discs_do_not_pass_through_each_other(start: DiscModel, ground: Ground) -> None:

@@ -7,14 +7,17 @@ import pytest
 
 from dem.acceleration import Acceleration, tilted_gravity
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
+from dem.case import Case
 from dem.engine.engine import Engine
 from dem.engine.forces import contact_forces, resultants
 from dem.ground import ground_of
 from dem.laboratory.element_table import middle_stresses
 from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
+from dem.search.deposit import deposit
 from dem.search.equilibrium import settle
-from dem.settings import DemSettings
+from dem.settings import DemSettings, SlideSettings
+from dem.slides.liquefaction import Slider
 from meshes.section.quantity import GRAVITY
 from tests.support.dem_cases import FLOOR, KN, MASS, RADIUS, SOIL
 from tests.support.water import WATER, section, soil
@@ -58,6 +61,44 @@ def test_a_surcharge_and_a_jump_of_pore_pressure_reach_the_discs_whole():
     pushed = np.sum((model.mass * model.pore_acceleration_z)[below])
     # the jump of 7 m of head between clay and sand, and 60 m wide, less what Archimedes gives the sand below
     assert lifted + pushed == pytest.approx(60.0 * (7.0 + 6.0) * WATER, rel=0.05)
+
+
+def test_discs_that_move_through_the_water_table_are_buoyed_by_their_part_below_it():
+    """Archimedes, with the part of a square as high and wide as the disc: nothing above, γw / ρ of the soil below."""
+    given = section(surface=[[0.0, 10.0], [60.0, 10.0]], water={"table": 6.0})
+    ground = ground_of(given, DISCS)
+    model = ground.model([layer.springs(0.5, 0.25) for layer in soil_layers(given)], DISCS)
+    free = ~model.fixed
+    for rise in (0.0, 1.7, -2.4):
+        model.z += rise
+        below = np.clip(0.5 - (ground.to_section(model.x, model.z)[1] - 6.0) / (2.0 * model.radius), 0.0, 1.0)
+        felt = ground.buoyancy(model)
+        density = np.array([s.density_seismic for s in given.strata])[model.layer[free]]
+        np.testing.assert_allclose(felt[1][free], below[free] * WATER / density, rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(felt[0], 0.0, atol=1e-9)
+
+
+def test_ground_that_sinks_into_liquefied_ground_is_carried_by_the_water_that_it_displaces():
+    """A crust on liquefied ground under cycles: all that moved through the table has the buoyancy of where it is, within
+    what it moved since the last look. With buoyancy that stayed as it was a crust sank as a stone in mud: 18 kN/m3
+    on 9 of buoyant sand, where in nature it floats, 18 on 19 of sand and water."""
+    crust = soil("Crust", bottom={"elevation": -2.5}, cohesion="2 kPa", friction_angle="32 deg", density_saturated=None)
+    sand = soil("Sand", cohesion=0.0, friction_angle="33 deg", density="19 kN/m^3", density_saturated=None)
+    flat = section(crust, sand, surface=[[0.0, 0.0], [60.0, 0.0]], base={"elevation": -15.0}, water={"table": -2.5})
+    lies = deposit(
+        flat, DemSettings(elements=150), lambda radius, voids: [s.springs(radius, voids) for s in soil_layers(flat)]
+    )
+    start, case = lies.settled, Case(residual_strength=5e3, strain_potential=0.3)
+    slider = Slider(start, lies.ground, [1], case, SlideSettings(kh=0.2, kh_seconds=3.0, duration=12.0))
+    slider.run()
+    model, ground = slider.model, lies.ground
+    more = model.mass * (model.pore_acceleration_z - start.pore_acceleration_z)
+    expected = model.mass * (ground.buoyancy(model) - ground.buoyancy(start))[1]
+    moved = np.abs(model.z - start.z) > 0.2
+    sank = moved & (model.layer == 0) & (model.z < start.z)
+    assert np.count_nonzero(sank) > 3
+    assert (more[sank] > 0.0).all()
+    assert np.abs(more - expected).max() < 0.05 * WATER * np.pi * float(model.radius.mean()) ** 2
 
 
 def smooth_row(tilt, **changes):
