@@ -44,7 +44,8 @@ two largest the quartiles. Behind a free face the ground is level and its water 
 and the sea. Predictions of others for the same ground are given for comparison.
 
 Spreads move by the strain potential of the sand, which blow counts give. Behind a face discs are of the size of the
-crust, which sinks and drifts with the liquefied ground below it, by packing more than by anything else; material points
+crust, which sinks and drifts with the liquefied ground below it, by packing more than by anything else: level ground
+drifts as well, either way, by up to a fifth of a disc's diameter (0.5 m for discs of 1.26 m radius). Material points
 hardly depend on that. They slide too far where the residual strength lets a bank flow by its weight, which moved by
 less than a metre in the field."""
 
