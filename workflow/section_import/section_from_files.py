@@ -8,6 +8,7 @@ from pathlib import Path
 from meshes.borings.ags4_file import read_ags4
 from meshes.borings.connect import OFF_LINE, Connected, connected
 from meshes.borings.csv_file import read_csv
+from meshes.borings.gef_file import read_gef
 from meshes.borings.log import BoringFile, Log
 from meshes.borings.section_text import text_of
 from meshes.drawings.dxf_file import read_dxf, write_dxf
@@ -21,7 +22,11 @@ from workflow.config import Config
 from workflow.figures.borings import draw
 from workflow.terminal import say
 
-READERS: dict[str, Callable[[Path, Mapping[str, str]], BoringFile]] = {".csv": read_csv, ".ags": read_ags4}
+READERS: dict[str, Callable[[Path, Mapping[str, str]], BoringFile]] = {
+    ".csv": read_csv,
+    ".ags": read_ags4,
+    ".gef": read_gef,
+}
 DRAWING = ".dxf"
 MODELS: dict[str, Callable[[Path, str, str | None], FoundSection]] = {".stix": read_stix, ".gsz": read_gsz}
 
@@ -93,8 +98,8 @@ def _made(files: Sequence[Path], out: Path, reading: Reading) -> list[str]:
         raise InputError("section", missing)
     if unknown or (kinds & alone and len(files) > 1):
         messages = (
-            f"expected .csv and .ags files of borings, or one .dxf drawing, one model {' or '.join(MODELS)}, or one "
-            "section .toml to be drawn as .dxf"
+            f"expected .csv, .ags and .gef files of borings, or one .dxf drawing, one model {' or '.join(MODELS)}, "
+            "or one section .toml to be drawn as .dxf"
         )
         raise InputError("section", [f"{', '.join(map(str, files))}: {messages}"])
     if kinds == {".toml"}:
