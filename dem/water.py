@@ -42,7 +42,7 @@ def still_water(section: Section, places: Places, discs: DiscState) -> np.ndarra
 
 
 def buoyancy(section: Section, places: Places, discs: DiscState) -> np.ndarray | None:
-    """Acceleration (n, 2) in m/s2 of discs by the pore pressure at rest below the water table, on the average over each.
+    """Acceleration (n, 2) in m/s2 of discs by the pore pressure at rest below the water table, averaged over each.
 
     A disc that lies across the table is buoyed in proportion to its part below it, so that ground which sinks is
     carried more and more, as Archimedes has it, and ground that rises above the table weighs what it weighs.
@@ -63,7 +63,8 @@ def buoyancy(section: Section, places: Places, discs: DiscState) -> np.ndarray |
         pressure of water that flows, or that is a share of the weight above, is not known where ground has moved to.
     """
     water = section.water_pressure
-    floats = [level is not None and s.pore_pressure_ratio is None for level, s in zip(water.levels, section.strata)]
+    levels = zip(water.levels, section.strata, strict=True)
+    floats = [level is not None and stratum.pore_pressure_ratio is None for level, stratum in levels]
     if water.flow is not None or not any(floats):
         return None
     free = np.flatnonzero(~discs.fixed & np.append(floats, False)[discs.layer])

@@ -18,9 +18,7 @@ LOST = 0.01  # of the area, beyond what was asked for
 THROUGH = 1.0  # mean radii of overlap with a fixed disc: the centre of one is within the rim of the other
 NEAR = 2.0  # diameters from a side
 PILED = 2.0  # mean radii that the surface at a side rises
-SCATTER = (
-    0.25  # diameters by which level ground drifts when it liquefies: 0.05 to 0.2 by discs of 1.26 and 0.63 m radius
-)
+SCATTER = 0.25  # diameters: level ground that liquefies drifts by 0.05 to 0.2 (discs of 1.26 and 0.63 m radius)
 STOPPED = 0.5  # of the largest slide: what has slid so far and ends at a side was stopped by it
 
 

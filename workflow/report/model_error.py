@@ -38,5 +38,6 @@ def error_sentence(slides: Sequence[float], flows: bool | None, method: SlideMet
     if 2 * error.held < error.cases:
         return f"{error.sentence()}: how far such ground slides is not predicted by {NAMES[method]}."
     if not error.bounds_slides:
-        return f"{error.sentence()}, half of them within a factor of {error.middle:.2g}: use the slide as an order of magnitude."
+        half = f"half of them within a factor of {error.middle:.2g}"
+        return f"{error.sentence()}, {half}: use the slide as an order of magnitude."
     return f"{error.sentence()}; with that the largest slide is {span(error.interval(min(moved), max(moved)))}."

@@ -79,7 +79,7 @@ def test_discs_that_move_through_the_water_table_are_buoyed_by_their_part_below_
 
 
 def test_ground_that_sinks_into_liquefied_ground_is_carried_by_the_water_that_it_displaces():
-    """A crust on liquefied ground under cycles: all that moved through the table has the buoyancy of where it is, within
+    """A crust on liquefied ground under Kh: all that moved through the table has the buoyancy of where it is, within
     what it moved since the last look. With buoyancy that stayed as it was a crust sank as a stone in mud: 18 kN/m3
     on 9 of buoyant sand, where in nature it floats, 18 on 19 of sand and water."""
     crust = soil("Crust", bottom={"elevation": -2.5}, cohesion="2 kPa", friction_angle="32 deg", density_saturated=None)
