@@ -31,10 +31,10 @@ lint: setup ## style, types, who may import whom, and the words of the documenta
 	$(BIN)/python docs/docstrings.py
 
 test: checked ## what every change must pass
-	$(BIN)/python -m pytest -n auto --dist loadfile
+	$(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder
 
 test-all: checked ## and the long studies
-	$(BIN)/python -m pytest -n auto --dist loadfile -m ''
+	$(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m ''
 
 checked: setup browser
 	@$(BIN)/python -c "$(KERNELS)" & $(MAKE) --no-print-directory lint && wait

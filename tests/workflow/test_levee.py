@@ -92,6 +92,7 @@ def test_from_the_borings_to_what_liquefies(said: Ask, folder: Path) -> None:
     assert '"Dense sand" does not liquefy' in told
 
 
+@pytest.mark.slow
 def test_samples_of_it_have_answers(said: Ask, folder: Path) -> None:
     """Layers left to the blow counts, water, a record, and a cohesion that may be next to nothing."""
     with (folder / "levee.toml").open("a", encoding="utf-8") as file:

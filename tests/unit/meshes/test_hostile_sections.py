@@ -9,7 +9,7 @@ from tests.support.hostile_sections import hostile_data
 from workflow.config import Config
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=25, deadline=None, derandomize=True)
 @given(number=st.integers(0, 10**6))
 def test_a_section_is_read_or_refused_with_a_sentence(number: int) -> None:
     """Any other error than InputError is a traceback to a user, or seepage that was not found."""

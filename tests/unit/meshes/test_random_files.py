@@ -141,7 +141,7 @@ def area(ring: np.ndarray) -> float:
 
 
 @given(seed=st.integers(0, 100_000))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_random_drawings_come_back(seed: int, tmp_path_factory: pytest.TempPathFactory) -> None:
     made = drawing(seed, tmp_path_factory.mktemp("dxf") / "drawn.dxf")
     read = read_dxf(made.path, "made")
@@ -251,7 +251,7 @@ def borings(seed: int, path: Path) -> list[dict[str, Any]]:
 
 
 @given(seed=st.integers(0, 100_000))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 def test_random_borings_come_back(seed: int, tmp_path_factory: pytest.TempPathFactory) -> None:
     path = tmp_path_factory.mktemp("ags") / "made.ags"
     made = borings(seed, path)

@@ -157,7 +157,7 @@ PATHS = {
 SMALLEST = {"strata.loose.cohesion": 1.0, "slide.kh": 0.01}
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(data=st.data(), path=st.sampled_from(sorted(PATHS)), spread=st.floats(0.05, 3.0))
 def test_whatever_is_drawn_is_an_input(data: st.DataObject, path: str, spread: float) -> None:
     """However wide a distribution is about a sound mean: no sample is refused for the value that was drawn."""

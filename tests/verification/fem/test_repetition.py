@@ -71,6 +71,7 @@ def test_the_path_of_equilibria_comes_there_too() -> None:
     assert safety_factor(ground, mesh, path, 0.0, MPI.COMM_SELF).factor == pytest.approx(factor, rel=0.03)
 
 
+@pytest.mark.slow
 def test_fifteen_layers_of_soft_clay_under_a_deep_sea() -> None:
     """su = 2 + 1.5 z, in the middle of each metre: the last one slides on the base, at Kh = 0.0724 and a factor of
     safety of 3.684, 23.75 kPa over γ' z sin β cos β. Elements of half a metre see the stress of their middle."""
