@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, StrictBool
@@ -24,6 +24,9 @@ SEEDS: Mapping[DiscModelName, tuple[int, ...]] = {"soil": (1, 2), "paper": ()}
 ONSET: Mapping[DiscModelName, float] = {"soil": 5.0, "paper": 0.0}
 # soil discs have dashpots a tenth as large, and their energy balances with this
 STEP: Mapping[DiscModelName, float] = {"soil": 0.6, "paper": 0.3}
+PAPER_PUSH: Mapping[str, Any] = {  # of the paper, Sec. 4(3): Kh = 0.1, for ever
+    "kh": 0.1, "kh_seconds": None, "kh_cycles": None, "kh_period": None, "accelerogram": "",
+}  # fmt: skip
 CASES: Mapping[DiscModelName, tuple[Case, ...]] = {"soil": LOOSE_SAND, "paper": SOFTENED}  # where none are given
 # Settings of [dem] that soil discs do not know.
 OF_THE_PAPER = tuple(
@@ -42,7 +45,9 @@ class DemSettings(Model):
         "pore springs of the paper",
     )
     paper: StrictBool = Field(
-        default=False, description='true to run the paper\'s own discs, unchanged, beside those of model = "soil"'
+        default=False,
+        description="true to run the paper's own discs, unchanged and under its Kh of 0.1 for ever, beside those of "
+        'model = "soil"',
     )
     packing: Literal["auto", "box", "lattice", "random"] = Field(
         default="auto",

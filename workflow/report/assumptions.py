@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
+from dem.settings import PAPER_PUSH
 from fem.continuum.strength import Flow, flow_of
 from fem.settings import DirectionSetting, Sides
 from meshes.section.section import Section
@@ -57,7 +58,7 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
         yield (
             "Liquefaction",
             f"Which layers liquefy, and how far, is an input, not a result. They lose strength {_onset(config)} under "
-            f"{_driven(config)}. {LIQUEFIED}",
+            f"{_driven(config)}. {_of_the_paper(config)}{LIQUEFIED}",
         )
         yield (
             "Discs",
@@ -99,6 +100,12 @@ def _water(section: Section) -> str:
     if section.water is not None and section.water.after_drawdown is not None:
         phrase += " After the drawdown ground that does not drain keeps its pore pressure, less the water taken off it."
     return phrase
+
+
+def _of_the_paper(config: Config) -> str:
+    """What pushes the paper's own discs, if they are computed beside discs of soil."""
+    beside = config.dem.model == "soil" and config.dem.paper
+    return f"The paper's own discs are pushed by its Kh = {PAPER_PUSH['kh']:g} for ever. " if beside else ""
 
 
 def _driven(config: Config) -> str:

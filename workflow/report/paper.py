@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from dem.settings import PAPER_PUSH
 from meshes.section.section import Section
 from workflow.estimates.comparison import is_s13
 from workflow.estimates.sliding_block import SmoothPlane
@@ -161,7 +162,8 @@ def _slides(results: Results, name: str) -> Iterator[PaperRow]:
     cases = results.cases.sets[name] if results.cases is not None else {}
     springs = {"table2": ", springs of Table 2", "calibrated": ", calibrated springs"}.get(name, "")
     open_points = "the text leaves open how contacts are averaged and how fast layers liquefy"
-    why = f"{SECTION}; {open_points} (see docs/theory/paper.md)"
+    held = "" if name == "table2" else _other_push(results)
+    why = f"{SECTION}; {held}{open_points} (see docs/theory/paper.md)"
 
     def row(number: int, what: str, paper: str, where: str, judge: Judge) -> PaperRow:
         quantity = f"{what}, case {number}{springs}"
@@ -211,7 +213,14 @@ def _measured(results: Results) -> PaperRow:
         return row
     phrase = f"{metre_range(slides)} in cases 2 and 3"
     agrees = min(slides) <= (1.0 + WITHIN) * MEASURED and max(slides) >= (1.0 - WITHIN) * MEASURED
-    return replace(row, ours=phrase, agrees=agrees, why=f"{SECTION}; and so are cases and Kh = 0.1")
+    return replace(row, ours=phrase, agrees=agrees, why=f"{SECTION}; and so are cases and Kh")
+
+
+def _other_push(results: Results) -> str:
+    """That the paper holds its Kh, where the slides have another one, with a semicolon; else nothing."""
+    slide = results.config.slide
+    same = all(getattr(slide, key) == value for key, value in PAPER_PUSH.items())
+    return "" if same else f"the paper holds Kh = {PAPER_PUSH['kh']:g} for ever, these discs have {slide.shaking}; "
 
 
 def _smooth() -> PaperRow:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from dem.case import Case
 from dem.ground import Ground
 from dem.model import DiscModel
+from dem.settings import PAPER_PUSH
 from dem.slides.liquefaction import Slider
 from dem.slides.row import Row
 from dem.slides.slide import Slide
@@ -70,9 +71,11 @@ def slid(run: SlideTask, tell: Tell) -> Slide:
     Frames are written as they fall due; those of a longer slide that was begun again with a smaller step are removed.
     """
     task, store = run.task, run.store
+    papers_own = task.springs == "table2" and run.config.dem.model == "soil"
+    config = run.config.with_settings("slide", **PAPER_PUSH) if papers_own else run.config
     folder = store.folder / task.folder
-    shaking = shaking_of(run.config, task.strata)
-    slider = Slider(task.start, task.ground, task.strata, task.case, run.config.slide, folder, shaking)
+    shaking = shaking_of(config, task.strata)
+    slider = Slider(task.start, task.ground, task.strata, task.case, config.slide, folder, shaking)
     name = case_name(task.springs, task.number)
 
     def frame() -> int:

@@ -1,10 +1,14 @@
 """The paper's numbers against ours: which rows agree, and that no other section is compared with it."""
 
+from pathlib import Path
+from typing import Any
+
 import pytest
 
 from tests.support import SECTIONS, dem_fixture
 from tests.support.answers import bounds, fem, results
 from tests.support.sections import slope
+from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
 from workflow.estimates.comparison import is_s13
 from workflow.report.paper import rows
@@ -15,6 +19,7 @@ from workflow.results.results import Results
 from workflow.results.summary import PaperRow
 from workflow.run.record import Entry
 from workflow.run.store import Store
+from workflow.stages import sliding
 
 S13 = SECTIONS / "s13.toml"
 
@@ -131,3 +136,27 @@ def test_no_answer_is_told_as_such(s13: Config) -> None:
     ended = Entry({}, "no answer", reason="it fails under its own weight")
     found = Results(s13, Store("nowhere"), {"fem": ended}, {})
     assert table(found)["FEM: critical Kh"].ours == "no answer: it fails under its own weight"
+
+
+@pytest.mark.parametrize(("springs", "kh", "cycles"), [("table2", 0.1, None), ("calibrated", 0.166, 17.5)])
+def test_the_papers_own_discs_keep_its_kh_beside_an_earthquake(
+    s13: Config, springs: str, kh: float, cycles: float | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Kh = 0.1 for ever (Sec. 4(3)); discs of soil have 0.65 of 250 gal in the cycles of M 7.7."""
+    pushed: list[Any] = []
+
+    class Stopped(Exception):
+        pass
+
+    def slider(*arguments: Any) -> None:
+        pushed.extend(arguments)
+        raise Stopped
+
+    monkeypatch.setattr(sliding, "Slider", slider)
+    config = config_after_triggering(s13)
+    planned = sliding.PlannedSlide(springs, 2, None, None, [3, 5], config.cases[1])  # type: ignore[arg-type]
+    with pytest.raises(Stopped):
+        sliding.slid(sliding.SlideTask(config, Store(tmp_path), planned), lambda _: None)
+    settings, shaking = pushed[4], pushed[6]
+    assert (settings.kh, settings.kh_cycles) == (pytest.approx(kh, abs=5e-4), cycles)
+    assert (shaking is None) == (cycles is None)
