@@ -145,17 +145,17 @@ def test_the_papers_own_discs_keep_its_kh_beside_an_earthquake(
     """Kh = 0.1 for ever (Sec. 4(3)); discs of soil have 0.65 of 250 gal in the cycles of M 7.7."""
     pushed: list[Any] = []
 
-    class Stopped(Exception):
+    class StoppedError(Exception):
         pass
 
     def slider(*arguments: Any) -> None:
         pushed.extend(arguments)
-        raise Stopped
+        raise StoppedError
 
     monkeypatch.setattr(sliding, "Slider", slider)
     config = config_after_triggering(s13)
     planned = sliding.PlannedSlide(springs, 2, None, None, [3, 5], config.cases[1])  # type: ignore[arg-type]
-    with pytest.raises(Stopped):
+    with pytest.raises(StoppedError):
         sliding.slid(sliding.SlideTask(config, Store(tmp_path), planned), lambda _: None)
     settings, shaking = pushed[4], pushed[6]
     assert (settings.kh, settings.kh_cycles) == (pytest.approx(kh, abs=5e-4), cycles)
