@@ -182,7 +182,7 @@ def show_runs(runs: "Sequence[ComparedRun]") -> None:
     """Runs side by side: their results, and the settings in which they differ."""
     from workflow.report import side_by_side
 
-    folders = [str(run.folder) for run in runs]
+    folders = side_by_side.run_names(runs)
     show_table(("", *folders), [(name, *values) for name, values in side_by_side.rows(runs)])
     differences = [(key, *values) for key, values in side_by_side.differences(runs)]
     if differences:

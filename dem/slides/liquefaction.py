@@ -125,7 +125,7 @@ class Slider:
             if self._at_rest():
                 slide.settled, slide.reason = True, "the surface has come to rest"
             elif self.model.time >= end - 1e-9:
-                slide.reason = f"still moving after {self.drive.end:g} s; {self._driven_by()}"
+                slide.reason = f"still moving after {self.drive.end:.3g} s; {self._driven_by()}"
             self._keep()
             if on_look is not None:
                 on_look(self.model, row, bool(slide.reason) or (len(slide.rows) - 1) % self.frame == 0)

@@ -162,7 +162,7 @@ class PointSlider:
                 where = "out of the section at" if self.ground.room > 0.0 else "across the section to"
                 slide.reason = f"it has run {where} its {slide.stopped_by} side"
             elif self.engine.time >= programme.duration - 1e-9:
-                slide.reason = f"still moving after {programme.duration:g} s"
+                slide.reason = f"still moving after {programme.duration:.3g} s"
             if checkpoint is not None and (slide.reason or time.monotonic() - kept > KEEP):
                 keep(checkpoint, self.engine, slide, shares=np.array([*shares.values()]), **self.began)
                 kept = time.monotonic()

@@ -143,6 +143,8 @@ def test_runs_side_by_side(two: list[Path], capsys: pytest.CaptureFixture[str], 
     assert run("compare", *two, "--page", tmp_path / "both.html") == 0
     said = words(capsys)
     assert "fem.sides free-field fixed" in said
+    assert "input free-field fixed" in said  # the runs by the part of their folders that differs
+    assert "discs" not in said  # no run has any: such a row would be empty
     kc = [json.loads((out / "summary.json").read_text())["fem"]["kc"] for out in two]
     assert f"{kc[0]:.3f} (plateau) {kc[1]:.3f} (plateau)" in said
     html = (tmp_path / "both.html").read_text()

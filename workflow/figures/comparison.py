@@ -131,15 +131,15 @@ def _surfaces(results: Results, name: str) -> bool:
     both = results.dem.slip_surface if results.dem is not None else None
     if both is not None and both.fem:
         terms = f", {results.dem_counterpart.terms}" if results.dem_counterpart is not None else ""
-        label = f"FEM{terms}: where it gives way"
+        label = f"FEM{terms}: slip surface"
         lines.append(Overlay(np.array(both.fem), CONTINUUM, SOLID, label))
     elif results.fem is not None:
         end = results.fem.last_in_equilibrium()
         if end is not None and end.slip_surface:
-            label = f"FEM: middle of the shear, {end.label}"
+            label = f"FEM: slip surface, {end.label}"
             lines.append(Overlay(np.array(end.slip_surface), CONTINUUM, SOLID, label))
     if both is not None and both.dem:
-        label = "discs: middle of the shear, when they fail"
+        label = "discs: slip surface at failure"
         lines.append(Overlay(np.array(both.dem), DISCS, DASHED, label))
     if not lines:
         return False

@@ -45,12 +45,12 @@ def draw_all(config: Config, results: FemResults, store: Store) -> None:
     if slips := _slips(results.answer):
         names.append(SAFETY)
         with store.writing(SAFETY) as path:
-            draw_section(config.section, path, "FEM, where it slips with its strength over the factor of safety", slips)
+            draw_section(config.section, path, "FEM, slip surface at the factor of safety", slips)
     store.remove(sorted(set(store.matching(["figures/fem_kh_*.png", "figures/fem_plateau.png", SAFETY])) - set(names)))
 
 
 def _slips(answer: FemAnswer) -> list[Overlay]:
-    """Where the ground slips with its strength over each factor of safety."""
+    """The slip surface of the ground with its strength divided by each factor of safety."""
     factors = [factor for factor in answer.safety_factors if factor.slip_surface]
     return [
         Overlay(np.array(result.slip_surface), CONTINUUM, DASHES[number % len(DASHES)], _named(result))
@@ -59,7 +59,7 @@ def _slips(answer: FemAnswer) -> list[Overlay]:
 
 
 def _named(factor: FactorOfSafety) -> str:
-    return f"middle of the shear, factor of safety {factor.factor:.2f} at Kh = {factor.kh:g}"
+    return f"slip surface, factor of safety {factor.factor:.2f} at Kh = {factor.kh:g}"
 
 
 def draw_state(config: Config, results: FemResults, state: State, store: Store) -> str:

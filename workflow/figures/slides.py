@@ -1,7 +1,7 @@
 """Pictures of the slides: where the discs came to lie, an animation, settlement and slide in time."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -30,7 +30,7 @@ from workflow.figures.canvas import (
     render,
     soil_colours,
 )
-from workflow.figures.discs import BOUNDARY, FAR, discs, draw_values, nice, window_of
+from workflow.figures.discs import BOUNDARY, FAR, NO_LINE, discs, draw_values, nice, window_of
 from workflow.results.cases import CaseAnswer, Profile
 from workflow.results.history import SlideHistory
 from workflow.results.material_points import PointCase
@@ -72,6 +72,16 @@ class Frame:
     def scale(self) -> Normalize:
         """A colour scale that a few discs rolling away do not stretch."""
         return Normalize(0.0, nice(float(np.percentile(self.moved[self.free], 99.0))))
+
+
+def shown_window(states: Sequence[Frame], springs: str, line: np.ndarray = NO_LINE) -> Window:
+    """Window of a slide: the first state of discs with their box; of material points the ground of all states, since
+    the base of their grid continues beyond the section.
+    """
+    if springs != "mpm":
+        return window_of(states[0], line)
+    free = {name: [getattr(state, name)[state.free] for state in states] for name in ("x", "z", "radius")}
+    return window_of(replace(states[0], **{name: np.concatenate(parts) for name, parts in free.items()}), line)
 
 
 def smoothed(line: np.ndarray, size: float) -> np.ndarray:
@@ -128,7 +138,7 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
     """
     frame = Frame.read(path)
     before, after = np.array(case.surface_before), np.array(case.surface_after)
-    window, norm = window_of(frame, before), frame.scale()
+    window, norm = shown_window([frame], springs, before), frame.scale()
 
     colours = soil_colours([stratum.name for stratum in config.section.strata])
 
@@ -143,7 +153,8 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
     if isinstance(case, CaseAnswer) and not (config.dem.model == "soil" and springs == "calibrated"):
         left = Case(stiffness=case.stiffness)
     kept = left_by(left)
-    foot = f"after {frame.seconds:.1f} s: {case.reason}. Liquefied layers keep {kept}."
+    rest = case.reason if " after " in case.reason else f"after {frame.seconds:.1f} s: {case.reason}"
+    foot = f"{rest[0].upper()}{rest[1:]}. Liquefied layers keep {kept}."
     soils = {
         soil_of(stratum.name): colours[k]
         for k, stratum in enumerate(config.section.strata)
@@ -181,7 +192,7 @@ def animate(config: Config, paths: list[Path], springs: str, number: int, out: P
     config: of the run; paths: files of the states; springs: set of the discs; number: of the case; out: the picture.
     """
     last = Frame.read(paths[-1])
-    norm, window = last.scale(), window_of(Frame.read(paths[0]))
+    norm, window = last.scale(), shown_window([Frame.read(paths[0]), last], springs)
     window = Window(window.left, window.right, window.bottom, window.top)
     font = ImageFont.truetype(fonts.file_for(name_of(config, springs, number)), size=17)
     images = []

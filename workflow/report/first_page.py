@@ -6,7 +6,7 @@ from meshes.section.cutting import shown_name
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.slide_error import slide_error
 from workflow.estimates.structures import structures_of
-from workflow.report.accuracy import METHODS, Accuracy, accuracy, proven_by
+from workflow.report.accuracy import METHODS, Accuracy, accuracy, proven_by, rounded_up
 from workflow.report.findings import CONTRADICTED, lies_still
 from workflow.report.numbers import coefficient, of_cases, span
 from workflow.report.paper import rows
@@ -155,13 +155,16 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
     phrase = _(word, factor=f"{factor.factor:.2f}", flow=_(FLOW[fem.flow]))
     if factor.davis is not None:
         phrase += " " + _("With Davis reduced strength it is {factor}.", factor=f"{factor.davis:.2f}")
-    return HeadlinePart(
-        name=name, value=f"{factor.factor:.2f}", interval=_of_safety(results, fem, factor, _), conclusion=phrase
-    )
+    interval = _of_safety(results, fem, factor, _)
+    value = f"{factor.factor:.2f}" if interval else "–"  # a number whose error nobody knows is no headline
+    unknown = _("numerical error not known: one mesh, no strict bounds")
+    return HeadlinePart(name=name, value=value, interval=interval or unknown, conclusion=phrase)
 
 
 def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Texts) -> str:
-    """The interval of a factor of safety: strict bounds of the same conditions, else what its mesh leaves open."""
+    """The interval of a factor of safety: strict bounds of the same conditions, else what its mesh leaves open, else
+    how far the critical Kh of the same mesh lies from its strict bounds. Empty where there is neither.
+    """
     bounds = results.bounds
     if bounds is not None and bounds.sides == fem.settings.sides and fem.flow == "associated":
         for strict in bounds.safety:
@@ -171,7 +174,14 @@ def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Text
     if factor.rest is not None:
         low = f"{factor.factor * (1.0 - factor.rest):.2f}"
         return _from_to(low, f"{factor.factor:.2f}", METHODS[0], _)
-    return _("numerical error not known: one mesh, no strict bounds")
+    error = accuracy(results, fem)
+    if error is None or not fem.has_kc or error.low <= 0.0:
+        return ""
+    return _(
+        "one mesh, on which the critical Kh is off by at most {error} % {method}",
+        error=f"{100.0 * rounded_up(error.error(fem.kc) / error.low):g}",
+        method=_(error.method),
+    )
 
 
 def _slide(results: Results, _: Texts) -> HeadlinePart:
@@ -259,8 +269,8 @@ def conclusions(results: Results, _: Texts) -> Iterator[str]:
     if results.cases is not None and len([name for name, cases in results.cases.sets.items() if cases]) > 1:
         yield _("The slides of the calibrated discs count; those with the springs of Table 2 are a comparison.")
     compared = [row for row in rows(results) if row.agrees is not None]
-    if compared:
-        off = [row for row in compared if not row.agrees]
+    off = [row for row in compared if not row.agrees]
+    if off:
         discs = [row for row in compared if "calibrated" in row.quantity]
         yield _(
             "{off} of {all} comparisons with the paper disagree, {off_discs} of {discs} of them for the calibrated "

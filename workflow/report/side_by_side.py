@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from os.path import commonpath
 from pathlib import Path
 from typing import Any
 
@@ -64,8 +65,20 @@ def _leaves(data: Any, name: str) -> Iterator[tuple[str, Any]]:
         yield name, data
 
 
+def run_names(runs: Sequence[ComparedRun]) -> list[str]:
+    """The folders of the runs, without the folders that all of them lie in."""
+    shared = commonpath([run.folder.absolute().parent for run in runs])
+    return [str(run.folder.absolute().relative_to(shared)) for run in runs]
+
+
 def rows(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
-    """The results: the name of a quantity, and its value in each run."""
+    """The results: the name of a quantity, and its value in each run; without quantities that no run has."""
+    for name, values in _all_rows(runs):
+        if set(values) != {"–"}:
+            yield name, values
+
+
+def _all_rows(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
     columns: dict[str, Callable[[Summary], str]] = {
         "section": lambda summary: f"{summary.section.name}, {summary.section.sha256[:12]}",
         "sides": lambda summary: summary.fem.sides if summary.fem else "–",
@@ -73,9 +86,8 @@ def rows(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
         "strict bounds, ψ = φ": lambda summary: (
             bracket(summary.bounds.lower, summary.bounds.upper, 3) if summary.bounds else "–"
         ),
-        "critical Kh, discs without a factor": lambda summary: (
-            number(summary.dem.kc_uncalibrated) if summary.dem else "–"
-        ),
+        "factor of safety at Kh = 0": _safety,
+        "critical Kh, uncalibrated discs": lambda summary: number(summary.dem.kc_uncalibrated) if summary.dem else "–",
         "critical Kh, discs": lambda summary: number(summary.dem.kc) if summary.dem else "–",
         "factor on the discs": lambda summary: (
             number(summary.dem.calibrated.value) if summary.dem and summary.dem.calibrated else "–"
@@ -102,6 +114,11 @@ def _continuum(summary: Summary) -> str:
     )
 
 
+def _safety(summary: Summary) -> str:
+    factors = summary.fem.safety_factors if summary.fem is not None else ()
+    return next((f"{factor.factor:.2f}" for factor in factors if factor.kh == 0.0), "–")
+
+
 def _slide(case: CaseNumbers | None) -> str:
     if case is None:
         return "–"
@@ -116,7 +133,7 @@ def page(runs: Sequence[ComparedRun]) -> str:
         templates()
         .get_template("side_by_side.html.jinja")
         .render(
-            runs=[str(run.folder) for run in runs],
+            runs=run_names(runs),
             differences=list(differences(runs)),
             rows=list(rows(runs)),
             pictures=[(name, [pictures_of_run.get(name) for pictures_of_run in pictures]) for name in names],

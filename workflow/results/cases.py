@@ -90,15 +90,21 @@ class CaseAnswer(MovedSurface, CaseNumbers):
 
     @property
     def largest_fall(self) -> tuple[float, float]:
-        """How far the surface falls at most (m), and at which x (m) that is."""
+        """How far the surface falls at most (m), and at which x (m) that is.
+
+        The outermost points of the surface lie on the sides of the model, where a single disc that is left at a side
+        or missing there is no settlement of the ground: the surface is read from its second points on.
+        """
         before, after = (np.array(line).reshape(-1, 2) for line in (self.surface_before, self.surface_after))
         if not len(before) or not len(after):
             return 0.0, 0.0
+        by_x = [line[np.argsort(line[:, 0], kind="stable")] for line in (before, after)]
         x = np.unique(np.concatenate([before[:, 0], after[:, 0]]))
-        x = x[(x >= max(before[:, 0].min(), after[:, 0].min())) & (x <= min(before[:, 0].max(), after[:, 0].max()))]
+        inner = 1 if min(len(before), len(after)) > 2 else 0  # the place of the first point that is read
+        left, right = (choose(line[end, 0] for line in by_x) for choose, end in ((max, inner), (min, -1 - inner)))
+        x = x[(x >= left) & (x <= right)]
         if not len(x):
             return 0.0, 0.0
-        by_x = (line[np.argsort(line[:, 0], kind="stable")] for line in (before, after))
         fall = np.subtract(*(np.interp(x, *line.T) for line in by_x))
         return float(fall.max()), float(x[int(np.argmax(fall))])
 

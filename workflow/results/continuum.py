@@ -44,7 +44,7 @@ class KeptState(Part):
     past_equilibrium: bool = Field(description="whether there is no equilibrium at this Kh")
     largest_displacement_m: float = Field(description="since gravity")
     failed_share_by_stratum: dict[str, float] = Field(description="share of the cells at failure, 0 to 1")
-    slip_surface: Line = Field(description="points [x, elevation] in the middle of the shear (m)")
+    slip_surface: Line = Field(description="points [x, elevation] of the slip surface (m)")
 
 
 class FactorOfSafety(Part):
@@ -64,7 +64,7 @@ class FactorOfSafety(Part):
     )
     associated: float | None = Field(default=None, description="with ψ = φ, where Davis's estimate is the flow")
     rest: float | None = Field(default=None, description="share of the factor that its mesh may still be off by")
-    slip_surface: Line = Field(default=(), description="points [x, elevation] in the middle of the shear (m)")
+    slip_surface: Line = Field(default=(), description="points [x, elevation] of the slip surface (m)")
 
 
 class OtherWay(Part):

@@ -81,7 +81,7 @@ class DiscState(KhTrial):
     set: SetOfSprings
     file: str = Field(description="the discs, within the folder of the run")
     cracked_share_by_stratum: dict[str, float] = Field(description="share of the pore springs that are cracked")
-    slip_surface: Line = Field(description="points [x, elevation] in the middle of the shear (m)")
+    slip_surface: Line = Field(description="points [x, elevation] of the slip surface (m)")
     largest_displacement_m: float = Field(description="of any disc, since rest under its weight")
 
 

@@ -118,6 +118,16 @@ def test_a_crest_that_falls_much_further_than_the_uphill_third_settles_is_told(r
     assert list(of_settlement({1: case.model_copy(update={"surface_after": ()})})) == []
 
 
+def test_a_disc_that_is_missing_beside_the_side_of_the_box_is_no_settlement(run: Config) -> None:
+    """S-13: 3.4 m at x = 1 m, beside the side, and 1.2 to 1.9 m in the ground next to it."""
+    before = ((0.6, 9.0), (2.2, 8.9), (4.0, 8.8), (100.0, 4.5), (200.0, 0.0))
+    after = ((1.3, 5.6), (2.1, 7.7), (3.9, 6.9), (100.0, 4.6), (200.0, -2.2))
+    lost = {"surface_before": before, "surface_after": after}
+    fall, x = dem_fixture.case(0.1, 4.0).model_copy(update=lost).largest_fall
+    assert 1.8 < fall < 2.0
+    assert 3.9 <= x <= 4.0
+
+
 def pushed(run: Config, kc: float, *curve: tuple[float, float]) -> DiscsAnswer:
     """Soil discs whose push took these Kh at these displacements (m)."""
     answer = dem_fixture.critical(run, kc)

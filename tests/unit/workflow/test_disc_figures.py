@@ -1,6 +1,7 @@
 """Pictures of the discs: written, in true proportions, and showing what there is to show."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from tests.support.dem_cases import RADIUS, box
 from workflow.config import Config
 from workflow.figures import discs as dem_figures
 from workflow.figures.canvas import soil_colour
-from workflow.figures.slides import left_by, profiles
+from workflow.figures.slides import Frame, left_by, profiles, shown_window
 from workflow.results.cases import Profile
 
 
@@ -89,3 +90,15 @@ def test_the_foot_of_a_case_says_what_liquefaction_leaves() -> None:
     assert left_by(Case(residual={"Sand": 0.2})).endswith("and a residual strength of their own")
     some = Case(stiffness=0.1, friction=0.15, residual=0.2)
     assert left_by(some).startswith("0.1 of their stiffness, 0.15 of their friction and 0.2 of their vertical")
+
+
+def test_a_picture_of_material_points_shows_the_ground_and_not_the_base_beyond_the_section() -> None:
+    """A levee of 140 m whose base reaches from -44 to 184 m; its toe ran to -2 m, which later states show."""
+    x, one = np.array([-44.0, 0.0, 140.0, 184.0]), np.ones(4)
+    stratum = np.array([-1, 0, 0, -1])
+    first = Frame(x, 10.0 * one, 0.5 * one, stratum, 0.0 * one, 0.0)
+    last = replace(first, x=np.array([-44.0, -2.0, 141.0, 184.0]))
+    window = shown_window([first, last], "mpm")
+    assert -5.5 < window.left < -2.5
+    assert 141.5 < window.right < 144.5
+    assert shown_window([first, last], "calibrated").left < -44.0
