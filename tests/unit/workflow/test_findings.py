@@ -15,14 +15,7 @@ from workflow.report.texts import Texts
 from workflow.report.uncertainty import sources_of_uncertainty
 from workflow.report.warnings import joined
 from workflow.results.cases import CaseAnswer, CasesAnswer, Profile, RandomCase, RandomPackings, Seed, Spread
-from workflow.results.continuum import (
-    FactorOfSafety,
-    OtherWay,
-    PathStep,
-    ResultWarning,
-    ShallowFailurePart,
-    VariantsAnswer,
-)
+from workflow.results.continuum import OtherWay, PathStep, ResultWarning, ShallowFailurePart, VariantsAnswer
 from workflow.results.dem_counterpart import DemCounterpart
 from workflow.results.results import Results
 from workflow.run.record import Entry
@@ -49,22 +42,6 @@ def test_before_anything_was_computed_all_is_open(run: Config) -> None:
     told = text(results(run))
     assert "No critical Kh: the finite element analysis was not run." in told
     assert "The slide after liquefaction is not known: the slides were not computed." in told
-
-
-def test_a_factor_of_safety_is_in_the_headline_only_with_its_error(run: Config) -> None:
-    """One mesh, as S-13 has it: strict bounds of its critical Kh tell its error, else the number stays in the text."""
-    factor = FactorOfSafety(
-        kh=0.0, factor=8.84, upper=8.9, verdict="plateau", reason="", curve=(), shallow_failure=None
-    )
-    answer = fem(run, 0.2345).model_copy(update={"safety_factors": (factor,)})
-    alone = headlines(results(run, fem=answer), Texts())[1]
-    assert (alone.value, alone.interval) == ("–", "numerical error not known: one mesh, no strict bounds")
-    assert "with a factor of safety of 8.84" in alone.conclusion
-    told = headlines(results(run, fem=answer, bounds=bounds(run, 0.2293, 0.2349)), Texts())[1]
-    assert told.value == "8.84"
-    assert told.interval == "one mesh, on which the critical Kh is off by at most 3 % by strict bounds"
-    meshes = answer.model_copy(update={"safety_factors": (factor.model_copy(update={"rest": 0.01}),)})
-    assert headlines(results(run, fem=meshes), Texts())[1].interval == "8.75 to 8.84 by the sequence of meshes"
 
 
 def test_ground_that_is_not_said_to_liquefy_is_not_asked_how_far_it_slides() -> None:
