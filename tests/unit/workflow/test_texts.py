@@ -11,7 +11,8 @@ from jinja2.ext import extract_from_ast
 from tests.support import TOP
 from tests.support.answers import bounds, fem, results
 from tests.support.sections import analysed, slope
-from workflow.report import assumptions, uncertainty
+from workflow.estimates.slide_error import SlideError, SlideMethod
+from workflow.report import assumptions, model_error, uncertainty
 from workflow.report.accuracy import METHODS
 from workflow.report.captions import CAPTIONS
 from workflow.report.first_page import FLOW, SIDES, headlines
@@ -104,6 +105,20 @@ def test_a_warning_is_translated_with_its_numbers() -> None:
     assert Texts("ja").page(f"<p>{mixed}</p>") == f"<p>{mixed}</p>"
     assert Texts("ja").sentence("What nobody has translated.") == "What nobody has translated."
     assert Texts().sentence(told) == told
+
+
+@pytest.mark.parametrize("factor", [2.0, 5.0, 10.0])
+@pytest.mark.parametrize("kind", ["flow failures", "lateral spreads", "slides of the field"])
+@pytest.mark.parametrize("method", ["discs", "mpm"])
+def test_the_error_on_known_slides_has_its_japanese(
+    monkeypatch: pytest.MonkeyPatch, factor: float, kind: str, method: SlideMethod
+) -> None:
+    held = 3 if factor == 10.0 else 8
+    error = SlideError(kind, factor, held, 9, 1.9, method)
+    monkeypatch.setattr(model_error, "slide_error", lambda flows, method: error)
+    sentence = Texts("ja").sentence(model_error.error_sentence([1.0, 2.0], None, method))
+    assert sentence.endswith("。")
+    assert re.search("[a-z]{4}", sentence) is None
 
 
 @pytest.mark.parametrize(("english", "japanese"), sorted(sentences("ja").items()))
