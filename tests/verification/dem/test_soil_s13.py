@@ -24,7 +24,9 @@ from fem.search.dem_counterpart import rigid_box_path
 from meshes.executor import SERIAL
 from meshes.gmsh_model import generate
 from tests.support import SECTIONS
+from workflow.after_triggering import load_config
 from workflow.config import Config
+from workflow.stages.shaking import shaking_of
 
 pytestmark = pytest.mark.slow
 
@@ -61,9 +63,16 @@ def pushed(run: Config, ground: Deposit) -> tuple[Search, DiscModel]:
 
 
 @pytest.fixture(scope="module")
-def slides(run: Config, ground: Deposit) -> list[Slide]:
-    start: DiscModel = ground.settled
-    sliders = [Slider(start, ground.ground, LIQUEFIED, case, run.slide) for case in run.slide.cases]
+def shaken() -> Config:
+    """S-13 in the cycles of its earthquake. A Kh of 0.1, held for ever, is its limit load after liquefaction."""
+    return load_config(SECTIONS / "s13.toml")
+
+
+@pytest.fixture(scope="module")
+def slides(shaken: Config, ground: Deposit) -> list[Slide]:
+    start, cases = ground.settled, shaken.slide.cases[::2]
+    shaking = shaking_of(shaken, LIQUEFIED)
+    sliders = [Slider(start, ground.ground, LIQUEFIED, case, shaken.slide, shaking=shaking) for case in cases]
     with ThreadPoolExecutor(2) as pool:
         return list(pool.map(Slider.run, sliders))
 
@@ -133,21 +142,25 @@ def test_discs_fail_where_the_continuum_does(
 def test_slides_come_to_rest_where_one_can_believe_it(slides: list[Slide]) -> None:
     for slide in slides:
         assert slide.settled
-        assert slide.seconds_simulated <= 60.0
+        assert slide.seconds_simulated <= 60.0  # 29
         assert slide.overlap < 0.5
         assert slide.escaped == 0
         assert slide.area_lost_share < LOST
-    # of one residual strength; their stiffness tells them apart by some centimetres
-    far = [slide.rows[-1].slide_max_m for slide in slides]
-    assert 1.0 < min(far) <= max(far) < 2.5
-    assert far[0] < far[2]
-    drops = [slide.rows[-1].settlement_uphill_m for slide in slides]
-    assert 0.3 < min(drops) <= max(drops) < 0.7
+    # The stiffness of the paper's cases does not count for sand that keeps a residual strength. It slides 1.42 m by the
+    # limiting strains of 25 and 16 % of its blow counts, 1.24 m in another packing, about 3 m in the field.
+    first, last = (slide.rows[-1] for slide in slides)
+    assert first.slide_max_m == last.slide_max_m
+    assert 1.0 < first.slide_max_m < 2.0
+    assert 0.3 < first.settlement_uphill_m < 0.7
 
 
-def test_discs_of_half_the_radius_slide_as_far(run: Config, layers: list[SoilLayer], slides: list[Slide]) -> None:
+def test_discs_of_half_the_radius_slide_as_far(
+    run: Config, shaken: Config, layers: list[SoilLayer], slides: list[Slide]
+) -> None:
     dem = run.dem.model_copy(update={"radius": 0.5 * run.dem.mean_radius(run.section)})
     fine = deposit(run.section, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in layers])
-    slide = Slider(fine.settled, fine.ground, LIQUEFIED, run.slide.cases[1], run.slide).run(threads=2)
+    shaking = shaking_of(shaken, LIQUEFIED)
+    slider = Slider(fine.settled, fine.ground, LIQUEFIED, shaken.slide.cases[0], shaken.slide, shaking=shaking)
+    slide = slider.run(threads=2)
     assert slide.settled
-    assert slide.rows[-1].slide_max_m == pytest.approx(slides[1].rows[-1].slide_max_m, rel=0.3)
+    assert slide.rows[-1].slide_max_m == pytest.approx(slides[0].rows[-1].slide_max_m, rel=0.3)
