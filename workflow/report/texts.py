@@ -17,8 +17,8 @@ SENTENCES = "sentences"  # the table of the catalogue with whole sentences, whos
 CASES = re.compile(r"cases? ([\d, and]+)")
 # A page is cut at scripts and at all tags but those within a sentence; a paragraph is cut behind its sentences.
 CUT = re.compile(r"(<(?:script|style)\b.*?</(?:script|style)>|<(?!/?(?:i|sub|a|br)\b)[^>]*>)", re.DOTALL)
-END = re.compile(r"(?<=\.)(?<!al\.)(?<!eq\.)(?<!Sec\.) (?=[A-Zκ])")
-EDGES = re.compile(r"([\s:;,]*)(.*?)(\s*)", re.DOTALL)
+END = re.compile(r"(?<=[.。])(?<!al\.)(?<!eq\.)(?<!Sec\.) (?=[A-Z]|[^\x00-\x7f])")
+EDGES = re.compile(r"([\s:;,]*)(.*?)((?:\s|<br>)*)", re.DOTALL)
 VALUE = r"((?:(?!\.\ [A-Z]).)+?)"  # within one sentence
 LIST = re.compile(r", and | and |, ")
 QUOTES = (("&#34;", '"'), ("&#39;", "'"))
@@ -101,7 +101,7 @@ class Texts:
             words = words.replace(code, letter)
         words = " ".join(words.split())
         translation = self._sentence_of_page(words)
-        if translation == words:
+        if self.sentence(words) == words:
             parts = map(self._sentence_of_page, END.split(words))
             translation = "".join(part if part.endswith("。") else f"{part} " for part in parts).strip()
         return before + translation + after if translation != words else text

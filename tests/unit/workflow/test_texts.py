@@ -145,3 +145,20 @@ def test_a_report_in_japanese_says_the_same_numbers() -> None:
     assert japanese.interval == "厳密な上下界で 0.229~0.235"
     assert re.findall(r"\d+\.\d+", japanese.conclusion) == re.findall(r"\d+\.\d+", english.conclusion)
     assert "下り斜面" in japanese.conclusion
+
+
+@pytest.mark.parametrize(
+    "html",
+    [
+        "<p>剛体ブロックによる。 Elsewhere, from x = 41 to 46 m towards the left, critical Kh is 0.039: no "
+        "crest slides with it. 全体のものである。</p>",
+        "<sup>b</sup> Warning: 13 % of the energy is lost, so that the slide is a low estimate;<br><sup>c</sup>",
+        "<td>In case 1 liquefaction leaves 砂 with a residual strength of 4.6 kPa and 4.2 kPa, a shear strain of 45 % "
+        "before it holds and 3.8 % less of its volume, and none of its friction and cohesion.</td>",
+        "<td>not judged: plasticity index 25 % is at least 7 %: behaves as clay; above the water table</td>",
+    ],
+)
+def test_sentences_between_japanese_ones_and_notes_of_tables_are_japanese(html: str) -> None:
+    translated = re.sub("<[^>]+>", "", Texts("ja").page(html))
+    assert not re.search("[a-z]{4}", translated), translated
+    assert all(number in translated for number in re.findall(r"\d+\.?\d*", re.sub("<[^>]+>", "", html)))
