@@ -7,6 +7,7 @@ import pytest
 from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
+from tests.support import SECTIONS
 from tests.support.published import cases
 from tests.support.sections import layer
 
@@ -100,3 +101,12 @@ def test_bare_sand_that_hardly_falls_is_bounded_within_the_work_allowed() -> Non
     ground = {"name": "flat", "surface": [[0.0, 0.1], [60.0, 0.1001]], "base": {"elevation": -12.0}, "strata": [sand]}
     found = safety_bounds(Section.parse(ground), FIXED, BoundsSettings(max_cells=600, seconds=20.0), held=True)
     assert (found.lower, found.ended) == (20.0, "range")
+
+
+@pytest.mark.slow
+def test_a_bank_whose_dry_and_wet_faces_meet_has_bounds_of_the_slope_as_a_whole() -> None:
+    """The river bank: elements, whose faces are strengthened, have 1.879; at the waterline ground slips by 1.839."""
+    bank = Section.read(SECTIONS / "river_bank.toml")
+    found = safety_bounds(bank, FemSettings(), BoundsSettings(gap=0.01, seconds=30.0), held=True)
+    assert 1.85 < found.lower < 1.879 < found.upper < 1.91
+    assert found.shallow_failure == pytest.approx(1.839, abs=0.01)
