@@ -81,9 +81,7 @@ def safety_bounds(
     if not _coarse(whole, fem, settings, start, work).fails_at(shallow):
         bounds = _bounds_of(whole, fem, settings, start, work)
         if shallow < bounds.upper:
-            return replace(
-                bounds, shallow_failure=_coarse(section, fem, settings, start, work).least_failing(shallow)
-            )
+            return replace(bounds, shallow_failure=_coarse(section, fem, settings, start, work).least_failing(shallow))
     # Where bare faces of unlike water meet, shallow ground may slip before either of them and before the slope as a
     # whole, by less than coarse triangles tell apart. Half of the work is left for the slope as a whole.
     given = _bounds_of(section, fem, settings, start, FactorWork(0.5 * work.left))
