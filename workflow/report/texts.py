@@ -100,15 +100,16 @@ class Texts:
         for code, letter in QUOTES:
             words = words.replace(code, letter)
         words = " ".join(words.split())
-        translation = self._sentence_of_page(words)
-        if self.sentence(words) == words:
-            parts = map(self._sentence_of_page, END.split(words))
+        whole = self.sentence(words)
+        if whole != words:
+            translation = self._on_page(words, whole)
+        else:
+            parts = (self._on_page(part, self.sentence(part)) for part in END.split(words))
             translation = "".join(part if part.endswith("。") else f"{part} " for part in parts).strip()
         return before + translation + after if translation != words else text
 
-    def _sentence_of_page(self, text: str) -> str:
-        """A translation, or the English sentence where only a part of it would be translated."""
-        translation = self.sentence(text)
+    def _on_page(self, text: str, translation: str) -> str:
+        """The translation of a text, or the English sentence where only a part of it would be translated."""
         return text if text.endswith(".") and not translation.endswith("。") else self._plain(translation)
 
     def _value(self, text: str) -> str:
