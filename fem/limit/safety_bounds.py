@@ -78,16 +78,18 @@ def safety_bounds(
     if shallow is None or shallow >= LARGEST:
         return _bounds_of(section, fem, settings, start, work)
     whole = strengthened(section, faces, fem)
+    deeper: SafetyBounds | None = None
     if not _coarse(whole, fem, settings, start, work).fails_at(shallow):
-        bounds = _bounds_of(whole, fem, settings, start, work)
-        if shallow < bounds.upper:
-            return replace(bounds, shallow_failure=_coarse(section, fem, settings, start, work).least_failing(shallow))
+        deeper = _bounds_of(whole, fem, settings, start, work)
+        if shallow < deeper.upper:
+            return replace(deeper, shallow_failure=_coarse(section, fem, settings, start, work).least_failing(shallow))
     # Where bare faces of unlike water meet, shallow ground may slip before either of them and before the slope as a
     # whole, by less than coarse triangles tell apart. Half of the work is left for the slope as a whole.
-    given = _bounds_of(section, fem, settings, start, FactorWork(0.5 * work.left))
-    whole_bounds = _bounds_of(whole, fem, settings, start, FactorWork(0.5 * work.left))
-    is_shallow = given.upper < (whole_bounds.lower if given.lower > 0.0 else whole_bounds.upper)
-    return replace(whole_bounds, shallow_failure=given.upper) if is_shallow else given
+    half = 0.5 * work.left
+    given = _bounds_of(section, fem, settings, start, work if deeper else FactorWork(half))
+    deeper = deeper or _bounds_of(whole, fem, settings, start, FactorWork(half))
+    is_shallow = given.upper < (deeper.lower if given.lower > 0.0 else deeper.upper)
+    return replace(deeper, shallow_failure=given.upper) if is_shallow else given
 
 
 @dataclass(frozen=True)
