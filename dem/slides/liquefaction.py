@@ -199,13 +199,11 @@ class Slider:
 
     def _float(self) -> None:
         """Soil discs that have moved up or down through the water table are buoyed by what of them is below it."""
-        if self.buoyed is None:
+        if self.buoyed is None or (now := self.ground.buoyancy(self.model)) is None:
             return
-        now = self.ground.buoyancy(self.model)
-        if now is not None:
-            model, start = self.model, self.start
-            model.pore_acceleration_x = start.pore_acceleration_x + (now - self.buoyed)[0]
-            model.pore_acceleration_z = start.pore_acceleration_z + (now - self.buoyed)[1]
+        model, start, change = self.model, self.start, now - self.buoyed
+        model.pore_acceleration_x = start.pore_acceleration_x + change[0]
+        model.pore_acceleration_z = start.pore_acceleration_z + change[1]
 
     def _until(self) -> float:
         """Seconds to the next look or change of springs."""

@@ -15,7 +15,12 @@ Direction = Literal["downhill", "uphill"]
 
 def push(section: Section, settings: FemSettings) -> int:
     """Direction of the horizontal load: +1 to the right, -1 to the left; of both the one that is tried first."""
-    return sign_of(section, "uphill" if settings.direction == "uphill" else "downhill")
+    return sign_of(section, direction_of(settings))
+
+
+def direction_of(settings: FemSettings, turned: bool = False) -> Direction:
+    """The direction of the settings, downhill if both are asked for, or the opposite one (``turned``)."""
+    return "uphill" if (settings.direction == "uphill") != turned else "downhill"
 
 
 def sign_of(section: Section, direction: Direction) -> int:

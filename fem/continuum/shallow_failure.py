@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.continuum.loads import push
+from fem.continuum.loads import direction_of, push
 from fem.settings import FemSettings
 from meshes.quad_mesh import QuadMesh
 from meshes.section.cutting import BELOW_WATER
@@ -144,7 +144,7 @@ def failing_at_rest(
     No stress balances them without a force, and they fail before the slope does in the direction of the force.
     ``section``, ``settings``, ``friction``: as in ``shallow_failures``.
     """
-    against = settings.changed(direction="downhill" if settings.direction == "uphill" else "uphill")
+    against = settings.changed(direction=direction_of(settings, turned=True))
     return [face for face in shallow_failures(section, against, friction) if face.kh < 0.0]
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.continuum.loads import Direction, lifted, push, soils
+from fem.continuum.loads import Direction, direction_of, lifted, push, soils
 from fem.continuum.repetition import refuse_other_sides
 from fem.continuum.shallow_failure import ShallowFailure, failing_at_rest, shallow_failures, strengthened
 from fem.continuum.strength import davis_factor, flow_of, is_dilating_fully, tensile_strengths
@@ -111,10 +111,9 @@ class DirectionGround:
             mesh = after.bracket.mesh
         else:
             mesh = first_mesh(ground, self.max_cells, self.fem.sides)
-        direction: Direction = "uphill" if self.fem.direction == "uphill" else "downhill"
         towards: SectionSide = "right" if push(self.section, self.fem) > 0 else "left"
         body = body_of(ground, mesh, self.fem, davis=after is not None)
-        return DirectionSearch(mesh, body, limits, direction, towards)
+        return DirectionSearch(mesh, body, limits, direction_of(self.fem), towards)
 
 
 def kh_bounds(

@@ -14,7 +14,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from fem.continuum.loads import Direction
+from fem.continuum.loads import Direction, direction_of
 from fem.continuum.shallow_failure import faces_at, least_rolling_factor, strengthened
 from fem.limit.bounds import COARSE_CELLS, first_mesh, strengths
 from fem.limit.factor_search import LARGEST, SMALLEST, FactorSearch, FactorWork, Start, Trial, gap_of_factors
@@ -147,11 +147,6 @@ def _bounds_of(
     ended = "solver" if any(search.solver_fails for search in searches) else ended
     ended = "range" if lower >= LARGEST or upper <= SMALLEST else ended
     ended = "gap" if gap_of_factors(lower, upper) <= settings.gap else ended
-    direction = _direction(fem, turned=searches[-1].upper < searches[0].upper) if start.kh else None
+    direction = direction_of(fem, turned=searches[-1].upper < searches[0].upper) if start.kh else None
     cells = max(trial.cells for trial in trials)
     return SafetyBounds(start.kh, lower, upper, cells, trials, direction=direction, ended=ended)
-
-
-def _direction(fem: FemSettings, turned: bool) -> Direction:
-    """The direction of the settings, downhill if both are asked for, or the opposite one (``turned``)."""
-    return "uphill" if (fem.direction == "uphill") != turned else "downhill"

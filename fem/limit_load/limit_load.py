@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fem.continuum.fields import State
-from fem.continuum.loads import Direction, push
+from fem.continuum.loads import Direction, direction_of, push
 from fem.continuum.nodal_loads import seismic_load
 from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.shallow_failure import ShallowFailure, failing_at_rest, shallow_failures
@@ -144,9 +144,9 @@ def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Groun
     reason = f"it is the limit load of {cells} cells" if verdict == "plateau" else f"no failure up to {kc:g}"
     sand = [*cohesionless_faces(section, settings), *faces_failing_at_rest(section, settings)]
     rolling = [face for face in sand if ground.faces and face.kh < kc]
-    direction: Direction = "uphill" if settings.direction == "uphill" else "downhill"
     flow = flow_of(section.strata, settings.flow)
-    return LimitLoadResult(kc, verdict, flow, direction, reason, ground.limit.mechanism, rolling, ground)
+    mechanism = ground.limit.mechanism
+    return LimitLoadResult(kc, verdict, flow, direction_of(settings), reason, mechanism, rolling, ground)
 
 
 def pushed(

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from fem.continuum.fields import State, state_of, touched_sides
-from fem.continuum.loads import Direction, sign_of
+from fem.continuum.loads import Direction, direction_of, push
 from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.shallow_failure import ShallowFailure
 from fem.continuum.strength import Flow, flow_of
@@ -176,7 +176,7 @@ def _towards(
     ground: Ground | None,
 ) -> CriticalResult:
     """The critical seismic coefficient for a push in the one direction of the ``settings``."""
-    sign = sign_of(section, "uphill" if settings.direction == "uphill" else "downhill")
+    sign = push(section, settings)
     ground = ground or pushed(section, mesh, settings, comm)
     while True:
         ground = at_rest(ground)
@@ -225,7 +225,7 @@ def _followed(
         verdict=limit.verdict,
         element=problem.grid.element,
         flow=flow_of(problem.strata, settings.flow),
-        direction="uphill" if settings.direction == "uphill" else "downhill",
+        direction=direction_of(settings),
         sign=sign,
         reason=limit.reason,
         remedy=limit.remedy,
