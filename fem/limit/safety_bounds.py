@@ -83,6 +83,8 @@ def safety_bounds(
         deeper = _bounds_of(whole, fem, settings, start, work)
         if shallow < deeper.upper:
             return replace(deeper, shallow_failure=_coarse(section, fem, settings, start, work).least_failing(shallow))
+    if not any(face.end == other.start for face in faces for other in faces):
+        return _bounds_of(section, fem, settings, start, work)
     # Where bare faces of unlike water meet, shallow ground may slip before either of them and before the slope as a
     # whole, by less than coarse triangles tell apart. Half of the work is left for the slope as a whole.
     half = 0.5 * work.left
