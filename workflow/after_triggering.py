@@ -115,22 +115,17 @@ def ground_after_triggering(
 
 
 def cases_after_triggering(section: Section, assessment: Assessment, settings: TriggeringSettings) -> list[Case]:
-    """The cases that follow from blow counts, by their names; raises InputError where no relation of strength holds."""
+    """The cases that follow from blow counts, by their names."""
     strata = section.strata
     remains = [layer for layer in left(assessment, settings) if strata[layer.stratum].liquefies_in]
     drained = min(0.2, max((layer.volumetric_strain for layer in remains), default=0.0))
     potential = {strata[layer.stratum].name: layer.strain_potential for layer in remains}
     cases = []
     for name in settings.cases:
-        try:
-            if settings.residual == "ratio":
-                kept: dict[str, Any] = {
-                    "residual": {strata[layer.stratum].name: layer.ratio(name) for layer in remains}
-                }
-            else:
-                kept = {"residual_strength": {strata[layer.stratum].name: layer.strength(name) for layer in remains}}
-        except ValueError as error:
-            raise InputError(section.name, [f'triggering, cases, "{name}": {error}']) from None
+        if settings.residual == "ratio":
+            kept: dict[str, Any] = {"residual": {strata[layer.stratum].name: layer.ratio(name) for layer in remains}}
+        else:
+            kept = {"residual_strength": {strata[layer.stratum].name: layer.strength(name) for layer in remains}}
         cases.append(Case(name=name, volumetric_strain=drained, strain_potential=potential, **kept))
     return cases
 

@@ -21,6 +21,7 @@ from workflow.renamed import current
 from workflow.tables import Tables
 from workflow.triggering.assessment import off_the_section
 from workflow.triggering.plausibility import implausible_triggering
+from workflow.triggering.settings import CASE_NAMES, left_to_blow_counts
 from workflow.uncertain.limits import Reach, reach_of
 from workflow.uncertain.path import changed, plain
 
@@ -151,6 +152,8 @@ class Config(Tables):
                 data = merged(data, {"slide": {"cases": []}})  # not the default ones beside them
             elif isinstance(dem, Mapping) and dem.get("model") == "paper":
                 data = merged(data, {"slide": {"cases": [case.model_dump() for case in CASES["paper"]]}})
+            elif left_to_blow_counts(data):
+                data = merged(data, {"slide": {"cases": []}, "triggering": {"cases": list(CASE_NAMES)}})
             left_open = {key: slide[key] for key in OPEN if isinstance(slide.get(key), str) and slide[key] in OPEN[key]}
             if left_open:
                 data = merged(data, {"slide": dict.fromkeys(left_open, NOT_YET)})

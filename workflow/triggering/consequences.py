@@ -72,8 +72,8 @@ class Left:
     Attributes
     ----------
     stratum : index of the stratum
-    ratios, strengths : residual strength over σ'v, and in Pa, by relation; a relation that holds for none of the tests
-        is left out, tests that are denser than its cases count as dense as these
+    ratios, strengths : residual strength over σ'v, and in Pa, by relation; tests that are denser than its cases count as
+        dense as these. A relation that holds for none of the tests is left out where another holds for one
     volumetric_strain : what drains away, without a unit
     strain_potential : shear strain that it goes through before it holds, without a unit
     """
@@ -85,17 +85,12 @@ class Left:
     strain_potential: float
 
     def ratio(self, case: CaseName) -> float:
-        """The residual strength over σ'v of a case by name; ValueError where no relation holds."""
-        return self._of(self.ratios, case)
+        """The residual strength over σ'v of a case by name."""
+        return CHOICE[case](list(self.ratios.values()))
 
     def strength(self, case: CaseName) -> float:
-        """The residual strength (Pa) of a case by name; ValueError where no relation holds."""
-        return self._of(self.strengths, case)
-
-    def _of(self, values: Mapping[str, float], case: CaseName) -> float:
-        if not values:
-            raise ValueError("none of the relations of residual strength holds for blow counts as high as these")
-        return CHOICE[case](list(values.values()))
+        """The residual strength (Pa) of a case by name."""
+        return CHOICE[case](list(self.strengths.values()))
 
 
 def left(assessment: Assessment, settings: TriggeringSettings) -> tuple[Left, ...]:
@@ -122,9 +117,8 @@ def _of_stratum(number: int, assessment: Assessment, settings: TriggeringSetting
         for test, (n1, _) in zip(tests, counts, strict=True)
     ]
     ratios, strengths = {}, {}
-    for relation in RELATIONS:
-        if all(relation.ratio(soil) is None for soil in soils):
-            continue
+    holding = [relation for relation in RELATIONS if any(relation.ratio(soil) is not None for soil in soils)]
+    for relation in holding or RELATIONS:
         least = [relation.least_ratio(soil) for soil in soils]
         ratios[relation.title] = _mean(tests, least)
         kept = [KPA * soil.effective * ratio for soil, ratio in zip(soils, least, strict=True)]

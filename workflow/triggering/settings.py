@@ -1,10 +1,12 @@
 """How triggering is judged, and from which borings: a table [triggering]."""
 
-from typing import Literal
+from collections.abc import Mapping
+from typing import Any, Literal, get_args
 
 from pydantic import Field, StrictBool
 
 from meshes.borings.boring import Boring
+from meshes.section.liquefies import TRIGGERED
 from meshes.section.quantity import Length
 from meshes.section.section import Model
 from workflow.triggering.highway_code import MotionType
@@ -12,6 +14,7 @@ from workflow.triggering.highway_code import MotionType
 Method = Literal["idriss_boulanger_2008", "boulanger_idriss_2014", "highway_1990", "highway_2012", "highway_2017"]
 
 CaseName = Literal["median", "low strength", "high strength"]
+CASE_NAMES: tuple[CaseName, ...] = get_args(CaseName)
 Residual = Literal["strength", "ratio"]
 
 
@@ -42,7 +45,8 @@ class TriggeringSettings(Model):
     cases: tuple[CaseName, ...] = Field(
         default=(),
         description="cases of the slide that follow from the blow counts, after those that [slide] gives, in place of "
-        'its default ones: "median", "low strength", "high strength", by the residual strengths of three relations',
+        'its default ones: "median", "low strength", "high strength", by the residual strengths of three relations; '
+        "all three where [slide] has no cases and whatever liquefies is triggered",
     )
     residual: Residual = Field(
         default="strength",
@@ -61,3 +65,17 @@ class TriggeringSettings(Model):
         "their tests (F_L from 1 to 2)",
     )
     borings: tuple[Boring, ...] = Field(default=(), description="one table [[triggering.borings]] for each boring")
+
+
+def left_to_blow_counts(data: Mapping[str, Any]) -> bool:
+    """Whether blow counts decide all that liquefies in a section file, and its [triggering] names no cases.
+
+    ``data``: the tables of the file as they were read, which may hold anything.
+    """
+    settings = data.get("triggering")
+    if not isinstance(settings, Mapping) or "cases" in settings or not settings.get("borings"):
+        return False
+    lists = [data.get("strata"), data.get("zones")]
+    soils = [soil for soils in lists if isinstance(soils, list | tuple) for soil in soils if isinstance(soil, Mapping)]
+    liquefy = [soil["liquefies_in"] for soil in soils if soil.get("liquefies_in")]
+    return bool(liquefy) and all(isinstance(cases, str) and cases == TRIGGERED for cases in liquefy)

@@ -263,9 +263,31 @@ def test_cases_by_name_follow_those_of_the_slide() -> None:
     assert all(not case.residual_strength for case in analysed(data).cases)
 
 
-def test_no_relation_of_residual_strength_holds_for_dense_sand() -> None:
+def test_sand_denser_than_all_cases_of_the_relations_counts_as_their_densest() -> None:
+    """N = 16 and 22 at 2 g: more strength than N = 8 leaves, and the same for both."""
     data = bored()
     data["earthquake"]["peak_acceleration"] = "20 m/s^2"
-    data["triggering"]["borings"] = [{"name": "B-1", "x": 20.0, "spt": [test(3.0, 16), test(8.0, 60)]}]
     data["triggering"]["cases"] = ["median"]
-    assert "none of the relations of residual strength holds" in "\n".join(problems(data, Config))
+    kept = []
+    for count in (8, 16, 22):
+        data["triggering"]["borings"] = [{"name": "B-1", "x": 20.0, "spt": [test(3.0, count), test(8.0, 60)]}]
+        kept.append(analysed(data).cases[0].strength_of("loose"))
+    assert kept[0] < kept[1] == pytest.approx(kept[2])
+
+
+@pytest.mark.parametrize(
+    ("tables", "names"),
+    [
+        ({}, ["median", "low strength", "high strength"]),
+        ({"triggering": {"cases": ["median"]}}, ["median"]),
+        ({"slide": {"cases": [{"name": "mine", "residual": 0.1}]}}, ["mine"]),
+    ],
+)
+def test_blow_counts_give_the_strengths_where_nothing_else_does(tables: dict[str, Any], names: list[str]) -> None:
+    data = bored()
+    data["triggering"].pop("cases", None)
+    for key, table in tables.items():
+        data[key] = {**data.get(key, {}), **table}
+    config = analysed(data)
+    assert [case.name for case in config.cases] == names
+    assert not [line for line in config.notices if "nothing says what strength" in line]
