@@ -72,7 +72,7 @@ class Left:
     Attributes
     ----------
     stratum : index of the stratum
-    ratios, strengths : residual strength over σ'v, and in Pa, by relation; tests that are denser than its cases count as
+    ratios, strengths : residual strength over σ'v, and in Pa, by relation; tests denser than its cases count as
         dense as these. A relation that holds for none of the tests is left out where another holds for one
     volumetric_strain : what drains away, without a unit
     strain_potential : shear strain that it goes through before it holds, without a unit
