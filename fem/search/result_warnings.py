@@ -56,7 +56,8 @@ def of_bounds(
 ) -> Iterator[ResultWarning]:
     """Compare ``what``, a critical Kh or a factor, with strict bounds of its own flow rule (``same_flow``) or of ψ = φ.
 
-    Only the upper bound of ψ = φ counts for a smaller ψ: ground that dilates less resists no more.
+    Only the upper bound of ψ = φ counts for a smaller ψ: ground that dilates less resists no more. A difference that a
+    mesh may leave (`NOTABLE`) is something to know, a larger one a contradiction.
     ``kc``: the value that is checked; ``lower``, ``upper``: the bounds, None where there is none.
     """
     whose = "" if same_flow else " with ψ = φ, which no smaller ψ can exceed"
@@ -65,11 +66,13 @@ def of_bounds(
             f"The {what} of {kc:.3f} lies {100.0 * (kc / upper - 1.0):.0f} % above the strict upper bound{whose}, "
             f"{upper:.3f}.",
             f"take {upper:.3f} as an upper limit and refine the mesh",
+            contradiction=kc > upper + max(NOTABLE * upper, SMALL_KH),
         )
     if same_flow and lower is not None and kc < lower - max(ROUNDING * lower, SMALL_KH):
         yield ResultWarning(
             f"The {what} of {kc:.3f} lies below the strict lower bound, {lower:.3f}.",
             f"take {lower:.3f} as a lower limit and refine the mesh",
+            contradiction=kc < lower - max(NOTABLE * lower, SMALL_KH),
         )
 
 

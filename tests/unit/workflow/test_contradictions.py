@@ -167,6 +167,9 @@ def test_elements_with_psi_equal_to_phi_above_a_strict_upper_bound_are_told(run:
     opposite = OtherWay(kc=0.31, kc_upper=0.31, verdict="plateau", reason="", direction="uphill", at_sides=())
     [uphill] = told_by_bounds(run, direction="uphill", fem={"opposite": opposite})
     assert uphill.startswith("The critical Kh uphill of 0.310 lies 10 % above the strict upper bound")
+    near = results(run, fem=fem(run, 0.2844), bounds=bounds(run, 0.2799, 0.2815))
+    far = results(run, fem=fem(run, 0.2904), bounds=bounds(run, 0.2799, 0.2815))
+    assert [one.contradiction for one in (*near.warnings, *far.warnings)] == [False, True], "1 and 3.2 % above it"
     assert any("Take 0.281 as an upper limit" in one for one in warned(
         results(run, fem=fem(run, 0.2844), bounds=bounds(run, 0.2799, 0.2815))
     ))  # fmt: skip
