@@ -4,11 +4,13 @@ Points carry mass, momentum, an affine velocity field and stress; a background g
 B-splines moves them. One step is (Hu et al. 2018, ACM Trans. Graph. 37, 150, eqs. 16 to 18, with D = h² / 4)
 
     m_i = Σ m N,   p_i = Σ N (m (v + C d) - dt V D⁻¹ σ d + dt m b),   v_i = p_i / m_i + dt f_i / m_i,
-    C' = D⁻¹ Σ N v_i dᵀ,   x' = x + dt Σ N v_i,   v' = Σ N v_i + α (v - Σ N v_i(old)),
+    x' = x + dt Σ N v_i,   v' = Σ N v_i + α (v - Σ N v_i(old)),   C' = D⁻¹ Σ N v_i dᵀ + α (C - D⁻¹ Σ N v_i(old) dᵀ),
 
-d from the point to the node. α = 0 is the affine particle-in-cell transfer (APIC, Jiang et al. 2015), α near 1 keeps
-what the grid cannot resolve (affine FLIP). All points need the same α, or momentum is not conserved: a point that gives
-its velocity up to the grid takes that of its neighbours, which must give up theirs. Stress is Mohr-Coulomb without
+d from the point to the node. α = 0 is the affine particle-in-cell transfer (APIC, Jiang et al. 2015), which smooths
+velocities in every step; α = 1 keeps what the grid cannot resolve (affine FLIP), C as well as v: the C of the grid
+alone would lose a share of its energy in every step. With S the way from the points to the grid and back, which keeps
+momentum, `take_off` serves to damp (I - S)^m (v, C), as Hammerquist & Nairn (2017, Comput. Methods Appl. Mech. Eng.
+318, 724) filter velocities: of a velocity that S returns but for a share ε it takes ε^m. Stress is Mohr-Coulomb without
 dilation: with t the radius and p the mean of Mohr's circle in the plane (compression positive) t <= c cos φ + p sin φ,
 the out-of-plane stress the intermediate one, returned at constant p (de Souza Neto, Perić & Owen 2008, sec. 8.2, with ψ
 = 0); a mean tension beyond the apex opens the ground, and a volume that has opened has to close before it presses
@@ -42,11 +44,11 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-# Of a point: Lamé's λ + G (Pa), shear modulus (Pa), c cos φ (Pa), sin φ, largest mean tension (Pa), share α of its own
-# velocity that it keeps, volume that drains in a unit of time (1/s, shrinking positive), weight over seismic mass;
-# shear modulus (Pa) below a radius of Mohr's circle (Pa), where it is less, and viscosity (Pa s) besides.
-BULK, SHEAR, STRENGTH, SIN_PHI, LIMIT, KEEP, DRAINS, HEAVY, SOFT, KNEE, VISCOUS = range(11)
-PROPERTIES = 11
+# Of a point: Lamé's λ + G (Pa), shear modulus (Pa), c cos φ (Pa), sin φ, largest mean tension (Pa), volume that
+# drains in a unit of time (1/s, shrinking positive), weight over seismic mass; shear modulus (Pa) below a radius of
+# Mohr's circle (Pa), where it is less, and viscosity (Pa s) besides.
+BULK, SHEAR, STRENGTH, SIN_PHI, LIMIT, DRAINS, HEAVY, SOFT, KNEE, VISCOUS = range(10)
+PROPERTIES = 10
 # Of a point: volume (m²), mass (kg/m), opened volumetric strain, plastic shear strain; of its stress, half the
 # difference of the normal ones and the shear stress (Pa) that are viscous.
 VOLUME, MASS, OPENED, SHEARED, VISCOUS_HALF, VISCOUS_CROSS = range(6)
@@ -250,12 +252,13 @@ def _update_stress(
 @njit(cache=True, nogil=True, error_model="numpy")
 def gather(
     stripes: Integers, offsets: Integers, grid: Floats, velocity: Floats, cell: float, slope: float, periodic: bool,
-    dt: float, push: float, gravity_x: float, gravity_z: float, x: Floats, v: Floats, affine: Floats, stress: Floats,
-    state: Floats, side: Floats, properties: Floats, sums: Floats,
+    dt: float, keep: float, push: float, gravity_x: float, gravity_z: float, x: Floats, v: Floats, affine: Floats,
+    stress: Floats, state: Floats, side: Floats, properties: Floats, sums: Floats,
 ) -> None:  # fmt: skip
     """Move the points of some stripes with the grid, and update their stress.
 
     ``velocity`` (nx, nz, 4): of the nodes, see `move_grid`; ``properties`` (n, PROPERTIES); ``dt``: time step (s);
+    ``keep``: share α, 0 or 1, of what the grid cannot resolve of its velocity that a point keeps;
     ``sums`` (stripes, 2) take energies (J/m). ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``,
     ``state``, ``side``, ``cell``, ``slope``, ``periodic``, ``push``, ``gravity_x``, ``gravity_z``: as in `scatter`.
     """
@@ -270,7 +273,7 @@ def gather(
             fx, fz = across - i, up - j
             w0, w1, w2 = _weights(fx)
             q0, q1, q2 = _weights(fz)
-            old_x = old_z = new_x = new_z = cxx = cxz = czx = czz = 0.0
+            old_x = old_z = new_x = new_z = cxx = cxz = czx = czz = oxx = oxz = ozx = ozz = 0.0
             for a in range(3):
                 wa = w0 if a == 0 else (w1 if a == 1 else w2)
                 column = i + a
@@ -281,8 +284,13 @@ def gather(
                     w = wa * (q0 if b == 0 else (q1 if b == 1 else q2))
                     dz = (b - fz) * cell
                     vx, vz = velocity[column, j + b, 2], velocity[column, j + b, 3]
-                    old_x += w * velocity[column, j + b, 0]
-                    old_z += w * velocity[column, j + b, 1]
+                    ox, oz = velocity[column, j + b, 0], velocity[column, j + b, 1]
+                    old_x += w * ox
+                    old_z += w * oz
+                    oxx += w * ox * dx
+                    oxz += w * ox * dz
+                    ozx += w * oz * dx
+                    ozz += w * oz * dz
                     new_x += w * vx
                     new_z += w * vz
                     cxx += w * vx * dx
@@ -290,9 +298,12 @@ def gather(
                     czx += w * vz * dx
                     czz += w * vz * dz
             cxx, cxz, czx, czz = stiff * cxx, stiff * cxz, stiff * czx, stiff * czz
-            affine[p, 0], affine[p, 1], affine[p, 2], affine[p, 3] = cxx, cxz, czx, czz
+            affine[p, 0] = cxx + keep * (affine[p, 0] - stiff * oxx)
+            affine[p, 1] = cxz + keep * (affine[p, 1] - stiff * oxz)
+            affine[p, 2] = czx + keep * (affine[p, 2] - stiff * ozx)
+            affine[p, 3] = czz + keep * (affine[p, 3] - stiff * ozz)
             cxx, czx = cxx - slope * cxz, czx - slope * czz
-            keep, heavy, mass = properties[p, KEEP], properties[p, HEAVY], state[p, MASS]
+            heavy, mass = properties[p, HEAVY], state[p, MASS]
             middle_x, middle_z = 0.5 * (old_x + new_x), 0.5 * (old_z + new_z)
             external += mass * dt * ((push + heavy * gravity_x) * middle_x + heavy * gravity_z * middle_z)
             external += dt * (side[p] * middle_x - 0.25 * cell * abs(side[p]) * cxx)
@@ -319,17 +330,48 @@ def gather(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def take_off(
+    stripes: Integers, offsets: Integers, velocity: Floats, cell: float, slope: float, periodic: bool, x: Floats,
+    v: Floats, affine: Floats,
+) -> None:  # fmt: skip
+    """Take off the velocities of some stripes' points what the grid returns of them: (I - S) (v, C).
+
+    ``velocity`` (nx, nz, 4): of the nodes; ``v`` (n, 2), ``affine`` (n, 4) are changed; ``stripes``, ``offsets``,
+    ``x``, ``cell``, ``slope``, ``periodic``: as in `scatter`.
+    """
+    inverse, columns = 1.0 / cell, velocity.shape[0]
+    stiff = 4.0 * inverse
+    for stripe in stripes:
+        for p in range(offsets[stripe], offsets[stripe + 1]):
+            across, up = inverse * x[p, 0], inverse * (x[p, 1] - slope * x[p, 0])
+            i, j = math.floor(across - 0.5), math.floor(up - 0.5)
+            fx, fz = across - i, up - j
+            along, upwards = _weights(fx), _weights(fz)
+            for a in range(3):
+                column = (i + a) % columns if periodic else i + a
+                for b in range(3):
+                    w = along[a] * upwards[b]
+                    vx, vz = w * velocity[column, j + b, 0], w * velocity[column, j + b, 1]
+                    v[p, 0] -= vx
+                    v[p, 1] -= vz
+                    affine[p, 0] -= stiff * vx * (a - fx)
+                    affine[p, 1] -= stiff * vx * (b - fz)
+                    affine[p, 2] -= stiff * vz * (a - fx)
+                    affine[p, 3] -= stiff * vz * (b - fz)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def advance(
     steps: int, stripes: Integers, offsets: Integers, cell: float, slope: float, periodic: bool, dt: float,
-    pushes: Floats, gravity_x: float, gravity_z: float, damping: float, uplift: Floats, held: NDArray[np.int8],
-    x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats, side: Floats, properties: Floats,
-    grid: Floats, velocity: Floats, gained: Floats, sums: Floats,
+    keep: float, pushes: Floats, gravity_x: float, gravity_z: float, damping: float, uplift: Floats,
+    held: NDArray[np.int8], x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats, side: Floats,
+    properties: Floats, grid: Floats, velocity: Floats, gained: Floats, sums: Floats,
 ) -> None:  # fmt: skip
     """Take some steps on one thread.
 
     ``pushes`` (steps,): accelerations by shaking (m/s²); ``steps``: how many. ``uplift``, ``held``, ``damping``,
-    ``velocity``, ``gained``: as in `move_grid`; ``properties``, ``sums``: as in `gather`; ``stripes``, ``offsets``,
-    ``x``, ``v``, ``affine``, ``stress``, ``state``, ``side``, ``cell``, ``slope``, ``periodic``, ``dt``,
+    ``velocity``, ``gained``: as in `move_grid`; ``keep``, ``properties``, ``sums``: as in `gather`; ``stripes``,
+    ``offsets``, ``x``, ``v``, ``affine``, ``stress``, ``state``, ``side``, ``cell``, ``slope``, ``periodic``, ``dt``,
     ``gravity_x``, ``gravity_z``, ``grid``: as in `scatter`.
     """
     heavy = properties[:, HEAVY].copy()
@@ -343,6 +385,6 @@ def advance(
             )  # fmt: skip
         move_grid(0, grid.shape[0], grid, uplift, held, dt, damping, velocity, gained)
         gather(
-            stripes, offsets, grid, velocity, cell, slope, periodic, dt, push, gravity_x, gravity_z, x, v, affine,
-            stress, state, side, properties, sums,
+            stripes, offsets, grid, velocity, cell, slope, periodic, dt, keep, push, gravity_x, gravity_z, x, v,
+            affine, stress, state, side, properties, sums,
         )  # fmt: skip

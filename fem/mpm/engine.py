@@ -14,9 +14,10 @@ from meshes.section.quantity import GRAVITY
 COURANT = 0.7  # time step over the time in which the fastest wave crosses a cell
 STRIPE = 8  # columns of cells that belong together
 DRIFT = 0.5  # of a cell, that points may go before they are sorted again
-BATCH = 0.02  # s, after which the time step follows the fastest point
+BATCH = 0.02  # s, after which the time step follows the fastest point, and velocities are filtered
+FILTER = 3  # power of what the grid does not return of a velocity, that decays
 
-ARRAYS = ("x", "v", "affine", "stress", "state", "properties", "start", "stratum", "decay", "side")  # of the points
+ARRAYS = ("x", "v", "affine", "stress", "state", "properties", "start", "stratum", "side")  # of the points
 
 Push = Callable[[np.ndarray], np.ndarray]
 
@@ -82,6 +83,8 @@ class MaterialPointEngine:
         Acceleration by weight (m/s²), x and z.
     threads : int
         Threads; the answer is the same to the bit for any number.
+    decay : float
+        Rate (1/s) at which velocities that the grid cannot resolve are lost; inf for all of them in every step (APIC).
     """
 
     def __init__(
@@ -90,8 +93,9 @@ class MaterialPointEngine:
         grid: BackgroundGrid,
         gravity: tuple[float, float] = (0.0, -GRAVITY),
         threads: int = 1,
+        decay: float = np.inf,
     ) -> None:
-        self.points, self.grid, self.gravity, self.threads = points, grid, gravity, threads
+        self.points, self.grid, self.gravity, self.threads, self.decay = points, grid, gravity, threads, decay
         self.time, self.steps = 0.0, 0
         self.order = np.arange(len(points.x))  # numbers, as handed over, of the points as they lie now
         self._began = points.kinetic(grid.cell), points.elastic()
@@ -129,7 +133,9 @@ class MaterialPointEngine:
             dt = batch / steps
             middles = self.time + dt * (np.arange(steps) + 0.5)
             pushes = np.zeros(steps) if push is None else np.asarray(push(middles), dtype=float)
-            self._advance(dt, pushes, damping)
+            with ThreadPoolExecutor(self.threads, thread_name_prefix="material-points") as pool:
+                self._advance(pool, dt, pushes, damping)
+                self._filter(pool, batch)
             self.time += batch
             self.steps += steps
             if np.abs(self.points.x - self._sorted_at).max() > DRIFT * self.grid.cell:
@@ -167,35 +173,55 @@ class MaterialPointEngine:
         self.steps, self._began = int(steps), (began[0], began[1])
         self._share()
 
-    def _advance(self, dt: float, pushes: np.ndarray, damping: float) -> None:
+    def _advance(self, pool: ThreadPoolExecutor, dt: float, pushes: np.ndarray, damping: float) -> None:
         points, grid = self.points, self.grid
-        with np.errstate(invalid="ignore"):
-            points.properties[:, kernel.KEEP] = np.maximum(1.0 - points.decay * dt, 0.0)
+        keep = float(np.isfinite(self.decay))
         moving = points.x, points.v, points.affine, points.stress, points.state
         if self.threads == 1:
             kernel.advance(
-                len(pushes), self._stripes, self._offsets, grid.cell, grid.slope, grid.periodic, dt, pushes,
+                len(pushes), self._stripes, self._offsets, grid.cell, grid.slope, grid.periodic, dt, keep, pushes,
                 *self.gravity, damping, grid.uplift, grid.held, *moving, points.side, points.properties, self._nodes,
                 self._velocity, self._gained, self._sums,
             )  # fmt: skip
             return
+        for push in pushes:
+            self._move_grid(pool, points.v, points.affine, dt, push, damping)
+            list(pool.map(lambda mine, push=push: kernel.gather(
+                mine, self._offsets, self._nodes, self._velocity, grid.cell, grid.slope, grid.periodic, dt, keep, push,
+                *self.gravity, *moving, points.side, points.properties, self._sums,
+            ), self._all))  # fmt: skip
+
+    def _move_grid(
+        self, pool: ThreadPoolExecutor, v: np.ndarray, affine: np.ndarray, dt: float, push: float, damping: float
+    ) -> None:
+        """Velocities of the nodes from those (n, 2), (n, 4) of the points, before and after a step."""
+        points, grid = self.points, self.grid
         heavy = points.properties[:, kernel.HEAVY].copy()
+        self._nodes[:] = 0.0
+        for shares in self._even, self._odd:
+            list(pool.map(lambda mine: kernel.scatter(
+                mine, self._offsets, points.x, v, affine, points.stress, points.state, heavy, points.side,
+                points.properties, grid.cell, grid.slope, grid.periodic, push, *self.gravity, self._nodes,
+            ), shares))  # fmt: skip
         edges = np.linspace(0, grid.shape[0], self.threads + 1).astype(int)
-        with ThreadPoolExecutor(self.threads, thread_name_prefix="material-points") as pool:
-            for push in pushes:
-                self._nodes[:] = 0.0
-                for shares in self._even, self._odd:
-                    list(pool.map(lambda mine, push=push: kernel.scatter(
-                        mine, self._offsets, *moving, heavy, points.side, points.properties, grid.cell, grid.slope,
-                        grid.periodic, push, *self.gravity, self._nodes,
-                    ), shares))  # fmt: skip
-                list(pool.map(lambda first, last: kernel.move_grid(
-                    first, last, self._nodes, grid.uplift, grid.held, dt, damping, self._velocity, self._gained
-                ), edges[:-1], edges[1:]))  # fmt: skip
-                list(pool.map(lambda mine, push=push: kernel.gather(
-                    mine, self._offsets, self._nodes, self._velocity, grid.cell, grid.slope, grid.periodic, dt, push,
-                    *self.gravity, *moving, points.side, points.properties, self._sums,
-                ), self._all))  # fmt: skip
+        list(pool.map(lambda first, last: kernel.move_grid(
+            first, last, self._nodes, grid.uplift, grid.held, dt, damping, self._velocity, self._gained
+        ), edges[:-1], edges[1:]))  # fmt: skip
+
+    def _filter(self, pool: ThreadPoolExecutor, seconds: float) -> None:
+        """Let velocities that the grid cannot resolve decay as they do in some seconds."""
+        points, grid = self.points, self.grid
+        if self.decay == 0.0 or np.isinf(self.decay):
+            return
+        v, affine = points.v.copy(), points.affine.copy()
+        for _ in range(FILTER):
+            self._move_grid(pool, v, affine, 0.0, 0.0, 0.0)
+            list(pool.map(lambda mine: kernel.take_off(
+                mine, self._offsets, self._velocity, grid.cell, grid.slope, grid.periodic, points.x, v, affine
+            ), self._all))  # fmt: skip
+        share = -np.expm1(-self.decay * seconds)
+        points.v[:] -= share * v
+        points.affine[:] -= share * affine
 
     def _sort(self) -> None:
         """Put the points in the order of stripes, columns and rows, and the stripes to the threads."""

@@ -29,8 +29,6 @@ class PointSoil:
         Largest mean tension (Pa); inf for none but the apex of the cone, c cot φ.
     weight_ratio : float or ndarray
         Density that gravity acts on over ``density`` (-); below 1 where buoyancy is in the density.
-    keep : float or ndarray
-        Decay rate κ (1/s) of velocities that the grid cannot resolve, α = 1 - κ dt; inf for APIC (α = 0).
     """
 
     density: float | np.ndarray
@@ -40,7 +38,6 @@ class PointSoil:
     friction: float | np.ndarray
     tension: float | np.ndarray = np.inf
     weight_ratio: float | np.ndarray = 1.0
-    keep: float | np.ndarray = np.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,14 +55,12 @@ class MaterialPoints:
     state : ndarray (n, 6)
         Volume (m²), mass (kg/m), opened volumetric strain (-), plastic shear strain (-), viscous part of the stress
         (Pa), as `fem.kernels.material_points` lists them.
-    properties : ndarray (n, 11)
-        As `fem.kernels.material_points` lists them; the share of velocity kept is in 1/s until the step is known.
+    properties : ndarray (n, 10)
+        As `fem.kernels.material_points` lists them.
     start : ndarray (n, 2)
         Place at the beginning (m).
     stratum : ndarray (n,)
         Number of the stratum, -1 for rigid ground around the section.
-    decay : ndarray (n,)
-        Rate (1/s) at which velocities which the grid cannot resolve are given up to it.
     side : ndarray (n,)
         Force (N/m) that presses horizontally on the points beside a free-field side, 0 elsewhere.
     """
@@ -78,7 +73,6 @@ class MaterialPoints:
     properties: np.ndarray
     start: np.ndarray
     stratum: np.ndarray
-    decay: np.ndarray
     side: np.ndarray
 
     @classmethod
@@ -114,7 +108,6 @@ class MaterialPoints:
             properties=properties,
             start=np.array(x, dtype=float),
             stratum=np.zeros(n, dtype=np.int64) if stratum is None else np.array(stratum, dtype=np.int64),
-            decay=np.array(np.broadcast_to(np.asarray(soil.keep, dtype=float), n)),
             side=np.zeros(n),
         )
         points.set_strength(soil.cohesion, soil.friction, soil.tension)

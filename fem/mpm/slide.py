@@ -23,8 +23,8 @@ SETTLE, LONGEST_SETTLING = 0.5, 30.0  # s between two looks at that, and after w
 STILL = 1e-4  # m: movement between those looks with which the ground is at rest
 LOOK, WINDOW, WINDOWS = 0.5, 5.0, 3  # s between two looks; s and number of windows in which the surface must not move
 ONSET_STEPS = 20  # in which strength changes as ground liquefies
-# 1/s: with which points give velocities of their own, which the grid cannot resolve, up to it. The smaller one keeps
-# more noise, and slides further; both are computed, and their difference is the method's interval.
+# 1/s: with which velocities of points decay that the grid cannot resolve. The smaller one keeps more noise; both are
+# computed, and their difference is part of the method's interval.
 DECAYS = (10.0, 1.0)
 # s: viscosity over stiffness of liquefied ground that has not strained by its potential. With it ground comes to rest
 # where it would if its stiffness were lost slowly, and does not swing for minutes; the loops of sand take that energy.
@@ -139,7 +139,7 @@ class PointSlider:
         ``programme``: what shakes the ground, and when strata liquefy.
         """
         slide = PointSlide(before=self._surface(), cell=self.ground.grid.cell)
-        self.ground.points.decay[:] = decay
+        self.engine.decay = decay
         self._remember(programme)
         shares: dict[int, float] = dict.fromkeys(programme.starts, 0.0)
         left = resume(checkpoint, self.engine, slide) if checkpoint is not None else None

@@ -86,14 +86,14 @@ class EndlessSlope:
             weak = np.where(stratum == 0, 0, -1)
             edge = edge_strength(places, np.full(len(places), 0.5 * cell), mass, weak, own, cell)
             cohesion[edge.points], friction[edge.points] = edge.strength, 0.0
-        soil = PointSoil(density, 2.0 * shear * (1.0 + poisson), poisson, cohesion, friction, keep=decay)
+        soil = PointSoil(density, 2.0 * shear * (1.0 + poisson), poisson, cohesion, friction)
         points = MaterialPoints.of(places, np.full(len(places), 0.25 * cell**2), soil, stratum)
         points.stress[:, 1] = -UNIT_WEIGHT * np.cos(self.angle) * depth
         points.stress[:, 0] = np.where(stratum == 0, 1.0, 0.6) * points.stress[:, 1]
         points.stress[:, 2] = UNIT_WEIGHT * np.sin(self.angle) * depth
         grid = BackgroundGrid.empty(cell, columns, int((deep + firm) / cell) + FLOOR + 6, periodic=True, floor=FLOOR)
         gravity = GRAVITY * np.sin(self.angle), -GRAVITY * np.cos(self.angle)
-        return MaterialPointEngine(points, grid, gravity, threads)
+        return MaterialPointEngine(points, grid, gravity, threads, decay)
 
     def moved(self, engine: MaterialPointEngine, kh: float, end: float) -> float:
         """Displacement (m) of the crust under Kh as in `newmark`."""
@@ -146,8 +146,8 @@ class EndlessSlope:
 
 
 def column(
-    half_width: float, height: float, cohesion: float, friction: float, cell: float, reach: float, keep: float = np.inf,
-    young: float | None = None,
+    half_width: float, height: float, cohesion: float, friction: float, cell: float, reach: float,
+    decay: float = np.inf, young: float | None = None,
 ) -> MaterialPointEngine:  # fmt: skip
     """A column of ground on rough firm ground, free at both sides, under its weight from the beginning."""
     firm = 3.0 * cell
@@ -160,7 +160,7 @@ def column(
     poisson = 0.3 if friction > 0.0 else 0.45
     own = np.where(stratum == 0, cohesion, 1e15)
     phi = np.where(stratum == 0, friction, 0.0)
-    soil = PointSoil(density, young, poisson, own, phi, keep=keep)
+    soil = PointSoil(density, young, poisson, own, phi)
     half = int(reach / cell) + 4
     places = places + np.array([half * cell, (FLOOR - 1) * cell + firm])
     points = MaterialPoints.of(places, np.full(len(places), 0.25 * cell**2), soil, stratum)
@@ -170,7 +170,7 @@ def column(
     if friction == 0.0:  # the floor over which it will run, too: knot spans halfway in it
         points.set_strength(cohesion, 0.0, where=(stratum < 0) & (places[:, 1] > (FLOOR - 1.5) * cell + firm))
     grid = BackgroundGrid.empty(cell, 2 * half + 1, int(height / cell) + 2 * FLOOR + 8, floor=FLOOR)
-    return MaterialPointEngine(points, grid)
+    return MaterialPointEngine(points, grid, decay=decay)
 
 
 def front(engine: MaterialPointEngine) -> float:
@@ -197,7 +197,7 @@ def slump(weight_over_strength: float, cells: int, steps: int) -> RunOut:
     height = 30.0
     strength = UNIT_WEIGHT * height / weight_over_strength
     engine = column(
-        2.0 * height, height, strength, 0.0, height / cells, 5.0 * height, keep=10.0 if steps > 1 else 1.0,
+        2.0 * height, height, strength, 0.0, height / cells, 5.0 * height, decay=10.0 if steps > 1 else 1.0,
         young=300.0 * strength,
     )  # fmt: skip
     unit = np.sqrt(height / GRAVITY)

@@ -1,5 +1,6 @@
 """The material point method beside closed forms, Newmark's block, and published experiments."""
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -17,13 +18,16 @@ from fem.mpm import (
     PointSoil,
     ground_of,
 )
-from fem.mpm.slide import DECAYS, LOOK
+from fem.mpm.slide import DECAYS, LOOK, LOSS
 from fem.mpm.weak_edges import edge_strength
 from fem.settings import Sides
 from meshes.section.quantity import GRAVITY
+from tests.support import SECTIONS
 from tests.support.material_points import UNIT_WEIGHT, EndlessSlope, column, front, lattice, pushed, slump
 from tests.support.sections import slope
+from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
+from workflow.stages.mpm import slide_of_points
 
 DENSITY = 1800.0
 
@@ -66,9 +70,9 @@ def test_elastic_column_settles_by_its_weight_and_swings_with_its_period() -> No
     stratum = np.where(places[:, 1] < 2.0 * cell + firm, -1, 0)
     stiff = np.where(stratum < 0, 100.0, 1.0) * young
     points = MaterialPoints.of(
-        places, np.full(len(places), 0.25 * cell**2), PointSoil(DENSITY, stiff, poisson, 1e12, 0.0, keep=1.0), stratum
+        places, np.full(len(places), 0.25 * cell**2), PointSoil(DENSITY, stiff, poisson, 1e12, 0.0), stratum
     )
-    engine = MaterialPointEngine(points, BackgroundGrid.empty(cell, 4, 70, periodic=True))
+    engine = MaterialPointEngine(points, BackgroundGrid.empty(cell, 4, 70, periodic=True), decay=1.0)
     modulus = young * (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
     period = 4.0 * height / np.sqrt(modulus / DENSITY)
     top = np.argmax(engine.original(points.x)[:, 1])
@@ -126,6 +130,35 @@ def test_threads_do_not_change_a_bit() -> None:
         for name in ("x", "v", "stress", "state"):
             assert np.array_equal(getattr(one.points, name), getattr(engine.points, name))
         assert one.energy == engine.energy
+
+
+def test_cycles_lose_no_energy_between_points_and_grid() -> None:
+    """15 cycles of twice the yield coefficient slide two cells of 30 kPa: 0.1 % of the energy is out of balance, and
+    0.5 % where the affine fields of points are those of the grid and what it cannot resolve decays unfiltered."""
+    slope = EndlessSlope(30e3, as_ratio=False, crust=6.0, layer=2.0)
+    engine = slope.engine(1.0, columns=4, decay=10.0)
+    kh = 2.0 * slope.yield_coefficient
+    engine.run(12.0, lambda time: kh * GRAVITY * np.sin(2.0 * np.pi * time / 0.67) * (time < 10.0))
+    assert abs(engine.energy.imbalance_share) < 2e-3
+    assert engine.points.displacement[engine.points.stratum == 1, 0].mean() > 1.0
+
+
+@pytest.mark.parametrize(("cells", "least", "most"), [(8, 0.999, 1.0), (2, 0.0, 0.2)])
+def test_velocities_decay_where_the_grid_cannot_resolve_them(cells: int, least: float, most: float) -> None:
+    """A second of decay leaves shear waves of eight cells their energy, and takes that of waves of two; none grows."""
+    engine = _block(young=1.0)
+    engine.gravity, engine.decay = (0.0, 0.0), 10.0
+    points, wave = engine.points, 2.0 * np.pi / (cells * engine.grid.cell)
+    momentum = 0.1 * points.mass.sum()
+    points.v[:, 1] = np.sin(wave * points.x[:, 0])
+    points.v[:, 1] += 0.1 - points.mass @ points.v[:, 1] / points.mass.sum()
+    points.affine[:, 2] = wave * np.cos(wave * points.x[:, 0])
+    before = points.kinetic(engine.grid.cell)
+    with ThreadPoolExecutor(1) as pool:
+        for _ in range(50):
+            engine._filter(pool, 0.02)
+    assert points.mass @ points.v[:, 1] == pytest.approx(momentum, rel=1e-9)
+    assert least < points.kinetic(engine.grid.cell) / before < most
 
 
 @pytest.mark.parametrize(("times", "end"), [(0.8, 12.0), (1.25, 14.0), (2.0, 22.0)])
@@ -241,7 +274,7 @@ def test_apic_alone_loses_the_slide() -> None:
 def test_vertical_cut_stands_below_its_stability_number(stability: float, stands: bool) -> None:
     """γ H / s_u = 3.78 (Kammoun et al. 2010): 3.5 stands, 4.5 fails."""
     height = 10.0
-    engine = column(15.0, height, 18e3 * height / stability, 0.0, 1.0, 24.0, keep=1.0)
+    engine = column(15.0, height, 18e3 * height / stability, 0.0, 1.0, 24.0, decay=1.0)
     engine.run(5.0)
     ground = engine.points.stratum == 0
     sheared = engine.points.state[ground, kernel.SHEARED]
@@ -269,7 +302,7 @@ def test_clay_runs_out_as_a_thin_plastic_layer() -> None:
 @pytest.mark.parametrize("decay", DECAYS)
 def test_ground_without_strength_creates_no_energy(decay: float) -> None:
     """A column that nothing holds bursts: it has what weight gave it, but for some that transfers lose."""
-    engine = column(4.0, 4.0, 1.0, 0.0, 0.5, 20.0, keep=decay)
+    engine = column(4.0, 4.0, 1.0, 0.0, 0.5, 20.0, decay=decay)
     engine.points.set_strength(1.0, 0.0, 1.0, engine.points.stratum == 0)
     engine.run(0.6)
     energy = engine.energy
@@ -291,6 +324,15 @@ def test_a_slope_slides_at_the_critical_kh_of_the_finite_elements(
     assert slides.slide_max > least
     for slide in (stands, slides):
         assert abs(slide.energy_lost_share) < 0.02
+
+
+@pytest.mark.slow
+def test_s13_under_the_cycles_of_its_earthquake_keeps_its_energy() -> None:
+    """At the cells that are the default: 12 % were lost where every step smoothed what the grid cannot resolve."""
+    config = config_after_triggering(Config.load(SECTIONS / "s13.toml"))
+    slide = slide_of_points(config, 2)
+    assert abs(slide.energy_lost_share) < LOSS
+    assert 0.8 < slide.slide_max < 0.9
 
 
 @pytest.mark.slow
