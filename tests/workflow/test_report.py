@@ -20,10 +20,11 @@ from tests.support.sentences import disagreements
 
 COARSE = {"fem.element": "bilinear", "fem.accuracy": 0.0, "fem.kh": [0.1], "variants.which": []}
 FEW_DISCS = {
-    "mesh.size": 3, "dem.elements": 60, "dem.parameter": "none", "dem.kh": [0.1], "dem.resolution": 0.1,
+    "mesh.size": 3, "dem.elements": 50, "dem.parameter": "none", "dem.kh": [], "dem.resolution": 0.1,
     "dem.unbalanced": 1e-2, "dem.element_tests": False, "slide.kh": 0.1, "slide.duration": 2.0,
     "slide.seeds": [], "slide.frames": 5, "bounds.max_cells": 300, "fem.direction": "downhill",
 }  # fmt: skip
+FEW_CELLS = {"mesh.columns": 12, "mesh.rows": 9, "fem.direction": "downhill", "fem.rigid_box": False}
 CONTINUUM = ("--only", "mesh", "--only", "fem", "--only", "report")
 WITH_DISCS = (*CONTINUUM, "--only", "bounds", "--only", "calibrate", "--only", "slide")
 STRONG = {"cohesion": "900 kPa", "friction_angle": "40 deg"}
@@ -67,7 +68,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("runs")
     (folder / "strong").mkdir()
     asked = {
-        "s13": (SECTIONS / "s13.toml", *CONTINUUM, "--set", "mesh.columns=24", "--set", "mesh.rows=9"),
+        "s13": (SECTIONS / "s13.toml", *CONTINUUM, *options(FEW_CELLS)),
         "river_bank": (RIVER_BANK, *WITH_DISCS, *options(FEW_DISCS)),
         "stands": (soil(folder / "strong", **STRONG), *CONTINUUM, *options({"mesh.size": 4, "fem.kh_limit": 0.3})),
         "falls": (soil(folder, **WEAK), *CONTINUUM),
