@@ -99,9 +99,12 @@ def _log(path: Path, header: Header, data: str) -> Log:
 
 
 def _factor(number: int, column: int, unit: str) -> float:
-    """What a quantity in its unit is in m or Pa; raises ValueError that names the column."""
+    """What a quantity in its unit is in m or Pa; raises ValueError that names the column.
+
+    The national registry writes the unit's name after its symbol, "MPa (megaPascal)": that is not read.
+    """
     try:
-        return float((STRENGTH if number in STRESSES else HEIGHT).read(f"1 {unit}"))
+        return float((STRENGTH if number in STRESSES else HEIGHT).read(f"1 {unit.partition('(')[0]}"))
     except ValueError as error:
         raise ValueError(f"column {column + 1} in {unit} {error}") from None
 

@@ -74,6 +74,9 @@ def _document(path: Path) -> Element:
 
 def _model(root: Element, path: Path, wanted: str | None) -> ForeignModel:
     analyses = [node for node in root.iterfind("./Analyses/Analysis") if "SLOPE" in _text(node, "Kind").upper()]
+    if not analyses:
+        kinds = dict.fromkeys(_text(node, "Kind") for node in root.iterfind("./Analyses/Analysis"))
+        raise InputError(str(path), [f"{EXPECTED}; those in it are of {', '.join(filter(None, kinds)) or 'no kind'}"])
     names = [_text(node, "Name") for node in analyses]
     if wanted is not None and wanted not in names:
         raise InputError("--part", [f'"{wanted}": expected an analysis of {path}, one of {", ".join(names)}'])

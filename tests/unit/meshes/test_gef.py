@@ -53,6 +53,13 @@ def test_a_corrected_resistance_counts_and_lengths_may_fall(tmp_path: Path) -> N
     assert [(cone.depth, cone.qc, cone.fs) for cone in log.cones] == [(0.5, 2.1e6, 20e3), (1.0, 3.2e6, 0.0)]
 
 
+def test_units_of_the_national_registry_have_their_names_behind_them(tmp_path: Path) -> None:
+    columns = "#COLUMNINFO= 1, m (meter), diepte, 11\n#COLUMNINFO= 2, kPa (kiloPascal), conusweerstand, 2\n"
+    columns += "#COLUMNINFO= 3, % (procent; MPa/MPa), wrijvingsgetal, 4\n#COLUMNSEPARATOR= ;\n"
+    (log,) = read_gef(written(tmp_path, columns, "1.5;4000;2.0\n")).logs
+    assert [(cone.depth, cone.qc, cone.fs) for cone in log.cones] == [(1.5, 4.0e6, 80e3)]
+
+
 PLAIN = "#COLUMNINFO = 1, m, l, 1\n#COLUMNINFO = 2, MPa, qc, 2\n#COLUMNINFO = 3, MPa, fs, 3\n"
 
 

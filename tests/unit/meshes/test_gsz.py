@@ -82,6 +82,8 @@ def test_bad_models_are_told(tmp_path: Path) -> None:
         read_gsz(written(tmp_path), "slope", "Shaken")  # no context
     with pytest.raises(InputError, match="a point whose coordinates are no numbers"):
         read_gsz(written(tmp_path, change=('ID="1" X="0"', 'ID="1" X="nan"')), "slope")
+    with pytest.raises(InputError, match=r"those in it are of SEEP/W$"):
+        read_gsz(written(tmp_path, change=("SLOPE/W", "SEEP/W")), "slope")
     path = written(tmp_path)
     path.write_bytes(path.read_bytes().replace(b"<GSIData>", b"<GSIDeta>"))
     with pytest.raises(InputError, match="cannot be read: Bad CRC-32"):
