@@ -68,17 +68,23 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
     scenario = scenarios[0 if label is None else labels.index(label)]
     stage = scenario["Stages"][-1]
 
-    def part(folder: str, key: str) -> Json:
-        return next(content for name, content in files if name == folder and content["Id"] == stage[key])
+    def part(folder: str, key: str, of: Json = stage) -> Json:
+        return next(content for name, content in files if name == folder and content["Id"] == of[key])
 
     soils = {soil["Id"]: soil for soil in next(content for name, content in files if name == "soils")["Soils"]}
     of_layer = {pair["LayerId"]: soils[pair["SoilId"]] for pair in part("soillayers", "SoilLayersId")["SoilLayers"]}
-    water, states = part("waternets", "WaternetId"), part("states", "StateId")
+    water = part("waternets", "WaternetId")
+    states = [
+        (of["Label"], part("states", "StateId", of), part("geometries", "GeometryId", of)["Layers"])
+        for of in reversed(scenario["Stages"])
+    ]
     notices = [f'scenario "{scenario["Label"]}", stage "{stage["Label"]}"']
     others = [item for item in labels if item != scenario["Label"]]
     notices += [f"not taken: scenarios {', '.join(others)} (--part names one)"] if others else []
     if len(scenario["Stages"]) > 1:
-        notices.append("not taken: the stages before it; preconsolidation is that over the stress in this one")
+        notices.append(
+            "not taken: the stages before it, but for preconsolidation, as pressure over the stress in this one"
+        )
     table = _table(water)
     layers: list[Layer] = []
     outlines = part("geometries", "GeometryId")["Layers"]
@@ -90,7 +96,7 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
         level, of_level = _head(water, points, table)
         notices += [f'"{soil["Name"]}": {text}' for text in of_level]
         models = soil[ABOVE], soil[BELOW]
-        state = _state(states, item["Id"], points, soil["Name"], notices) if "Su" in models else {}
+        state = _latest_state(states, points, soil["Name"], notices) if "Su" in models else {}
         dry, wet = (
             _strength(soil, model, notices) | (_preconsolidation(state) if model == "Su" else {}) for model in models
         )
@@ -183,6 +189,34 @@ def _head(water: Json, points: np.ndarray, table: np.ndarray | None) -> tuple[di
     if chosen is None or chosen == water["PhreaticLineId"] or table is None:
         return {}, notices
     return {"piezometric_level": heads[chosen].tolist()}, notices
+
+
+def _latest_state(
+    states: Sequence[tuple[str, Json, Sequence[Json]]], points: np.ndarray, soil: str, notices: list[str]
+) -> dict[str, Any]:
+    """The preconsolidation of a layer in the last stage that tells it, of stages with the last one first.
+
+    D-Stability keeps the yield stress of a stage in those after it; a layer is known again by the place of its middle.
+    """
+    for count, (label, state, outlines) in enumerate(states):
+        places = [corners(_pairs(item["Points"])) for item in outlines]
+        same = next((k for k, place in enumerate(places) if _holds(place, _middle(points))), None)
+        found = {} if same is None else _state(state, outlines[same]["Id"], places[same], soil, notices)
+        if found:
+            if count:
+                notices.append(
+                    f'preconsolidation of "{soil}" is that of stage "{label}": too low where water has risen since'
+                )
+            return found
+    return {}
+
+
+def _holds(outline: np.ndarray, point: np.ndarray) -> bool:
+    """Whether a point is inside an outline (n, 2): lines to its left are crossed an odd number of times."""
+    start, end = outline, np.roll(outline, -1, axis=0)
+    cut = (start[:, 1] < point[1]) != (end[:, 1] < point[1])
+    share = (point[1] - start[cut, 1]) / (end[cut, 1] - start[cut, 1])
+    return bool(np.count_nonzero(start[cut, 0] + share * (end[cut, 0] - start[cut, 0]) < point[0]) % 2)
 
 
 def _state(states: Json, layer: str, points: np.ndarray, soil: str, notices: list[str]) -> dict[str, Any]:

@@ -124,6 +124,24 @@ def test_a_dike_is_a_section(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert section.surcharges[0].pressure == (13e3, 13e3)
 
 
+def test_preconsolidation_lasts_from_stage_to_stage(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """At high water there are no states: those of the stage before hold, found by the place of the layer."""
+    data = model()
+    first = data["scenarios/scenario"]["Stages"][-1]
+    layers = [{**item, "Id": f"9{item['Id']}"} for item in data["geometries/geometry"]["Layers"]]
+    data["geometries/geometry_1"] = {"Id": "91", "Layers": layers}
+    soils = [{**pair, "LayerId": f"9{pair['LayerId']}"} for pair in data["soillayers/soillayers"]["SoilLayers"]]
+    data["soillayers/soillayers_1"] = {"Id": "92", "SoilLayers": soils}
+    data["states/state_1"] = {"Id": "94", "StatePoints": [], "StateLines": []}
+    last = {**first, "Label": "High water", "GeometryId": "91", "SoilLayersId": "92", "StateId": "94"}
+    data["scenarios/scenario"] = {**data["scenarios/scenario"], "Stages": [first, last]}
+    assert run("section", written(tmp_path, data), "-o", tmp_path / "dike.toml") == 0
+    assert f'that of stage "{first["Label"]}"' in " ".join(capsys.readouterr().out.split())
+    _, wet, clay, *_ = Section.read(tmp_path / "dike.toml").strata
+    assert clay.pre_overburden_pressure == 12e3
+    assert wet.pre_overburden_pressure > 20e3
+
+
 def test_bad_models_are_told(tmp_path: Path) -> None:
     path = written(tmp_path, model())
     with pytest.raises(InputError, match=r'"Flood": expected a scenario of .*, one of Daily'):
