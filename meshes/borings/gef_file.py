@@ -5,7 +5,7 @@ Quantities have the numbers of GEF-CPT-Report (CUR 2004): 1 length of penetratio
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -59,9 +59,7 @@ def read_gef(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
         raise
     except (IndexError, ValueError) as error:
         raise InputError(str(path), [f"its header is not understood: {error}"]) from None
-    if problems := list(implausible_cones(f"sounding {log.name}, ", log.cones, with_units=True)):
-        raise InputError(str(path), folded(problems))
-    return BoringFile([log], [text.notice] if text.notice else [])
+    return sounding_file(path, log, [text.notice] if text.notice else [])
 
 
 def _log(path: Path, header: Header, data: str) -> Log:
@@ -73,14 +71,39 @@ def _log(path: Path, header: Header, data: str) -> Log:
     factors = {number: _factor(number, *columns[number]) for number in (LENGTH, DEPTH, *STRESSES) if number in columns}
     factors[RATIO] = 0.01
     area = [float(line[1]) for line in header.get("MEASUREMENTVAR", []) if line[0] == AREA_RATIO]
-    cones: dict[float, Cone] = {}
-    for count, numbers in enumerate(_readings(path, header, data), start=1):
-        values = {
+    readings = (
+        {
             number: factors[number] * cell
             for number, (column, _) in columns.items()
             if number in factors and (cell := numbers[column]) is not None
         }
-        reading = _reading(values, area[0] if area else 1.0)
+        for numbers in _readings(path, header, data)
+    )
+    name = ",".join(header.get("TESTID", [[""]])[-1]) or path.stem
+    place = header.get("XYID", [["", "nan", "nan"]])[0]
+    level = float(header.get("ZID", [["", "nan"]])[0][1])
+    return Log(
+        name, (float(place[1]), float(place[2])), level, (), cones=cones_of(path, readings, area[0] if area else 1.0)
+    )
+
+
+def cones_of(path: Path, readings: Iterable[Mapping[int, float]], area: float) -> tuple[Cone, ...]:
+    """Cone resistances from the top down, without readings that met nothing.
+
+    Parameters
+    ----------
+    path : of the file, for complaints
+    readings : quantities (m, Pa) by their numbers in GEF-CPT-Report, those that were measured
+    area : net area ratio of the cone
+
+    Raises
+    ------
+    InputError
+        If a reading cannot be, or none is left.
+    """
+    cones: dict[float, Cone] = {}
+    for count, values in enumerate(readings, start=1):
+        reading = _reading(values, area)
         if reading is None:
             continue
         try:
@@ -90,12 +113,14 @@ def _log(path: Path, header: Header, data: str) -> Log:
             raise InputError(str(path), problems) from None
     if not cones:
         raise InputError(str(path), ["it has no reading with a depth, a resistance and a sleeve friction"])
-    name = ",".join(header.get("TESTID", [[""]])[-1]) or path.stem
-    place = header.get("XYID", [["", "nan", "nan"]])[0]
-    level = float(header.get("ZID", [["", "nan"]])[0][1])
-    return Log(
-        name, (float(place[1]), float(place[2])), level, (), cones=tuple(cones[depth] for depth in sorted(cones))
-    )
+    return tuple(cones[depth] for depth in sorted(cones))
+
+
+def sounding_file(path: Path, log: Log, notices: Sequence[str]) -> BoringFile:
+    """A file of one sounding; raises InputError where its readings are no soil's."""
+    if problems := list(implausible_cones(f"sounding {log.name}, ", log.cones, with_units=True)):
+        raise InputError(str(path), folded(problems))
+    return BoringFile([log], list(notices))
 
 
 def _factor(number: int, column: int, unit: str) -> float:

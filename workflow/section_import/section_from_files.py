@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from meshes.borings.ags4_file import read_ags4
+from meshes.borings.bro_file import read_bro
 from meshes.borings.connect import OFF_LINE, Connected, connected
 from meshes.borings.csv_file import read_csv
 from meshes.borings.gef_file import read_gef
@@ -26,6 +27,7 @@ READERS: dict[str, Callable[[Path, Mapping[str, str]], BoringFile]] = {
     ".csv": read_csv,
     ".ags": read_ags4,
     ".gef": read_gef,
+    ".xml": read_bro,
 }
 DRAWING = ".dxf"
 MODELS: dict[str, Callable[[Path, str, str | None], FoundSection]] = {".stix": read_stix, ".gsz": read_gsz}
@@ -98,7 +100,7 @@ def _made(files: Sequence[Path], out: Path, reading: Reading) -> list[str]:
         raise InputError("section", missing)
     if unknown or (kinds & alone and len(files) > 1):
         messages = (
-            f"expected .csv, .ags and .gef files of borings, or one .dxf drawing, one model {' or '.join(MODELS)}, "
+            f"expected files of borings, {', '.join(READERS)}, or one .dxf drawing, one model {' or '.join(MODELS)}, "
             "or one section .toml to be drawn as .dxf"
         )
         raise InputError("section", [f"{', '.join(map(str, files))}: {messages}"])
