@@ -1,7 +1,7 @@
 """Cone penetration tests of the national registry of the Netherlands (BRO), an XML document for each sounding.
 
-Every reading has 25 numbers in the order of its catalogue (Catalogus geotechnisch sondeeronderzoek 1.1): length and depth
-in m, resistance, friction and pore pressures in MPa, friction ratio in %; -999999 where nothing was measured.
+Every reading has 25 numbers in the order of the catalogue (Catalogus geotechnisch sondeeronderzoek 1.1): length and
+depth in m, resistance, friction and pore pressures in MPa, friction ratio in %; -999999 where nothing was measured.
 """
 
 from collections.abc import Iterator, Mapping
