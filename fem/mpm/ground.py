@@ -1,10 +1,10 @@
 """A section as material points on a grid: their places, their boundary conditions, and their initial stress.
 
 Around the section lie a few cells of rigid ground: below its base, so that the base is rough, and beyond its sides, as
-in the rigid box of the discs. Where the sides are free-field, the latter is taken away once the ground is at rest: what
-it pressed with stays as a force on the points beside it, which the ground does not let sink. Coordinates of points and
-grid are those of the section less an `offset`. Rows of nodes dip as layers that liquefy do: a shear band across the
-cells of a level grid takes 1 to 3 % more strength, which halves slides near yield.
+in the rigid box of the discs, unless these are smooth. Where the sides are free-field, the latter is taken away once
+the ground is at rest: what it pressed with stays as a force on the points beside it, which the ground does not let
+sink. Coordinates of points and grid are those of the section less an `offset`. Rows of nodes dip as layers that liquefy
+do: a shear band across the cells of a level grid takes 1 to 3 % more strength, which halves slides near yield.
 """
 
 from dataclasses import dataclass, replace
@@ -72,8 +72,10 @@ class PointGround:
 
     @property
     def sides(self) -> Sides:
-        """What the sides do: "free-field", "periodic" or "fixed"."""
-        return "free-field" if self.room > 0.0 else "periodic" if self.grid.periodic else "fixed"
+        """What the sides do: "free-field", "periodic", "smooth" or "fixed"."""
+        if self.room > 0.0 or self.grid.periodic:
+            return "periodic" if self.grid.periodic else "free-field"
+        return "smooth" if (self.grid.held == kernel.WALL).any() else "fixed"
 
 
 def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGround:
@@ -82,7 +84,8 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
     Columns of points are filled from the base to the surface layer by layer, so that every layer has its own area and
     the surface is where it is. Stress is that of the column above, K0 = ν / (1 - ν); it is not yet in equilibrium.
     Sides are rigid and rough, and become free-field ones by `with_free_sides` where ``sides`` are so. Smooth sides are
-    rough here, and periodic ones free-field unless they have the same layers, of which one side may lie higher.
+    nodes at rest horizontally, and periodic ones free-field unless they have the same layers, of which one side may
+    lie higher.
     """
     left, right = section.extent
     width, ends = right - left, (section.layering.left[0], section.layering.right[-1])
@@ -92,7 +95,8 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
     cell = width / max(8, round(width / np.sqrt(area / cells)))
     spacing = 0.5 * cell
     room = round(FAR * width / cell) if sides in ("free-field", "periodic") and not periodic else 0
-    x, top, bottom, stratum = _columns(section, spacing, 0 if periodic else BORDER + room)
+    ends_there = periodic or sides == "smooth"
+    x, top, bottom, stratum = _columns(section, spacing, 0 if ends_there else BORDER + room)
     places, volumes, owners, is_top = _fill(x, top, bottom, stratum, spacing)
     inside = (places[:, 0] > left) & (places[:, 0] < right) & (owners >= 0)
     margin = 0 if periodic else BORDER + room + 2
@@ -112,7 +116,8 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
     poisson = np.array([s.poissons_ratio for s in section.strata])[np.maximum(owners, 0)]
     points.stress[:, 1] = -effective
     points.stress[:, 0] = -effective * poisson / (1.0 - poisson)
-    grid = _grid(section, cell, slope, shape, offset, "periodic" if periodic else "fixed")
+    walls: Sides = "periodic" if periodic else "smooth" if sides == "smooth" else "fixed"
+    grid = _grid(section, cell, slope, shape, offset, walls)
     return PointGround(section, points, grid, offset, surface, effective, consolidated, softened, room * cell)
 
 
@@ -253,6 +258,8 @@ def _grid(
     at = np.clip(x, left + 1e-9 * (right - left), right - 1e-9 * (right - left))
     base = section.layering.interfaces(at)[:, -1]
     held = np.full(shape, kernel.FREE, dtype=np.int8)
+    if sides == "smooth":
+        held[(x < left + TINY) | (x > right - TINY)] = kernel.WALL
     held[z <= base[:, None] - (BORDER - 1) * cell] = kernel.HELD
     if sides == "free-field":
         held[:2] = held[-2:] = kernel.HELD

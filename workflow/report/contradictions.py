@@ -101,7 +101,7 @@ def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
         lengths = metre_range([case.slide_max_m for case in stopped.values()])
         end = (
             "have run up against the fixed side of the section"
-            if answer.sides == "fixed"
+            if answer.sides in ("fixed", "smooth")
             else "have run out of the section"
         )
         yield (

@@ -46,6 +46,6 @@ class PointSlidesAnswer(Answer):
     softened: tuple[str, ...] = Field(
         default=(), description="strata that were made less stiff, so that waves allow longer steps"
     )
-    sides: Sides = Field(default="fixed", description="what the sides did; smooth sides are rough for material points")
+    sides: Sides = Field(default="fixed", description="what the sides did")
     cases: dict[int, PointCase] = Field(default={})
     not_possible: str = Field(default="", description="why there are no slides by material points, if there are none")

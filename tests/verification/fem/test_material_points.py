@@ -15,16 +15,17 @@ from fem.mpm import (
     MaterialPointEngine,
     MaterialPoints,
     PointSlide,
+    PointSlider,
     PointSoil,
     ground_of,
 )
-from fem.mpm.slide import DECAYS, LOOK, LOSS
+from fem.mpm.slide import DAMPING, DECAYS, LOOK, LOSS
 from fem.mpm.weak_edges import edge_strength
 from fem.settings import Sides
 from meshes.section.quantity import GRAVITY
 from tests.support import SECTIONS
 from tests.support.material_points import UNIT_WEIGHT, EndlessSlope, column, front, lattice, pushed, slump
-from tests.support.sections import slope
+from tests.support.sections import layer, slope
 from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
 from workflow.stages.mpm import slide_of_points
@@ -311,7 +312,8 @@ def test_ground_without_strength_creates_no_energy(decay: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("sides", "critical", "most", "least"), [("fixed", 0.348, 0.2, 0.5), ("free-field", 0.3036, 1.5, 5.0)]
+    ("sides", "critical", "most", "least"),
+    [("fixed", 0.348, 0.2, 0.5), ("smooth", 0.348, 0.2, 0.5), ("free-field", 0.3036, 1.5, 5.0)],
 )
 def test_a_slope_slides_at_the_critical_kh_of_the_finite_elements(
     sides: Sides, critical: float, most: float, least: float
@@ -360,6 +362,26 @@ def _speed(slide: PointSlide) -> float:
     furthest = int(np.argmax(slide.slide[-1]))
     looks = round(2.0 / LOOK)
     return float((slide.slide[-1][furthest] - slide.slide[-1 - looks][furthest]) / 2.0)
+
+
+def test_ground_between_smooth_sides_settles_alike_everywhere() -> None:
+    """Elastic ground of 10 m whose weight doubles: it settles by γ H² / 2 M, M the uniaxial modulus."""
+    young, poisson = 2e7, 0.3
+    soil = {"density_ordinary": DENSITY, "density_seismic": DENSITY, "cohesion": 4e7, "friction_angle": "0 deg"}
+    stratum = layer("elastic", **soil, youngs_modulus=young, poissons_ratio=poisson)
+    data = {"name": "level", "surface": [[0, 10], [20, 10]], "base": {"depth": 10}, "strata": [stratum]}
+    slider = PointSlider(ground_of(Config.parse(data).section, 200, "smooth"), 1)
+    slider.settle()
+    slider.engine.gravity = 0.0, -2.0 * GRAVITY
+    slider.engine.run(3.0, damping=DAMPING)
+    points = slider.ground.points
+    sunk, mine = -points.displacement[:, 1], points.stratum == 0
+    across = np.round(points.start[:, 0], 3)
+    columns = [sunk[mine & (across == x)] for x in np.unique(across[mine])]
+    modulus = young * (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
+    expected = DENSITY * GRAVITY * 10.0**2 / (2.0 * modulus)
+    for column_of_points in columns:  # the highest and the lowest point lie a quarter of a cell from the ends
+        assert np.ptp(column_of_points) == pytest.approx(expected * 0.95, rel=0.02)
 
 
 def test_surcharges_weigh_on_the_surface_and_shake_with_their_share() -> None:
