@@ -1,4 +1,4 @@
-"""Files of strong-motion networks: PEER, K-NET and KiK-net, COSMOS V1 and V2, CSMIP V1 and V2, ESM; and what is read.
+"""Files of strong-motion networks: PEER, K-NET and KiK-net, COSMOS V1 and V2, CSMIP V1 and V2, RENADIC, ESM.
 
 Sources: PEER NGA-West2, file formats; NIED, "About K-NET ASCII format"; COSMOS Strong Motion Data Format v1.20 (2001);
 A. F. Shakal, M. J. Huang, Standard Tape Format for CSMIP Strong-Motion Data, OSMS 85-03 (1985); ESM, DYNA 1.2.
@@ -50,6 +50,14 @@ CSMIP_V2 = re.compile(
     re.IGNORECASE,
 )
 CSMIP_CHANNEL = re.compile(r"\bChan\s+(\d+)\s*:\s*(.*?)\s*(?:Location|from|$)", re.IGNORECASE)
+
+# Digitised film, where a time stands beside each acceleration.
+FILM = re.compile(
+    r"^\s*UNITS OF UNCOR\w* ACCEL\w* ARE SEC AND ([A-Z]\S*?)\.?\s+(?:MAX\s*=\s*([-\d.]+)\s*G)?", re.IGNORECASE
+)
+FILM_CHANNEL = re.compile(r"^\s*CHAN\s+(\d+)\s*:\s*(.*?)\s*(?:\(|$)", re.IGNORECASE)
+FILM_POINTS = re.compile(r"^\s*NO\. OF POINTS\s*=\s*(\d+)", re.IGNORECASE)
+FILM_INTEGERS, FILM_REALS = (100, "16I5"), (50, "8F10.3")  # of the heading of each channel
 
 # The first line of volume 3 of CSMIP and COSMOS: "Response and Fourier amplitude spectra (86 periods, ...".
 SPECTRA = re.compile(r"^\s*(?:response|fourier)\b.*\bspectr(?:a|um)\b", re.IGNORECASE)
@@ -149,6 +157,29 @@ def csmip(lines: Lines) -> list[RecordedSeries]:
     return components
 
 
+def film(lines: Lines) -> list[RecordedSeries]:
+    """CSMIP V1 of digitised film, which RENADIC of Chile has: pairs of time (s) and acceleration in g or its tenths."""
+    components: list[RecordedSeries] = []
+    channel, count, place = "", 0, 0
+    while place < len(lines):
+        line = lines[place]
+        place += 1
+        if named := FILM_CHANNEL.match(line):
+            channel = f"{named[1]}: {named[2]}".strip(" :")
+        elif stated := FILM_POINTS.match(line):
+            count = int(stated[1])
+        elif unit := FILM.match(line):
+            place += 1  # the root mean square
+            for numbers, form in (FILM_INTEGERS, FILM_REALS):
+                _, place = fixed_numbers(lines, place, numbers, form)
+            values, place = fixed_numbers(lines, place, 2 * count, "10F7.3")
+            tenths = 0.1 if unit[1].upper() == "G/10" else 1.0
+            acceleration = tenths * values[1::2]
+            name = "g" if unit[1].upper() in ("G", "G/10") else unit[1]
+            components.append(RecordedSeries("CSMIP", channel, values[::2], acceleration, name, "acceleration"))
+    return components
+
+
 def esm(lines: Lines) -> list[RecordedSeries]:
     """ESM (DYNA): keys with values, one a line, then one value a line."""
     keys: dict[str, str] = {}
@@ -216,6 +247,7 @@ FORMATS = (
     NetworkFormat("BHRC V1", is_bhrc, bhrc),
     NetworkFormat("COSMOS V1 and V2", _any(COSMOS, COSMOS_REALS), cosmos),
     NetworkFormat("CSMIP V1 and V2", _any(CSMIP_V1, CSMIP_V2), csmip),
+    NetworkFormat("RENADIC", _any(FILM), film),
     NetworkFormat("K-NET and KiK-net", lambda lines: bool(KNET_SCALE.search("\n".join(lines[:KNET_LINES]))), knet),
     NetworkFormat("ESM", lambda lines: any(line.startswith("SAMPLING_INTERVAL_S:") for line in lines[:HEADING]), esm),
     NetworkFormat("PEER .AT2, .VT2, .DT2", _any(PEER_NEW, PEER_OLD), peer),

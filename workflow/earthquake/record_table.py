@@ -7,7 +7,6 @@ Meteorological Agency), and with decimal commas where semicolons or tabs part th
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import takewhile
 
 import numpy as np
 
@@ -26,7 +25,8 @@ STEP = re.compile(
 RATE = re.compile(
     r"\b(?:(?:sampling|sample)[ _](?:rate|freq\w*)|frequency|fs)\b[^\d\n]*?(\d+\.?\d*)\s*(hz|sps|1/s)?", re.IGNORECASE
 )
-NETWORKS_HEADING = 8  # lines of words from which on a file is no table that a person made, but a network's
+# Lines of words among so many first ones from which on a file is no table that a person made, but a network's.
+NETWORKS_HEADING, FIRST_LINES = 8, 25
 DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?|[-+]?\d+(?:[eE][-+]?\d+)?")
 
 
@@ -43,7 +43,7 @@ def table(lines: Sequence[str]) -> list[RecordedSeries]:
     try:
         return _components(lines)
     except ValueError as error:
-        if READ in str(error) or len(list(takewhile(lambda line: _row(line) is None, lines))) < NETWORKS_HEADING:
+        if READ in str(error) or sum(_row(line) is None for line in lines[:FIRST_LINES]) < NETWORKS_HEADING:
             raise
         raise ValueError(f"is of a format that is not known ({error}); read are {READ}") from None
 

@@ -55,6 +55,37 @@ def test_one_of_the_components_of_a_national_network(write: Any, names: list[str
         np.testing.assert_allclose(read_text(text, component=name).acceleration, one, atol=1.2e-4)
 
 
+def film(values: np.ndarray, step: float, channel: str) -> str:
+    """A channel of volume 1 of CSMIP from film: 100 integers, 50 reals, then pairs of time and tenths of g."""
+    rows = [
+        *["%5d" * 16 % ((0,) * 16)] * 6,
+        "%5d" * 4 % ((0,) * 4),
+        *["%10.3f" * 8 % ((0.0,) * 8)] * 6,
+        "%10.3f" * 2 % (0.0, 0.0),
+    ]
+    pairs = [f"{step * k:7.3f}{10.0 * value / GRAVITY:7.3f}" for k, value in enumerate(values)]
+    rows += ["".join(pairs[k : k + 5]) for k in range(0, len(pairs), 5)]
+    heading = ["UNCORRECTED ACCELEROGRAM DATA", "0911131", f"CHAN  1: {channel}     (STA CHN:  1)",
+               f"NO. OF POINTS = {len(values):6d}  RECORD LENGTH = 28.260 SEC",
+               "UNITS OF UNCOR ACCEL ARE SEC AND G/10.     MAX  =  0.132 G, AT  11.895 SEC",
+               "RMS ACCEL OF COMPLETE RECORD = 0.021 G"]  # fmt: skip
+    return "\n".join([*heading, *rows, ""])
+
+
+def test_digitised_film_has_a_time_beside_each_acceleration() -> None:
+    values = motion(7, 203, 0.005)
+    text = film(values, 0.005, "L") + film(0.5 * values, 0.005, "T")
+    assert '"1: L", "1: T"' in refused(text)
+    found = read_text(text, component="T")
+    np.testing.assert_allclose(found.time, 0.005 * np.arange(203), atol=1e-9)
+    np.testing.assert_allclose(found.acceleration, 0.5 * values, atol=1e-3 * GRAVITY)
+
+
+def test_a_heading_of_words_and_numbers_is_no_table() -> None:
+    heading = "ANOTHER NETWORK\n0911131\n" + "its words\n" * 8 + "1 2 3\n1.7 1.7 1.7 1.7\n"
+    assert "is of a format that is not known" in refused(heading)
+
+
 def test_samples_that_were_not_recorded_are_left_out() -> None:
     values = 1e3 * motion(3, 200, 0.01)
     found = read_text(geonet({"Up": np.r_[[999999.9] * 3, values, 999999.9]}, 0.01))
