@@ -60,7 +60,8 @@ def read(path: Path, unit: str = "", component: str = "") -> Accelerogram:
     Parameters
     ----------
     path : Path
-        A file of PEER (.AT2, .VT2, .DT2), K-NET or KiK-net, COSMOS or CSMIP (V1, V2), RENADIC, ESM, GeoNet, BHRC, or columns.
+        A file of PEER (.AT2, .VT2, .DT2), K-NET or KiK-net, COSMOS or CSMIP (V1, V2), RENADIC, ESM, GeoNet, BHRC, or
+        columns.
     unit : str
         Of a file whose heading names none.
     component : str
