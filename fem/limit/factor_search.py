@@ -2,9 +2,8 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import Literal
 
 import numpy as np
 
@@ -26,6 +25,7 @@ from fem.limit.bracket import (
     MOST_GROWTH,
     BoundSide,
 )
+from fem.limit.factor_trial import FactorWork, Gauge, Start, Trial, gap_of_factors
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of, with_all_loads_live
 from fem.settings import BoundsSettings, FemSettings
 from fem.solvers.blas_threads import one_more_thread
@@ -37,67 +37,25 @@ from meshes.triangles import TriMesh
 # The largest and smallest factor looked for, and by how much it changes at most from trial to trial.
 SMALLEST, LARGEST, STEP = 0.02, 20.0, 1.6
 # Trials on one mesh, and how close (of the factor) a trial is to where the secant puts the bound: a little to the safe
-# side of it, so that it proves.
-TRIALS, MARGIN = 10, 0.001
+# side of it, so that it proves. The solver leaves 6e-5 of Kh open, which is 0.0003 of the factor where Kh falls by 0.2
+# for each logarithm of it.
+TRIALS, MARGIN = 10, 0.0005
 # Trials, at most, that prove a bound on one mesh.
 PROOFS = 4
 # How near to either end of what is left a secant may go, as a share of its logarithm; else the middle is tried.
 INSIDE = 0.05
-# A coarse factor is good enough to refine at when it is this close, or this close over what the bounds leave open.
-CLOSE, OPEN = 0.01, 0.2
+# A factor is good enough to refine at when the middle of the bounds is this close, or this close over what they leave
+# open: 0.5 is where the lower bound is.
+CLOSE, OPEN = 0.01, 0.6
+# On finer triangles the lower bound rises by about this share of what the bounds leave open: there the first trial is.
+RISE = 0.05
+# A bound is proven on triangles that are not the last ones where what is proven is so far (of the factor) from it.
+FALLBACK = 0.02
 # A Kh, or a logarithm of a share of loads, this far from what is to be borne says nothing on the factor.
 FAR = 1.0
 
-# What is bounded: the Kh that weakened ground bears, or the share of all loads, the Kh given among them.
-Gauge = Literal["kh", "loads"]
-# Trials that finer triangles take, at least.
-TRIALS_OF_A_MESH = 4
-
-
-@dataclass(frozen=True)
-class Trial:
-    """Bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None where nothing was.
-
-    They are of Kh, or of the share of all loads that is borne, inf where friction alone bears any; ``unborne``: no
-    stress balances the weight at any Kh. ``work`` is counted, in seconds of the reference machine.
-    """
-
-    factor: float
-    cells: int
-    gauge: Gauge
-    lower: float | None
-    upper: float | None
-    unborne: bool
-    work: float
-
-
-@dataclass(frozen=True)
-class Start:
-    """The Kh given, the factor to begin with, whether sides are held, and the lower bound that is enough."""
-
-    kh: float
-    factor: float
-    held: bool
-    enough: float = math.inf
-
-
-@dataclass
-class FactorWork:
-    """Work allowed and spent (s of the reference machine), and whether the search ended for want of it."""
-
-    allowed: float
-    spent: float = 0.0
-    ran_out: bool = False
-
-    @property
-    def left(self) -> float:
-        return max(self.allowed - self.spent, 0.0)
-
-    def allows(self, more: float) -> bool:
-        """Whether at least so much work is left."""
-        enough = 0.0 < self.left >= more
-        self.ran_out = self.ran_out or not enough
-        return enough
+# Work that finer triangles take, over that of both bounds at one factor: these, and proofs begun from them.
+WORK_OF_A_MESH = 1.5
 
 
 class FactorSearch:
@@ -122,7 +80,9 @@ class FactorSearch:
         self.body = replace(body, live_force=sign * body.live_force)
         self.units = units_of(mesh, self.body)
         self.mesh, self.settings, self.work = mesh, settings, work
-        self.target, self.factor, self.enough = sign * start.kh, start.factor, start.enough
+        self.target, self.factor = sign * start.kh, start.factor
+        self.enough, self.slips = start.enough, start.slips
+        self.meshes = [mesh]
         self.lower, self.upper = 0.0, math.inf
         self.trials: list[Trial] = []
         self.slope: float | None = None
@@ -137,20 +97,26 @@ class FactorSearch:
         while True:
             self.settle()
             beyond = self.lower >= LARGEST or self.upper <= SMALLEST
-            enough = self.good or self.mesh_is_full or self.lower >= self.enough or beyond
-            if enough or self.solver_fails or not self.has_work_for_finer:
+            last = self.mesh_is_full or self.solver_fails or not self.has_work_for_finer
+            if not (beyond or self.is_enough or self.solver_fails):
+                self.prove_both(last or self.open_here <= self.settings.gap - 2.0 * MARGIN)
+            if self.good or last or beyond or self.is_enough:
                 return
             self.refine()
 
     def confirms(self, other: "FactorSearch") -> bool:
         """Whether the lower bound of the other direction is proven for this one, too, on triangles as fine as allowed.
 
-        Where it is not, the factor of this direction is searched for, on triangles refined for its own mechanism.
+        Mostly far fewer than those of the other direction will do. Where the bound is not proven, the factor of this
+        direction is searched for, on triangles refined for its own mechanism.
         """
         if other.both_ways:
             self.lower = other.lower
         if self.lower < other.lower:
-            self.measure(other.lower, upper=False)  # mostly that is all
+            self.measure(other.lower, upper=False)
+        if self.lower < other.lower and self.mesh is not other.mesh:
+            self.mesh, self.unborne_from = other.mesh, math.inf
+            self.measure(other.lower, upper=False)
         while self.lower < other.lower:
             self.measure(other.lower)
             if self.upper <= other.lower or self.mesh_is_full or self.solver_fails or not self.has_work_for_finer:
@@ -162,6 +128,17 @@ class FactorSearch:
     def gap(self) -> float:
         """Upper less lower factor over their mean, inf where one is missing."""
         return gap_of_factors(self.lower, self.upper)
+
+    @property
+    def is_enough(self) -> bool:
+        """Whether a bound is all that was asked for."""
+        return self.lower >= self.enough or self.upper < self.slips
+
+    @property
+    def open_here(self) -> float:
+        """What the bounds on the present triangles leave open by secants, proven or not; inf if unknown."""
+        ends = self.root("lower"), self.root("upper")
+        return math.log(ends[1] / ends[0]) if all(math.isfinite(end) for end in ends) else math.inf
 
     @property
     def good(self) -> bool:
@@ -178,7 +155,7 @@ class FactorSearch:
 
     @property
     def has_work_for_finer(self) -> bool:
-        return self.work.allows(TRIALS_OF_A_MESH * GROWTH**COST_EXPONENT * self.trials[-1].work)
+        return self.work.allows(WORK_OF_A_MESH * GROWTH**COST_EXPONENT * self.trials[-1].work)
 
     def problem(self, factor: float) -> LimitProblem:
         varying = self.body.varying
@@ -251,13 +228,13 @@ class FactorSearch:
         return place if abs(math.log(factor / last)) < NEAR else None
 
     def settle(self) -> None:
-        """Trials on this mesh until the factor is close, then one that proves each bound."""
+        """Trials on this mesh until the factor is close."""
         last = self.regauged(self.measure(self.factor))
         safe, unsafe = 0.0, math.inf
         for _ in range(TRIALS):
             middle = self.middle(last)
             step = 1.0 / STEP if middle < -FAR else self.step(middle)
-            if self.lower >= self.enough or self.solver_fails or not self.work.allows(0.0):
+            if self.is_enough or self.solver_fails or not self.work.allows(0.0):
                 return
             if self.slope is not None and abs(math.log(step)) < max(CLOSE, OPEN * self.gap_of(last)):
                 break
@@ -268,8 +245,6 @@ class FactorSearch:
             trial = self.regauged(self.measure(self.factor))
             self.learn(last, trial)
             last = trial
-        self.prove("lower", -1.0)
-        self.prove("upper", 1.0)
 
     def regauged(self, trial: Trial) -> Trial:
         """The trial, or one of the share of loads: where a mechanism fails only beyond the Kh given while no stress
@@ -319,22 +294,39 @@ class FactorSearch:
             ahead = -over / self.slope
         return math.exp(float(np.clip(ahead, -math.log(STEP), math.log(STEP))))
 
+    def prove_both(self, finally_: bool) -> None:
+        """Prove the upper bound, which costs less, then the lower one.
+
+        On the last triangles (``finally_``) as closely as the gap asks; on others where little is proven yet, since the
+        solver may fail on finer ones, or where the upper bound decides.
+        """
+        sides: tuple[tuple[BoundSide, float], ...] = (("upper", 1.0), ("lower", -1.0))
+        for side, sense in sides:
+            root, proven = self.root(side), getattr(self, side)
+            known = 0.0 < proven < math.inf and math.isfinite(root)
+            decides = side == "upper" and root * math.exp(MARGIN) < self.slips
+            if finally_ or decides or not known or abs(math.log(root / proven)) > FALLBACK:
+                self.prove(side, sense)
+
     def prove(self, side: BoundSide, sense: float) -> None:
-        """Prove the bounds by trials a little to the safe side of the estimated factor, until they prove no more. Where
-        the secant leads outside the proven bracket, bisect.
+        """Prove a bound by trials a little to the safe side of the estimated factor, until the gap is closed or they
+        prove no more. Where there is no estimate, bisect.
         """
         last = self.trials[-1].factor
         for times in range(1, PROOFS + 1):
-            proven, points = getattr(self, side), self.points(side)
-            at = _root(points, self.slope) * math.exp(sense * times * MARGIN)
-            better = sense * (at - proven * math.exp(-sense * MARGIN)) < 0.0
-            if not better and len(points) < 2 and not self.good:
+            proven = getattr(self, side)
+            at = self.root(side) * math.exp(sense * times * MARGIN)
+            if math.isnan(at):
                 at = math.sqrt(last * proven)
-            elif not better:
+            elif not sense * (at - proven * math.exp(-sense * MARGIN)) < 0.0:
                 return
-            if not SMALLEST < at < LARGEST or not self.work.allows(0.0):
+            if self.good or not SMALLEST < at < LARGEST or not self.work.allows(0.0):
                 return
             self.measure(at, side == "lower", side == "upper")
+
+    def root(self, side: BoundSide) -> float:
+        """The factor of a bound on these triangles by a secant, NaN where nothing is known."""
+        return _root(self.points(side), self.slope)
 
     def points(self, side: BoundSide) -> list[tuple[float, float]]:
         """Pairs of the logarithm of the factor and the excess of a bound, of the trials on these triangles."""
@@ -351,20 +343,18 @@ class FactorSearch:
         indicator = refinement_indicator(problem, low, high)
         mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
         margins = 2.0 * MARGIN
-        needed = AIM_BEYOND * (self.gap - margins) / max(self.settings.gap - margins, margins)
+        needed = AIM_BEYOND * min(self.gap, self.open_here) / max(self.settings.gap - margins, margins)
         growth = min(
             max(needed, LEAST_GROWTH) if needed <= MOST_GROWTH else GROWTH,
             self.settings.max_cells / len(problem.mesh.cells),
         )
+        lower = self.root("lower")
+        if math.isfinite(lower):
+            ahead = RISE * self.open_here if math.isfinite(self.open_here) else 0.0
+            self.factor = float(np.clip(lower * math.exp(ahead), SMALLEST, LARGEST))
         self.unborne_from = math.inf
         self.mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], growth * len(indicator))
-
-
-def gap_of_factors(lower: float, upper: float) -> float:
-    """Upper less lower factor over their mean, inf where one is missing."""
-    if lower <= 0.0 or not math.isfinite(upper):
-        return math.inf
-    return (upper - lower) / (0.5 * (upper + lower))
+        self.meshes.append(self.mesh)
 
 
 def _root(points: Sequence[tuple[float, float]], slope: float | None) -> float:

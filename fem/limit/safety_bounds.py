@@ -17,7 +17,8 @@ from typing import Literal
 from fem.continuum.loads import Direction, direction_of
 from fem.continuum.shallow_failure import faces_at, least_rolling_factor, strengthened
 from fem.limit.bounds import COARSE_CELLS, first_mesh, strengths
-from fem.limit.factor_search import LARGEST, SMALLEST, FactorSearch, FactorWork, Start, Trial, gap_of_factors
+from fem.limit.factor_search import LARGEST, SMALLEST, FactorSearch
+from fem.limit.factor_trial import FactorWork, Start, Trial, gap_of_factors
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
@@ -86,12 +87,18 @@ def safety_bounds(
     if not any(face.end == other.start for face in faces for other in faces):
         return _bounds_of(section, fem, settings, start, work)
     # Where bare faces of unlike water meet, shallow ground may slip before either of them and before the slope as a
-    # whole, by less than coarse triangles tell apart. Half of the work is left for the slope as a whole.
-    half = 0.5 * work.left
-    given = _bounds_of(section, fem, settings, start, work if deeper else FactorWork(half))
-    deeper = deeper or _bounds_of(whole, fem, settings, start, FactorWork(half))
-    is_shallow = given.upper < (deeper.lower if given.lower > 0.0 else deeper.upper)
-    return replace(deeper, shallow_failure=given.upper) if is_shallow else given
+    # whole, by less than coarse triangles tell apart. Half of the work is left for the ground as it is given: whether
+    # it bears what the whole does, or slips below that.
+    deeper = deeper or _bounds_of(whole, fem, settings, start, FactorWork(0.5 * work.left))
+    if deeper.lower > 0.0:
+        start = replace(start, factor=deeper.lower, enough=deeper.lower, slips=deeper.lower)
+    given = _bounds_of(section, fem, settings, start, FactorWork(0.5 * work.left))
+    trials = [*deeper.trials, *given.trials]
+    if given.upper < (deeper.lower if given.lower > 0.0 else deeper.upper):
+        return replace(deeper, shallow_failure=given.upper, trials=trials)
+    if 0.0 < deeper.lower <= given.lower:
+        return replace(deeper, trials=trials)  # what the stronger ground does not bear fails this one, too
+    return replace(given, trials=trials)
 
 
 @dataclass(frozen=True)
@@ -138,7 +145,9 @@ def _bounds_of(
 
     searches = [search(first_mesh(section, settings.max_cells, fem.sides), 1, start)]
     searches[0].find()
-    searches.append(search(searches[0].mesh, -1, start))
+    # Under seepage pressures are linear in each triangle: other triangles are other ground, and prove nothing here.
+    known = searches[0].meshes if section.water_pressure.flow is None else searches[0].meshes[-1:]
+    searches.append(search(known[(len(known) - 1) // 2], -1, start))
     if not searches[1].confirms(searches[0]) and work.left > 0.0:
         start = replace(start, factor=searches[0].lower or start.factor, enough=searches[0].lower or math.inf)
         searches.append(search(first_mesh(section, settings.max_cells, fem.sides), -1, start))

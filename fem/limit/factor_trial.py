@@ -1,0 +1,63 @@
+"""Trials of a factor of safety, where they begin, and the work that they take."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+# What is bounded: the Kh that weakened ground bears, or the share of all loads, the Kh given among them.
+Gauge = Literal["kh", "loads"]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None where nothing was.
+
+    They are of Kh, or of the share of all loads that is borne, inf where friction alone bears any; ``unborne``: no
+    stress balances the weight at any Kh. ``work`` is counted, in seconds of the reference machine.
+    """
+
+    factor: float
+    cells: int
+    gauge: Gauge
+    lower: float | None
+    upper: float | None
+    unborne: bool
+    work: float
+
+
+@dataclass(frozen=True)
+class Start:
+    """The Kh given, the factor to begin with, whether sides are held, and bounds that are enough: a lower one, or an
+    upper one that is below ``slips``."""
+
+    kh: float
+    factor: float
+    held: bool
+    enough: float = math.inf
+    slips: float = 0.0
+
+
+@dataclass
+class FactorWork:
+    """Work allowed and spent (s of the reference machine), and whether the search ended for want of it."""
+
+    allowed: float
+    spent: float = 0.0
+    ran_out: bool = False
+
+    @property
+    def left(self) -> float:
+        return max(self.allowed - self.spent, 0.0)
+
+    def allows(self, more: float) -> bool:
+        """Whether at least so much work is left."""
+        enough = 0.0 < self.left >= more
+        self.ran_out = self.ran_out or not enough
+        return enough
+
+
+def gap_of_factors(lower: float, upper: float) -> float:
+    """Upper less lower factor over their mean, inf where one is missing."""
+    if lower <= 0.0 or not math.isfinite(upper):
+        return math.inf
+    return (upper - lower) / (0.5 * (upper + lower))
