@@ -175,13 +175,23 @@ def column(
 
 def front(engine: MaterialPointEngine) -> float:
     """How far from the middle (m) the deposit reaches without a gap: columns of cells a quarter of a point high."""
+    cell, heights = engine.grid.cell, _thickness(engine)
+    empty = np.flatnonzero(heights < 0.125 * cell)
+    return float(cell * (empty[0] if len(empty) else len(heights)))
+
+
+def toe(engine: MaterialPointEngine, thickness: float) -> float:
+    """How far from the middle (m) the deposit is as thick (m) as this in some column of cells, gaps or not."""
+    return float(engine.grid.cell * (np.flatnonzero(_thickness(engine) >= thickness)[-1] + 1))
+
+
+def _thickness(engine: MaterialPointEngine) -> np.ndarray:
+    """Thickness (k,) of the deposit (m) in the columns of cells from the middle on, the mean of both sides."""
     points, cell = engine.points, engine.grid.cell
     middle = (engine.grid.shape[0] // 2) * cell
     mine = points.stratum == 0
     cells = (np.abs(points.x[mine, 0] - middle) / cell).astype(int)
-    thickness = np.bincount(cells, weights=points.state[mine, 0]) / (2.0 * cell)
-    empty = np.flatnonzero(thickness < 0.125 * cell)
-    return float(cell * (empty[0] if len(empty) else len(thickness)))
+    return np.bincount(cells, weights=points.state[mine, 0]) / (2.0 * cell)
 
 
 @dataclass(frozen=True)

@@ -19,12 +19,12 @@ from fem.mpm import (
     PointSoil,
     ground_of,
 )
-from fem.mpm.slide import DAMPING, DECAYS, LOOK, LOSS
+from fem.mpm.slide import DAMPING, LOOK, LOSS
 from fem.mpm.weak_edges import edge_strength
 from fem.settings import Sides
 from meshes.section.quantity import GRAVITY
 from tests.support import SECTIONS
-from tests.support.material_points import UNIT_WEIGHT, EndlessSlope, column, front, lattice, pushed, slump
+from tests.support.material_points import UNIT_WEIGHT, EndlessSlope, lattice, pushed
 from tests.support.sections import layer, slope
 from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
@@ -269,46 +269,6 @@ def test_apic_alone_loses_the_slide() -> None:
     engine = slope.engine(1.0, decay=np.inf)
     assert slope.moved(engine, kh, 14.0) < 0.85 * slope.newmark(kh, 14.0)
     assert engine.energy.transfer_loss_share > 0.02
-
-
-@pytest.mark.parametrize(("stability", "stands"), [(3.5, True), (4.5, False)])
-def test_vertical_cut_stands_below_its_stability_number(stability: float, stands: bool) -> None:
-    """γ H / s_u = 3.78 (Kammoun et al. 2010): 3.5 stands, 4.5 fails."""
-    height = 10.0
-    engine = column(15.0, height, 18e3 * height / stability, 0.0, 1.0, 24.0, decay=1.0)
-    engine.run(5.0)
-    ground = engine.points.stratum == 0
-    sheared = engine.points.state[ground, kernel.SHEARED]
-    assert (np.quantile(sheared, 0.99) < 0.1) == stands
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("aspect", "low", "high"), [(1.0, 1.0, 1.45), (2.0, 2.4, 3.0)])
-def test_dry_columns_run_out_as_in_a_channel(aspect: float, low: float, high: float) -> None:
-    """(L - L0)/L0 of sand of 33°: 1.2 a below 1.8, 1.9 a^(2/3) above 2.8 (Lube et al. 2005); band of authors at 2."""
-    engine = column(1.0, aspect, 0.0, np.radians(33.0), 0.05, 1.0 + 3.4 * aspect)
-    engine.run(4.0)
-    assert low <= front(engine) - 1.0 <= high
-
-
-@pytest.mark.slow
-def test_clay_runs_out_as_a_thin_plastic_layer() -> None:
-    """Clay of γH/su = 10 in ten cells that becomes heavy slowly: 99 % of it lie within 0.83 H of where its front stood,
-    by the thin plastic layer (γh - π su/2) dh/dx = -su. Let go at once in twenty cells it runs 2.13 H (affine FLIP with
-    a slip base in cells of the same size)."""
-    assert slump(10.0, 10, steps=96).within == pytest.approx(0.83, rel=0.10)
-    assert slump(10.0, 20, steps=1).front == pytest.approx(2.13, rel=0.10)
-
-
-@pytest.mark.parametrize("decay", DECAYS)
-def test_ground_without_strength_creates_no_energy(decay: float) -> None:
-    """A column that nothing holds bursts: it has what weight gave it, but for some that transfers lose."""
-    engine = column(4.0, 4.0, 1.0, 0.0, 0.5, 20.0, decay=decay)
-    engine.points.set_strength(1.0, 0.0, 1.0, engine.points.stratum == 0)
-    engine.run(0.6)
-    energy = engine.energy
-    assert energy.kinetic > 0.5 * energy.external
-    assert -0.005 < energy.imbalance_share < 0.15
 
 
 @pytest.mark.parametrize(
