@@ -58,14 +58,20 @@ class CohesionField:
         return self.loads.water
 
     def effective_stress(
-        self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, top: np.ndarray | None = None
+        self,
+        points: np.ndarray,
+        near: np.ndarray,
+        stratum: np.ndarray,
+        top: np.ndarray | None = None,
+        pressure: np.ndarray | None = None,
     ) -> np.ndarray:
         """The vertical effective stress (n,) in Pa to which the ground has consolidated, that ratios of strength
-        multiply; of what is above the line ``top`` (k, 2) nothing counts.
+        multiply; of what is above the line ``top`` (k, 2) nothing counts. ``pressure`` (n,) in Pa: see
+        ``WaterPressure.vertical_effective``.
         ``points``, ``near`` (n, 2) in m, ``stratum`` (n,): as in ``WaterPressure.at_rest``.
         """
         load = self.loads.consolidated(points[:, 0], near[:, 0])
-        return self.water.vertical_effective(points, near, stratum, top, load)
+        return self.water.vertical_effective(points, near, stratum, top, load, pressure)
 
     def mean_effective_stress(self, stratum: int) -> float:
         """Mean of that stress (Pa) over the area of a stratum; 0 where it has none."""
@@ -128,8 +134,9 @@ class CohesionField:
         """Cohesions (m, 3) at the ``corners`` (m, 3, 2) of triangles; the linear one between them is nowhere above that
         of ``at``, or nowhere below it if ``above`` is asked for.
 
-        In a triangle depth and stress are linear. What is convex of them (growth below a line, a least value) lies
-        below its chord and above its tangent, and what is concave (σ'v to a power below 1) the other way round.
+        In a triangle depth and stress are linear: so is the pore pressure that bounds have between corners, also where
+        water flows. What is convex of depth and stress (growth below a line, a least value) lies below its chord and
+        above its tangent, and what is concave (σ'v to a power below 1) the other way round.
         """
 
         def linear(soil: Stratum, depth: np.ndarray, stress: np.ndarray) -> np.ndarray:
@@ -153,7 +160,10 @@ class CohesionField:
 
         middle = corners.mean(axis=1, keepdims=True)
         points, near = np.concatenate([corners, middle], axis=1).reshape(-1, 2), np.repeat(middle[:, 0], 4, axis=0)
-        return self._of_strata(linear, points, near, np.repeat(stratum, 4)).reshape(-1, 4)[:, :3]
+        stratum = np.repeat(stratum, 4)
+        pressure = self.water.at_rest(points, near, stratum).reshape(-1, 4)
+        pressure[:, 3] = pressure[:, :3].mean(axis=1)
+        return self._of_strata(linear, points, near, stratum, pressure.ravel()).reshape(-1, 4)[:, :3]
 
     def means(self) -> tuple[Stratum, ...]:
         """The strata with one cohesion each: where it varies, its mean over the area of the stratum."""
@@ -173,6 +183,7 @@ class CohesionField:
         points: np.ndarray,
         near: np.ndarray,
         stratum: np.ndarray,
+        pressure: np.ndarray | None = None,
     ) -> np.ndarray:
         """What a ``law`` of a soil, depths (m) below its line and stresses (Pa) says at points (n, 2)."""
         cohesion = np.empty(len(points))
@@ -185,7 +196,8 @@ class CohesionField:
             depth = np.zeros(len(place)) if start is None else level_at(start, place[:, 0], beside[:, 0]) - place[:, 1]
             stress = np.zeros(len(place))
             if soil.strength_ratio:
-                stress = self.effective_stress(place, beside, np.full(len(place), k), self.consolidated[k])
+                pore = None if pressure is None else pressure[here]
+                stress = self.effective_stress(place, beside, np.full(len(place), k), self.consolidated[k], pore)
             cohesion[here] = law(soil, depth, stress)
         return cohesion
 

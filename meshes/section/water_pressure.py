@@ -107,10 +107,11 @@ class WaterPressure:
         stratum: np.ndarray,
         top: np.ndarray | None = None,
         load: np.ndarray | float = 0.0,
+        pressure: np.ndarray | None = None,
     ) -> np.ndarray:
         """Vertical effective stress (n,) without shaking, nowhere below zero: the weight of the soil above, of the
-        water on it and of a ``load`` (n,) in Pa on the ground, less the pore pressure. Of what is above the line
-        ``top`` (k, 2) nothing counts.
+        water on it and of a ``load`` (n,) in Pa on the ground, less the pore pressure at rest, or the ``pressure`` (n,)
+        in Pa in its place. Of what is above the line ``top`` (k, 2) nothing counts.
         ``points``, ``near``, ``stratum``: as in ``at_rest``.
         """
         ground = self._top(points, near, top)
@@ -119,7 +120,8 @@ class WaterPressure:
             load = np.where(cut, 0.0, load)
         free = 0.0 if self.after is None else self.hydrostatic(self.after, ground, near)
         total = self.overburden(points, near, top) + free + load
-        return np.maximum(total - self.at_rest(points, near, stratum), 0.0)
+        pressure = self.at_rest(points, near, stratum) if pressure is None else pressure
+        return np.maximum(total - pressure, 0.0)
 
     def inside(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, shaken: bool) -> np.ndarray:
         """Pore pressure (n,), with what shaking adds if the ground is ``shaken``.

@@ -64,13 +64,13 @@ def test_elements_and_bounds_of_a_section_find_the_same() -> None:
     assert safety_factor(section, mesh, settings, 0.0, MPI.COMM_SELF).factor == pytest.approx(wedge, rel=0.005)
 
 
-def slope(**soil: object) -> Section:
-    """A slope of 1:2, 5 m high, in clay of 18 kN/m³ under water at 2 m that stands on its toe."""
+def slope(water: dict[str, object] | None = None, **soil: object) -> Section:
+    """A slope of 1:2, 5 m high, in clay of 18 kN/m³ under water at 2 m that stands on its toe, or the ``water``."""
     weight = {"density": "18 kN/m^3", "density_saturated": "18 kN/m^3"}
     clay = water_soil("clay", **weight, **{"cohesion": 0, "friction_angle": 0, **soil})
     return Section.parse({
         "name": "slope", "surface": [[0.0, 0.0], [10.0, 0.0], [20.0, 5.0], [30.0, 5.0]], "base": {"elevation": -5.0},
-        "water": {"table": 2.0, "unit_weight": "10 kN/m^3"}, "strata": [clay],
+        "water": water or {"table": 2.0, "unit_weight": "10 kN/m^3"}, "strata": [clay],
     })  # fmt: skip
 
 
@@ -117,6 +117,19 @@ def test_cohesions_of_bounds_enclose_the_true_one_in_every_triangle(soil: dict[s
             assert np.all(np.einsum("mk,mk->m", share, high) >= true - 1e-6)
         gaps.append(float((high - low).mean(axis=1) @ mesh.areas / mesh.areas.sum()))
     assert gaps[1] < 0.65 * gaps[0] < 400.0
+
+
+def test_bounds_know_the_strength_of_clay_in_which_water_flows() -> None:
+    """s_u = 0.3 σ'v, σ'v with the pore pressure of the corners, which is linear between them: no cohesion is lost."""
+    water = {"flow": True, "table": [[0.0, 1.0], [12.0, 1.0], [30.0, 4.0]]}
+    section = slope(water, strength_ratio=0.3, permeability="1e-6 m/s")
+    mesh = triangulate(section, 1.0)
+    corners = mesh.points[mesh.cells]
+    low, high = (section.cohesion_field.corners(corners, mesh.stratum, above) for above in (False, True))
+    places, near = corners.reshape(-1, 2), np.repeat(corners.mean(axis=1), 3, axis=0)
+    true = section.cohesion_field.at(places, near, np.repeat(mesh.stratum, 3)).reshape(-1, 3)
+    assert np.allclose(high, true)
+    assert np.allclose(low, true)
 
 
 def test_discs_have_the_cohesion_of_the_middle() -> None:
