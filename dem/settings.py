@@ -235,6 +235,11 @@ class SlideSettings(Model):
     mpm_cells: int = Field(
         default=3000, ge=100, le=100_000, description="cells of the material point method on the section, about"
     )
+    mpm_sides: Literal["free-field", "smooth", "fixed", "periodic"] | None = Field(
+        default=None,
+        description="sides of the section for material points; if not given those of [fem], but free-field in the "
+        "place of smooth ones, since level ground beyond goes along as what liquefies spreads",
+    )
     frames: int = Field(default=30, ge=2, le=1000, description="pictures of an animation, states of a .pvd")
     seeds: tuple[Seed, ...] | PackingCount | None = Field(
         default=None,

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from fem.limit.bounds import kh_bounds
     from fem.search.critical import CriticalResult, critical_coefficient
     from fem.search.strength_reduction import SafetyFactor, safety_factor
-    from fem.settings import BoundsSettings, FemSettings
+    from fem.settings import BoundsSettings, FemSettings, usual_sides
 
 keep_compiled_kernels()
 __all__, __getattr__ = exports(__name__, __file__)

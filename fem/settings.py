@@ -2,11 +2,12 @@
 
 from typing import Literal
 
+import numpy as np
 from pydantic import Field, StrictBool
 
 from meshes.section.quantity import Length, Quantity
 from meshes.section.recorded_kh import RecordedKh
-from meshes.section.section import Model
+from meshes.section.section import Model, Section
 
 Element = Literal["quadratic", "reduced", "bilinear"]
 Sides = Literal["free-field", "smooth", "fixed", "periodic"]
@@ -26,6 +27,24 @@ WITHOUT_EFFECT = ("fem.threads", "fem.safety_factor_at")
 PathVerdict = Literal["plateau", "peak", "no failure", "undecided"]
 
 
+# Ground that falls less than this over the mean height of the section, from its end on, is level there (-).
+LEVEL = 0.02
+
+
+def usual_sides(section: Section) -> Sides:
+    """The sides of a section file that does not say: "smooth" where the ground is level at both ends.
+
+    Level ground stands under any Kh below about tan φ' times its share of buoyant weight, if it goes on. Free-field
+    sides, which bear the K0 stress and no more, let it slide out of the section at about half of that (0.15 in sand
+    below water), long before a slope in its middle may fail. Where it slopes at an end, held sides hold it back.
+    """
+    ground, (left, right) = section.ground, section.extent
+    height = float(section.layering.areas().sum()) / (right - left)
+    ends = np.array([[left, left + height], [right - height, right]])
+    falls = np.interp(ends, ground[:, 0], ground[:, 1])
+    return "smooth" if np.all(np.abs(falls[:, 1] - falls[:, 0]) <= LEVEL * height) else "free-field"
+
+
 class FemSettings(Model):
     """Settings of the finite element analysis, a table [fem]."""
 
@@ -36,9 +55,10 @@ class FemSettings(Model):
     )
     sides: Sides = Field(
         default="free-field",
-        description='"free-field" (free horizontally under the K0 stress, held vertically; the default, since the next '
-        'two hold the slope back where the section ends), "smooth" (held horizontally, free vertically, as in slope '
-        'programs), "fixed" (held in both) or "periodic" (both sides move alike)',
+        description='"free-field" (free horizontally under the K0 stress, held vertically), "smooth" (held '
+        'horizontally, free vertically, as in slope programs), "fixed" (held in both) or "periodic" (both sides move '
+        'alike); a section file that does not say has "smooth" where its ground is level at both ends, and "free-field" '
+        "where it slopes there, since held sides hold a slope back that goes on",
     )
     rigid_box: StrictBool = Field(
         default=True,

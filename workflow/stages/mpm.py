@@ -141,7 +141,9 @@ def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
     from fem.mpm.ground import ground_of
     from fem.mpm.slide import PointSlider
 
-    ground = ground_of(config.section, config.slide.mpm_cells // fewer, config.fem.sides)
+    of_elements = "free-field" if config.fem.sides == "smooth" else config.fem.sides
+    sides = config.slide.mpm_sides or of_elements
+    ground = ground_of(config.section, config.slide.mpm_cells // fewer, sides)
     slider = PointSlider(ground, downhill(config.section.ground))
     return slider, slider.settle()
 
@@ -283,7 +285,7 @@ STAGE = Stage(
     reads=(
         "slide.kh", "slide.kh_seconds", "slide.kh_cycles", "slide.kh_period", "slide.unit", "slide.component",
         "slide.scale", "slide.frames", "slide.liquefies_at", "slide.onset", "slide.still", "slide.duration",
-        "slide.mpm_cells", "fem.sides", "site_response",
+        "slide.mpm_cells", "slide.mpm_sides", "fem.sides", "site_response",
     ),
     ignores=of_the_record,
     takes=taken,

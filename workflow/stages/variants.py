@@ -112,7 +112,7 @@ def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] 
         text = f"first step of Kh {step:g} instead of {fem.first_step:g}"
         return name, text, config.with_settings("fem", first_step=step)
     if name == "sides" and fem.sides != "periodic":
-        sides = "fixed" if fem.sides == "free-field" else "free-field"
+        sides = "free-field" if fem.sides == "fixed" else "fixed"
         return name, f"sides {sides} instead of {fem.sides}", config.with_settings("fem", sides=sides)
     if name == "dilation" and not is_dilating_fully(config.section.strata):
         own_flow = flow_of(config.section.strata, fem.flow)

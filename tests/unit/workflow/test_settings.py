@@ -194,3 +194,19 @@ def test_a_first_mesh_has_no_more_cells_than_finer_ones_may_have() -> None:
     assert Config.parse(few).mesh.max_cells == 400
     assert Config.parse({**few, "mesh": {"max_cells": 900}}).mesh.max_cells == 900
     assert Config.parse({**few, "fem": {"max_cells": 50_000}}).mesh.max_cells == MeshSettings().max_cells
+
+
+@pytest.mark.parametrize(
+    ("surface", "sides"),
+    [
+        ([[0, 10], [30, 10], [50, 0], [90, 0]], "smooth"),
+        ([[0, 0.4], [30, 0], [50, 10], [90, 10]], "smooth"),
+        ([[0, 10], [30, 10], [50, 2], [90, 0]], "free-field"),
+        ([[0, 10], [30, 10], [50, 0], [52, 0]], "free-field"),
+    ],
+    ids=["level", "falls 1 in 75", "slopes 1 in 20 at one end", "ends at the toe"],
+)
+def test_sides_hold_level_ground_where_nothing_is_said(surface: list[list[float]], sides: str) -> None:
+    data = {**slope(), "surface": surface, "base": {"elevation": -10}}
+    assert Config.parse(data).fem.sides == Config.parse(Config.parse(data).to_data()).fem.sides == sides
+    assert Config.parse({**data, "fem": {"sides": "fixed"}}).fem.sides == "fixed"

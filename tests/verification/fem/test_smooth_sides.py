@@ -16,7 +16,7 @@ from fem.limit_load.limit_load import critical_limit_load
 from fem.path.gravity import gravity_equilibrium
 from fem.search.critical import critical_coefficient
 from fem.search.strength_reduction import limit_load_safety_factor, safety_factor
-from fem.settings import BoundsSettings, FemSettings, Sides
+from fem.settings import BoundsSettings, FemSettings, Sides, usual_sides
 from meshes.gmsh_model import generate
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -150,3 +150,23 @@ def test_level_sand_beside_a_smooth_side_bears_a_seismic_force_on_the_first_mesh
     stress = proven_lower_bound(limit_problem(mesh, body, units_of(mesh, body)))[-1]
     assert stress is not None
     assert stress.multiplier > 0.05
+
+
+def test_an_embankment_on_level_sand_fails_itself_and_not_the_sand_beside_it() -> None:
+    """Where a section does not say, level ends are held horizontally. Slip circles of Bishop and Spencer through the
+    embankment: Kh = 0.352. Under the K0 stress alone the sand slides out of a side, 30 m from the embankment."""
+    fill = soil("Fill", cohesion="8 kPa", friction_angle="34 deg", density="19 kN/m^3", bottom={"elevation": 0.0})
+    sand = soil("Sand", cohesion="0 kPa", friction_angle="31 deg", density="19 kN/m^3", bottom={"elevation": -7.0})
+    clay = soil("Clay", cohesion="80 kPa", friction_angle="0 deg", density="18 kN/m^3")
+    ground = section(
+        fill, sand, clay, base={"elevation": -12.0}, water={"table": -1.0},
+        surface=[[-40.0, 0.0], [0.0, 0.0], [10.0, 5.0], [22.0, 5.0], [32.0, 0.0], [72.0, 0.0]],
+    )  # fmt: skip
+    assert usual_sides(ground) == "smooth"
+    mesh = generate(ground, MeshSettings(max_cells=1500))
+    level, out = (
+        critical_limit_load(ground, mesh, SMOOTH.changed(sides=sides), MPI.COMM_SELF).kc
+        for sides in ("smooth", "free-field")
+    )
+    assert level == pytest.approx(0.352, rel=0.05)
+    assert out < 0.2
