@@ -57,7 +57,7 @@ class FemSettings(Model):
         default="free-field",
         description='"free-field" (free horizontally under the K0 stress, held vertically), "smooth" (held '
         'horizontally, free vertically, as in slope programs), "fixed" (held in both) or "periodic" (both sides move '
-        'alike); a section file that does not say has "smooth" where its ground is level at both ends, and "free-field" '
+        'alike); a section file that does not say has "smooth" where its ground is level at both ends, "free-field" '
         "where it slopes there, since held sides hold a slope back that goes on",
     )
     rigid_box: StrictBool = Field(
