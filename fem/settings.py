@@ -34,7 +34,7 @@ LEVEL = 0.02
 def usual_sides(section: Section) -> Sides:
     """The sides of a section file that does not say: "smooth" where the ground is level at both ends.
 
-    Level ground stands under any Kh below about tan φ' times its share of buoyant weight, if it goes on. Free-field
+    Level ground stands under any Kh below about tan φ' times its share of buoyant weight, if it continues. Free-field
     sides, which bear the K0 stress and no more, let it slide out of the section at about half of that (0.15 in sand
     below water), long before a slope in its middle may fail. Where it slopes at an end, held sides hold it back.
     """
@@ -58,7 +58,7 @@ class FemSettings(Model):
         description='"free-field" (free horizontally under the K0 stress, held vertically), "smooth" (held '
         'horizontally, free vertically, as in slope programs), "fixed" (held in both) or "periodic" (both sides move '
         'alike); a section file that does not say has "smooth" where its ground is level at both ends, "free-field" '
-        "where it slopes there, since held sides hold a slope back that goes on",
+        "where it slopes there, since held sides hold a slope back that continues",
     )
     rigid_box: StrictBool = Field(
         default=True,
