@@ -37,6 +37,16 @@ def usual_sides(section: Section) -> Sides:
     Level ground stands under any Kh below about tan φ' times its share of buoyant weight, if it continues. Free-field
     sides, which bear the K0 stress and no more, let it slide out of the section at about half of that (0.15 in sand
     below water), long before a slope in its middle may fail. Where it slopes at an end, held sides hold it back.
+
+    Parameters
+    ----------
+    section : Section
+        The ground.
+
+    Returns
+    -------
+    str
+        "smooth" or "free-field".
     """
     ground, (left, right) = section.ground, section.extent
     height = float(section.layering.areas().sum()) / (right - left)
