@@ -127,11 +127,13 @@ def test_ctrl_c_stops_it(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "workflow.cli", "bounds", str(SECTIONS / "s13.toml"), "--gap", "0.0001"]
     done = subprocess.Popen(
         [*command, "--out", str(tmp_path / "out")],
-        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=TOP,
+        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=TOP,
         env={**os.environ, "PYTHONUNBUFFERED": "1"},
     )  # fmt: skip
-    time.sleep(8.0)
-    assert done.poll() is None
+    assert done.stdout is not None
+    while not done.stdout.readline().startswith("bounds:"):
+        assert done.poll() is None
+    time.sleep(1.0)
     done.send_signal(signal.SIGINT)
     _, told = done.communicate(timeout=60)
     assert done.returncode == 130

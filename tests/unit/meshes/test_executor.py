@@ -107,7 +107,7 @@ def test_nobody_waits_for_a_thread_that_is_left_and_it_ends_at_its_next_look() -
 
     def long() -> None:
         begun.set()
-        may_end.wait(10.0)
+        may_end.wait(60.0)
         try:
             check_cancelled()
         except KeyboardInterrupt:
@@ -118,11 +118,10 @@ def test_nobody_waits_for_a_thread_that_is_left_and_it_ends_at_its_next_look() -
     with OneThread() as executor:
         executor.submit(long)
         executor.submit(ended.append, "never")
-        begun.wait(10.0)
-    assert time.monotonic() - start < 5.0
-    assert is_left_working()
+        begun.wait(60.0)
+    assert is_left_working()  # and nobody has waited for it
     may_end.set()
-    while is_left_working() and time.monotonic() < start + 10.0:
+    while is_left_working() and time.monotonic() < start + 60.0:
         time.sleep(0.01)
     assert not is_left_working()
     assert ended == ["left"]
@@ -140,14 +139,13 @@ def test_ctrl_c_is_heard_while_a_library_computes_that_would_not_hear_it() -> No
         while not may_end.wait(0.1):
             pass
 
-    may_end, start = threading.Event(), time.monotonic()
+    may_end = threading.Event()
     threading.Timer(0.3, os.kill, [os.getpid(), signal.SIGINT]).start()
     try:
         with pytest.raises(KeyboardInterrupt):
             interruptible(deaf)
     finally:
         may_end.set()
-    assert time.monotonic() - start < 5.0
 
 
 def test_processes_do_their_tasks_side_by_side_and_a_single_one_is_done_here(two: Processes) -> None:
@@ -180,7 +178,7 @@ def is_there(process: int) -> bool:
 
 def slept(folder: Path) -> int:
     """The number of the process that sleeps, once it does."""
-    end = time.monotonic() + 20.0
+    end = time.monotonic() + 60.0
     while time.monotonic() < end:
         if (folder / "pid").exists() and (text := (folder / "pid").read_text()):
             return int(text)
@@ -193,8 +191,8 @@ def test_processes_are_killed_at_the_end_whatever_they_are_at(forks: bool, tmp_p
     with Processes(1, forks=forks) as executor:
         left, never = executor.submit(sleeps, str(tmp_path)), executor.submit(divmod, 7, 2)
         process, start = slept(tmp_path), time.monotonic()
-    assert time.monotonic() - start < 5.0
-    while is_there(process) and time.monotonic() - start < 5.0:  # a child of the killed one dies a moment later
+    assert time.monotonic() - start < 30.0  # it would sleep for 60
+    while is_there(process) and time.monotonic() - start < 30.0:  # a child of the killed one dies a moment later
         time.sleep(0.02)
     assert not is_there(process)
     assert never.cancelled()
@@ -217,8 +215,8 @@ def test_processes_end_with_the_program_that_started_them(how: signal.Signals, f
     program = subprocess.Popen(line, cwd=TOP, env={**os.environ, "PYTHONPATH": str(TOP)}, stderr=subprocess.DEVNULL)
     process = slept(tmp_path)
     program.send_signal(how)
-    program.wait(10.0)
-    end = time.monotonic() + 10.0
+    program.wait(30.0)
+    end = time.monotonic() + 30.0
     while is_there(process) and time.monotonic() < end:
         time.sleep(0.02)
     assert not is_there(process)

@@ -15,6 +15,7 @@ from dem.model import DiscModel
 from dem.packing import Packing, lattice_box
 from dem.search import pushover
 from dem.search.calibration import Calibrator, calibrate
+from dem.search.critical import Search
 from dem.search.equilibrium import Trial, settle, step_on, stop
 from dem.search.pushover import BEYOND, FORMED, FURTHEST, Continuum, pushover_critical_kh
 from dem.settings import DemSettings
@@ -37,7 +38,14 @@ def block(soil: LayerSprings, tilt: float = 0.0) -> tuple[Ground, DiscModel, Con
     return ground, model, Continuum(soil.friction, float(model.mass[0] * GRAVITY * soil.friction / soil.ks))
 
 
-@pytest.mark.parametrize(("mu", "tilt_deg"), [(MU, 0.0), (MU, 5.0), (0.07, 0.0)])
+@cache
+def pushed_block() -> tuple[Search, DiscModel]:
+    """The push of a block of MU on a level plane, and its discs at the end."""
+    ground, model, continuum = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
+    return pushover_critical_kh(model, ground, SETTINGS, continuum)
+
+
+@pytest.mark.parametrize(("mu", "tilt_deg"), [(MU, 5.0), (0.07, 0.0)])
 def test_a_block_is_pushed_over_where_friction_says(mu: float, tilt_deg: float) -> None:
     """A block on a plane that dips by beta slides at Kh = tan(phi - beta)."""
     tilt = np.radians(tilt_deg)
@@ -60,7 +68,7 @@ def test_an_error_after_the_curve_leaves_the_discs_of_its_end(monkeypatch: pytes
                 discs.x[:] = np.nan
                 raise NotFiniteError("a disc is nowhere")
 
-    whole = pushover_critical_kh(model, ground, SETTINGS, continuum)[0]
+    whole = pushed_block()[0]
     monkeypatch.setattr(pushover, "_points", lost)
     found, pushed = pushover_critical_kh(model, ground, SETTINGS, continuum)
     assert (found.verdict, found.kc, found.curve) == (whole.verdict, whole.kc, whole.curve)
@@ -72,11 +80,11 @@ def test_an_error_after_the_curve_leaves_the_discs_of_its_end(monkeypatch: pytes
 def test_a_push_tells_where_and_why_it_ends() -> None:
     """A block whose reach is short moves by eight of them, one whose reach is long by eight radii."""
     ground, model, short = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
-    for continuum, way, why in (
-        (short, FURTHEST * SETTINGS.ductility * short.yielding, "as far as discs are pushed"),
-        (short._replace(yielding=2.0 * RADIUS / SETTINGS.ductility), FORMED * RADIUS, "a band of shear has formed"),
+    long = short._replace(yielding=2.0 * RADIUS / SETTINGS.ductility)
+    for (found, pushed), way, why in (
+        (pushed_block(), FURTHEST * SETTINGS.ductility * short.yielding, "as far as discs are pushed"),
+        (pushover_critical_kh(model, ground, SETTINGS, long), FORMED * RADIUS, "a band of shear has formed"),
     ):
-        found, pushed = pushover_critical_kh(model, ground, SETTINGS, continuum)
         assert found.reason.endswith(why)
         assert f"pushed on to {(pushed.x - model.x).mean():.2g} m" in found.reason
         assert (pushed.x - model.x).mean() == pytest.approx(way, rel=0.05)
@@ -95,9 +103,10 @@ def test_ground_of_which_a_part_comes_apart_is_pushed_no_further() -> None:
 
 def test_the_curve_is_elastic_and_then_level() -> None:
     """Up to mu a block gives way by Kh m g / ks, beyond it slides at that Kh."""
-    soil = replace(SOIL, friction=MU, kpn=0.0, kps=0.0)
-    ground, model, continuum = block(soil)
-    found = pushover_critical_kh(model, ground, SETTINGS, continuum)[0]
+    continuum = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))[2]
+    found = pushed_block()[0]
+    assert found.kc == pytest.approx(MU, rel=0.02)
+    assert found.kc_lower <= found.kc <= found.kc_upper
     kh, moved = np.array(found.curve).T
     yielding = continuum.yielding
     elastic = moved < 0.8 * yielding

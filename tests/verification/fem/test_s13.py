@@ -101,6 +101,7 @@ def test_fixed_sides_come_down_in_the_bracket_of_limit_analysis():
     assert 0.356 < fine < coarse < 0.366
 
 
+@pytest.mark.slow
 def test_fixed_sides_come_down_towards_the_bracket():
     """Measured with bilinear cells, 2x: 0.3701: these are far too strong where the ground dilates."""
     assert 0.356 < found("quadratic", "fixed", ASSOCIATED).kc < 0.366
@@ -155,9 +156,10 @@ from meshes.gmsh_model import generate
 from workflow.config import Config
 from tests.support import SECTIONS, TOP
 run = Config.load(sys.argv[1])
+mesh = generate(run.section, run.mesh.model_copy(update={"columns": int(sys.argv[3])}))
 for flow in ("associated", "section"):
     wish = FemSettings(element=sys.argv[2], flow=flow, direction="downhill")
-    result = critical_coefficient(run.section, generate(run.section, run.mesh), wish, MPI.COMM_WORLD)
+    result = critical_coefficient(run.section, mesh, wish, MPI.COMM_WORLD)
     if MPI.COMM_WORLD.rank == 0:
         assert MPI.COMM_WORLD.size == 2
         print(repr(result.kc), flush=True)
@@ -165,8 +167,10 @@ for flow in ("associated", "section"):
 
 
 @pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun")
-@pytest.mark.parametrize("element", ["bilinear", pytest.param("quadratic", marks=pytest.mark.slow)])
-def test_two_ranks_find_the_same(element):
+@pytest.mark.parametrize(
+    ("element", "columns"), [("bilinear", 16), pytest.param("quadratic", 47, marks=pytest.mark.slow)]
+)
+def test_two_ranks_find_the_same(element, columns):
     """Measured: 1e-15, ψ = φ and ψ = 0 alike."""
     command = [
         "mpirun",
@@ -179,12 +183,17 @@ def test_two_ranks_find_the_same(element):
         PROGRAM,
         str(S13),
         element,
+        str(columns),
     ]
     # A process that has called MPI leaves variables behind that would make mpirun think it is inside another one.
     own = {key: value for key, value in os.environ.items() if not key.startswith(("OMPI_", "PMIX_", "PMI_", "ORTE_"))}
+    own["OMPI_MCA_mpi_yield_when_idle"] = "1"  # where both share a core, one that waits lets the other compute
     done = subprocess.run(command, capture_output=True, text=True, cwd=TOP, timeout=300, env=own)
     assert done.returncode == 0, done.stderr[-2000:]
     # libraries under mpirun set the colour of the terminal back
     associated, without = map(float, re.findall(r"\d\.\d+", done.stdout))
-    assert associated == pytest.approx(found(element, flow=ASSOCIATED).kc, rel=1e-9)
-    assert without == pytest.approx(found(element).kc, rel=1e-9)
+    run = Config.load(S13)
+    mesh = generate(run.section, run.mesh.model_copy(update={"columns": columns}))
+    for kc, flow in ((associated, ASSOCIATED), (without, AS_GIVEN)):
+        wish = FemSettings(element=element, flow=flow, direction="downhill")
+        assert kc == pytest.approx(critical_coefficient(run.section, mesh, wish, MPI.COMM_SELF).kc, rel=1e-9)
