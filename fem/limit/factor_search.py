@@ -45,7 +45,7 @@ PROOFS = 4
 INSIDE = 0.05
 # A factor is good enough to refine at when the middle of the bounds is this close, or this close over what they leave
 # open: 0.5 is where the lower bound is.
-CLOSE, OPEN = 0.01, 0.6
+CLOSE, OPEN = 0.015, 0.6
 # On finer triangles the lower bound rises by about this share of what the bounds leave open: there the first trial is.
 RISE = 0.05
 # A bound is proven on triangles that are not the last ones where what is proven is so far (of the factor) from it.

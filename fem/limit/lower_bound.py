@@ -158,7 +158,8 @@ def independent_equations(
         values = np.linalg.eigvalsh(flat.reshape(len(rows), count, count))
         whole = values[:, 0] > WELL_CONDITIONED * values[:, -1]
         whole_rows.append(at_point[rows[whole]].ravel())
-        changed += [(at_point[row], _orthonormal(matrix[at_point[row]])) for row in rows[~whole]]
+        together = at_point[rows[~whole]]
+        changed += zip(together, _orthonormal(matrix, together), strict=True)
     kept = np.sort(np.concatenate(whole_rows))
     combinations = [sparse.identity(matrix.shape[0], format="csr")[kept]]
     if changed:
@@ -172,13 +173,25 @@ def independent_equations(
     return changed_matrix, change @ dead, change @ live
 
 
-def _orthonormal(equations: sparse.csr_matrix) -> np.ndarray:
-    """Orthonormal combinations (r, k) of k equations with the same solutions, r their rank."""
-    used = np.unique(equations.indices)
-    left, values, _ = np.linalg.svd(equations[:, used].toarray(), full_matrices=False)
-    rank = np.count_nonzero(values > DEPENDENT * values.max(initial=0.0))
-    scale = values.max(initial=0.0) / values[:rank]
-    return scale[:, None] * left[:, :rank].T
+def _orthonormal(matrix: sparse.csr_matrix, groups: np.ndarray) -> list[np.ndarray]:
+    """Orthonormal combinations (r, k) of k equations with the same solutions, r their rank, for ``groups`` (g, k)."""
+    some, k = groups.shape
+    if some == 0:
+        return []
+    part = matrix[groups.ravel()].tocoo()
+    group = part.row // k
+    # The unknowns of a group are numbered from 0 in each.
+    unknowns, number = np.unique(group * matrix.shape[1] + part.col, return_inverse=True)
+    first = np.searchsorted(unknowns // matrix.shape[1], np.arange(some))
+    dense = np.zeros((some, k, int(np.diff(np.append(first, len(unknowns))).max())))
+    dense[group, part.row % k, number - first[group]] = part.data
+    left, values, _ = np.linalg.svd(dense, full_matrices=False)
+    largest = values.max(axis=1, initial=0.0)
+    ranks = np.count_nonzero(values > DEPENDENT * largest[:, None], axis=1)
+    return [
+        (most / value[:rank])[:, None] * vectors[:, :rank].T
+        for most, value, vectors, rank in zip(largest, values, left, ranks, strict=True)
+    ]
 
 
 def _balance(problem: LimitProblem) -> Equations:
