@@ -1,6 +1,7 @@
 """The section that outlines and lines of a drawing make, as TOML for a person to complete."""
 
 import json
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -17,6 +18,7 @@ from meshes.section.simplified import needed
 # Outlines that end within this share of the width of a side were drawn to it.
 SIDE = 0.002
 MOST_ALIKE = 3  # lines of one layer that are told one by one
+TOP = re.compile(r"(?<![^\W_])top(?![^\W_])", re.IGNORECASE)  # a word of the name of a layer
 SOIL = ("density", "youngs_modulus", "poissons_ratio", "cohesion", "friction_angle")
 
 
@@ -138,6 +140,11 @@ def _of_lines(
         *notices,
         f'{has}: the highest line, on layer "{top}", is the ground, and each other one the bottom of the stratum of '
         "its layer",
+        *(
+            f'the name of layer "{layer}" says top, and its line is taken for a bottom: if it is the top of that soil, '
+            "give the line the name of the soil above it"
+            for layer in dict.fromkeys(layer for layer, _ in below if TOP.search(layer))
+        ),
         *remarks,
     ]
     layers = [*(layer for layer, _ in below), *(outline.layer for outline in outlines)]

@@ -176,6 +176,16 @@ def test_lines_alone_are_the_ground_and_bottoms(tmp_path: Path) -> None:
     assert 'the highest line, on layer "Ground", is the ground' in told
 
 
+@pytest.mark.parametrize(("layer", "doubted"), [("CLAY_TOP", True), ("Top of clay", True), ("Topsoil", False)])
+def test_a_line_whose_name_says_that_it_is_a_top_is_doubted(layer: str, doubted: bool, tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        for name, points in {"Ground": SAND[:4], layer: CLAY[:2], "Base": CLAY[2:]}.items():
+            space.add_lwpolyline(points, dxfattribs={"layer": name})
+
+    told = section(drawn(tmp_path, draw))[1]
+    assert (f'the name of layer "{layer}" says top, and its line is taken for a bottom' in told) == doubted
+
+
 def test_the_longest_water_line_counts_and_others_are_told(tmp_path: Path) -> None:
     def draw(space: Any) -> None:
         outlines(space)
