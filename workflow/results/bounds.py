@@ -120,7 +120,9 @@ class SafetyPart(Part):
     upper: float | None = Field(description="the section fails with its strength divided by this")
     cells: int = Field(description="triangles of the last mesh")
     shallow_failure: float | None = Field(
-        default=None, description="factor of a shallow failure of a face; the bounds are of the slope as a whole"
+        default=None,
+        description="factor at which at most a face, or shallow ground where two meet, fails; the bounds are of "
+        "the slope as a whole",
     )
     direction: Direction | None = Field(default=None, description="of the seismic force with which it fails")
     reason: str = Field(default="", description="why the bounds are no closer, if less close than asked for")
@@ -133,7 +135,9 @@ class SafetyPart(Part):
         high = "" if self.upper is None else f" <= {self.upper:.3f}"
         between = f"{low}FS{high}" if low or high else "none found of FS"
         at = self.shallow_failure
-        rolling = "" if at is None else f"; a face fails before (shallow failure) at {at:.3f}"
+        rolling = (
+            "" if at is None else f"; shallow ground, of one face or where two meet, fails before, at {at:.3f} at most"
+        )
         force = f", force {FORCE[self.direction]}" if self.direction else ""
         return f"{between} at Kh = {self.kh:g}{force}, {self.cells} triangles{rolling}"
 
