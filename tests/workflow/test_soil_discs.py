@@ -53,7 +53,7 @@ def test_the_target_has_the_sides_of_the_box(whole: Path) -> None:
     fem = answer(whole, "fem/critical.json")
     calibration = answer(whole, "dem/calibration.json")
     continuum = answer(whole, "dem/continuum.json")
-    assert fem["settings"]["sides"] == "free-field"
+    assert fem["settings"]["sides"] == "smooth"
     assert continuum["sides"] == "fixed"
     assert calibration["continuum_kc"] == [continuum["kc"], continuum["kc_upper"]]
     nearest = np.clip(calibration["predicted_kc"], continuum["kc"], continuum["kc_upper"])
