@@ -33,7 +33,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     }
     path = place / "gentle.toml"
     path.write_text(tomli_w.dumps(data))
-    assert command_line.run("liquefied", path, "--out", place / "run", "--quiet") == 0
+    assert command_line.run("liquefied", path, "--out", place / "run", "--quiet", painted=False) == 0
     return place / "run"
 
 
