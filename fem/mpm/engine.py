@@ -14,8 +14,9 @@ from meshes.section.quantity import GRAVITY
 COURANT = 0.7  # time step over the time in which the fastest wave crosses a cell
 STRIPE = 8  # columns of cells that belong together
 DRIFT = 0.5  # of a cell, that points may go before they are sorted again
-BATCH = 0.02  # s, after which the time step follows the fastest point, and velocities are filtered
+BATCH = 0.02  # s, after which the time step follows the fastest point
 FILTER = 3  # power of what the grid does not return of a velocity, that decays
+FILTER_STEPS = 25  # after which velocities are filtered at the end of a batch: the filter costs as much as three steps
 
 ARRAYS = ("x", "v", "affine", "stress", "state", "properties", "start", "stratum", "side")  # of the points
 
@@ -97,6 +98,7 @@ class MaterialPointEngine:
     ) -> None:
         self.points, self.grid, self.gravity, self.threads, self.decay = points, grid, gravity, threads, decay
         self.time, self.steps = 0.0, 0
+        self._filtered = 0.0, 0  # time and step at which velocities were filtered
         self.order = np.arange(len(points.x))  # numbers, as handed over, of the points as they lie now
         self._began = points.kinetic(grid.cell), points.elastic()
         columns, rows = grid.shape
@@ -135,9 +137,11 @@ class MaterialPointEngine:
             pushes = np.zeros(steps) if push is None else np.asarray(push(middles), dtype=float)
             with ThreadPoolExecutor(self.threads, thread_name_prefix="material-points") as pool:
                 self._advance(pool, dt, pushes, damping)
-                self._filter(pool, batch)
-            self.time += batch
-            self.steps += steps
+                self.time += batch
+                self.steps += steps
+                if self.steps - self._filtered[1] >= FILTER_STEPS:
+                    self._filter(pool, self.time - self._filtered[0])
+                    self._filtered = self.time, self.steps
             if np.abs(self.points.x - self._sorted_at).max() > DRIFT * self.grid.cell:
                 self._sort()
 
@@ -149,7 +153,7 @@ class MaterialPointEngine:
 
     def begin_again(self) -> None:
         """Count time and energies from here."""
-        self.time, self.steps = 0.0, 0
+        self.time, self.steps, self._filtered = 0.0, 0, (0.0, 0)
         self._gained[:], self._sums[:] = 0.0, 0.0
         self._began = self.points.kinetic(self.grid.cell), self.points.elastic()
 
@@ -161,7 +165,8 @@ class MaterialPointEngine:
         """The state of the engine as arrays by name, for `go_on_from`."""
         state = {name: getattr(self.points, name) for name in ARRAYS}
         state |= {"order": self.order, "gained": self._gained, "sums": self._sums, "offsets": self._offsets}
-        return state | {"sorted_at": self._sorted_at, "clock": np.array([self.time, self.steps, *self._began])}
+        clock = np.array([self.time, self.steps, *self._filtered, *self._began])
+        return state | {"sorted_at": self._sorted_at, "clock": clock}
 
     def go_on_from(self, state: Mapping[str, np.ndarray]) -> None:
         """Take over the state of another engine of the same ground (`as_it_is`)."""
@@ -169,8 +174,8 @@ class MaterialPointEngine:
             getattr(self.points, name)[:] = state[name]
         self.order, self._offsets, self._sorted_at = state["order"], state["offsets"], state["sorted_at"]
         self._gained[:], self._sums[:] = state["gained"], state["sums"]
-        self.time, steps, *began = (float(value) for value in state["clock"])
-        self.steps, self._began = int(steps), (began[0], began[1])
+        self.time, steps, filtered, at_step, *began = (float(value) for value in state["clock"])
+        self.steps, self._filtered, self._began = int(steps), (filtered, int(at_step)), (began[0], began[1])
         self._share()
 
     def _advance(self, pool: ThreadPoolExecutor, dt: float, pushes: np.ndarray, damping: float) -> None:
