@@ -10,6 +10,7 @@ from dem.kernels import liquefied_pairs as bond
 from dem.kernels.liquefied_lists import densities
 from dem.kernels.liquefied_stress import held_shear
 from dem.kernels.neighbours import Near, cell_grid, find_pairs, known_pairs
+from dem.pressure_shear import take_back_shear
 from dem.ranges import Ranges, serial
 from dem.state import DiscState
 
@@ -80,6 +81,7 @@ def list_liquefied(state: DiscState, in_ranges: Ranges = serial) -> None:
     before = _in_pairs(state)
     state.liquefied_i, state.liquefied_j = order[first], order[second]
     # who comes near for the first time was not followed until now, and nothing holds who is no longer near
+    take_back_shear(state)
     now = _in_pairs(state)
     came = now & ~before
     state.liquefied[came, bond.AT_X], state.liquefied[came, bond.AT_Z] = state.x[came], state.z[came]

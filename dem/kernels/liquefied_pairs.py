@@ -48,11 +48,12 @@ ONE, TWO, THREE = (np.uint64(k) for k in (1, 2, 3))  # z, vx, vz in the record o
 
 # Pairs lie in blocks of 64 lanes, as contacts do; a field of a block is 64 doubles in a row. What a pair remembers: how
 # far its strength is mobilised, along and across (pull and slip positive, 1 together at most); the same of the spring
-# behind its dashpot; twice the energy that the bond stores at its limit (J); force besides (N).
+# behind its dashpot; twice the energy that the bond stores at its limit (J); force besides (N); what is left of the
+# strength beyond its limit (1 to 0); force that takes back what shear its pressure bears (N), see `pressure_shear`.
 LANES = 64
-MEMORY = 8
-FRESH = 7
-ALONG, ACROSS, LATE_ALONG, LATE_ACROSS, YIELD, DASH_ALONG, DASH_ACROSS, LEFT = (
+MEMORY = 10
+FRESH, TAKEN_ALONG_AT, TAKEN_ACROSS_AT = 7, 8, 9
+ALONG, ACROSS, LATE_ALONG, LATE_ACROSS, YIELD, DASH_ALONG, DASH_ACROSS, LEFT, TAKEN_ALONG, TAKEN_ACROSS = (
     np.uint64(k * LANES) for k in range(MEMORY)
 )
 REMEMBERED = np.uint64(MEMORY * LANES)
@@ -316,6 +317,10 @@ def press_pairs(
         )
         pull, drag = strength * soon_along, strength * soon_across
         dash_along, dash_across = pull - strength * new_along, drag - strength * new_across
+        taken_along, taken_across = here * memory[r + TAKEN_ALONG], here * memory[r + TAKEN_ACROSS]
+        pull, drag = pull + taken_along, drag + taken_across
+        if with_losses:
+            work = both(work, -(taken_along * stretch + taken_across * slip))
         # beyond the reach strength has gone to nothing, and is forgotten
         memory[r + ALONG], memory[r + ACROSS] = here_along, here_across
         memory[r + LATE_ALONG], memory[r + LATE_ACROSS] = here * late_along, here * late_across

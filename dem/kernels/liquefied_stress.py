@@ -93,8 +93,8 @@ def _sums(
         soft, steep, _ = bond_lines(discs, i, j)
         share = force_share(along, across, soft, steep)
         along, across = share * along, share * across
-        normal = push - limit * along - memory[c, DASH_ALONG_AT]
-        drag = limit * across + memory[c, DASH_ACROSS_AT]
+        normal = push - limit * along - memory[c, DASH_ALONG_AT] - memory[c, bond.TAKEN_ALONG_AT]
+        drag = limit * across + memory[c, DASH_ACROSS_AT] + memory[c, bond.TAKEN_ACROSS_AT]
         fx, fz = normal * nx + drag * nz, normal * nz - drag * nx
         near = width[c] / (apart * apart)
         ux, uz = near * (way[0, j] - way[0, i]), near * (way[1, j] - way[1, i])

@@ -17,7 +17,6 @@ from meshes.section.strain_potential import BEYOND, stress_at_potential
 
 NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go through each other
 NOTHING = 1e-6  # Pa
-HELD_BY_WATER = 0.004  # of the effective overburden: shear stress that the pressure of discs which are sheared bears
 # Shear modulus of elastic bonds in simple shear over the strength at their limit, over the strain of a bond there.
 ELASTIC = 0.25 * np.pi * FITTED
 SHEAR_MODULUS = 0.23  # of patches of soil discs, over kn: their E is 0.6 kn, with a Poisson's ratio of 0.3
@@ -75,8 +74,7 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
         if kept.strain_potential > 0.0:
             wanted = np.maximum(strength[here], NOTHING)
             strain[here] = ELASTIC * (kept.strain_potential + BEYOND)
-            of_bonds = np.maximum(stress_at_potential(pressure[here], wanted) - HELD_BY_WATER * pressure[here], 0.0)
-            knee[here] = of_bonds / wanted
+            knee[here] = stress_at_potential(pressure[here], wanted) / wanted
             soft_to[here] = kept.strain_potential / (kept.strain_potential + BEYOND)
     ratio = area_per_disc(model, model)
     with_voids = np.append(np.where(np.isfinite(ratio), ratio, np.nanmean(ratio)), np.nanmean(ratio))

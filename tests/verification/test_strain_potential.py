@@ -112,10 +112,10 @@ def slid(case: Case) -> float:
 
 
 def test_discs_of_an_endless_slope_move_by_most_of_it() -> None:
-    """1.49 m in closed form; the pressure of discs that are sheared holds some of the rest."""
+    """1.49 m in closed form, of which discs moved two thirds while their pressure bore shear."""
     depth = 2.0 + 4.0 * (np.arange(60) + 0.5) / 60.0
     total = 1900.0 * GRAVITY * depth
     wanted = 4.0 * strain(total * np.sin(np.radians(0.5)), total - UNIT_WEIGHT * (depth - 2.0)).mean()
     assert wanted == pytest.approx(1.49, abs=0.02)
-    assert 0.6 * wanted < slid(Case(residual_strength=STRENGTH, strain_potential=POTENTIAL)) < 1.1 * wanted
+    assert 0.85 * wanted < slid(Case(residual_strength=STRENGTH, strain_potential=POTENTIAL)) < 1.1 * wanted
     assert slid(Case(residual_strength=STRENGTH)) < 0.03

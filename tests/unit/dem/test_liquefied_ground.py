@@ -13,7 +13,20 @@ from dem.engine.engine import Engine
 from dem.ground import Ground
 from dem.kernels.contact import ALLOWED, CN, CT, KN, KS, MU
 from dem.kernels.liquefied_laws import bond_kernel, density_kernel
-from dem.kernels.liquefied_pairs import AREA, BOND, DENSITY, FITTED, NOW, STRAIN, STRENGTH
+from dem.kernels.liquefied_pairs import (
+    AREA,
+    AT_X,
+    AT_Z,
+    BOND,
+    DENSITY,
+    FITTED,
+    NOW,
+    PUSH,
+    STRAIN,
+    STRENGTH,
+    TAKEN_ACROSS_AT,
+    TAKEN_ALONG_AT,
+)
 from dem.kernels.liquefied_stress import held_shear
 from dem.liquefied_ground import (
     ADJUSTS,
@@ -28,6 +41,7 @@ from dem.liquefied_ground import (
 from dem.model import DiscModel
 from dem.packing import lattice_box
 from dem.pair_table import pair_table
+from dem.pressure_shear import take_back_shear
 from dem.slides.liquefied_strength import SHEAR_MODULUS, liquefied, onset
 from dem.slides.overburden import effective_overburden
 from tests.support.dem_cases import BARE, RADIUS
@@ -36,8 +50,11 @@ from tests.support.liquefied import GRAVITY, ShearedBox, sand, with_voids
 LOOSE = sand(3e7, 0.5)
 
 
-def heap(gravity: float = GRAVITY, base: bool = True, seed: int = 3) -> DiscModel:
-    """Ten rows of discs of many sizes on fixed ones, all but the upper two liquefied, and moving; open sides."""
+def heap(gravity: float = GRAVITY, base: bool = True, seed: int = 3, soft: bool = False) -> DiscModel:
+    """Ten rows of discs of many sizes on fixed ones, all but the upper two liquefied, and moving; open sides.
+
+    soft: whether they have a strain potential, of a third.
+    """
     rng = np.random.default_rng(seed)
     i, j = np.meshgrid(np.arange(20), np.arange(12))
     x, z = (i + 0.5 * (j % 2)).ravel().astype(float), (j * 0.9).ravel()
@@ -49,7 +66,9 @@ def heap(gravity: float = GRAVITY, base: bool = True, seed: int = 3) -> DiscMode
         DiscGeometry(x, z, radius, layer), DiscMaterials(layers, law="soil", turns=False), gravity=(0.0, -gravity)
     )
     n = len(model)
-    liquefy(model, Onset(layer == 0, with_voids(model), np.full(n, 5e4), np.full(n, 1e4), np.full(n, LEAST_STRAIN)))
+    strain, knee, soft_to = (0.4, 0.1, 0.8) if soft else (LEAST_STRAIN, 0.0, 0.0)
+    strains = np.full(n, strain)
+    liquefy(model, Onset(layer == 0, with_voids(model), np.full(n, 5e4), np.full(n, 1e4), strains, knee, soft_to))
     set_share(model, np.ones(n))
     model.set_velocity(*rng.normal(0.0, 0.5, (2, n)) * ~fixed)
     return model
@@ -69,17 +88,19 @@ def test_kernels_are_one_over_the_plane() -> None:
     assert [bond_kernel.py_func(one, 2.0) for one in (0.0, 2.0)] == [1.0, 0.0]
 
 
-def test_threads_do_not_change_a_bit() -> None:
-    one, three = heap(), heap()
+@pytest.mark.parametrize("soft", [False, True])
+def test_threads_do_not_change_a_bit(soft: bool) -> None:
+    one, three = heap(soft=soft), heap(soft=soft)
     for model, threads in ((one, 1), (three, 3)):
         Engine(dt=4e-4, threads=threads, balance=5e-3).run(model, steps=400)
     assert one.lists_made > 3
     same(one, three)
 
 
-def test_stops_and_checkpoints_do_not_change_a_bit(tmp_path: Path) -> None:
+@pytest.mark.parametrize("soft", [False, True])
+def test_stops_and_checkpoints_do_not_change_a_bit(tmp_path: Path, soft: bool) -> None:
     """Nor in the middle of steps over which forces are held, nor just before a list is made."""
-    whole, part = heap(), heap()
+    whole, part = heap(soft=soft), heap(soft=soft)
     engine = Engine(dt=4e-4, balance=5e-3)
     engine.run(whole, steps=301)
     for steps in (3, 97, 1, 100):
@@ -91,9 +112,10 @@ def test_stops_and_checkpoints_do_not_change_a_bit(tmp_path: Path) -> None:
     same(whole, part)
 
 
-def test_free_ground_keeps_its_momentum() -> None:
+@pytest.mark.parametrize("soft", [False, True])
+def test_free_ground_keeps_its_momentum(soft: bool) -> None:
     """Forces come in pairs: without weight and base the momentum of a cloud stays what it was."""
-    model = heap(gravity=0.0, base=False)
+    model = heap(gravity=0.0, base=False, soft=soft)
     before = model.mass @ model.vx, model.mass @ model.vz
     Engine(dt=4e-4, balance=5e-3).run(model, steps=300)
     scale = float(model.mass @ np.hypot(model.vx, model.vz))
@@ -101,10 +123,11 @@ def test_free_ground_keeps_its_momentum() -> None:
     assert abs(model.mass @ model.vz - before[1]) < 1e-9 * scale
 
 
-def test_energy_balances_better_with_smaller_steps() -> None:
+@pytest.mark.parametrize("soft", [False, True])
+def test_energy_balances_better_with_smaller_steps(soft: bool) -> None:
     gaps = []
     for dt in (8e-4, 2e-4):
-        model = heap()
+        model = heap(soft=soft)
         energies = Engine(dt=dt, balance=1e-2).run(model, 0.4)
         assert energies is not None
         gaps.append(abs(energies.gap) / energies.turnover)
@@ -112,6 +135,31 @@ def test_energy_balances_better_with_smaller_steps() -> None:
         assert energies.viscosity > 0.0
     assert gaps[0] < 0.01
     assert gaps[1] < 0.5 * gaps[0]
+
+
+@pytest.mark.parametrize("axes", [0, 1])
+def test_pairs_take_back_the_shear_that_pressure_bears(axes: int) -> None:
+    """Virials of both over all pairs of a cloud: (xx - zz) / 2, then xz; nothing is left but by the mean over discs."""
+    model = heap(gravity=0.0, base=False, soft=True)
+    x, z = model.x, model.z
+    stretch = np.diag([1.05, 1.0 / 1.05]) if axes == 0 else np.array([[1.0, 0.15], [0.0, 1.0]])
+    wet = model.liquefied
+    wet[:, AT_X], wet[:, AT_Z] = stretch @ np.array([x, z])
+    wet[:, PUSH] = np.where(has_begun(model), 5e4, 0.0)
+    take_back_shear(model)
+    i, j = model.liquefied_i, model.liquefied_j
+    way = np.array([wet[j, AT_X] - wet[i, AT_X], wet[j, AT_Z] - wet[i, AT_Z]])
+    apart = np.hypot(*way)
+    nx, nz = way / apart
+    slope = np.array([density_kernel.py_func(min(r, model.reach), model.reach)[1] for r in apart])
+    twice = np.where(has_begun(model)[i] & has_begun(model)[j], 1.0, 2.0)
+    pushed = twice * (wet[i, PUSH] + wet[j, PUSH]) * wet[i, AREA] * wet[j, AREA] * slope * apart
+    along, across = model.bonds[:, [TAKEN_ALONG_AT, TAKEN_ACROSS_AT]].T * apart
+    fx, fz = along * nx - across * nz, along * nz + across * nx
+    borne = pushed @ (0.5 * (nx * nx - nz * nz) if axes == 0 else nx * nz)
+    taken = (0.5 * (fx * nx - fz * nz) if axes == 0 else 0.5 * (fx * nz + fz * nx)).sum()
+    assert abs(borne) > 0.002 * abs(pushed.sum())
+    assert taken == pytest.approx(-borne, rel=0.25)
 
 
 def test_work_of_the_plates_goes_into_bonds() -> None:

@@ -1,0 +1,85 @@
+"""Shear that the pressure of liquefied ground bears, and what takes it back: pore water bears none.
+
+Pairs push each other along the line of centres, as pore water does on the average over all directions; the few
+neighbours that a disc has lie more densely in some directions than in others. So the pressure of ground that shears
+bears shear stress, 0.5 to 0.9 % of the effective stress, which decides how far ground with a strain potential moves.
+Its deviatoric part, a mean over neighbours, is measured with every list of pairs (virial of Love 1927). Pairs take it
+back until the next list by forces in which action is reaction: of stress s along the line of centres n by k s n, where
+k = 2 (V_i/S_i + V_j/S_j) w as for the bonds (`kernels.liquefied_pairs`), so that these forces add up to the stress s.
+Discs that have no strain potential keep theirs: their strength is matched as a whole (`liquefied_ground`).
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from dem.kernels import liquefied_pairs as bond
+from dem.state import DiscState
+
+NEAREST = 1e-9  # reaches: no pair counts as nearer
+
+
+def take_back_shear(state: DiscState) -> None:
+    """Sets the forces by which pairs take back the shear that their pressure bears, for the list of pairs as it is.
+
+    Parameters
+    ----------
+    state
+        Discs, pairs of which the list has just been made; columns `TAKEN_ALONG` and `TAKEN_ACROSS` of what bonds
+        remember (N) are changed.
+    """
+    wet, i, j = state.liquefied, state.liquefied_i, state.liquefied_j
+    soft = (wet[:, bond.SHARE] > 0.0) & (wet[:, bond.SOFT_TO] > 0.0)
+    if not soft.any():
+        return
+    length, rise = state.repeats
+    dx, dz = wet[j, bond.AT_X] - wet[i, bond.AT_X], wet[j, bond.AT_Z] - wet[i, bond.AT_Z]
+    images = np.floor(dx / length + 0.5)
+    dx, dz = dx - images * length, dz - images * rise
+    apart = np.maximum(np.hypot(dx, dz), NEAREST * state.reach)
+    nx, nz, q = dx / apart, dz / apart, np.minimum(apart / state.reach, 1.0)
+    rest, scale = 1.0 - q, 7.0 / (np.pi * state.reach**2)
+    width, slope = scale * rest**4 * (1.0 + 4.0 * q), -20.0 * scale * q * rest**3 / state.reach
+    share = rest * rest * (1.0 + 2.0 * q)
+    area = wet[:, bond.AREA]
+    liquefied = wet[:, bond.SHARE] > 0.0
+    inside = liquefied[i] & liquefied[j]
+    twice = np.where(inside, 1.0, 2.0)
+
+    def over_pairs(to_first: np.ndarray, to_second: np.ndarray) -> np.ndarray:
+        return np.bincount(i, to_first, len(state)) + np.bincount(j, to_second, len(state))
+
+    def shared(values: np.ndarray) -> np.ndarray:
+        return over_pairs(values, values)
+
+    mean = _mean(over_pairs, i, j, np.where(inside, width, 0.0), np.where(liquefied, area, 0.0), scale)
+    push = -twice * (wet[i, bond.PUSH] + wet[j, bond.PUSH]) * area[i] * area[j] * slope
+    half, voids = 0.5 * push * apart, np.where(area > 0.0, area, 1.0)
+    along_axes = mean(-shared(0.5 * half * (nx * nx - nz * nz)) / voids)  # (s_xx - s_zz) / 2
+    across_axes = mean(-shared(half * nx * nz) / voids)  # s_xz
+    lever = shared(share * apart)
+    per_stress = np.where(soft, -2.0 * area / np.maximum(lever, NEAREST * state.reach), 0.0)
+    first, second = per_stress * along_axes, per_stress * across_axes
+    a, b = twice * share * (first[i] + first[j]), twice * share * (second[i] + second[j])
+    fx, fz = a * nx + b * nz, b * nx - a * nz
+    state.bonds[:, bond.TAKEN_ALONG_AT] = fx * nx + fz * nz
+    state.bonds[:, bond.TAKEN_ACROSS_AT] = fz * nx - fx * nz
+
+
+def _mean(
+    over_pairs: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    i: np.ndarray, j: np.ndarray, width: np.ndarray, area: np.ndarray, own: float,
+) -> Callable[[np.ndarray], np.ndarray]:  # fmt: skip
+    """The mean of values (n,) of discs over liquefied neighbours, by the kernel and their areas.
+
+    over_pairs: sum over the pairs of every disc; i, j (pairs,): discs of each pair; width (pairs,): W, 0 but for two
+    liquefied discs (1/m2); area (n,): of liquefied discs, 0 for others (m2); own: W at no distance (1/m2).
+    """
+    weight = own * area + over_pairs(width * area[j], width * area[i])
+    whole = np.where(weight > 0.0, weight, 1.0)
+
+    def mean(values: np.ndarray) -> np.ndarray:
+        near = over_pairs(width * area[j] * values[j], width * area[i] * values[i])
+        return np.asarray((own * area * values + near) / whole)
+
+    return mean
