@@ -15,8 +15,6 @@ from dem.kernels.contact import ALLOWED, CN, CT, KN, KS, MU
 from dem.kernels.liquefied_laws import bond_kernel, density_kernel
 from dem.kernels.liquefied_pairs import (
     AREA,
-    AT_X,
-    AT_Z,
     BOND,
     DENSITY,
     FITTED,
@@ -137,29 +135,38 @@ def test_energy_balances_better_with_smaller_steps(soft: bool) -> None:
     assert gaps[1] < 0.5 * gaps[0]
 
 
+@pytest.mark.parametrize("seed", [3, 4])
 @pytest.mark.parametrize("axes", [0, 1])
-def test_pairs_take_back_the_shear_that_pressure_bears(axes: int) -> None:
-    """Virials of both over all pairs of a cloud: (xx - zz) / 2, then xz; nothing is left but by the mean over discs."""
-    model = heap(gravity=0.0, base=False, soft=True)
-    x, z = model.x, model.z
-    stretch = np.diag([1.05, 1.0 / 1.05]) if axes == 0 else np.array([[1.0, 0.15], [0.0, 1.0]])
-    wet = model.liquefied
-    wet[:, AT_X], wet[:, AT_Z] = stretch @ np.array([x, z])
-    wet[:, PUSH] = np.where(has_begun(model), 5e4, 0.0)
+def test_pairs_take_back_the_shear_that_pressure_bears(axes: int, seed: int) -> None:
+    """Virials of both on discs within a cloud, means over their neighbours: (xx - zz) / 2, then xz. What single discs
+    bear beyond the mean stays; that nothing is left on the average shows the endless slope of `test_strain_potential`.
+    """
+    model = heap(gravity=0.0, base=False, seed=seed, soft=True)
+    wet, i, j, begun = model.liquefied, model.liquefied_i, model.liquefied_j, has_begun(model)
+    wet[:, PUSH] = np.where(begun, 5e4, 0.0)
     take_back_shear(model)
-    i, j = model.liquefied_i, model.liquefied_j
-    way = np.array([wet[j, AT_X] - wet[i, AT_X], wet[j, AT_Z] - wet[i, AT_Z]])
+    way = np.array([model.x[j] - model.x[i], model.z[j] - model.z[i]])
     apart = np.hypot(*way)
     nx, nz = way / apart
-    slope = np.array([density_kernel.py_func(min(r, model.reach), model.reach)[1] for r in apart])
-    twice = np.where(has_begun(model)[i] & has_begun(model)[j], 1.0, 2.0)
+    width, slope = np.array([density_kernel.py_func(min(r, model.reach), model.reach) for r in apart]).T
+    twice = np.where(begun[i] & begun[j], 1.0, 2.0)
     pushed = twice * (wet[i, PUSH] + wet[j, PUSH]) * wet[i, AREA] * wet[j, AREA] * slope * apart
     along, across = model.bonds[:, [TAKEN_ALONG_AT, TAKEN_ACROSS_AT]].T * apart
     fx, fz = along * nx - across * nz, along * nz + across * nx
-    borne = pushed @ (0.5 * (nx * nx - nz * nz) if axes == 0 else nx * nz)
-    taken = (0.5 * (fx * nx - fz * nz) if axes == 0 else 0.5 * (fx * nz + fz * nx)).sum()
-    assert abs(borne) > 0.002 * abs(pushed.sum())
-    assert taken == pytest.approx(-borne, rel=0.25)
+    borne = pushed * (0.5 * (nx * nx - nz * nz) if axes == 0 else nx * nz)
+    taken = 0.5 * (fx * nx - fz * nz) if axes == 0 else 0.5 * (fx * nz + fz * nx)
+
+    def of_discs(values: np.ndarray) -> np.ndarray:
+        """The mean over neighbours of what pairs (pairs,) add to each disc, but for a factor."""
+        each = np.bincount(i, values, len(model)) + np.bincount(j, values, len(model))
+        weight = np.where(begun[i] & begun[j], width, 0.0)
+        near = np.bincount(i, weight * each[j], len(model)) + np.bincount(j, weight * each[i], len(model))
+        return np.asarray(density_kernel.py_func(0.0, model.reach)[0] * each + near)
+
+    within = begun & (model.x > 3.0) & (model.x < 17.0) & (model.z > 2.0) & (model.z < 8.0)
+    first, second = of_discs(borne)[within], of_discs(taken)[within]
+    assert within.sum() > 60
+    assert np.corrcoef(first, second)[0, 1] < -0.7
 
 
 def test_work_of_the_plates_goes_into_bonds() -> None:
