@@ -95,7 +95,8 @@ def test_ground_that_sinks_into_liquefied_ground_is_carried_by_the_water_that_it
     more = model.mass * (model.pore_acceleration_z - start.pore_acceleration_z)
     expected = model.mass * (ground.buoyancy(model) - ground.buoyancy(start))[1]
     moved = np.abs(model.z - start.z) > 0.2
-    sank = moved & (model.layer == 0) & (model.z < start.z)
+    reaches = expected > 0.02 * GRAVITY * model.mass  # a dry disc may sink and stay above the table
+    sank = moved & (model.layer == 0) & (model.z < start.z) & reaches
     assert np.count_nonzero(sank) > 3
     assert (more[sank] > 0.0).all()
     since = 2.0 * model.radius * WATER * LOOK * np.abs(model.vz)  # that of a disc's width over its way since the look
