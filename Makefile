@@ -3,6 +3,8 @@ BIN := .venv/bin
 # the discs' kernels, which tests side by side would compile at the same time, each for itself
 KERNELS := from dem.precompile import precompile; from meshes.executor import OneThread; precompile(OneThread(), print)
 SECTION ?= meshes/sections/s13.toml
+# a package is compiled when it is first imported, and kept: else each of the processes of the tests would compile it
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help setup run verify docs lint checked test test-all browser clean
 

@@ -1,10 +1,13 @@
 """Several MPI ranks at one finite element analysis: the first runs the command, the others help it to compute."""
 
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 from fem.solvers import dolfinx_api
+
+PAUSE = 0.01  # s between two looks for a message: MPI itself waits without one, and takes a core for that
 
 
 class Ranks:
@@ -29,11 +32,13 @@ class Ranks:
     def call(self) -> None:
         """On the first rank: call the others to compute with it."""
         self.waiting = False
-        self.comm.bcast(True)
+        self._tell_others(True)
 
     def called(self) -> bool:
         """On the others: wait for the first rank; returns whether it called them, or let them go."""
-        return bool(self.comm.bcast(None))
+        while not self.comm.iprobe(source=0):
+            time.sleep(PAUSE)
+        return bool(self.comm.recv(source=0))
 
     @contextmanager
     def leading(self) -> Iterator[None]:
@@ -42,4 +47,9 @@ class Ranks:
             yield
         finally:
             if self.waiting:
-                self.comm.bcast(False)
+                self._tell_others(False)
+
+    def _tell_others(self, compute: bool) -> None:
+        """Tell the others whether there is something to compute."""
+        for other in range(1, self.comm.size):
+            self.comm.send(compute, dest=other)

@@ -166,12 +166,12 @@ for flow in ("associated", "section"):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun")
-@pytest.mark.parametrize(
-    ("element", "columns"), [("bilinear", 16), pytest.param("quadratic", 47, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("element", "columns"), [("bilinear", 16), ("quadratic", 47)])
 def test_two_ranks_find_the_same(element, columns):
-    """Measured: 1e-15, ψ = φ and ψ = 0 alike."""
+    """Measured: 1e-15, ψ = φ and ψ = 0 alike. What every change must pass is the beginning of such a path, in
+    tests/workflow/test_fem_command.py."""
     command = [
         "mpirun",
         "--allow-run-as-root",
@@ -188,7 +188,7 @@ def test_two_ranks_find_the_same(element, columns):
     # A process that has called MPI leaves variables behind that would make mpirun think it is inside another one.
     own = {key: value for key, value in os.environ.items() if not key.startswith(("OMPI_", "PMIX_", "PMI_", "ORTE_"))}
     own["OMPI_MCA_mpi_yield_when_idle"] = "1"  # where both share a core, one that waits lets the other compute
-    done = subprocess.run(command, capture_output=True, text=True, cwd=TOP, timeout=300, env=own)
+    done = subprocess.run(command, capture_output=True, text=True, cwd=TOP, timeout=1800, env=own)
     assert done.returncode == 0, done.stderr[-2000:]
     # libraries under mpirun set the colour of the terminal back
     associated, without = map(float, re.findall(r"\d\.\d+", done.stdout))
