@@ -25,11 +25,15 @@ def slices_sentences(answer: SlicesAnswer) -> Iterator[str]:
 
 
 def _listed(circles: Sequence[CirclePart], digits: int) -> str:
-    return "; ".join(
-        f"to the {circle.towards} {circle.bishop:.{digits}f} by Bishop's method"
-        + ("" if circle.spencer is None else f", {circle.spencer:.{digits}f} by Spencer's")
-        for circle in circles
-    )
+    return "; ".join(_words(circle, digits) for circle in circles)
+
+
+def _words(circle: CirclePart, digits: int) -> str:
+    ends = f"x = {circle.surface_m[0][0]:.1f} to {circle.surface_m[-1][0]:.1f} m"
+    words = f"to the {circle.towards} ({ends}) {circle.bishop:.{digits}f} by Bishop's method"
+    if circle.spencer is not None:
+        words += f", {circle.spencer:.{digits}f} by Spencer's"
+    return words + (", below the cohesionless face, which fails before" if circle.strengthened else "")
 
 
 def factor_on_surface(config: Config, factor: FactorOfSafety) -> float | None:

@@ -96,6 +96,8 @@ def _circle(of: str, circle: CirclePart, section: Section, digits: int, _: Texts
     spencer = "" if circle.spencer is None else _("Spencer {value}", value=f"{circle.spencer:.{digits}f}")
     depth = float(depth_below_ground(section, np.array(circle.surface_m)).max())
     conditions = _("Bishop, towards the {side}, {depth} m deep", side=_(circle.towards), depth=f"{depth:.1f}")
+    if circle.strengthened:
+        conditions += _("; the cohesionless face, which fails before, given a cohesion")
     return Row(of, f"{circle.bishop:.{digits}f}", spencer, conditions)
 
 

@@ -17,6 +17,9 @@ class CirclePart(Part):
     surface_m: Line = Field(description="points of the slip surface, from left to right")
     bishop: float = Field(description="by Bishop's simplified method")
     spencer: float | None = Field(description="by Spencer's method on the same circle; null without a balance")
+    strengthened: bool = Field(
+        default=False, description="whether cohesionless faces, which fail first, were given a cohesion"
+    )
 
 
 class FactorCircles(Part):

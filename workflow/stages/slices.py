@@ -1,16 +1,18 @@
 """The stage `slices`: critical slip circles by Bishop's and Spencer's methods, their file and their picture."""
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Literal
 
 from workflow.results.answer import SectionLabel, line
 from workflow.results.slices import CirclePart, FacePart, FactorCircles, SlicesAnswer
 from workflow.run.stage import Job, Stage
 
 if TYPE_CHECKING:
+    from meshes.section.section import Section
     from workflow.estimates.slip_circles import SlipCircle
 
-    Circles = dict[float | None, tuple[SlipCircle, ...]]  # by Kh; those of the critical Kh by None
+    # the ground and its critical circle, by Kh (None: the critical Kh) and side
+    Circles = dict[tuple[float | None, int], tuple[Section, SlipCircle | None]]
 
 PICTURE = "figures/slip_circles.png"
 LEVEL = 10.0  # a circle with a larger factor of safety slides through level ground: there is no slope on that side
@@ -21,21 +23,24 @@ SOURCE = "Bishop 1955 (simplified method); Spencer 1967; Duncan, Wright & Brando
 
 def work(job: Job) -> None:
     """Find the critical circles; leaves fem/slices.json and figures/slip_circles.png."""
-    from workflow.estimates.slip_circles import critical_circles
+    from workflow.estimates.deeper_circles import ground_of_circles
+    from workflow.estimates.slices import LEFT, RIGHT
 
     section, fem = job.config.section, job.config.fem
     wanted = job.config.criteria.factor_of_safety
-    whole: Circles = {}
-    for kh in (*dict.fromkeys((0.0, *fem.safety_factor_at, *(() if wanted is None else (wanted.kh,)))), None):
+    asked = dict.fromkeys((0.0, *fem.safety_factor_at, *(() if wanted is None else (wanted.kh,))))
+    circles: Circles = {}
+    for kh in (*asked, None):
         job.progress("critical Kh" if kh is None else f"factor of safety at Kh = {kh:g}", None)
-        circles = critical_circles(section, kh, fem.least_depth, fem.vertical, crack=job.config.tension_crack)
-        whole[kh] = tuple(circle for circle in circles if kh is None or circle.bishop < LEVEL)
-    reason = "" if any(whole.values()) else NO_CIRCLE
+        for side in (LEFT, RIGHT):
+            circles[kh, side] = ground_of_circles(section, fem, side, kh, job.config.tension_crack)
+    critical, *factors = (_parts(section, kh, (circles[kh, LEFT], circles[kh, RIGHT])) for kh in (None, *asked))
+    reason = "" if critical or any(factors) else NO_CIRCLE
     SlicesAnswer(
         section=SectionLabel.of(section),
-        factors=tuple(FactorCircles(kh=kh, circles=_parts(circles)) for kh, circles in whole.items() if kh is not None),
-        critical=_parts(whole[None]),
-        faces=tuple(_faces(job, whole)),
+        factors=tuple(FactorCircles(kh=kh, circles=parts) for kh, parts in zip(asked, factors, strict=True)),
+        critical=critical,
+        faces=tuple(_faces(job, circles)),
         least_depth=fem.least_depth,
         reason=reason,
         source=SOURCE,
@@ -52,15 +57,13 @@ def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
     section, fem, crack = job.config.section, job.config.fem, job.config.tension_crack
     for structure in structures_of(section):
         for side in (LEFT, RIGHT):
-            job.progress(f"{structure.name}, towards the {'left' if side == LEFT else 'right'}", None)
-            circle_at = {
-                kh: face_circle(section, structure, side, circles, kh, fem.least_depth, fem.vertical, crack)
-                for kh, circles in whole.items()
-            }
-            circles = {
-                kh: _parts(() if circle is None or (kh is not None and circle.bishop >= LEVEL) else (circle,))
-                for kh, circle in circle_at.items()
-            }
+            towards: Literal["left", "right"] = "left" if side == LEFT else "right"
+            job.progress(f"{structure.name}, towards the {towards}", None)
+            parts: dict[float | None, tuple[CirclePart, ...]] = {}
+            for kh, ground, circle in ((kh, *of) for (kh, of_side), of in whole.items() if of_side == side):
+                given = () if circle is None else (circle,)
+                face = face_circle(ground, structure, side, given, kh, fem.least_depth, fem.vertical, crack)
+                parts[kh] = _parts(section, kh, ((ground, face),))
             crest = structure.crest
             yield FacePart(
                 structure=structure.name,
@@ -68,10 +71,10 @@ def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
                 start_m=crest.start,
                 end_m=crest.end,
                 crest_m=(crest.left, crest.right),
-                towards="left" if side == LEFT else "right",
-                factors=tuple(FactorCircles(kh=kh, circles=circle) for kh, circle in circles.items() if kh is not None),
-                critical=next(iter(circles[None]), None),
-                reason="" if any(circles.values()) else NO_FACE,
+                towards=towards,
+                factors=tuple(FactorCircles(kh=kh, circles=circles) for kh, circles in parts.items() if kh is not None),
+                critical=next(iter(parts[None]), None),
+                reason="" if any(parts.values()) else NO_FACE,
             )
 
 
@@ -85,11 +88,22 @@ def draw(job: Job) -> None:
             draw_circles(job.config.section, answer, path)
 
 
-def _parts(circles: "tuple[SlipCircle, ...]") -> tuple[CirclePart, ...]:
-    return tuple(
-        CirclePart.taken(circle, centre_m=circle.centre, radius_m=circle.radius, surface_m=line(circle.surface))
-        for circle in circles
-    )
+def _parts(
+    section: "Section", kh: float | None, circles: "Iterable[tuple[Section, SlipCircle | None]]"
+) -> tuple[CirclePart, ...]:
+    """The circles that slide through a slope, each with the ground it was found in, the least value first."""
+    parts = [
+        CirclePart.taken(
+            circle,
+            centre_m=circle.centre,
+            radius_m=circle.radius,
+            surface_m=line(circle.surface),
+            strengthened=ground is not section,
+        )
+        for ground, circle in circles
+        if circle is not None and (kh is None or circle.bishop < LEVEL)
+    ]
+    return tuple(sorted(parts, key=lambda part: part.bishop))
 
 
 STAGE = Stage(

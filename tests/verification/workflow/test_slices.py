@@ -9,10 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fem.settings import FemSettings
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.section.tension_crack import TensionCrack
 from tests.support import TOP
+from workflow.estimates.deeper_circles import ground_of_circles
 from workflow.estimates.slice_methods import bishop_critical_kh, bishop_factor, spencer_critical_kh, spencer_factor
 from workflow.estimates.slices import LEFT, RIGHT, divide, pushed_by_crack
 from workflow.estimates.slip_circles import SlipCircle, critical_circle, critical_circles, surface_balance
@@ -210,3 +212,40 @@ def test_a_levee_and_its_low_water_bank_are_told_apart() -> None:
     assert levee.slides_with(circle.surface)
     assert circle.bishop == pytest.approx(0.146, abs=0.003)
     assert face_circle(section, levee, LEFT, [circle], None, 0.0, 0.0) is circle
+
+
+def _bank(sand: str) -> Section:
+    """A bank of silt on sand, whose lower face is sand under water."""
+    soil = {"youngs_modulus": "12 MPa", "poissons_ratio": 0.35}
+    silt = {
+        "name": "Silt", "density": "1.8 t/m^3", "cohesion": "3 kPa", "friction_angle": "32 deg",
+        "bottom": {"elevation": [[0.0, 0.5], [49.0, 0.3]]}, **soil,
+    }  # fmt: skip
+    below = {"name": "Sand", "density": "1.85 t/m^3", "cohesion": sand, "friction_angle": "30 deg", **soil}
+    surface = [[0.0, 4.0], [40.0, 4.2], [52.0, -1.0], [90.0, -2.0]]
+    water = {"table": [[0.0, 1.5], [46.0, 1.2], [90.0, 1.2]]}
+    data = {"name": "bank", "surface": surface, "base": {"elevation": -6.0}, "strata": [silt, below], "water": water}
+    return Section.parse(data)
+
+
+def test_circles_below_a_face_of_sand_mean_the_slope_as_a_whole() -> None:
+    """Strict bounds of the ground below the face are 0.1230 to 0.1251 (gap 2 %); the face itself fails at 0.053 in closed form."""
+    section = _bank("0 kPa")
+    shallow = critical_circle(section, RIGHT, None, 0.5)
+    ground, circle = ground_of_circles(section, FemSettings(), RIGHT, None)
+    assert shallow is not None
+    assert circle is not None
+    assert shallow.bishop < 0.1  # the shallowest circle of those that are sought, within the sand
+    assert [stratum.name for stratum in ground.strata] != [stratum.name for stratum in section.strata]
+    assert circle.bishop == pytest.approx(0.124, rel=0.02)
+    assert circle.surface[0, 0] < 42.0  # it takes the crest along
+
+
+def test_circles_of_cohesive_ground_are_those_of_the_section() -> None:
+    section = _bank("2 kPa")
+    ground, circle = ground_of_circles(section, FemSettings(), RIGHT, None)
+    same = critical_circle(section, RIGHT, None, FemSettings().least_depth)
+    assert ground is section
+    assert circle is not None
+    assert same is not None
+    assert circle.bishop == same.bishop
