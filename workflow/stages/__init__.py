@@ -47,7 +47,8 @@ def stored_job(folder: Path) -> "Job":
     path = folder / "section.toml"
     if not path.is_file():
         expected = "expected a folder that noshiro wrote, such as runs/my_slope"
-        raise InputError(str(folder), [f"holds no run: there is no section.toml; {expected}"])
+        lacking = "is a file" if folder.is_file() else "holds no run: there is no section.toml"
+        raise InputError(str(folder), [f"{lacking}; {expected}"])
     store = Store(folder)
     left = Record(store)["mesh"]
     has_own_mesh = left is not None and GIVEN in left.inputs
