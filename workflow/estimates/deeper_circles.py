@@ -1,8 +1,8 @@
-"""Slip circles below cohesionless faces: faces that slide first in a thin layer are strengthened, as in the elements."""
+"""Slip circles below cohesionless faces: those that slide first in a thin layer are strengthened, as in elements."""
 
 import numpy as np
 
-from fem.continuum.loads import sign_of
+from fem.continuum.loads import Direction, sign_of
 from fem.continuum.shallow_failure import ShallowFailure, least_rolling_factor, shallow_failures, strengthened
 from fem.settings import FemSettings
 from meshes.section.section import Section
@@ -12,9 +12,10 @@ from workflow.estimates.slip_circles import NO_CRACK, SlipCircle, critical_circl
 
 def ground_of_circles(
     section: Section,
-    settings: FemSettings,
     towards: int,
     kh: float | None,
+    least_depth: float,
+    vertical: float = 0.0,
     crack: TensionCrack = NO_CRACK,
 ) -> tuple[Section, SlipCircle | None]:
     """The ground in which slip circles are sought, and the critical circle in it.
@@ -27,12 +28,14 @@ def ground_of_circles(
     ----------
     section : Section
         Strata cut at the water.
-    settings : FemSettings
-        Of the elements: least depth (m) and vertical seismic coefficient (-).
     towards : int
         LEFT or RIGHT, where the mass slides to.
     kh : float or None
         Horizontal seismic coefficient at which the factor of safety is sought; None to seek the critical Kh.
+    least_depth : float
+        Shallower circles are left out, and faces are strengthened down to it (m).
+    vertical : float
+        Vertical seismic coefficient, positive upwards.
     crack : TensionCrack
         Where circles end at a crack, and the water in it.
 
@@ -43,13 +46,14 @@ def ground_of_circles(
     circle : SlipCircle or None
         The critical circle in it; None where no circle slides.
     """
-    circle = critical_circle(section, towards, kh, settings.least_depth, settings.vertical, crack=crack)
-    direction = "downhill" if sign_of(section, "downhill") == towards else "uphill"
-    faces = shallow_failures(section, settings.changed(direction=direction), shaken=kh != 0.0)
+    circle = critical_circle(section, towards, kh, least_depth, vertical, crack=crack)
+    direction: Direction = "downhill" if sign_of(section, "downhill") == towards else "uphill"
+    settings = FemSettings(direction=direction, least_depth=least_depth, vertical=vertical)
+    faces = shallow_failures(section, settings, shaken=kh != 0.0)
     if circle is None or not _slides_first(section, faces, kh, circle.bishop):
         return section, circle
     ground = strengthened(section, faces, settings)
-    return ground, critical_circle(ground, towards, kh, settings.least_depth, settings.vertical, crack=crack)
+    return ground, critical_circle(ground, towards, kh, least_depth, vertical, crack=crack)
 
 
 def _slides_first(section: Section, faces: list[ShallowFailure], kh: float | None, circle: float) -> bool:

@@ -50,8 +50,9 @@ def face_circle(
 ) -> SlipCircle | None:
     """The critical slip circle of one face of a structure, with which some of its crest slides ``towards`` a side.
 
-    ``whole`` are the critical circles of the ``section``, or of that with its faces strengthened, for the same question: that of this side is the circle of the
-    face where some of the crest slides with it. The other arguments are those of `critical_circles`.
+    ``whole`` are the critical circles of the ``section``, whose faces may be strengthened, for the same question:
+    that of this side is the circle of the face where some of the crest slides with it. The other arguments are those of
+    `critical_circles`.
     ``kh``, ``least_depth``, ``vertical``, ``crack``: as there.
     """
     side = "left" if towards == LEFT else "right"

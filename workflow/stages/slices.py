@@ -26,14 +26,14 @@ def work(job: Job) -> None:
     from workflow.estimates.deeper_circles import ground_of_circles
     from workflow.estimates.slices import LEFT, RIGHT
 
-    section, fem = job.config.section, job.config.fem
+    section, fem, crack = job.config.section, job.config.fem, job.config.tension_crack
     wanted = job.config.criteria.factor_of_safety
     asked = dict.fromkeys((0.0, *fem.safety_factor_at, *(() if wanted is None else (wanted.kh,))))
     circles: Circles = {}
     for kh in (*asked, None):
         job.progress("critical Kh" if kh is None else f"factor of safety at Kh = {kh:g}", None)
         for side in (LEFT, RIGHT):
-            circles[kh, side] = ground_of_circles(section, fem, side, kh, job.config.tension_crack)
+            circles[kh, side] = ground_of_circles(section, side, kh, fem.least_depth, fem.vertical, crack)
     critical, *factors = (_parts(section, kh, (circles[kh, LEFT], circles[kh, RIGHT])) for kh in (None, *asked))
     reason = "" if critical or any(factors) else NO_CIRCLE
     SlicesAnswer(
@@ -112,6 +112,7 @@ STAGE = Stage(
     work=work,
     draw=draw,
     reads=("fem.safety_factor_at", "fem.least_depth", "fem.vertical", "criteria.factor_of_safety", "tension_crack"),
+    ignores=lambda config: ("fem.direction",),  # circles are sought towards both sides
     takes=lambda config: {"structures": [item.model_dump(mode="json") for item in config.section.structures]},
     results=(SlicesAnswer.FILE,),
     read=SlicesAnswer.read,

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fem.settings import FemSettings
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.section.tension_crack import TensionCrack
@@ -229,10 +228,10 @@ def _bank(sand: str) -> Section:
 
 
 def test_circles_below_a_face_of_sand_mean_the_slope_as_a_whole() -> None:
-    """Strict bounds of the ground below the face are 0.1230 to 0.1251 (gap 2 %); the face itself fails at 0.053 in closed form."""
+    """Strict bounds of the ground below the face are 0.1230 to 0.1251 (gap 2 %); the face fails at 0.053."""
     section = _bank("0 kPa")
     shallow = critical_circle(section, RIGHT, None, 0.5)
-    ground, circle = ground_of_circles(section, FemSettings(), RIGHT, None)
+    ground, circle = ground_of_circles(section, RIGHT, None, 0.5)
     assert shallow is not None
     assert circle is not None
     assert shallow.bishop < 0.1  # the shallowest circle of those that are sought, within the sand
@@ -243,8 +242,8 @@ def test_circles_below_a_face_of_sand_mean_the_slope_as_a_whole() -> None:
 
 def test_circles_of_cohesive_ground_are_those_of_the_section() -> None:
     section = _bank("2 kPa")
-    ground, circle = ground_of_circles(section, FemSettings(), RIGHT, None)
-    same = critical_circle(section, RIGHT, None, FemSettings().least_depth)
+    ground, circle = ground_of_circles(section, RIGHT, None, 0.5)
+    same = critical_circle(section, RIGHT, None, 0.5)
     assert ground is section
     assert circle is not None
     assert same is not None
