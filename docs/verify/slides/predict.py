@@ -175,7 +175,7 @@ class Sliding:
 
     def __init__(self, config: Config) -> None:
         self.config = config
-        self.key = config.model_dump_json(exclude={"name", "title", "free_face"})
+        self.key = config.model_dump_json(exclude={"section": {"name", "title"}, "free_face": True})
 
     def __hash__(self) -> int:
         return hash(self.key)
