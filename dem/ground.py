@@ -22,7 +22,6 @@ from meshes.section.section import Section
 
 LOOSER = 0.1  # porosity beyond that asked for
 SOON = 1e-3  # s in which what a record begins or ends with comes on and goes
-OUTSIDE = 0.02  # of the width: how far discs may come to lie above or below the ground
 
 
 @dataclass(frozen=True)
@@ -241,15 +240,10 @@ def _box(section: Section, radius: float) -> Ground:
 
 
 def in_stratum(section: Section, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Stratum of each place; of places a little outside, that of the nearest point straight above or below inside."""
-    left, right = section.extent
-    inside = np.clip(x, left, right)
-    layer = np.asarray(section.stratum_at(inside, z), np.int32)
-    for step in np.linspace(0.0, 1.0, 101)[1:] * (right - left) * OUTSIDE:
-        for away in (-step, step):
-            lost = layer < 0
-            if lost.any():
-                layer[lost] = section.stratum_at(inside[lost], z[lost] + away)
+    """Stratum of each place (m); above the surface or below the base that at the surface or the base there."""
+    inside = np.clip(x, *section.extent)
+    ends = section.layering.interfaces(inside)
+    layer = np.asarray(section.stratum_at(inside, np.clip(z, ends[:, -1], ends[:, 0])), np.int32)
     if (layer < 0).any():
         raise ValueError("some discs lie outside of all strata")
     return layer

@@ -173,3 +173,28 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
                 f"radius of {thick / 4.0:.2g} m would show it"
             )
     return notes
+
+
+def thin_crust(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[str]:
+    """What lies on liquefied ground where that is less than two discs thick, with the radius that it wants.
+
+    The crust of River Park moved 0.06, 0.06 and 0.5 m in discs as thick as itself (two packings), and 0.2, 0.3 and
+    0.6 m in discs of 0.6 of that size (one). Thickness is the median over columns of discs that have both.
+    """
+    free = np.flatnonzero(~start.fixed)
+    x, z = ground.to_section(start.x[free], start.z[free])
+    wet, top = np.isin(start.layer[free], strata), z + start.radius[free]
+    column = ((x - x.min()) / (4.0 * ground.radius)).astype(int)
+    thick = []
+    for c in np.unique(column[wet]):
+        here = column == c
+        above = float(top[here].max() - top[here & wet].max())
+        if above > 0.0:
+            thick.append(above)
+    crust = float(np.median(thick)) if thick else np.inf
+    if crust >= 4.0 * ground.radius:
+        return []
+    return [
+        f"what lies on ground that liquefies is {crust:.2g} m thick in discs, less than two discs: it sinks and drifts "
+        f"by its packing, and follows a bank too little; a radius of {crust / 4.0:.2g} m would show it"
+    ]

@@ -1,4 +1,4 @@
-"""What drives a slide, and when strata liquefy under it: Kh that is held, or a record of the base."""
+"""What drives a slide, and when strata liquefy under it: Kh that is held or reverses, or a record of the base."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,6 +9,7 @@ from dem.acceleration import Acceleration
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.settings import SlideSettings
+from dem.slides.cycles import cyclic_acceleration
 from dem.springs import Law
 
 FADE = 20  # steps in which springs change at an onset that takes time
@@ -16,6 +17,7 @@ FADE = 20  # steps in which springs change at an onset that takes time
 # their soil, and the shock would move them several times as far as Kh does
 LEAD: Mapping[Law, float] = {"paper": 0.0, "soil": 2.0}
 SAME = 1e-6  # s: times that differ by less are one
+APART = 1e-6  # s between the two ends of a step of a record
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +82,38 @@ class Drive:
         ahead = [start - since for start in starts if start - since > SAME]
         going = self.onset > 0.0 and any(-SAME <= since - start < self.onset for start in starts)
         return min([longest, *ahead, *([self.onset / FADE] if going else [])])
+
+
+def cycles(
+    settings: SlideSettings, strata: Sequence[int], law: Law = "soil", passed: Mapping[int, float] | None = None
+) -> Shaking | None:
+    """Cycles of Kh, both ways, after a calm as long as an onset: ground that liquefies at once has done so by then.
+
+    Parameters
+    ----------
+    settings
+        Of the slide: ``kh``, ``kh_cycles``, ``kh_period`` (s), and ``liquefies_at``, s after the calm, or "F_L".
+    strata
+        Numbers of the strata that liquefy.
+    law
+        Of the discs, whose onset it is.
+    passed
+        Share of the cycles after which each stratum has liquefied in full, for "F_L"; none if it is not there.
+
+    Returns
+    -------
+    Shaking or None
+        None where Kh is nothing, or does not reverse.
+    """
+    if settings.kh_cycles is None or settings.kh_period is None or settings.kh == 0.0:
+        return None
+    onset = settings.onset_of(law)
+    time, push = cyclic_acceleration(settings.kh, settings.kh_cycles, settings.kh_period)
+    time, push = np.append(0.0, time + onset + APART), np.append(0.0, push)
+    if settings.liquefies_at != "F_L":
+        return Shaking(time, push, dict.fromkeys(strata, onset + settings.liquefies_at))
+    over, shares = settings.kh_cycles * settings.kh_period, passed or {}
+    return Shaking(time, push, {k: over * shares.get(k, 0.0) for k in strata})
 
 
 def held(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings) -> Drive:

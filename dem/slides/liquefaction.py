@@ -29,10 +29,11 @@ from dem.slides.balance import (
     ground_area,
     pressed_through,
     stopped_by,
+    thin_crust,
     thin_layers,
     within_scatter,
 )
-from dem.slides.drive import SAME, Shaking, held, shaken
+from dem.slides.drive import SAME, Shaking, cycles, held, shaken
 from dem.slides.liquefied_strength import liquefied, onset
 from dem.slides.rest import at_rest, residual_motion_source
 from dem.slides.row import Row
@@ -72,7 +73,7 @@ class Slider:
     folder
         For checkpoint.h5 and rows.json, or None.
     shaking
-        A record of the base in the place of Kh.
+        A record of the base in the place of Kh; without one Kh is held, or reverses in the cycles of the settings.
     """
 
     def __init__(
@@ -92,6 +93,7 @@ class Slider:
         self.slide = Slide(surface_before=self.surface.points(start, ground).tolist(), step_share=self.step)
         self.layers = list(start.springs.layers)
         setting = start, ground, strata, settings
+        shaking = shaking or cycles(settings, strata, start.law)
         self.drive = held(*setting) if shaking is None else shaken(*setting, shaking)
         self.cut: set[int] = set()
         self.frame = max(1, round(settings.duration / LOOK / settings.frames))
@@ -277,6 +279,7 @@ class Slider:
         notes += self._lost()
         if self.case is not None:
             notes += thin_layers(start, self.ground, self.strata)
+            notes += thin_crust(start, self.ground, self.strata) if start.law == "soil" else []
             notes += within_scatter(far, self.ground.radius) if start.law == "soil" else []
         return notes
 

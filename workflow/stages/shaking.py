@@ -6,15 +6,12 @@ from pathlib import Path
 import numpy as np
 
 from dem.settings import AVERAGE
-from dem.slides.cycles import cyclic_acceleration
-from dem.slides.drive import Shaking
+from dem.slides.drive import APART, Shaking, cycles
 from workflow.config import Config
 from workflow.earthquake import accelerogram
 from workflow.earthquake.column import column_of
 from workflow.earthquake.equivalent_kh import POWER
 from workflow.stages.liquefaction import lowest_factors
-
-APART = 1e-6  # s between the two ends of a step of a record
 
 
 def shaking_of(config: Config, strata: Sequence[int]) -> Shaking | None:
@@ -28,7 +25,7 @@ def shaking_of(config: Config, strata: Sequence[int]) -> Shaking | None:
     """
     settings = config.slide
     if not settings.accelerogram:
-        return _cycles(config, strata) if settings.kh_cycles is not None and settings.kh > 0.0 else None
+        return cycles(settings, strata, passed=_passed(config, strata))
     time, push = _average(config) if settings.accelerogram == AVERAGE else _record(config)
     push = settings.scale * push
     if settings.liquefies_at != "F_L":
@@ -40,25 +37,17 @@ def shaking_of(config: Config, strata: Sequence[int]) -> Shaking | None:
     return Shaking(time, push, {k: float(time[place] - time[0]) for k, place in reached.items()})
 
 
-def _cycles(config: Config, strata: Sequence[int]) -> Shaking:
-    """Cycles of Kh, after a calm as long as an onset: a layer has liquefied in full when its own cycles have passed.
+def _passed(config: Config, strata: Sequence[int]) -> dict[int, float]:
+    """Share of the cycles after which each stratum has liquefied in full.
 
     Strength falls with the number of cycles as N^-0.34 (Idriss & Boulanger 2008), so that F_L is reached after F_L^(1/
     0.34) of them: a layer with 0.5 has an eighth of the shaking behind it. Layers without blow counts liquefy at once.
     """
-    settings = config.slide
-    cycles, period, onset = (
-        float(settings.kh_cycles or 0.0),
-        float(settings.kh_period or 0.0),
-        settings.onset_of("soil"),
-    )
-    time, push = cyclic_acceleration(settings.kh, cycles, period)
-    time, push = np.append(0.0, time + onset + APART), np.append(0.0, push)
-    if settings.liquefies_at != "F_L":
-        return Shaking(time, push, dict.fromkeys(strata, onset + settings.liquefies_at))
+    if config.slide.liquefies_at != "F_L":
+        return {}
     lowest = lowest_factors(config)
     factors = {k: min(1.0, lowest[k] or 0.0) if k < len(lowest) else 0.0 for k in strata}
-    return Shaking(time, push, {k: cycles * period * factor ** (1.0 / POWER) for k, factor in factors.items()})
+    return {k: factor ** (1.0 / POWER) for k, factor in factors.items()}
 
 
 def _record(config: Config) -> tuple[np.ndarray, np.ndarray]:

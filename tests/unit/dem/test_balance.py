@@ -20,6 +20,7 @@ from dem.slides.balance import (
     ground_area,
     pressed_through,
     stopped_by,
+    thin_crust,
     thin_layers,
     within_scatter,
 )
@@ -144,6 +145,19 @@ def test_a_thin_layer_is_told_with_the_radius_that_it_wants(start: DiscModel, gr
     assert len(told) == 1
     assert "less than two discs" in told[0]
     assert "0.38 m" in told[0]  # a row of 1.5 m: two discs of a quarter of that
+
+
+def test_a_crust_thinner_than_two_discs_is_told(start: DiscModel, ground: Ground) -> None:
+    """Rows are 1.3 m apart: one row on a liquefied one is told with a quarter of that as radius, three are not."""
+    crusted = start.copy()
+    row = np.round(crusted.z / (np.sqrt(3.0) * RADIUS)).astype(int)
+    for rows, count in ((1, 1), (3, 0)):
+        crusted.layer[~crusted.fixed] = 0
+        crusted.layer[~crusted.fixed & (row == row[~crusted.fixed].max() - rows)] = 1
+        told = thin_crust(crusted, ground, [1])
+        assert len(told) == count
+        assert ["a radius of 0.32 m would show it" in note for note in told] == [True] * count
+    assert thin_crust(start, ground, []) == []
 
 
 def test_a_slide_within_the_scatter_of_packings_is_told() -> None:

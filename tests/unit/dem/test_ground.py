@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dem.ground import Ground, ground_of, springs_of
+from dem.ground import Ground, ground_of, in_stratum, springs_of
 from dem.settings import DemSettings
 from meshes.errors import InputError
 from meshes.section.section import Section
@@ -102,3 +102,10 @@ def test_springs_carry_the_names_of_the_strata() -> None:
     for springs in ("soil", "table2"):
         layers = springs_of(section, DemSettings(model="paper", springs=springs), 0.75)  # type: ignore[arg-type]
         assert [layer.name for layer in layers] == [stratum.name for stratum in section.strata]
+
+
+def test_discs_above_the_surface_or_below_the_base_are_of_the_ground_there() -> None:
+    """However far: in a narrow section a disc on top of another stands out by more than 2 % of the width."""
+    section = Section.parse(slope())
+    x, z = np.array([-1.0, 50.0, 50.0, 50.0, 50.0, 101.0]), np.array([21.0, 40.0, 15.0, 10.9, -9.0, 3.0])
+    assert in_stratum(section, x, z).tolist() == [0, 0, 0, 1, 1, 1]

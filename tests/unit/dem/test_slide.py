@@ -52,6 +52,21 @@ def slid(start: DiscModel, ground: Ground, case: Case | None, **changes: object)
     return Slider(start, ground, [1], case, settings).run()
 
 
+def test_kh_reverses_in_its_cycles_where_no_record_is_given(start: DiscModel, ground: Ground) -> None:
+    """Two cycles of half a second and the halves at the edges, then nothing; it was held for ever before."""
+    settings = SETTINGS.changed(kh=0.1, kh_cycles=2.0, kh_period=0.5, onset=1.0)
+    drive = Slider(start, ground, [1], Case(residual=0.1), settings).drive
+    assert drive.starts == {1: 0.0}  # liquefied in full once the shaking begins
+    assert drive.end == pytest.approx(1.0 + 1.5 + settings.duration, abs=1e-5)
+    moving = drive.acceleration
+    swing = np.interp(start.time + np.linspace(0.0, 4.0, 401), moving.times, moving.x)
+    assert np.abs(swing[:100]).max() == 0.0
+    assert swing.max() == pytest.approx(-swing.min(), rel=0.02)
+    assert swing.max() == pytest.approx(0.1 * 9.81 * np.cos(ground.tilt), rel=0.02)
+    assert np.abs(swing[260:]).max() < 1e-9
+    assert Slider(start, ground, [1], None, settings.changed(kh=0.0)).drive.end == settings.duration
+
+
 def test_liquefied_layers_take_the_factors() -> None:
     """Table 2, case 1 of layer 4: springs and dashpots a tenth, no friction, no cohesion, no pore springs."""
     dry, wet = liquefied(LAYERS, [1], Case(stiffness=0.1, damping=0.1))
