@@ -297,7 +297,10 @@ def test_bare_sand_from_which_water_seeps_is_strengthened_where_it_slips_first()
         assert direction.lower <= direction.upper
 
 
-@pytest.mark.parametrize(("direction", "lowest", "highest"), [("downhill", 0.0745, 0.0763), ("uphill", 0.142, 0.1466)])
+@pytest.mark.parametrize(
+    ("direction", "lowest", "highest"),
+    [pytest.param("downhill", 0.0745, 0.0763, marks=pytest.mark.slow), ("uphill", 0.142, 0.1466)],
+)
 def test_a_bank_out_of_which_water_flows_has_both_bounds_either_way(
     direction: str, lowest: float, highest: float
 ) -> None:

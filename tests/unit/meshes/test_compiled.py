@@ -55,7 +55,7 @@ def change_law(top: Path) -> None:
     contact.write_text(text.replace(LAW, "return 2.0 * kn * over if over > -gap else 0.0"))
 
 
-@pytest.mark.parametrize("variable", ["XDG_CACHE_HOME", "NUMBA_CACHE_DIR"])
+@pytest.mark.parametrize("variable", ["XDG_CACHE_HOME", pytest.param("NUMBA_CACHE_DIR", marks=pytest.mark.slow)])
 def test_a_change_of_the_law_changes_the_motion(copy: Path, tmp_path: Path, variable: str) -> None:
     kept = {"NUMBA_CACHE_DIR": "", variable: str(tmp_path / "cache")}
     before, hits = fall(copy, **kept)

@@ -29,6 +29,7 @@ def test_a_slope_of_critical_height_has_a_factor_of_one(name, guess):
     assert found.upper >= 0.99
 
 
+@pytest.mark.slow
 def test_kh_takes_its_share_of_the_factor():
     """ACADS 1(d), three soils with Kh = 0.15: referee 1.00, Spencer 0.991. Measured: 0.962 to 0.982; 1.342 to 1.371
     without Kh, for which Spencer's method has 1.375."""
@@ -103,6 +104,7 @@ def test_bare_sand_that_hardly_falls_is_bounded_within_the_work_allowed() -> Non
     assert (found.lower, found.ended) == (20.0, "range")
 
 
+@pytest.mark.slow
 def test_bounds_to_half_a_per_cent_are_proven_on_the_last_triangles_alone() -> None:
     """ACADS 1(a), referee 1.00, and 0.98 of limit analysis; 6.6 counted seconds when every mesh had both its bounds
     proven as closely as it could. Measured: 4.5."""

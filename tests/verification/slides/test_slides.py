@@ -44,6 +44,7 @@ def test_a_short_column_is_predicted_as_it_was_recorded() -> None:
     assert found.values[0] == pytest.approx(RECORDED["column_33_050"].values[0], abs=0.1)
 
 
+@pytest.mark.slow
 def test_liquefied_ground_holds_at_nine_tenths_of_its_yield_coefficient() -> None:
     """Newmark (1965): nothing moves; the first packing comes 0.05 m (1.0 m without FIRST)."""
     found = predict(CASES["endless_ratio_20_90"], 1)
