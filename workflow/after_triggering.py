@@ -157,4 +157,4 @@ def _assumed(config: Config, section: Section, slide: SlideSettings) -> SlideSet
     if "cases" not in config.slide.model_fields_set:
         slide = slide.changed(cases=cases_of_loose_sand(section))
     shaken = slide.model_fields_set | config.left_open.keys()
-    return slide if shaken & set(SHAKES) else slide.changed(**assumed_push())
+    return slide if shaken & set(SHAKES) else slide.changed(**assumed_push(config.earthquake.magnitude))

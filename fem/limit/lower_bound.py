@@ -13,13 +13,14 @@ from scipy import sparse
 
 from fem.limit.bound_checks import yield_slack
 from fem.limit.limit_problem import LimitProblem, bare_corners
-from fem.limit.point_freedom import DEPENDENT, stress_free_corners
+from fem.limit.point_freedom import DEPENDENT, ROUND, pressed_all_round, stress_free_corners
 from fem.solvers import cone_program
 from fem.solvers.least_norm import smallest_correction
 
 # Distance kept from the yield surface, so that rounding does not lead beyond it, over the unit of stress, in a cell of
 # unit size; in others it goes with their size, down to the second number.
 STRESS_MARGIN, LEAST_MARGIN = 3e-5, 1e-6
+MOST_MARGIN = 0.1  # of what clay bears
 
 # Smallest eigenvalue of the Gram matrix of one point's equations, over the largest, at which they are left as they are.
 WELL_CONDITIONED = 1e-6
@@ -72,13 +73,20 @@ def lower_bound(
     """
     balance, dead, live, points = equations(problem)
     free = np.repeat(~stress_free_corners(problem).ravel(), 3)
+    all_round = pressed_all_round(problem).ravel()[free[::3]]
     cohesion, friction = problem.cohesion.ravel()[free[::3]], np.repeat(problem.friction, 3)[free[::3]]
+    cohesion = np.where(all_round, 1.0, cohesion)  # so that the cone has an inside; equations keep it to its axis
     size = np.repeat(np.sqrt(problem.mesh.areas), 3)[free[::3]]
     more = np.broadcast_to(more_margin, (len(problem.mesh.cells), 3)).ravel()[free[::3]]
     kept = np.maximum(STRESS_MARGIN * size, LEAST_MARGIN) + more
+    kept = np.where(friction == 0.0, np.minimum(kept, MOST_MARGIN * cohesion), kept)  # beside clay without strength
     balance = balance[:, free].tocsr()
-    points = points_of_equations(balance, points, problem.mesh.own_node[problem.mesh.cells.ravel()[free[::3]]])
-    balance, dead, live = independent_equations(balance, dead, live, points)
+    corner_points = problem.mesh.own_node[problem.mesh.cells.ravel()[free[::3]]]
+    points = points_of_equations(balance, points, corner_points)
+    at = np.flatnonzero(all_round)
+    balance = sparse.vstack([balance, sparse.kron(sparse.identity(len(cohesion), format="csr")[at], ROUND)]).tocsr()
+    dead, live = (np.append(values, np.zeros(2 * len(at))) for values in (dead, live))
+    balance, dead, live = independent_equations(balance, dead, live, np.append(points, np.repeat(corner_points[at], 2)))
     ones = np.ones(len(cohesion))
     program = cone_program.ConeProgram(
         balance.T.tocsr(),
@@ -94,6 +102,7 @@ def lower_bound(
     solution = cone_program.solve(program, cone_program.REGULARISATIONS_OF_STRESS, most_work=most_work, start=start)
     stresses = solution.stress.ravel()
     stresses = stresses + smallest_correction(balance, dead + solution.multiplier * live - balance @ stresses)
+    stresses = _all_round(stresses.reshape(-1, 3), all_round).ravel()
     stress, work = np.zeros((2, 9 * len(problem.mesh.cells)))
     stress[free], work[free] = stresses, np.abs(balance.T @ solution.rates)
     if solution.none != "no stress":  # else these rates are a mechanism of the dead load, whatever the stress
@@ -103,8 +112,16 @@ def lower_bound(
     turns = without.sum(axis=1) == 1  # the stress turns round a corner that has none itself
     work[turns] = np.where(without[turns], work[turns].sum(axis=1, keepdims=True), 0.0)
     shortfall = np.zeros(work.shape)
-    shortfall.ravel()[free[::3]] = np.maximum(kept - yield_slack(problem, stress).ravel()[free[::3]], 0.0)
+    slack = np.where(all_round, kept, yield_slack(problem, stress).ravel()[free[::3]])  # there is no margin on an axis
+    shortfall.ravel()[free[::3]] = np.maximum(kept - slack, 0.0)
     return LowerBound(solution.multiplier, stress, work, shortfall, solution)
+
+
+def _all_round(stresses: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Stresses (n, 3), those of ``corners``, a mask, with the same pressure all round to the last bit, not to
+    rounding."""
+    pressure = 0.5 * (stresses[:, 0] + stresses[:, 1])
+    return np.where(corners[:, None], np.column_stack([pressure, pressure, np.zeros(len(pressure))]), stresses)
 
 
 def equations(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.ndarray, np.ndarray]:

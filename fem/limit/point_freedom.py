@@ -22,6 +22,10 @@ DEPENDENT = 1e-12
 OUTSIDE = 1e-9
 # In place of an edge's number on the outline: tractions across it jump by a known amount, which is not zero.
 JUMPS = -2
+# Rows of σxx - σyy and σxy of a stress [xx, yy, xy]: both zero where the pressure is the same all round.
+ROUND = np.array([[1.0, -1.0, 0.0], [0.0, 0.0, 1.0]])
+# Cohesion, over the unit of stress, that is none but for rounding.
+NO_COHESION = 1e-12
 # By how much (rad) two bare faces have to be off a straight line to count as a crest.
 CREST = 1e-6
 # Volumetric strain rate that the flow rule lets exceed sin φ times the shear rate, for velocity gradients of 1, below
@@ -46,10 +50,12 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
     because a bare surface is near.
 
     Tractions are continuous across the edges that meet at a point, and zero on a bare one. Where this leaves a
-    cell no stress inside its cone |radius of Mohr's circle| <= sin φ |mean stress|, it leaves zero.
+    cell no stress inside its cone |radius of Mohr's circle| <= sin φ |mean stress|, it leaves zero; where the cone has
+    no inside, as of clay whose strength is zero there, wherever it leaves no pressure that is the same all round.
     """
     outline, mesh = problem.outline, problem.mesh
-    loose = (problem.cohesion == 0.0).all(axis=1)
+    round_corners = pressed_all_round(problem)
+    loose = (problem.cohesion == 0.0).all(axis=1) | round_corners.any(axis=1)
     known = ~outline.reacts[:, None, :] & (outline.dead == 0.0) & (outline.live == 0.0)  # (k, 2 ends, 2)
     touches = np.zeros(len(mesh.points), dtype=bool)
     touches[outline.ends[known.any(axis=2)]] = True
@@ -60,18 +66,29 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
     place[problem.jumps.edges] = JUMPS
     free = np.zeros(mesh.cells.shape, dtype=bool)
     for point, cells, corners in fans(problem, np.flatnonzero(touches & at_loose)):
+        round_there = round_corners[cells, corners]
         equations = _traction_equations(problem, point, cells, place, known)
+        equations = np.vstack([equations, np.kron(np.eye(len(cells))[round_there], ROUND)])
+        may_be_zero = round_there | (problem.cohesion[cells] == 0.0).all(axis=1)
         zero = np.zeros(len(cells), dtype=bool)
         while True:
             fixed = np.kron(np.eye(len(cells))[zero], np.eye(3))
             left = _null_space(np.vstack([equations, fixed])).reshape(len(cells), 3, -1)
             outside = [_outside_cone(part, phi) for part, phi in zip(left, problem.friction[cells], strict=True)]
-            more = loose[cells] & ~zero & outside
+            pressed = [float(np.abs(part).max(initial=0.0)) > OUTSIDE for part in left]
+            more = may_be_zero & ~zero & np.where(round_there, ~np.array(pressed), outside)
             if not more.any():
                 break
             zero |= more
         free[cells[zero], corners[zero]] = True
     return free | _crests(problem)
+
+
+def pressed_all_round(problem: LimitProblem) -> np.ndarray:
+    """Corners (m, 3), as a mask, of ground that has neither cohesion nor friction there: it bears no more than a
+    pressure that is the same all round, as clay whose strength goes with σ'v does where that is zero.
+    """
+    return (problem.cohesion <= NO_COHESION) & (problem.friction[:, None] == 0.0)
 
 
 def _crests(problem: LimitProblem) -> np.ndarray:

@@ -21,6 +21,7 @@ from workflow.earthquake.equivalent_kh import REFERENCE, EquivalentKh, cycles_of
 EARTHQUAKE = "earthquake"  # in place of the Kh of the slides, its cycles and period: those that stand for [earthquake]
 CYCLES = ("kh_cycles", "kh_period")
 SHAKES = ("kh", "kh_seconds", "accelerogram", *CYCLES)  # keys of [slide], each of which says how the ground shakes
+ALIKE = 0.05  # by which the peak of a record may differ from the one that is given beside it
 PLAIN_IN_G = 1.5  # below it a plain number of m/s² may be one of g
 FIRM = 760.0  # m/s, within the range of what asks for vs30, where it is missing and other problems are looked for
 
@@ -105,15 +106,49 @@ class EarthquakeSettings(Model):
 
     def notices(self, slide: SlideSettings | None) -> list[str]:
         """Warnings, contradictions, and the source of the Kh of the slides, if it follows from this table."""
-        notices = [self._unlikely_peak(), self.contradiction()]
+        notices = [self._unlikely_peak(), self._unlike_record(), self.contradiction()]
         if slide is not None and (cycles := self.driving(slide)) is not None:
             notices.append(f"slide, kh = {cycles.kh:g} of [earthquake]: {cycles.words}")
         elif slide is not None and self.is_assumed(slide):
+            magnitude = REFERENCE if self.magnitude is None else self.magnitude
+            why, remedy = "nothing says how the ground shakes", "give [earthquake], a record"
+            if self != EarthquakeSettings():
+                why = "[earthquake] has no peak acceleration"
+                remedy = "give it there, or magnitude and distance, or a record"
             notices.append(
-                f"slide, {slide.shaking}, is assumed (cycles of magnitude {REFERENCE:g}), since nothing says how "
-                "the ground shakes: give [earthquake], a record, or kh (0 for a slide by its weight alone)"
+                f"slide, {slide.shaking}, is assumed (cycles of magnitude {magnitude:g}), since {why}: {remedy}, or kh "
+                "(0 for a slide by its weight alone)"
             )
+        elif slide is not None:
+            notices.append(self._overruled(slide))
         return [text for text in notices if text]
+
+    def _overruled(self, slide: SlideSettings) -> str:
+        """That slides have another Kh, or another duration of it, than that of the earthquake; else empty."""
+        cycles = None if slide.accelerogram or slide.kh == 0.0 else self.equivalent()
+        if cycles is None:
+            return ""
+        held = "" if slide.kh_cycles is not None or slide.kh_seconds is not None else " one way for ever"
+        return (
+            f"slide, {slide.shaking}{held} counts, as given; [earthquake] stands for Kh = {cycles.kh:g} both ways, "
+            f'{cycles.cycles:g} cycles of {cycles.period:g} s (slide.kh = "{EARTHQUAKE}")'
+        )
+
+    def _unlike_record(self) -> str:
+        """That a record is not used beside a peak which is not its own; else empty."""
+        if self.peak_acceleration is None or not self.record:
+            return ""
+        try:
+            record = self._recorded()
+        except InputError as error:
+            return f"earthquake, record is not used beside peak_acceleration, and cannot be read: {error.problems[0]}"
+        peak = float(self.peak_acceleration)
+        if abs(record.peak / peak - 1.0) <= ALIKE:
+            return ""
+        return (
+            f"earthquake, peak_acceleration of {peak / GRAVITY:.3g} g counts, and {record.name}, whose peak is "
+            f"{record.peak / GRAVITY:.3g} g, is not used: take one of them, or scale = {peak / record.peak:.3g}"
+        )
 
     def _unlikely_peak(self) -> str:
         """That a peak is above what was recorded, or a plain number that may be meant in g; empty where neither."""
@@ -134,7 +169,7 @@ class EarthquakeSettings(Model):
     def is_assumed(self, slide: SlideSettings) -> bool:
         """Whether nothing says how the ground shakes, and ``slide`` has what is assumed then."""
         push = {key: getattr(slide, key) for key in ("kh", *CYCLES)}
-        return self.equivalent() is None and not slide.accelerogram and push == assumed_push()
+        return self.equivalent() is None and not slide.accelerogram and push == assumed_push(self.magnitude)
 
     def equivalent(self) -> EquivalentKh | None:
         """The equivalent cycles of Kh; None where the peak is not known."""
@@ -213,17 +248,18 @@ def push_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], sou
     return {key: values[key] for key in [*(["kh"] if kh_left else []), *left]}
 
 
-def assumed_push() -> dict[str, float]:
-    """Kh of the slides, its cycles and their period where nothing says how the ground shakes.
+def assumed_push(magnitude: float | None) -> dict[str, float]:
+    """Kh of the slides, its cycles and their period where nothing says how strongly the ground shakes.
 
-    The default Kh in the cycles and with the period of magnitude 7.5 at 20 km, both ways: a Kh held for ever would
-    carry even level ground away once its residual strength is less.
+    The default Kh in the cycles and with the period of the ``magnitude`` (7.5 where it is None) at 20 km, both ways: a
+    Kh held for ever would carry even level ground away once its residual strength is less.
     """
     kh = float(SlideSettings.model_fields["kh"].default)
+    magnitude = REFERENCE if magnitude is None else magnitude
     return {
         "kh": kh,
-        "kh_cycles": round(cycles_of_magnitude(REFERENCE), 1),
-        "kh_period": round(mean_period(REFERENCE), 2),
+        "kh_cycles": round(cycles_of_magnitude(magnitude), 1),
+        "kh_period": round(mean_period(magnitude), 2),
     }
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from dem.case import Case
 from workflow.report.numbers import coefficient, metre_range, of_cases
-from workflow.results.cases import CaseAnswer, RandomPackings
+from workflow.results.cases import CaseAnswer, MovedSurface, RandomPackings
 from workflow.results.discs import DiscsAnswer, DiscSearch
 from workflow.results.material_points import PointCase, PointSlidesAnswer
 from workflow.results.results import Results
@@ -34,11 +34,15 @@ def contradictions(results: Results) -> Iterator[tuple[Weight, str]]:
         yield from ((1, text) for text in of_curve(results.dem))
     yield from ((2, text) for text in of_sides(cases))
     yield from ((2, text) for text in of_ends(results.mpm))
-    strata = [stratum.name for stratum in results.config.section.strata if stratum.liquefies_in]
     random = results.cases.random if results.cases is not None else None
-    config = {number: results.config.cases[number - 1] for number in cases if number <= len(results.config.cases)}
+    points = results.mpm.cases if results.mpm is not None else {}
+    config, strata = dict(enumerate(results.config.cases, start=1)), liquefied_strata(results)
+    lengths = {number: case.slide_max_m for number, case in points.items()}
     yield from ((1, text) for text in of_order(config, _largest_slides(cases, random), strata))
-    yield from ((2, text) for text in of_settlement(cases))
+    yield from ((1, text) for text in of_order(config, lengths, strata, "material points"))
+    yield from ((2, text) for text in of_settlement({k: (case, case.settlement_uphill_m) for k, case in cases.items()}))
+    crests = {number: (case, case.settlement_crest_m) for number, case in points.items()}
+    yield from ((2, text) for text in of_settlement(crests, "material points"))
 
 
 def of_curve(discs: DiscsAnswer) -> Iterator[str]:
@@ -96,11 +100,11 @@ def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
     Ground that slides as one, such as an endless slope, moves at its ends as anywhere else.
     """
     points = answer.cases if answer is not None else {}
-    stopped = {number: case for number, case in points.items() if case.stopped_by is not None and not case.settled}
+    stopped = {number: case for number, case in points.items() if case.stopped_by is not None}
     if answer is not None and stopped:
         lengths = metre_range([case.slide_max_m for case in stopped.values()])
         end = (
-            "have run up against the fixed side of the section"
+            f"have run up against the {answer.sides} side of the section"
             if answer.sides in ("fixed", "smooth")
             else "have run out of the section"
         )
@@ -123,45 +127,76 @@ def _uphill_end(case: PointCase) -> int:
     return 0 if case.surface_before[0][1] >= case.surface_before[-1][1] else -1
 
 
-def of_order(cases: Mapping[int, Case], slides: Mapping[int, float], strata: Sequence[str]) -> Iterator[str]:
-    """Cases with less strength and no more stiffness of the ``strata`` than others, but shorter slides (m)."""
+def liquefied_strata(results: Results) -> dict[int, list[str]]:
+    """The names of the strata that liquefy in each case, by its number."""
+    strata = results.config.section.strata
+    numbers = range(1, len(results.config.cases) + 1)
+    return {number: [stratum.name for stratum in strata if number in stratum.liquefies_in] for number in numbers}
+
+
+def of_order(
+    cases: Mapping[int, Case], slides: Mapping[int, float], strata: Mapping[int, Sequence[str]], by: str = "discs"
+) -> Iterator[str]:
+    """Cases that leave less strength than others and slide less (m), by discs or material points.
+
+    ``strata``: the names of those that liquefy in each case.
+    """
+    packings = "" if by != "discs" else ", or how the discs happen to lie,"
+    more = "finer cells (slide.mpm_cells)" if by != "discs" else "more packings (slide.seeds)"
     for number, other in combinations(sorted(set(cases) & set(slides)), 2):
         for weak, strong in ((number, other), (other, number)):
             short = slides[strong] - slides[weak]
-            if is_weaker(cases[weak], cases[strong], strata) and short > max(LESS, LESS_SHARE * slides[strong]):
+            weaker = is_weaker(cases[weak], cases[strong], strata[weak], strata[strong])
+            if weaker and short > max(LESS, LESS_SHARE * slides[strong]):
                 yield (
                     f"case {weak}{_named(cases[weak])} leaves less strength than case {strong}{_named(cases[strong])} "
-                    f"and slides less, {slides[weak]:.3g} m and {slides[strong]:.3g} m: what stops them, or how the "
-                    "discs happen to lie, decides, and not their strength; take a longer section (beyond) if a side "
-                    "stops them, more packings (slide.seeds) if not, and the longer slide until then"
+                    f"and slides less by {by}, {slides[weak]:.3g} m and {slides[strong]:.3g} m: what stops them"
+                    f"{packings} decides, and not their strength; take a longer section (beyond) if a side "
+                    f"stops them, {more} if not, and the longer slide until then"
                 )
 
 
-def is_weaker(case: Case, other: Case, strata: Sequence[str]) -> bool:
-    """Whether a case leaves the ``strata`` less stiffness or strength than another, and no more of either."""
+def is_weaker(case: Case, other: Case, strata: Sequence[str], of_other: Sequence[str]) -> bool:
+    """Whether a case leaves the ground less stiffness or strength than another, and no more of either.
+
+    ``strata`` are those that liquefy in the case, ``of_other`` those that do in the other one: what does not liquefy
+    keeps more than whatever liquefies.
+    """
+    if not set(of_other) <= set(strata):
+        return False
     pairs = [(getattr(case, name), getattr(other, name)) for name in ("stiffness", "friction", "cohesion")]
-    for stratum in strata:
+    for stratum in of_other:
         ratios = case.residual_of(stratum), other.residual_of(stratum)
         strengths = case.strength_of(stratum), other.strength_of(stratum)
         if any(ratios) and any(strengths):  # a ratio and a strength cannot be compared
             return False
         pairs += [ratios, strengths]
-    return all(value <= other for value, other in pairs) and any(value < other for value, other in pairs)
+    more_liquefies = len(set(strata)) > len(set(of_other))
+    return all(value <= than for value, than in pairs) and (
+        more_liquefies or any(value < than for value, than in pairs)
+    )
 
 
-def of_settlement(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
-    """Surfaces that fall much further somewhere than on average over a third of the section."""
-    largest = {number: case.largest_fall for number, case in cases.items()}
-    far = {
-        number: fall
-        for number, fall in largest.items()
-        if fall[0] > max(FALLS, FALLS_TIMES * abs(cases[number].settlement_uphill_m))
-    }
-    if far:
-        falls, places = zip(*far.values(), strict=True)
+def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "discs") -> Iterator[str]:
+    """Surfaces that fall much further somewhere than the settlement (m) that is told of the case beside them.
+
+    That is the mean of the uphill third for discs, and that of the highest point for material points.
+    """
+    falls = {number: surface.largest_fall for number, (surface, _) in cases.items()}
+    far = {k: fall for k, fall in falls.items() if fall[0] > max(FALLS, FALLS_TIMES * abs(cases[k][1]))}
+    if not far:
+        return
+    lengths, places = zip(*far.values(), strict=True)
+    fall, at, of = metre_range(lengths), _ends(places), of_cases(list(far))
+    if by == "discs":
         yield (
-            f"the surface falls by {metre_range(falls)} at x = {_ends(places)} m in {of_cases(list(far))}, far more "
-            "than the mean settlements of the thirds of the section: use this value for the settlement of a crest"
+            f"the surface falls by {fall} at x = {at} m in {of}, far more than the mean settlements of the thirds of "
+            "the section: use this value for the settlement of a crest"
+        )
+    else:
+        yield (
+            f"the surface of material points falls by {fall} at x = {at} m in {of}, far more than the highest point of "
+            "the ground: use this value for the settlement of a crest"
         )
 
 

@@ -9,7 +9,7 @@ from workflow.config import Config
 from workflow.estimates.crest import Crest
 from workflow.estimates.crest_settlement import crest_settlement, freeboard, reconsolidation_settlement
 from workflow.estimates.structures import Standing, structures_of
-from workflow.report.findings import lies_still
+from workflow.report.findings import at_rest
 from workflow.report.numbers import metres
 from workflow.results.cases import CasesAnswer, Profile
 from workflow.results.material_points import PointSlidesAnswer
@@ -32,13 +32,13 @@ def crest_parts(
                 random = cases.random.cases.get(number) if cases.random is not None else None
                 values = _over_packings(value, None if random is None else random.profile, structure.crest)
                 if values is not None:
-                    rests = case.settled or lies_still(case)
-                    yield _part(config, structure, f"discs, {config.called(number)}", number, values, rests)
+                    of = f"discs, {config.called(number)}"
+                    yield _part(config, structure, of, number, values, at_rest(case))
         for number, point in sorted(points.cases.items()) if points is not None else ():
             value = crest_settlement(np.array(point.surface_before), np.array(point.surface_after), structure.crest)
             if value is not None:
                 of = f"material points, {config.called(number)}"
-                yield _part(config, structure, of, number, (value, value, value), point.settled)
+                yield _part(config, structure, of, number, (value, value, value), at_rest(point))
 
 
 def _over_packings(value: float | None, profile: Profile | None, crest: Crest) -> Settlements | None:

@@ -10,13 +10,14 @@ from workflow.config import Config
 from workflow.estimates.comparison import Kind, estimates
 from workflow.report.accuracy import Accuracy, accuracy, numerical_error
 from workflow.report.after import in_short
-from workflow.report.contradictions import is_weaker
+from workflow.report.contradictions import is_weaker, liquefied_strata
 from workflow.report.flow_rule import WHEN
 from workflow.report.model_error import model_error
 from workflow.report.numbers import about, coefficient, listed, of_cases, span
 from workflow.report.tables import factor
 from workflow.results.cases import CaseAnswer, CaseNumbers
 from workflow.results.continuum import FemAnswer
+from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 
 ASSUMED = ("dilation", "sides")  # variants that tell what an assumption is worth
@@ -199,6 +200,13 @@ def lies_still(case: CaseNumbers) -> bool:
     return case.moved_lately_m is not None and case.moved_lately_m < still
 
 
+def at_rest(case: CaseNumbers | PointCase) -> bool:
+    """Whether a slide came to rest, or lies as good as still, and no side of the model stopped it."""
+    if case.stopped_by is not None:
+        return False
+    return case.settled or (isinstance(case, CaseNumbers) and lies_still(case))
+
+
 def moved_lately(cases: Sequence[CaseNumbers]) -> str:
     """How far slides that lie still moved at most in their last 10 s."""
     most = max(case.moved_lately_m or 0.0 for case in cases)
@@ -262,8 +270,8 @@ def _interval(results: Results) -> str:
         return "One packing of discs was computed, so no interval is known; slide.seeds = [1, 2] gives one."
     count = max(len(spread.values) for spread in spreads.values())
     order = ""
-    strata = [stratum.name for stratum in results.config.section.strata if stratum.liquefies_in]
-    weaker = all(is_weaker(after, before, strata) for before, after in pairwise(results.config.cases))
+    strata, cases = liquefied_strata(results), enumerate(results.config.cases, start=1)
+    weaker = all(is_weaker(case, before, strata[k], strata[j]) for (j, before), (k, case) in pairwise(cases))
     if random is not None and random.rising is not None and weaker:
         on = {0: "none", count: "each"}.get(random.rising, str(random.rising))
         order = f" On {on} of them each case slides further than the case before."

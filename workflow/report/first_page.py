@@ -7,7 +7,7 @@ from meshes.section.quantity import GRAVITY
 from workflow.estimates.slide_error import slide_error
 from workflow.estimates.structures import structures_of
 from workflow.report.accuracy import METHODS, Accuracy, accuracy, proven_by, rounded_up
-from workflow.report.findings import CONTRADICTED, lies_still
+from workflow.report.findings import CONTRADICTED, at_rest
 from workflow.report.numbers import coefficient, of_cases, span
 from workflow.report.paper import rows
 from workflow.report.texts import Texts
@@ -223,8 +223,10 @@ def _span(cases: Slides) -> str:
 def _end(cases: Sequence[CaseAnswer | PointCase], _: Texts) -> str:
     if any(isinstance(case, CaseAnswer) and case.flows for case in cases):
         return _("flows by its weight alone")
-    if all(case.settled or (isinstance(case, CaseAnswer) and lies_still(case)) for case in cases):
+    if all(at_rest(case) for case in cases):
         return _("comes to rest")
+    if any(case.stopped_by is not None for case in cases):
+        return _("reaches a side of the model, so that it would slide farther in a longer section")
     return _("was still moving when the computation ended")
 
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from workflow.estimates.slide_error import SlideMethod, slide_error
-from workflow.report.findings import lies_still
+from workflow.report.findings import at_rest
 from workflow.report.model_error import NAMES
 from workflow.report.numbers import metres, span
 from workflow.report.warnings import joined, split
@@ -85,7 +85,7 @@ def second_opinions(cases: CasesAnswer | None, points: PointSlidesAnswer | None)
 def _opinion(case: CaseAnswer, packings: Span, other: PointCase) -> SecondOpinion:
     discs = _with_error(min(packings[0], case.slide_max_m), max(packings[1], case.slide_max_m), case.flows, "discs")
     points = _with_error(other.slide_max_low_m, other.slide_max_high_m, case.flows, "mpm")
-    resting = case.settled or lies_still(case), other.settled
+    resting = at_rest(case), at_rest(other)
     apart = abs(case.slide_max_m - other.slide_max_m)
     alike = max(ALIKE, (1.0 - 1.0 / CLOSE) * max(case.slide_max_m, other.slide_max_m))
     near = apart <= max(discs[1] - discs[0], points[1] - points[0], alike)

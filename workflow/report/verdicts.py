@@ -7,7 +7,7 @@ import numpy as np
 from workflow.criteria.verdict import judge, together
 from workflow.estimates.structures import structures_of
 from workflow.report.crests import crest_parts
-from workflow.report.findings import lies_still
+from workflow.report.findings import at_rest
 from workflow.report.numbers import listed
 from workflow.report.structures import face_rows
 from workflow.results.answer import Line
@@ -121,23 +121,23 @@ def _displacements(results: Results) -> Iterator[Found]:
             yield of, None, None, "it slides without any shaking"
     _, cases = results.case_set()
     slides = [
-        (f"discs, {config.called(number)}", case.slide_along, case.settled or lies_still(case), _share(results, number))
+        (f"discs, {config.called(number)}", case.slide_along, at_rest(case), _share(results, number))
         for number, case in sorted(cases.items())
     ]
     slides += [
         (
             f"material points, {config.called(number)}",
             case.slide_along,
-            case.settled,
+            at_rest(case),
             (case.slide_max_low_m / max(case.slide_max_m, TINY), case.slide_max_high_m / max(case.slide_max_m, TINY)),
         )
         for number, case in (sorted(results.mpm.cases.items()) if results.mpm is not None else ())
     ]
     for structure in structures_of(config.section):
-        for by, along, at_rest, (least, most) in slides:
+        for by, along, rests, (least, most) in slides:
             far = _largest(along, structure.crest.start, structure.crest.end)
             if far is not None:
-                yield f"{structure.name}, {by}", least * far, most * far if at_rest else OPEN, _why(at_rest)
+                yield f"{structure.name}, {by}", least * far, most * far if rests else OPEN, _why(rests)
     yield from _not_computed(results)
 
 

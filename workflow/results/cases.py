@@ -76,18 +76,6 @@ class MovedSurface(Part):
             return None
         return float(np.interp(x, *np.array(self.slide_along).T))
 
-
-class CaseAnswer(MovedSurface, CaseNumbers):
-    """One case of liquefaction: the numbers, and the surface of the ground."""
-
-    @classmethod
-    def of(cls, slide: "Slide", alone: "Slide", stiffness: float) -> Self:
-        """A slide as an answer holds it.
-
-        ``alone`` is the same ground under Kh without liquefaction, which tells sliding from giving way elastically.
-        """
-        return cls(stiffness=stiffness, **slide.as_json(alone))
-
     @property
     def largest_fall(self) -> tuple[float, float]:
         """How far the surface falls at most (m), and at which x (m) that is.
@@ -107,6 +95,18 @@ class CaseAnswer(MovedSurface, CaseNumbers):
             return 0.0, 0.0
         fall = np.subtract(*(np.interp(x, *line.T) for line in by_x))
         return float(fall.max()), float(x[int(np.argmax(fall))])
+
+
+class CaseAnswer(MovedSurface, CaseNumbers):
+    """One case of liquefaction: the numbers, and the surface of the ground."""
+
+    @classmethod
+    def of(cls, slide: "Slide", alone: "Slide", stiffness: float) -> Self:
+        """A slide as an answer holds it.
+
+        ``alone`` is the same ground under Kh without liquefaction, which tells sliding from giving way elastically.
+        """
+        return cls(stiffness=stiffness, **slide.as_json(alone))
 
     @property
     def uphill(self) -> str:

@@ -10,7 +10,8 @@ from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound
 from fem.limit.bounds import body_of, first_mesh, kh_bounds
 from fem.limit.bracket import Limits
 from fem.limit.limit_problem import LimitProblem, Side, limit_problem, units_of
-from fem.limit.point_freedom import stress_free_corners, unstrained_points
+from fem.limit.point_freedom import pressed_all_round, stress_free_corners, unstrained_points
+from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
 from meshes.triangles import triangulate
@@ -43,6 +44,45 @@ def test_a_bare_surface_without_cohesion_has_no_stress():
     top = problem.points[problem.mesh.cells][..., 1] == 2.0
     assert np.array_equal(free, top)
     assert not stress_free_corners(box(30.0)).any()
+
+
+def test_clay_without_strength_at_the_ground_has_no_stress_there_and_an_equal_pressure_below_a_load() -> None:
+    """s_u = 0.25 σ'v of bare ground vanishes at its surface: what no traction holds is free of stress, and below a load
+    that has not consolidated it the pressure is the same all round."""
+    clay = layer("clay", cohesion=0, friction_angle=0, strength_ratio=0.25)
+    data = {**slope(), "surcharges": [{"from": 20.0, "to": 60.0, "pressure": "5 kPa"}], "strata": [clay]}
+    section, settings = Section.parse(data), FemSettings(sides="smooth")
+    mesh = first_mesh(section, 400, "smooth")
+    body = body_of(section, mesh, settings)
+    problem = limit_problem(mesh, body, units_of(mesh, body))
+    there, free = pressed_all_round(problem), stress_free_corners(problem)
+    points = problem.points[problem.mesh.cells]
+    ground = np.interp(points[..., 0], *section.ground.T)
+    assert np.array_equal(there, np.isclose(points[..., 1], ground))
+    loaded = there & (points[..., 0] > 20.1) & (points[..., 0] < 59.9)
+    assert loaded.any()
+    assert not free[loaded].any()
+    assert free[there & ((points[..., 0] < 19.9) | (points[..., 0] > 60.1))].all()
+
+
+def test_normally_consolidated_clay_under_water_is_bracketed() -> None:
+    """An endless slope of s_u = S σ'v fails at every depth at once: γ' z S = γ' z sin β cos β + Kh γ z cos² β, and its
+    factor of safety is S / (sin β cos β). Its strength vanishes at the ground, where stresses had no room before."""
+    soil = {key: value for key, value in layer("clay").items() if not key.startswith("density")}
+    clay = {**soil, "density": "15.5 kN/m^3", "cohesion": 0, "friction_angle": 0, "strength_ratio": 0.25}
+    data = {
+        "name": "delta",
+        "surface": [[0.0, -5.0], [40.0, -12.0]],
+        "base": {"elevation": [[0.0, -25.0], [40.0, -32.0]]},
+        "water": {"table": 0.0, "unit_weight": "9.81 kN/m^3"},
+        "strata": [clay],
+    }
+    section, angle = Section.parse(data), np.arctan(7.0 / 40.0)
+    fem, some = FemSettings(sides="periodic", direction="downhill"), BoundsSettings(max_cells=600, gap=0.005)
+    found, factor = kh_bounds(section, fem, some), safety_bounds(section, fem, some)
+    kc = (15.5 - 9.81) / 15.5 * (0.25 - np.sin(angle) * np.cos(angle)) / np.cos(angle) ** 2
+    assert found.lower <= kc <= found.upper <= found.lower + 0.005
+    assert factor.lower <= 0.25 / (np.sin(angle) * np.cos(angle)) <= factor.upper <= 1.01 * factor.lower
 
 
 def test_sand_that_touches_the_surface_between_two_strips_has_no_stress_there():

@@ -23,6 +23,7 @@ from workflow.report.contradictions import (
     of_settlement,
     of_sides,
 )
+from workflow.report.findings import at_rest
 from workflow.results.bounds import SafetyPart
 from workflow.results.cases import CasesAnswer, RandomCase, RandomPackings, Spread
 from workflow.results.continuum import FactorOfSafety, OtherWay
@@ -57,7 +58,7 @@ def test_low_strength_that_slides_less_than_median_is_found(run: Config) -> None
     levee = with_cases(run, *LEVEE)
     [told] = warned(results(levee, cases=slides(levee, 48.0, 45.0)))
     assert told.startswith(
-        "Case 2 (low strength) leaves less strength than case 1 (median) and slides less, 45 m and 48 m"
+        "Case 2 (low strength) leaves less strength than case 1 (median) and slides less by discs, 45 m and 48 m"
     )
     assert "ake a longer section (beyond) if a side stops them, more packings (slide.seeds) if not" in told
     assert warned(results(levee, cases=slides(levee, 45.0, 48.0))) == []
@@ -82,16 +83,33 @@ def test_no_order_is_found_where_more_strength_slides_less(
     """Slides that fall with strength contradict nothing, however the cases stand; and of two cases one is weaker."""
     cases = {k: Case(stiffness=0.1, residual=r, friction=f) for k, (r, f) in enumerate(kept)}
     lengths = {k: 10.0 - 4.0 * r - 4.0 * f for k, (r, f) in enumerate(kept)}
-    assert list(of_order(cases, lengths, ["upper"])) == []
+    assert list(of_order(cases, lengths, dict.fromkeys(cases, ["upper"]))) == []
     one, other = (data.draw(st.sampled_from(sorted(cases))) for _ in range(2))
-    assert not (is_weaker(cases[one], cases[other], ["upper"]) and is_weaker(cases[other], cases[one], ["upper"]))
+    here = ["upper"], ["upper"]
+    assert not (is_weaker(cases[one], cases[other], *here) and is_weaker(cases[other], cases[one], *here))
 
 
 def test_a_ratio_and_a_strength_are_not_compared() -> None:
     ratio, strength = Case(residual=0.1), Case.model_validate({"residual_strength": {"upper": "6 kPa"}})
-    assert not is_weaker(ratio, strength, ["upper"])
-    assert not is_weaker(strength, ratio, ["upper"])
-    assert is_weaker(strength, Case.model_validate({"residual_strength": {"upper": "9 kPa"}}), ["upper"])
+    assert not is_weaker(ratio, strength, ["upper"], ["upper"])
+    assert not is_weaker(strength, ratio, ["upper"], ["upper"])
+    more = Case.model_validate({"residual_strength": {"upper": "9 kPa"}})
+    assert is_weaker(strength, more, ["upper"], ["upper"])
+
+
+def test_a_case_in_which_more_strata_liquefy_is_the_weaker_one(run: Config) -> None:
+    """As strong in what liquefies in both: with a second stratum that liquefies the ground slides no less."""
+    case = Case(residual=0.1)
+    assert is_weaker(case, case, ["upper", "lower"], ["upper"])
+    assert not is_weaker(case, case, ["upper"], ["upper", "lower"])
+    assert not is_weaker(Case(residual=0.05), case, ["upper"], ["upper", "lower"]), "the lower one keeps all it had"
+    data = slope()
+    data["strata"][0]["liquefies_in"], data["strata"][1]["liquefies_in"] = [1, 2], [2]
+    data["slide"] = {"cases": [{"residual_strength": "9 kPa", "strain_potential": 0.3}] * 2}
+    both = analysed(data)
+    [told] = warned(results(both, cases=slides(both, 5.0, 2.0)))
+    assert told.startswith("Case 2 leaves less strength than case 1 and slides less by discs, 2 m and 5 m")
+    assert warned(results(both, cases=slides(both, 2.0, 5.0))) == []
 
 
 def test_a_side_of_the_box_that_stops_a_slide_is_no_rest(run: Config) -> None:
@@ -110,12 +128,12 @@ def test_a_crest_that_falls_much_further_than_the_uphill_third_settles_is_told(r
     lost = {"surface_before": before, "surface_after": after, "settlement_uphill_m": 0.24}
     case = dem_fixture.case(0.1, 20.0).model_copy(update=lost)
     assert case.largest_fall == (5.0, 50.0)
-    [told] = of_settlement({1: case})
+    [told] = of_settlement({1: (case, 0.24)})
     assert "the surface falls by 5.0 m at x = 50 m in case 1, far more than the mean settlements of the thirds" in told
     answer = CasesAnswer(sets={"calibrated": {1: case}}, random=None)
     assert any("the surface falls by 5.0 m at x = 50 m" in one for one in slide_sentences(run, answer))
-    assert list(of_settlement({1: case.model_copy(update={"settlement_uphill_m": 4.0})})) == []
-    assert list(of_settlement({1: case.model_copy(update={"surface_after": ()})})) == []
+    assert list(of_settlement({1: (case, 4.0)})) == []
+    assert list(of_settlement({1: (case.model_copy(update={"surface_after": ()}), 0.24)})) == []
 
 
 def test_a_disc_that_is_missing_beside_the_side_of_the_box_is_no_settlement(run: Config) -> None:
@@ -210,6 +228,44 @@ def point_slide(along: list[tuple[float, float]], **more: Any) -> PointCase:
 def ends_of(cases: dict[int, PointCase], sides: str = "free-field") -> list[str]:
     """The warnings of slides by material points with such sides of the section."""
     return list(of_ends(PointSlidesAnswer.model_construct(cases=cases, sides=sides)))
+
+
+def with_points(run: Config, *cases: PointCase, sides: str = "fixed") -> list[str]:
+    """The warnings of a report with these slides by material points."""
+    plain = {"notes": (), "slide_max_low_m": 0.0, "slide_max_high_m": 0.0, "settlement_crest_m": 0.0, "reason": "rest"}
+    slid = {k: case.model_copy(update=plain | dict(case.__dict__)) for k, case in enumerate(cases, start=1)}
+    return warned(results(run, mpm=PointSlidesAnswer.model_construct(cases=slid, sides=sides)))
+
+
+def test_material_points_of_low_strength_that_slide_less_than_those_of_median_are_found(run: Config) -> None:
+    levee = with_cases(run, *LEVEE)
+    long, short = (point_slide([(0.0, 0.0), (40.0, far), (80.0, 0.0)]) for far in (48.0, 45.0))
+    [told] = with_points(levee, long, short)
+    assert told.startswith("Case 2 (low strength) leaves less strength than case 1 (median) and slides less by material")
+    assert "finer cells (slide.mpm_cells) if not" in told
+    assert with_points(levee, short, long) == []
+
+
+def test_material_points_that_a_side_stopped_are_not_at_rest(run: Config) -> None:
+    """They lie still at the wall: the slide is a least value, told as one, and no interval ends there."""
+    held = point_slide([(0.0, 0.0), (40.0, 20.0)], stopped_by="right")
+    for sides in ("fixed", "smooth"):
+        [warning] = ends_of({1: held}, sides)
+        assert warning.startswith(f"material points have run up against the {sides} side of the section in case 1: 20")
+    assert not at_rest(held)
+    assert at_rest(point_slide([(0.0, 0.0), (40.0, 20.0)]))
+    stands = dem_fixture.case(0.1, 20.0).model_copy(update={"settled": False, "moved_lately_m": 0.0})
+    assert at_rest(stands), "as good as still"
+    assert not at_rest(stands.model_copy(update={"stopped_by": "right"})), "still, at the wall"
+
+
+def test_a_levee_whose_crest_material_points_lower_more_than_the_highest_point_is_told(run: Config) -> None:
+    """A terrace uphill is the highest point, and stays; the levee before it loses 5 m."""
+    before = ((0.0, 9.0), (40.0, 2.0), (50.0, 7.0), (60.0, 2.0), (100.0, 2.0))
+    after = ((0.0, 9.0), (40.0, 2.0), (50.0, 2.0), (60.0, 2.5), (100.0, 2.1))
+    slid = point_slide([(0.0, 0.0), (50.0, 20.0)], surface_before=before, surface_after=after)
+    [told] = with_points(run, slid)
+    assert told.startswith("The surface of material points falls by 5.0 m at x = 50 m in case 1, far more than the")
 
 
 def test_points_that_leave_the_section_or_take_its_uphill_end_along_are_found() -> None:

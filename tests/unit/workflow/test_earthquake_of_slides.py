@@ -15,7 +15,7 @@ from tests.support import command_line
 from tests.support.borings import bored, test
 from tests.support.newmark import newmark_shaken
 from tests.support.records import motion, peer
-from tests.support.sections import analysed
+from tests.support.sections import analysed, slope
 from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
 from workflow.earthquake.accelerogram import Accelerogram
@@ -57,6 +57,39 @@ def test_kh_and_its_cycles_are_those_of_the_earthquake() -> None:
     assert (again.slide, again.notices) == (given.slide, given.notices)
     assert list(parameter_rows(again)) == list(parameter_rows(given))  # the source of a stored section is the same
     assert given.slide.shaking == f"Kh = {given.slide.kh:g} both ways, 13.9 cycles of {given.slide.kh_period:g} s"
+
+
+def test_an_earthquake_without_a_peak_gives_its_cycles_and_is_asked_for_the_peak() -> None:
+    """M 6 has 4.7 cycles, and 15 are those of M 7.5; "give [earthquake]" is no help to who gave one."""
+    data = {**slope(), "earthquake": {"magnitude": 6.0}}
+    data["strata"][1]["liquefies_in"] = [1]
+    given = analysed(data)
+    assert (given.slide.kh, given.slide.kh_cycles) == (0.1, round(cycles_of_magnitude(6.0), 1))
+    [told] = [text for text in given.notices if "is assumed (cycles of magnitude 6)" in text]
+    assert "since [earthquake] has no peak acceleration: give it there" in told
+    assert analysed(tomllib.loads(given.to_toml())).notices == given.notices
+    [told] = [text for text in analysed({**data, "earthquake": {}}).notices if "is assumed (cycles" in text]
+    assert "cycles of magnitude 7.5), since nothing says how the ground shakes: give [earthquake]" in told
+
+
+@pytest.mark.parametrize("slide", [{"kh": 0.1}, {"kh_seconds": 10.0}, {"kh": 0.1, "kh_cycles": 5.0, "kh_period": 0.5}])
+def test_another_push_than_that_of_the_earthquake_is_told(slide: dict[str, Any]) -> None:
+    """Kh = 0.1 for ever beside an earthquake of 0.25 g: it counts, and a reader must know."""
+    [told] = [text for text in shaken(LEVEE, **slide).notices if "counts, as given" in text]
+    assert "[earthquake] stands for Kh = 0.163 both ways, 13.9 cycles of 0.76 s" in told
+    assert ("Kh = 0.1 one way for ever" in told) == (slide == {"kh": 0.1})
+    assert not [text for text in shaken(LEVEE).notices if "counts, as given" in text]
+    assert not [text for text in shaken(LEVEE, kh=0.0).notices if "counts, as given" in text], "asked for by its name"
+
+
+def test_a_record_that_is_not_used_beside_another_peak_is_told(tmp_path: Path) -> None:
+    record, values = tmp_path / "surface.AT2", motion(1, 400, 0.01)
+    record.write_text(peer(0.25 * values / np.abs(values).max(), 0.01, "G"))
+    for peak, told in (("0.9 g", True), ("0.25 g", False)):
+        notices = shaken({**LEVEE, "peak_acceleration": peak, "record": str(record)}).notices
+        unlike = [text for text in notices if "whose peak is 0.25 g, is not used: take one of them" in text]
+        assert bool(unlike) == told
+        assert not told or unlike[0].endswith("or scale = 3.6")
 
 
 def test_cycles_and_period_of_a_magnitude() -> None:

@@ -26,8 +26,9 @@ def opinion(discs: float, points: float, settled: bool = True) -> SecondOpinion:
     """One case of both."""
     answer = CasesAnswer(sets={"calibrated": {1: case(0.1, discs)}}, random=None)
     point = SimpleNamespace(
-        slide_max_m=points, slide_max_low_m=points, slide_max_high_m=1.1 * points, settled=settled, reason=""
-    )
+        slide_max_m=points, slide_max_low_m=points, slide_max_high_m=1.1 * points, settled=settled, reason="",
+        stopped_by=None,
+    )  # fmt: skip
     return second_opinions(answer, cast(Any, SimpleNamespace(cases={1: point})))[1]
 
 

@@ -2,10 +2,17 @@
 
 import pkgutil
 from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
 
 import workflow.stages
 from tests.support.sections import slope
 from workflow.config import Config
+from workflow.run.fingerprint import inputs
+from workflow.run.stage import Job
+from workflow.run.store import Store
 from workflow.stages import STAGES
 
 
@@ -25,3 +32,44 @@ def test_stages_name_tables_and_settings_that_there_are() -> None:
             table, _, key = name.partition(".")
             assert table in Config.tables()
             assert not key or key in type(Config.model_fields[table].default).model_fields
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "stale"),
+    [
+        ("slide.mpm_sides", "fixed", {"mpm"}),
+        ("slide.mpm_cells", 3001, {"mpm"}),
+        ("slide.seeds", (), {"slide"}),
+        ("slide.step", 1e-3, {"slide"}),
+        ("slide.frames", 31, {"mpm", "slide"}),
+        ("slide.methods", ("mpm",), set()),
+        ("fem.kh", (0.1,), {"fem", "calibrate", "slide"}),
+        ("fem.safety_factor_at", (0.1,), {"fem", "slices"}),
+        ("fem.threads", 2, set()),
+        ("fem.rigid_box", False, {"calibrate", "slide"}),
+        ("bounds.gap", 0.02, {"bounds"}),
+        ("bounds.run", False, set()),
+        ("dem.elements", 1500, {"calibrate", "slide"}),
+        ("dem.kh", (0.1,), {"calibrate"}),
+        ("dem.out_of_reach", "go on", {"calibrate"}),
+        ("variants.which", ("mesh",), {"variants"}),
+        ("site_response.base_velocity", 500.0, {"response"}),
+        ("sliding_block.kh", 0.2, set()),
+        ("study.samples", 8, set()),
+        ("figures.report_width", 900, set()),
+        ("report.author", "A. Engineer", set()),
+    ],
+)
+def test_a_setting_makes_those_stages_stale_that_read_it_and_no_others(
+    key: str, value: Any, stale: set[str], tmp_path: Path
+) -> None:
+    """The report is of all stages, and is written anew whatever changes."""
+    data = slope()
+    data["strata"][0]["liquefies_in"] = [1]
+    given = Config.parse(data)
+    table, _, name = key.partition(".")
+    before, after = (
+        {stage.name: inputs(stage, Job(config, Store(tmp_path), STAGES)) for stage in STAGES}
+        for config in (given, given.with_settings(table, **{name: value}))
+    )
+    assert {name for name in before if before[name] != after[name]} - {"report"} == stale
