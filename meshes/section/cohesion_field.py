@@ -22,6 +22,8 @@ from meshes.section.water_pressure import ON_GROUND, WaterPressure, crossings
 
 ROUNDING = 1e-9
 COLUMNS = 400  # vertical lines over which a cohesion is averaged
+NO_STRENGTH = 1.0  # Pa: a cohesion of less is none
+SHALLOW = 1e-3  # of a thickness: so far below its top a layer is looked at from inside
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +88,30 @@ class CohesionField:
         top, bottom = layers.interfaces(x)[:, stratum : stratum + 2].T
         there = top > bottom
         return (top - bottom)[there], np.column_stack([x, 0.5 * (top + bottom)])[there]
+
+    @property
+    def notices(self) -> list[tuple[int, str]]:
+        """What a person has to know of a strength that varies: the number of its stratum, and words."""
+        varying = [(int(k), "its cohesion varies; discs have its mean throughout") for k in np.flatnonzero(self.varies)]
+        return varying + [(k, words) for k, _ in varying if (words := self._without_strength(k))]
+
+    def _without_strength(self, stratum: int) -> str:
+        """Words on a ground without friction whose strength goes to zero at its top; empty where it has some."""
+        soil, layers = self.water.strata[stratum], self.water.layers
+        if not soil.strength_ratio or soil.friction_angle > 0.0 or soil.pre_overburden_pressure is not None:
+            return ""
+        x = layers.x[0] + (layers.x[-1] - layers.x[0]) * (np.arange(COLUMNS) + 0.5) / COLUMNS
+        ground, top, bottom = layers.interfaces(x)[:, [0, stratum, stratum + 1]].T
+        points, near = np.column_stack([x, top]), np.column_stack([x, top - SHALLOW * (top - bottom)])
+        none = (top > bottom) & (self.at(points, near, np.full(len(x), stratum)) < NO_STRENGTH)
+        below = none & (ground > top + layers.tolerance)
+        if not none.any():
+            return ""
+        where, what = (x[below], "its top, below other ground,") if below.any() else (x[none], "the ground")
+        return (
+            f"its strength is zero at {what} from x = {where.min():.3g} to {where.max():.3g} m, and it slips there "
+            "first; give cohesion_minimum, pre_overburden_pressure or a crust if it has more"
+        )
 
     @cached_property
     def varies(self) -> np.ndarray:

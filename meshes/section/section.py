@@ -179,8 +179,7 @@ class Section(Model):
         if self.water_pressure.after is not None:
             notices += not_level(self.ground, self.water_pressure.after)
         notices += [self.uplift.words] if self.uplift else []
-        notices += [f"{key_in_file(self.strata, k)}: its cohesion varies; discs have its mean throughout"
-                 for k, s in enumerate(self.strata) if s.cohesion_varies]  # fmt: skip
+        notices += [f"{key_in_file(self.strata, k)}: {words}" for k, words in self.cohesion_field.notices]
         if self.beyond is not None:
             notices.append(continuation_words(self.beyond, self.beyond_slope, *self.given_extent))
         return notices

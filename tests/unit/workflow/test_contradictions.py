@@ -241,7 +241,9 @@ def test_material_points_of_low_strength_that_slide_less_than_those_of_median_ar
     levee = with_cases(run, *LEVEE)
     long, short = (point_slide([(0.0, 0.0), (40.0, far), (80.0, 0.0)]) for far in (48.0, 45.0))
     [told] = with_points(levee, long, short)
-    assert told.startswith("Case 2 (low strength) leaves less strength than case 1 (median) and slides less by material")
+    assert told.startswith(
+        "Case 2 (low strength) leaves less strength than case 1 (median) and slides less by material"
+    )
     assert "finer cells (slide.mpm_cells) if not" in told
     assert with_points(levee, short, long) == []
 
