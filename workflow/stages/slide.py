@@ -45,8 +45,8 @@ def ignored(config: Config) -> tuple[str, ...]:
     calibration's output.
     """
     return (
-        *of_the_record(config), "slide.cases", "slide.methods", "slide.mpm_cells", "slide.mpm_sides", "dem.kh", "dem.element_tests",
-        "dem.out_of_reach", *WITHOUT_EFFECT, *config.dem.without_effect,
+        *of_the_record(config), "slide.cases", "slide.methods", "slide.mpm_cells", "slide.mpm_sides", "dem.kh",
+        "dem.element_tests", "dem.out_of_reach", *WITHOUT_EFFECT, *config.dem.without_effect,
     )  # fmt: skip
 
 
