@@ -14,7 +14,7 @@ from tests.support.borings import SAND
 from tests.support.sections import layer
 from workflow.config import Config
 from workflow.run.store import Store
-from workflow.stages.mpm import PointRun, _answer, _slid, at_rest
+from workflow.stages.mpm import PointRun, _alike, _answer, _slid, at_rest
 
 
 @pytest.fixture(scope="module")
@@ -28,12 +28,16 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "water_table": {"depth": 2.0},
         "strata": [
             layer("crust", bottom={"depth": 2.0}, **{**SAND, "density_ordinary": "1.9 t/m^3"}),
-            layer("sand", bottom={"depth": 6.0}, liquefies_in=[1, 2], **SAND),
+            layer("sand", bottom={"depth": 6.0}, liquefies_in=[1, 2, 3], **SAND),
             layer("stiff", **{**SAND, "cohesion": "50 kPa"}),
         ],
         "slide": {
             "kh": 0.0, "duration": 12.0, "onset": 1.0, "mpm_cells": 300, "frames": 4,
-            "cases": [{"residual": 0.5, "name": "much"}, {"residual": 0.01, "name": "little"}],
+            "cases": [
+                {"residual": 0.5, "name": "much"},
+                {"residual": 0.01, "name": "little"},
+                {"residual": 0.01, "stiffness": 0.1},
+            ],
         },
     }  # fmt: skip
     path = place / "gentle.toml"
@@ -56,6 +60,19 @@ def test_less_strength_slides_further_and_the_method_says_its_interval(folder: P
     assert len(list((folder / "mpm/case2").glob("frame_*.vtp"))) == 4
 
 
+def test_a_case_that_keeps_the_strength_of_another_slides_alike_and_is_computed_once(folder: Path) -> None:
+    config = Config.load(folder.parent / "gentle.toml")
+    assert _alike(config, [1, 2, 3]) == {1: 1, 2: 2, 3: 2}
+    assert _alike(config, [3]) == {3: 3}
+    answer = json.loads((folder / "mpm/slides.json").read_text())
+    assert answer["cases"]["3"] == answer["cases"]["2"]
+    assert not any("case 3" in line for line in (folder / "log.txt").read_text().splitlines() if " s, slide " in line)
+    for k in range(4):
+        frames = [folder / f"mpm/case{case}/frame_{k:03d}.vtp" for case in (2, 3)]
+        assert frames[0].read_bytes() == frames[1].read_bytes()
+    assert (folder / "figures/mpm_case3.webp").is_file()
+
+
 def test_the_interval_has_both_transfers_and_what_finer_cells_come_to(folder: Path) -> None:
     """A slide of 1.0 m that is 0.8 m in cells twice as large converges to 1.2 m, to the first order."""
     ground = at_rest(Config.load(folder.parent / "gentle.toml", {"slide": {"mpm_cells": 100}}))[0].ground
@@ -72,7 +89,7 @@ def test_the_interval_has_both_transfers_and_what_finer_cells_come_to(folder: Pa
 def test_the_report_has_it_beside_the_discs(folder: Path) -> None:
     assert command_line.run("report", folder, "--quiet") == 0
     assert "Slides by the material point method" in (folder / "report.html").read_text(encoding="utf-8")
-    assert set(json.loads((folder / "summary.json").read_text())["cases_mpm"]) == {"1", "2"}
+    assert set(json.loads((folder / "summary.json").read_text())["cases_mpm"]) == {"1", "2", "3"}
 
 
 def test_what_material_points_cannot_do_is_told_and_ends_no_run(

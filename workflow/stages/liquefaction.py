@@ -3,6 +3,7 @@
 from collections.abc import Collection
 from typing import Any
 
+from meshes.section.liquefies import Remains
 from workflow.config import Config
 from workflow.triggering.assessment import assess
 
@@ -16,6 +17,14 @@ def liquefying(config: Config) -> dict[int, list[int]]:
         n: [k for k, stratum in enumerate(config.section.strata) if n in stratum.liquefies_in] for n in numbers
     }
     return {n: strata for n, strata in numbers_of_strata.items() if strata}
+
+
+def remaining(config: Config) -> dict[int, dict[int, Remains]]:
+    """For every case in which strata liquefy, what these keep, by their indices."""
+    return {
+        n: {k: config.cases[n - 1].remains_of(config.section, k) for k in strata}
+        for n, strata in liquefying(config).items()
+    }
 
 
 def lowest_factors(config: Config) -> list[float | None]:

@@ -13,7 +13,7 @@ from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum, Stands
 from workflow.run.stage import Job, Stage, unless_it_liquefies
-from workflow.stages.liquefaction import LOST, cases_as_data
+from workflow.stages.liquefaction import LOST, cases_as_data, remaining
 
 if TYPE_CHECKING:
     from fem.limit.directions import SmallerKhBounds
@@ -46,14 +46,8 @@ def work(job: Job) -> None:
 def _different(config: Config) -> dict[tuple[tuple[int, Remains], ...], list[int]]:
     """The numbers of the cases, grouped by the strength that remains in their liquefied strata."""
     groups: dict[tuple[tuple[int, Remains], ...], list[int]] = {}
-    for number, case in enumerate(config.cases, start=1):
-        kept = tuple(
-            (k, case.remains_of(config.section, k))
-            for k, stratum in enumerate(config.section.strata)
-            if number in stratum.liquefies_in
-        )
-        if kept:
-            groups.setdefault(kept, []).append(number)
+    for number, kept in remaining(config).items():
+        groups.setdefault(tuple(kept.items()), []).append(number)
     return groups
 
 

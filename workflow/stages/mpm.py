@@ -2,6 +2,7 @@
 
 import copy
 import math
+import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,7 @@ from workflow.results.answer import SectionLabel, line
 from workflow.results.material_points import WARNING, PointCase, PointSlidesAnswer
 from workflow.run.stage import Job, Stage, unless_it_liquefies
 from workflow.run.store import Store
-from workflow.stages.liquefaction import liquefying, taken
+from workflow.stages.liquefaction import liquefying, remaining, taken
 from workflow.stages.slide import files, of_the_record
 
 if TYPE_CHECKING:
@@ -76,9 +77,10 @@ def work(job: Job) -> None:
     except FloatingPointError as error:
         PointSlidesAnswer(section=SectionLabel.of(config.section), not_possible=str(error)).write(job.store)
         return
+    alike = _alike(config, wanted)
     runs = [
         run
-        for number in wanted
+        for number in dict.fromkeys(alike.values())
         for run in (
             *(PointRun(config, slider, number, decay, job.store) for decay in DECAYS),
             PointRun(config, coarse, number, DECAYS[0], job.store, coarse=True),
@@ -91,7 +93,9 @@ def work(job: Job) -> None:
         said = f"{runs[place].name}: {time:.1f} s, slide {slide:.2f} m"
         job.progress(said, sum(shares) / len(runs))
 
-    slides = job.executor.compute(_slid, runs, heard)
+    slides: dict[int, list[PointSlide]] = {}
+    for run, slide in zip(runs, job.executor.compute(_slid, runs, heard), strict=True):
+        slides.setdefault(run.number, []).append(slide)
     ground = slider.ground
     PointSlidesAnswer(
         section=SectionLabel.of(config.section),
@@ -100,12 +104,31 @@ def work(job: Job) -> None:
         settled_by_m=far,
         softened=ground.softened,
         sides=ground.sides,
-        cases={number: _answer(slides[3 * place : 3 * place + 3], ground) for place, number in enumerate(wanted)},
+        cases={number: _answer(slides[alike[number]], ground) for number in wanted},
     ).write(job.store)
     job.store.remove(job.store.matching(["mpm/checkpoint_*"]))
     for number in wanted:
+        if alike[number] != number:
+            _copy_frames(job.store, alike[number], number)
         write_collection(job.store, f"case{number}", FOLDER)
     draw(job)
+
+
+def _alike(config: Config, wanted: Sequence[int]) -> dict[int, int]:
+    """By case, the first one in which the same layers keep the same strength: points do not know the other numbers of a
+    case, and slide alike."""
+    remains = remaining(config)
+    strength = {n: (remains[n], config.cases[n - 1].volumetric_strain) for n in wanted}
+    return {n: next(first for first in wanted if strength[first] == strength[n]) for n in wanted}
+
+
+def _copy_frames(store: Store, of: int, to: int) -> None:
+    """The states of one case as those of another that slides alike."""
+    from workflow.results.disc_grids import frame_file, frames
+
+    for number, file in frames(store, f"case{of}", FOLDER).items():
+        with store.writing(frame_file(f"case{to}", number, FOLDER)) as path:
+            shutil.copyfile(store.folder / file, path)
 
 
 def draw(job: Job) -> None:
@@ -206,8 +229,8 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
     from workflow.stages.shaking import shaking_of
 
     settings, onset = config.slide, config.slide.onset_of("soil")
-    case, strata = config.cases[number - 1], liquefying(config)[number]
-    remains = {k: case.remains_of(config.section, k) for k in strata}
+    case, remains = config.cases[number - 1], remaining(config)[number]
+    strata = list(remains)
     shaking = shaking_of(config, strata)
     if shaking is not None:
         time, push = shaking.time - shaking.time[0], shaking.push
