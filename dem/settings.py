@@ -237,8 +237,7 @@ class SlideSettings(Model):
     )
     mpm_sides: Literal["free-field", "smooth", "fixed", "periodic"] | None = Field(
         default=None,
-        description="sides of the section for material points; if not given those of [fem], but free-field in the "
-        "place of smooth ones, since level ground beyond goes along as what liquefies spreads",
+        description="sides of the section for material points; if not given those of [fem]",
     )
     frames: int = Field(default=30, ge=2, le=1000, description="pictures of an animation, states of a .pvd")
     seeds: tuple[Seed, ...] | PackingCount | None = Field(

@@ -1,10 +1,12 @@
 """A section as material points on a grid: their places, their boundary conditions, and their initial stress.
 
 Around the section lie a few cells of rigid ground: below its base, so that the base is rough, and beyond its sides, as
-in the rigid box of the discs, unless these are smooth. Where the sides are free-field, the latter is taken away once
-the ground is at rest: what it pressed with stays as a force on the points beside it, which the ground does not let
-sink. Coordinates of points and grid are those of the section less an `offset`. Rows of nodes dip as layers that liquefy
-do: a shear band across the cells of a level grid takes 1 to 3 % more strength, which halves slides near yield.
+in the rigid box of the discs, unless these are smooth: then level ground continues beyond, which holds the ground up to
+its surface, and on which whatever slides over the end moves on. Where the sides are free-field, the rigid ground beside
+them is taken away once the ground is at rest: what it pressed with stays as a force on the points beside it, which the
+ground does not let sink. Coordinates of points and grid are those of the section less an `offset`. Rows of nodes dip as
+layers that liquefy do: a shear band across the cells of a level grid takes 1 to 3 % more strength, which halves slides
+near yield.
 """
 
 from dataclasses import dataclass, replace
@@ -56,8 +58,11 @@ class PointGround:
         The same with that share alone of surcharges to which the ground has consolidated: residual strength is over it.
     softened : tuple of str
         Strata that had to be made less stiff, see ``FASTEST``.
+    sides : Sides
+        What the sides do.
     room : float
-        Length (m) of floor beyond each free-field side, on which ground that leaves the section moves; 0 for others.
+        Length (m) of floor beyond each free-field or smooth side, on which ground that leaves the section moves; 0 for
+        others.
     """
 
     section: Section
@@ -68,14 +73,8 @@ class PointGround:
     effective: np.ndarray
     consolidated: np.ndarray
     softened: tuple[str, ...]
+    sides: Sides
     room: float = 0.0
-
-    @property
-    def sides(self) -> Sides:
-        """What the sides do: "free-field", "periodic", "smooth" or "fixed"."""
-        if self.room > 0.0 or self.grid.periodic:
-            return "periodic" if self.grid.periodic else "free-field"
-        return "smooth" if (self.grid.held == kernel.WALL).any() else "fixed"
 
 
 def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGround:
@@ -84,17 +83,19 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
     Columns of points are filled from the base to the surface layer by layer, so that every layer has its own area and
     the surface is where it is. Stress is that of the column above, K0 = ν / (1 - ν); it is not yet in equilibrium.
     Sides are rigid and rough, and become free-field ones by `with_free_sides` where ``sides`` are so. Smooth sides are
-    nodes at rest horizontally, and periodic ones free-field unless they have the same layers, of which one side may
-    lie higher.
+    nodes at rest horizontally up to the surface, and periodic ones free-field unless they have the same layers, of
+    which one side may lie higher.
     """
     left, right = section.extent
     width, ends = right - left, (section.layering.left[0], section.layering.right[-1])
     periodic = sides == "periodic" and section.layering.repeats
+    if sides == "periodic" and not periodic:
+        sides = "free-field"
     slope = float(ends[1][-1] - ends[0][-1]) / width if periodic else _dip(section)
     area = float(section.layering.areas().sum())
     cell = width / max(8, round(width / np.sqrt(area / cells)))
     spacing = 0.5 * cell
-    room = round(FAR * width / cell) if sides in ("free-field", "periodic") and not periodic else 0
+    room = round(FAR * width / cell) if sides in ("free-field", "smooth") else 0
     ends_there = periodic or sides == "smooth"
     x, top, bottom, stratum = _columns(section, spacing, 0 if ends_there else BORDER + room)
     places, volumes, owners, is_top = _fill(x, top, bottom, stratum, spacing)
@@ -116,9 +117,8 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
     poisson = np.array([s.poissons_ratio for s in section.strata])[np.maximum(owners, 0)]
     points.stress[:, 1] = -effective
     points.stress[:, 0] = -effective * poisson / (1.0 - poisson)
-    walls: Sides = "periodic" if periodic else "smooth" if sides == "smooth" else "fixed"
-    grid = _grid(section, cell, slope, shape, offset, walls)
-    return PointGround(section, points, grid, offset, surface, effective, consolidated, softened, room * cell)
+    grid = _grid(section, cell, slope, shape, offset, "fixed" if sides == "free-field" else sides)
+    return PointGround(section, points, grid, offset, surface, effective, consolidated, softened, sides, room * cell)
 
 
 def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
@@ -256,10 +256,15 @@ def _grid(
     x = offset[0] + cell * np.arange(shape[0])
     z = offset[1] + cell * np.arange(shape[1]) + slope * (x - offset[0])[:, None]
     at = np.clip(x, left + 1e-9 * (right - left), right - 1e-9 * (right - left))
-    base = section.layering.interfaces(at)[:, -1]
+    levels = section.layering.interfaces(at)
+    base = levels[:, -1]
     held = np.full(shape, kernel.FREE, dtype=np.int8)
     if sides == "smooth":
-        held[(x < left + TINY) | (x > right - TINY)] = kernel.WALL
+        below = z < levels[:, :1] + cell - TINY  # up to the first row of nodes that is not in the ground
+        beyond = np.maximum(left - x, x - right)[:, None]
+        held[below & (beyond > -TINY)] = kernel.WALL
+        reached = np.where(z < levels[:, :1] - TINY, 1.5, 0.5) * cell  # up to there the ground inside slides along it
+        held[below & (beyond > reached)] = kernel.HELD
     held[z <= base[:, None] - (BORDER - 1) * cell] = kernel.HELD
     if sides == "free-field":
         held[:2] = held[-2:] = kernel.HELD

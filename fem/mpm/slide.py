@@ -101,7 +101,7 @@ class PointSlider:
         self._come_to_rest()
         points = self.ground.points
         far = float(np.abs(points.displacement[points.stratum >= 0]).max())
-        if self.ground.room > 0.0:
+        if self.ground.sides == "free-field":
             self.ground = with_free_sides(self.ground, self.engine.order)
             self.engine = MaterialPointEngine(self.ground.points, self.ground.grid, threads=self.engine.threads)
             self._come_to_rest()
@@ -279,7 +279,7 @@ class PointSlider:
 
     def _side_reached(self) -> str | None:
         """The side against which the slide has piled up: ground that moved lies within two cells of it, or of the end
-        of the floor beyond a free-field side."""
+        of the floor beyond it."""
         points, grid = self.ground.points, self.ground.grid
         if grid.periodic:
             return None

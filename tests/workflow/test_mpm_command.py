@@ -133,3 +133,17 @@ def test_a_stopped_slide_goes_on_with_the_same_bits(
     times.clear()
     assert np.array_equal(slid(lambda message: times.append(message[1]), checkpoint).slide, whole.slide)
     assert times == []  # it had come to its end
+
+
+def test_points_have_the_sides_of_the_elements_unless_told_otherwise() -> None:
+    """Level ends are smooth where a file says nothing: level ground behind a face does not press on for ever."""
+    data = {
+        "name": "face",
+        "surface": [[0.0, 3.0], [20.0, 3.0], [26.0, 0.0], [40.0, 0.0]],
+        "base": {"elevation": -4.0},
+        "strata": [layer("sand", liquefies_in=[1], **SAND)],
+        "slide": {"mpm_cells": 200, "cases": [{"residual": 0.1}]},
+    }
+    assert at_rest(Config.parse(data))[0].ground.sides == "smooth"
+    data["slide"]["mpm_sides"] = "fixed"
+    assert at_rest(Config.parse(data))[0].ground.sides == "fixed"

@@ -104,8 +104,8 @@ def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
     if answer is not None and stopped:
         lengths = metre_range([case.slide_max_m for case in stopped.values()])
         end = (
-            f"have run up against the {answer.sides} side of the section"
-            if answer.sides in ("fixed", "smooth")
+            "have run up against the fixed side of the section"
+            if answer.sides == "fixed"
             else "have run out of the section"
         )
         yield (

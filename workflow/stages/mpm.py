@@ -27,7 +27,6 @@ FOLDER = "mpm"  # of its files
 LEAD = 2.0  # s in which Kh comes on before anything liquefies, as for the discs
 DOUBTED_FROM = 0.05  # m: the energies of a smaller slide are those of a ground that swings
 COARSE = 2  # times larger cells, with which the error of their size is found
-HOLDING = ("fixed", "smooth")  # sides that hold ground which slides against them
 TINY = 1e-6  # s: sums of steps are off by less
 AFTER = 1.0  # s after Kh has gone, from which on the ground may come to rest
 
@@ -164,8 +163,7 @@ def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
     from fem.mpm.ground import ground_of
     from fem.mpm.slide import PointSlider
 
-    of_elements = "free-field" if config.fem.sides == "smooth" else config.fem.sides
-    sides = config.slide.mpm_sides or of_elements
+    sides = config.slide.mpm_sides or config.fem.sides
     ground = ground_of(config.section, config.slide.mpm_cells // fewer, sides)
     slider = PointSlider(ground, downhill(config.section.ground))
     return slider, slider.settle()
@@ -272,7 +270,7 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
     if abs(counts.energy_lost_share) > LOSS and counts.slide_max > DOUBTED_FROM:
         how = "lost, so that the slide is a low estimate" if lost > 0.0 else "gained, so that the slide is a high one"
         notes.append(f"{WARNING}{abs(lost):.0f} % of the energy is {how}")
-    if counts.stopped_by and ground.sides in HOLDING:
+    if counts.stopped_by and ground.sides == "fixed":
         notes.append(f"the slide ran up against the {counts.stopped_by} side of the section, which held it")
     if ground.softened:
         listed = ", ".join(f'"{name}"' for name in ground.softened)

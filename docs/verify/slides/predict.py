@@ -3,31 +3,26 @@
 import time
 from collections.abc import Callable
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from dem.case import Case
 from dem.laboratory.soil_contacts import soil_contacts
 from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
 from dem.search.deposit import deposit
 from dem.slides.column import G, SoilColumn
-from dem.slides.cycles import cyclic_acceleration
 from dem.slides.liquefaction import Slider
 from dem.slides.runout import deposit_profile, loose_share, run_out
 from dem.slides.slide import Slide
 from dem.slides.until_rest import run_until_rest
 from docs.verify.slides import uniform_slope
 from docs.verify.slides.case import Column, Ground, SlideCase, UniformSlope
+from docs.verify.slides.points import by_points
 from docs.verify.slides.record import Line, SlideAnswer
-from fem.mpm import PointSlide
+from docs.verify.slides.shaking import shaking_of_slope
+from docs.verify.slides.sliding import Sliding, number_of
 from meshes.errors import InputError, NoAnswerError
-from meshes.section.quantity import GRAVITY
-from workflow.config import Config
-from workflow.earthquake import accelerogram
-from workflow.stages.mpm import slide_of_points
 from workflow.stages.shaking import shaking_of
 
 STANDS = 3.0  # gamma H / s_u at which a slow loss of strength begins; columns stand below 3.83
@@ -64,7 +59,7 @@ def predict(case: SlideCase, seeds: int | None = None) -> SlideAnswer:
     values, loose, rested, before, after = zip(*predictions, strict=True)
     return SlideAnswer(
         case.name, tuple(round(float(v), 4) for v in values), tuple(round(float(v), 4) for v in loose), rested,
-        before[0], after[0], seconds, points=_by_points(case),
+        before[0], after[0], seconds, points=by_points(case),
     )  # fmt: skip
 
 
@@ -123,21 +118,10 @@ def _uniform_slope(case: SlideCase, wanted: UniformSlope, seed: int) -> Found:
     slope.liquefy([0], wanted.left)
     if not wanted.left.strain_potential:
         start = slope.model.x.copy()
-    if wanted.seconds is not None:
-        push = slope.push(wanted.kh, wanted.seconds)
-    else:
-        push = slope.shake(*shaking_of_slope(wanted, case.folder))
+    push = slope.shake(*shaking_of_slope(wanted, case.folder))
     after = deposit_profile(slope.model)
     slid = float((slope.model.x - start)[crust].mean())
     return slid, loose_share(slope.model), push.rest.rested, _thinned(before), _thinned(after)
-
-
-def shaking_of_slope(wanted: UniformSlope, folder: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Times (s) and what the ground feels (m/s2) on a base that shakes: cycles of Kh, or a record with its peak."""
-    if not wanted.record:
-        return cyclic_acceleration(wanted.kh, wanted.cycles or 1.0, wanted.period)
-    record = accelerogram.read(folder / wanted.record)
-    return record.time - record.time[0], record.acceleration * (wanted.kh * GRAVITY / record.peak)
 
 
 def _section(case: SlideCase, wanted: Ground, seed: int) -> Found:
@@ -145,43 +129,10 @@ def _section(case: SlideCase, wanted: Ground, seed: int) -> Found:
     config = case.config
     if config is None:
         raise ValueError(f"{case.name}: a section is wanted")
-    start, end, slide = _slid(Sliding(config), _number(wanted.case, config.cases), seed)
+    start, end, slide = _slid(Sliding(config), number_of(wanted.case, config.cases), seed)
     value = _at(wanted, np.array(slide.slide_along), slide.rows[-1].slide_max_m, start, end)
     before, after = np.array(slide.surface_before), np.array(slide.surface_after)
     return value, slide.loose_share, slide.settled, _thinned(before), _thinned(after)
-
-
-def _by_points(case: SlideCase) -> float | None:
-    """The same number by material points, where the section names them among its methods; None for a front."""
-    config, wanted = case.config, case.known.problem
-    if config is None or not isinstance(wanted, Ground) or "mpm" not in config.slide.methods or wanted.at == "front":
-        return None
-    slide = _points_slid(Sliding(config), _number(wanted.case, config.cases))
-    if wanted.at == "crest":
-        return round(float(slide.before[:, 1].max() - slide.after[:, 1].max()), 4)
-    if wanted.at == "largest":
-        return round(slide.slide_max, 4)
-    return round(float(np.interp(wanted.at, slide.before[:, 0], slide.slide[-1])), 4)
-
-
-@lru_cache(maxsize=8)
-def _points_slid(sliding: "Sliding", number: int) -> PointSlide:
-    """A slide by material points, of the transfer that counts."""
-    return slide_of_points(sliding.config, number)
-
-
-class Sliding:
-    """An input, compared by content and not by name: several cases may share one ground."""
-
-    def __init__(self, config: Config) -> None:
-        self.config = config
-        self.key = config.model_dump_json(exclude={"section": {"name", "title"}, "free_face": True})
-
-    def __hash__(self) -> int:
-        return hash(self.key)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Sliding) and self.key == other.key
 
 
 @lru_cache(maxsize=8)
@@ -200,14 +151,6 @@ def _slid(sliding: Sliding, number: int, seed: int) -> tuple[DiscModel, DiscMode
     if not slide.rows or slide.reason.startswith("stopped"):
         raise ValueError(slide.reason)
     return lies.settled, slider.model, slide
-
-
-def _number(case: str, cases: tuple[Case, ...]) -> int:
-    """The number of a case by its name or number. Raises ValueError where there is none."""
-    for number, numbered in enumerate(cases, start=1):
-        if case in (numbered.name, str(number)):
-            return number
-    raise ValueError(f'there is no case "{case}": there are {len(cases)}')
 
 
 def _at(wanted: Ground, along: np.ndarray, largest: float, start: DiscModel, end: DiscModel) -> float:

@@ -17,11 +17,13 @@ from fem.mpm import (
     PointSlide,
     PointSlider,
     PointSoil,
+    SlideProgramme,
     ground_of,
 )
 from fem.mpm.slide import DAMPING, LOOK, LOSS
 from fem.mpm.weak_edges import edge_strength
 from fem.settings import Sides
+from meshes.section.liquefies import Remains
 from meshes.section.quantity import GRAVITY
 from tests.support import SECTIONS
 from tests.support.material_points import UNIT_WEIGHT, EndlessSlope, lattice, pushed
@@ -363,3 +365,25 @@ def test_surcharges_weigh_on_the_surface_and_shake_with_their_share() -> None:
     assert weights[1] - weights[0] == pytest.approx(6.0 * 20e3, rel=0.1)  # whole columns of points
     assert (loaded.mass.sum() - bare.mass.sum()) * GRAVITY == pytest.approx(0.5 * (weights[1] - weights[0]))
     assert (bare.stress[:, 1] - loaded.stress[:, 1]).max() == pytest.approx(20e3)
+
+
+def test_what_flows_over_a_smooth_end_moves_on_beyond_it() -> None:
+    """A bank of 4 m without strength to speak of, 4 m from the end of level ground: no point is below the surface there,
+    and its other end stays where it is."""
+    soft = layer("soft", cohesion="30 kPa", friction_angle="0 deg", liquefies_in=[1], bottom={"elevation": 0.0})
+    data = {
+        "name": "bank",
+        "surface": [[0.0, 4.0], [16.0, 4.0], [20.0, 0.0], [24.0, 0.0]],
+        "base": {"elevation": -3.0},
+        "strata": [soft, layer("firm", cohesion="50 kPa")],
+    }
+    slider = PointSlider(ground_of(Config.parse(data).section, 600, "smooth"), 1)
+    slider.settle()
+    slide = slider.run(SlideProgramme(np.zeros_like, {0: 0.0}, {0: Remains(0.0, 0.0, 0.0, 2e3)}, 0.5, 0.5, 8.0))
+    points = slider.ground.points
+    places = points.x + slider.ground.offset
+    beyond = (points.stratum >= 0) & (places[:, 0] > 24.0)
+    assert beyond.sum() > 20
+    assert places[beyond, 1].min() > -0.5 * slide.cell
+    assert slide.slide[-1][0] < 0.1
+    assert slide.slide_max > 4.0

@@ -1,0 +1,117 @@
+"""Predictions of a known slide by material points, beside those of the discs: the same ground, strength and shaking."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from dem.settings import SlideSettings
+from docs.verify.slides.case import Ground, SlideCase, UniformSlope
+from docs.verify.slides.shaking import shaking_of_slope
+from docs.verify.slides.sliding import Sliding, number_of
+from fem.mpm import PointSlide, PointSlider, SlideProgramme, ground_of
+from meshes.section.section import Section
+from workflow.config import Config
+from workflow.stages.mpm import slide_of_points
+
+# Cells: at least, over the layer that liquefies and over its crust; along the slope; of firm ground below.
+ACROSS, CRUST, ALONG, BELOW = 6, 2, 4, 3
+YOUNG = 1e9  # Pa: blocks are rigid, as far as the speed of waves allows
+POISSON = 0.33
+CALM = 5.0  # s from liquefaction to shaking: ground without a strain potential has come to rest
+LATER = 60.0  # s after that, until which a slope is followed
+
+
+def by_points(case: SlideCase) -> float | None:
+    """The number that was measured, by material points.
+
+    Parameters
+    ----------
+    case : SlideCase
+        The known slide.
+
+    Returns
+    -------
+    float or None
+        None for a column, for the front of a flow, and for a section that does not name points among its methods.
+    """
+    config, wanted = case.config, case.known.problem
+    if isinstance(wanted, UniformSlope):
+        return round(_along_uniform_slope(case, wanted), 4)
+    if config is None or not isinstance(wanted, Ground) or "mpm" not in config.slide.methods or wanted.at == "front":
+        return None
+    slide = _slid(Sliding(config), number_of(wanted.case, config.cases))
+    if wanted.at == "crest":
+        return round(float(slide.before[:, 1].max() - slide.after[:, 1].max()), 4)
+    if wanted.at == "largest":
+        return round(slide.slide_max, 4)
+    return round(float(np.interp(wanted.at, slide.before[:, 0], slide.slide[-1])), 4)
+
+
+@lru_cache(maxsize=8)
+def _slid(sliding: Sliding, number: int) -> PointSlide:
+    """A slide by material points, of the transfer that counts."""
+    return slide_of_points(sliding.config, number)
+
+
+def _along_uniform_slope(case: SlideCase, wanted: UniformSlope) -> float:
+    """Slide of the crust (m) along a slope whose sections repeat."""
+    section = uniform_section(wanted)
+    cells = ALONG * round(float(section.layering.areas().sum()) / (ALONG * _cell(wanted) ** 2))
+    slider = PointSlider(ground_of(section, cells, "periodic"), 1)
+    slider.settle()
+    time, push = shaking_of_slope(wanted, case.folder)
+    onset = SlideSettings().onset_of("soil")
+    time, push = np.append(0.0, onset + CALM + time), np.append(0.0, push)
+    last = float(time[-1])
+    slide = slider.run(
+        SlideProgramme(
+            lambda t: np.interp(t, time, push, right=0.0), {1: 0.0}, {1: wanted.left.remains_of(section, 1)}, onset,
+            last, last + LATER,
+        )
+    )  # fmt: skip
+    return float(slide.slide[-1].mean() / np.cos(wanted.angle))
+
+
+def _cell(wanted: UniformSlope) -> float:
+    weak, crust = wanted.thickness
+    return min(weak / ACROSS, crust / CRUST)
+
+
+def uniform_section(wanted: UniformSlope) -> Section:
+    """A uniform slope as a section of firm ground, the layer that liquefies and the crust, whose sides repeat.
+
+    Parameters
+    ----------
+    wanted : UniformSlope
+        The problem.
+
+    Returns
+    -------
+    Section
+        Its strata from the surface down.
+    """
+    cell, upright, fall = _cell(wanted), 1.0 / np.cos(wanted.angle), np.tan(wanted.angle)
+    weak, crust = (thickness * upright for thickness in wanted.thickness)
+    width, top = ALONG * cell, weak + crust + BELOW * cell
+    soil = {
+        "density_ordinary": wanted.density,
+        "density_seismic": wanted.density,
+        "youngs_modulus": YOUNG,
+        "poissons_ratio": POISSON,
+        "cohesion": 1e3,
+        "friction_angle": wanted.friction_angle,
+    }
+    data = {
+        "name": "uniform_slope",
+        "surface": [[0.0, top], [width, top - fall * width]],
+        "base": {"depth": top},
+        "strata": [
+            soil | {"name": "crust", "bottom": {"depth": crust}},
+            soil | {"name": "liquefies", "bottom": {"depth": crust + weak}, "liquefies_in": [1]},
+            soil | {"name": "firm", "cohesion": 1e7},
+        ],
+    }
+    if wanted.water is not None:
+        depth = wanted.water * upright
+        data["water"] = {"table": [[0.0, top - depth], [width, top - depth - fall * width]]}
+    return Config.parse(data).section
