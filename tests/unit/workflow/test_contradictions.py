@@ -251,9 +251,9 @@ def test_material_points_of_low_strength_that_slide_less_than_those_of_median_ar
 def test_material_points_that_a_side_stopped_are_not_at_rest(run: Config) -> None:
     """They lie still at the wall: the slide is a least value, told as one, and no interval ends there."""
     held = point_slide([(0.0, 0.0), (40.0, 20.0)], stopped_by="right")
-    for sides in ("fixed", "smooth"):
+    for sides, end in (("fixed", "run up against the fixed side of"), ("smooth", "run out of")):
         [warning] = ends_of({1: held}, sides)
-        assert warning.startswith(f"material points have run up against the {sides} side of the section in case 1: 20")
+        assert warning.startswith(f"material points have {end} the section in case 1: 20")
     assert not at_rest(held)
     assert at_rest(point_slide([(0.0, 0.0), (40.0, 20.0)]))
     stands = dem_fixture.case(0.1, 20.0).model_copy(update={"settled": False, "moved_lately_m": 0.0})

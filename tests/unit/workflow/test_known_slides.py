@@ -8,8 +8,8 @@ import pytest
 from docs.known_slides import errors, text
 from docs.verify.record import read_answers, write_answers
 from docs.verify.slides.case import FOLDER, Column, SlideCase, UniformSlope, read_case, read_cases
-from docs.verify.slides.shaking import shaking_of_slope
 from docs.verify.slides.record import SlideAnswer
+from docs.verify.slides.shaking import shaking_of_slope
 from docs.verify.slides.verdict import bias, judge, right
 from meshes.errors import InputError
 from tests.support.newmark import G, newmark_shaken, newmark_slide

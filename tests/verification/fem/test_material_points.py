@@ -368,8 +368,8 @@ def test_surcharges_weigh_on_the_surface_and_shake_with_their_share() -> None:
 
 
 def test_what_flows_over_a_smooth_end_moves_on_beyond_it() -> None:
-    """A bank of 4 m without strength to speak of, 4 m from the end of level ground: no point is below the surface there,
-    and its other end stays where it is."""
+    """A bank of 4 m that hardly keeps any strength, 4 m from the end of level ground: no point is below the surface
+    there, and its other end stays where it is."""
     soft = layer("soft", cohesion="30 kPa", friction_angle="0 deg", liquefies_in=[1], bottom={"elevation": 0.0})
     data = {
         "name": "bank",
