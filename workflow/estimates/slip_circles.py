@@ -50,20 +50,23 @@ class SlipCircle:
     spencer: float | None
 
 
-def critical_circles(
+def critical_circle(
     section: Section,
+    towards: int,
     kh: float | None = 0.0,
     least_depth: float = 0.0,
     vertical: float = 0.0,
     crest: tuple[float, float] | None = None,
     crack: TensionCrack = NO_CRACK,
-) -> tuple[SlipCircle, ...]:
-    """Find, towards either side, the slip circle with the least factor of safety or with the least critical Kh.
+) -> SlipCircle | None:
+    """Find, towards one side, the slip circle with the least factor of safety or with the least critical Kh.
 
     Parameters
     ----------
     section : Section
         Strata cut at the water, as `Section.parse` returns them.
+    towards : int
+        LEFT or RIGHT, where the mass slides to.
     kh : float or None
         Horizontal seismic coefficient at which the factor of safety is sought; None to seek the least Kh at which the
         factor is 1, with the excess pore pressures of shaking.
@@ -78,26 +81,8 @@ def critical_circles(
 
     Returns
     -------
-    tuple of SlipCircle
-        At most one towards each side, the least value first; empty where no circle slides.
-    """
-    circles = [critical_circle(section, towards, kh, least_depth, vertical, crest, crack) for towards in (LEFT, RIGHT)]
-    return tuple(sorted((circle for circle in circles if circle is not None), key=lambda circle: circle.bishop))
-
-
-def critical_circle(
-    section: Section,
-    towards: int,
-    kh: float | None = 0.0,
-    least_depth: float = 0.0,
-    vertical: float = 0.0,
-    crest: tuple[float, float] | None = None,
-    crack: TensionCrack = NO_CRACK,
-) -> SlipCircle | None:
-    """Find the critical slip circle towards one side, LEFT or RIGHT; None where no circle slides.
-
-    The other arguments are those of `critical_circles`.
-    ``section``, ``kh``, ``least_depth``, ``vertical``, ``crest``, ``crack``: as there.
+    SlipCircle or None
+        None where no circle slides.
     """
     depth = max(least_depth, LEAST_DEPTH * float(np.ptp(section.outline()[:, 1])))
     return _Search(section, towards, kh, depth, vertical, crest, crack).run()
@@ -117,7 +102,7 @@ def surface_balance(
     towards : int
         LEFT or RIGHT, where the mass slides to.
     kh, vertical
-        As for `critical_circles`.
+        As for `critical_circle`.
 
     Returns
     -------

@@ -52,7 +52,7 @@ def face_circle(
 
     ``whole`` are the critical circles of the ``section``, whose faces may be strengthened, for the same question:
     that of this side is the circle of the face where some of the crest slides with it. The other arguments are those of
-    `critical_circles`.
+    `critical_circle`.
     ``kh``, ``least_depth``, ``vertical``, ``crack``: as there.
     """
     side = "left" if towards == LEFT else "right"

@@ -16,7 +16,7 @@ from tests.support import TOP
 from workflow.estimates.deeper_circles import ground_of_circles
 from workflow.estimates.slice_methods import bishop_critical_kh, bishop_factor, spencer_critical_kh, spencer_factor
 from workflow.estimates.slices import LEFT, RIGHT, divide, pushed_by_crack
-from workflow.estimates.slip_circles import SlipCircle, critical_circle, critical_circles, surface_balance
+from workflow.estimates.slip_circles import SlipCircle, critical_circle, surface_balance
 from workflow.estimates.structures import face_circle, structures_of
 
 PUBLISHED = Path(__file__).parents[1] / "published"
@@ -38,6 +38,12 @@ def _slope(
     return Section.parse({"name": "slope", "surface": surface, "base": {"elevation": 0.0}, "strata": [soil], **more})
 
 
+def _circles(section: Section, kh: float | None = 0.0, crest: tuple[float, float] | None = None) -> list[SlipCircle]:
+    """The critical circles towards both sides, the least first."""
+    both = [critical_circle(section, towards, kh, crest=crest) for towards in (LEFT, RIGHT)]
+    return sorted((circle for circle in both if circle is not None), key=lambda circle: circle.bishop)
+
+
 def _arc(centre: tuple[float, float], radius: float, ends: tuple[float, float], n: int = 200) -> np.ndarray:
     x = np.linspace(*ends, n + 1)
     return np.column_stack([x, centre[1] - np.sqrt(radius**2 - (x - centre[0]) ** 2)])
@@ -56,7 +62,7 @@ def _arc(centre: tuple[float, float], radius: float, ends: tuple[float, float], 
     ],
 )
 def test_published_factors_by_slices(name: str, kh: float, bishop: float | None, spencer: float) -> None:
-    circle = critical_circles(_published(name), kh)[0]
+    circle = _circles(_published(name), kh)[0]
     assert circle.spencer == pytest.approx(spencer, rel=0.012)
     if bishop is not None:
         assert circle.bishop == pytest.approx(bishop, rel=0.012)
@@ -113,7 +119,7 @@ def test_a_weak_seam_needs_the_slip_surface_that_follows_it() -> None:
     section = _published("acads_3a")
     along = np.array([[40.4, 27.3], [43.5, 26.6], [63.0, 26.6], [67.7, 31.6], [73.4, 39.2]])
     assert surface_balance(section, along, LEFT) == pytest.approx(1.26, rel=0.02)
-    assert critical_circles(section)[0].bishop > 1.4
+    assert _circles(section)[0].bishop > 1.4
 
 
 def test_clay_has_the_factor_of_its_moments() -> None:
@@ -166,7 +172,7 @@ def test_still_water_over_the_slope_takes_its_buoyancy_off() -> None:
     """Under still water that covers it a slope has the factor of a dry one with the buoyant unit weight."""
     under = _slope("5 kPa", "25 deg", "20 kN/m^3/g_0", water={"table": {"elevation": 25.0}})
     dry = _slope("5 kPa", "25 deg", f"{20e3 / GRAVITY - 1000.0} kg/m^3", unusual=True)
-    wet, buoyant = critical_circles(under)[0], critical_circles(dry)[0]
+    wet, buoyant = _circles(under)[0], _circles(dry)[0]
     assert wet.bishop == pytest.approx(buoyant.bishop, rel=1e-3)
     assert wet.spencer == pytest.approx(buoyant.spencer, rel=2e-3)
 
@@ -174,7 +180,7 @@ def test_still_water_over_the_slope_takes_its_buoyancy_off() -> None:
 def test_the_mirrored_slope_fails_alike() -> None:
     data = _slope().model_dump(mode="python", exclude_none=True, by_alias=True)
     mirrored = Section.parse({**data, "surface": [[0, 20], [20, 20], [40, 10], [60, 10]]})
-    one, other = critical_circles(_slope(), 0.1)[0], critical_circles(mirrored, 0.1)[0]
+    one, other = _circles(_slope(), 0.1)[0], _circles(mirrored, 0.1)[0]
     assert (one.towards, other.towards) == ("left", "right")
     assert one.bishop == pytest.approx(other.bishop, rel=2e-3)
     assert surface_balance(_slope(), one.surface, LEFT, 0.1) == pytest.approx(one.spencer, rel=1e-3)
@@ -186,7 +192,7 @@ def test_circles_of_one_crest_only_are_sought_where_it_is_named() -> None:
     section = Section.parse(
         {**_slope().model_dump(mode="python", exclude_none=True, by_alias=True), "surface": surface}
     )
-    circles = critical_circles(section, 0.0, crest=(22.0, 32.0))
+    circles = _circles(section, 0.0, crest=(22.0, 32.0))
     assert {circle.towards for circle in circles} == {"left", "right"}
     assert all(22.0 <= _crest(circle) <= 32.0 for circle in circles)
 
