@@ -1,6 +1,6 @@
 """How good quadrilaterals are: scaled Jacobian, angles, aspect ratio (Verdict's definitions, Stimpson et al. 2007)."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,10 +24,6 @@ class Quality:
     smallest_angle: float
     largest_angle: float
     largest_aspect_ratio: float
-
-    def as_dict(self) -> dict[str, float]:
-        """The attributes by name."""
-        return asdict(self)
 
 
 def corner_vectors(points: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -12,7 +12,7 @@ import numpy as np
 from meshes.section.section import Section
 from meshes.section.tension_crack import TensionCrack
 from workflow.estimates.slice_methods import bishop_critical_kh, bishop_factor, spencer_critical_kh, spencer_factor
-from workflow.estimates.slices import LEFT, RIGHT, Slices, divide, pushed_by_crack
+from workflow.estimates.slices import LEFT, Slices, divide, pushed_by_crack
 
 ENDS, DEPTHS = 41, 16  # points of the ground, and circles through a pair of them, on the first grid
 SLICES, FINE_SLICES = 40, 200  # of a circle on the first grids, and on the last ones

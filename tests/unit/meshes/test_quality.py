@@ -1,4 +1,5 @@
 import math
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ CELL = np.array([[0, 1, 2, 3]])
 def test_a_square_is_perfect() -> None:
     points = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
     found = quality(points, CELL)
-    assert found.as_dict() == pytest.approx(
+    assert asdict(found) == pytest.approx(
         {
             "quadrilaterals": 1,
             "nodes": 4,
