@@ -30,6 +30,8 @@ UNLIKE = 1.0
 LONG = 10.0
 # Angles, and seismic coefficients, that differ by less are the same.
 SAME = 1e-9
+# Seismic coefficients that differ by less are told as one: water that flows presses a little differently everywhere.
+ALIKE = 5e-4
 
 
 @dataclass(frozen=True)
@@ -149,8 +151,8 @@ def failing_at_rest(
 
 
 def joined(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
-    """Shallow failures from left to right; neighbours of one stratum that fail at one Kh are one, whether water begins
-    below them or not.
+    """Shallow failures from left to right; neighbours of one stratum that fail at one Kh, to the digits that are told,
+    are one, whether water begins below them or not. It fails at the smallest of theirs.
 
     Parameters
     ----------
@@ -164,8 +166,8 @@ def joined(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
     failures: list[ShallowFailure] = []
     for face in faces:
         last = failures[-1] if failures else None
-        if last and (last.stratum, last.end) == (face.stratum, face.start) and abs(last.kh - face.kh) < SAME:
-            failures[-1] = replace(last, end=face.end)
+        if last and (last.stratum, last.end) == (face.stratum, face.start) and abs(last.kh - face.kh) < ALIKE:
+            failures[-1] = replace(min(last, face, key=lambda one: one.kh), start=last.start, end=face.end)
         else:
             failures.append(face)
     return failures

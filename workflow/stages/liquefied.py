@@ -107,8 +107,8 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
         bracket, unstable = _between_own_sides(section, fem, asked, notes)
     if strict is not None and strict.shallow_failure is not None:
         notes.append(
-            f"a cohesionless face fails (shallow failure) at a factor of safety of {strict.shallow_failure:.2f}; the "
-            f"bounds are of failures deeper than {fem.least_depth:g} m"
+            "shallow ground without cohesion, of one face or where two meet, fails at a factor of safety of "
+            f"{strict.shallow_failure:.2f}; the bounds are of failures deeper than {fem.least_depth:g} m"
         )
     if kc is not None and bracket is not None and kc > bracket.upper:
         notes.append(

@@ -66,6 +66,16 @@ def test_a_face_with_a_pore_pressure_ratio_above_a_pond_is_told_once() -> None:
     assert above.kh == pytest.approx((cos - 0.15 - both) / (cos + both), rel=1e-9)
 
 
+def test_pieces_of_a_face_that_are_told_with_the_same_digits_are_told_once() -> None:
+    """The upstream face of a dam with seepage had five pieces of Kh = 0.108, between which its water changes."""
+    pieces = [
+        ShallowFailure("shell", float(x), x + 1.0, 0.46, kh) for x, kh in enumerate((0.1083, 0.1080, 0.1081, 0.112))
+    ]
+    first, last = joined(pieces)
+    assert (first.start, first.end, first.kh) == (0.0, 3.0, 0.1080)
+    assert (last.start, last.end, last.kh) == (3.0, 4.0, 0.112)
+
+
 def test_a_face_that_meets_the_pond_part_way_has_two_shallow_failures() -> None:
     """Buoyant below the pond, 0.2184; with water seeping out above it, 0.0223 and a factor of safety of 1.078. The
     middle of it all would tell 0.1204."""
