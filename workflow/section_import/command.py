@@ -24,7 +24,9 @@ PART_OPTION = typer.Option(help="The scenario or the analysis of a model. [defau
 def section(
     files: Annotated[
         list[Path],
-        typer.Argument(help="Borings (.csv, .ags, .gef, .xml), a drawing (.dxf), a model (.stix, .gsz), or a section."),
+        typer.Argument(
+            help="Borings (.csv, .ags, .gef, .xml), a drawing (.dxf), a model (.stix, .gsz, .xlsx), or a section."
+        ),
     ],
     to: Annotated[Path, typer.Option("--out", "-o", help="The section to write, .toml; or a drawing, .dxf.")],
     off: Annotated[float, typer.Option(help="Largest distance (m) of a boring from the line.")] = 20.0,

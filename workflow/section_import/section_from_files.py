@@ -17,6 +17,7 @@ from meshes.errors import InputError
 from meshes.models.foreign_model import FoundSection
 from meshes.models.gsz_file import read_gsz
 from meshes.models.stix_file import read_stix
+from meshes.models.xslope_file import read_xslope
 from meshes.section.quantity import LENGTH
 from workflow.after_triggering import load_config
 from workflow.config import Config
@@ -30,7 +31,11 @@ READERS: dict[str, Callable[[Path, Mapping[str, str]], BoringFile]] = {
     ".xml": read_bro,
 }
 DRAWING = ".dxf"
-MODELS: dict[str, Callable[[Path, str, str | None], FoundSection]] = {".stix": read_stix, ".gsz": read_gsz}
+MODELS: dict[str, Callable[[Path, str, str | None], FoundSection]] = {
+    ".stix": read_stix,
+    ".gsz": read_gsz,
+    ".xlsx": read_xslope,
+}
 
 
 @dataclass(frozen=True)
