@@ -49,12 +49,14 @@ def read_xslope(path: Path, name: str, part: str | None = None) -> FoundSection:
     if part is not None:
         raise InputError("--part", [f'"{part}": expected none, since a workbook of xslope holds one model'])
     if importlib.util.find_spec("openpyxl") is None:
-        raise InputError(str(path), ["workbooks need the package openpyxl: pip install noshiro[workbooks]"])
+        raise InputError(str(path), ["a workbook needs the package openpyxl: pip install noshiro[xslope]"])
     import openpyxl
 
     with faults_told(path, EXPECTED):
-        book = openpyxl.load_workbook(path, data_only=True, read_only=True)
-        sheets = {sheet: [tuple(row) for row in book[sheet].iter_rows(values_only=True)] for sheet in book.sheetnames}
+        workbook = openpyxl.load_workbook(path, data_only=True, read_only=True)
+        sheets = {
+            sheet: [tuple(row) for row in workbook[sheet].iter_rows(values_only=True)] for sheet in workbook.sheetnames
+        }
         return section_of(_model({key.strip().lower(): _whole(rows) for key, rows in sheets.items()}), path, name)
 
 
