@@ -1,0 +1,131 @@
+"""Spread of ground behind a bank, integrated over its depth: a third judge beside discs and material points.
+
+Columns of crust ride on columns of a liquefied layer on a level base. The layer shears evenly over its thickness h_l,
+by the law of its strain potential up to its residual strength (`meshes.section.strain_potential`), and keeps its volume:
+
+    h_l = H_l / (1 + u'/2),  h_c = H_c / (1 + u'),  u the way of the crust,
+    (m_c + m_l/2) ü = -N' - τ(u / H_l) + (m_c + m_l) a,  N = w_c h_c h_l + w_l h_l²/2 + K(u') w_c h_c²/2,
+
+a heavy liquid under a crust whose earth pressure goes from K0 to the active one as it is stretched by 0.5 %, and to the
+passive one as it is shortened by 4 % (Rankine's, of its friction angle). Ends stand still. Walls, quays and what happens
+within a layer's thickness of the face are not in it.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from docs.verify.slides.case import Ground, SlideCase
+from meshes.section.quantity import GRAVITY
+from meshes.section.strain_potential import BEYOND, stress_at_potential
+from workflow.stages.shaking import shaking_of
+
+STRETCHED, SHORTENED = 0.005, 0.04  # strains of the crust at its active and passive earth pressure
+THINNEST = 0.02  # m: of a column that takes part
+CREEP = 5.0  # s: dashpot over stiffness of ground short of its potential, as in discs and points
+LEAST = 0.2  # of its length that a column keeps
+CALM = 5.0  # s before the shaking of a case, in which its ground liquefies
+LASTS = 45.0  # s for which the spread is followed
+
+
+@dataclass(frozen=True)
+class ThinGround:
+    """Columns from left to right, the face falling to the right; arrays (n,).
+
+    Attributes
+    ----------
+    step : float
+        Width of a column (m).
+    crust, layer : (n,)
+        Thickness of the crust and of the layer that liquefies (m).
+    crust_weight, layer_weight : (n,)
+        Unit weights (N/m3).
+    effective : (n,)
+        Vertical effective stress in the middle of the layer (Pa).
+    strength, potential : float
+        Residual strength (Pa) and strain potential; 0 for a layer that holds its strength at once.
+    friction_angle : float
+        Of the crust (rad).
+    """
+
+    step: float
+    crust: np.ndarray
+    layer: np.ndarray
+    crust_weight: np.ndarray
+    layer_weight: np.ndarray
+    effective: np.ndarray
+    strength: float
+    potential: float
+    friction_angle: float = field(default=np.radians(33.0))
+
+    def held(self, way: np.ndarray, plastic: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Shear stress (n,), its stiffness on the first line (Pa), and plastic strain (n,), at ways of the crust (m)."""
+        knee = stress_at_potential(self.effective, np.full(len(way), self.strength))
+        first, last = (self.potential, self.potential + BEYOND) if self.potential else (0.5 * BEYOND, BEYOND)
+        knee = knee if self.potential else np.full(len(way), 0.5 * self.strength)
+        strain = way / self.layer - plastic
+        elastic = np.clip(strain, -last, last)
+        size = np.abs(elastic)
+        rise = (self.strength - knee) / (last - first)
+        stress = np.where(size < first, knee / first * size, knee + rise * (size - first))
+        return np.sign(elastic) * stress, knee / first, plastic + strain - elastic
+
+    def pressure(self, stretch: np.ndarray) -> np.ndarray:
+        """Horizontal force N (N/m) in columns of which the crust is stretched by a share (n,)."""
+        sine = np.sin(self.friction_angle)
+        active, rest, passive = (1.0 - sine) / (1.0 + sine), 1.0 - sine, (1.0 + sine) / (1.0 - sine)
+        rising = np.where(stretch > 0.0, (rest - active) / STRETCHED, (passive - rest) / SHORTENED)
+        earth = np.clip(rest - rising * stretch, active, passive)
+        layer = self.layer / np.maximum(1.0 + 0.5 * stretch, LEAST)
+        crust = self.crust / np.maximum(1.0 + stretch, LEAST)
+        liquid = self.crust_weight * crust * layer + 0.5 * self.layer_weight * layer**2
+        return np.asarray(liquid + 0.5 * earth * self.crust_weight * crust**2)
+
+    def spread(self, time: np.ndarray, push: np.ndarray, seconds: float, dt: float = 0.005) -> np.ndarray:
+        """How far the crust (n,) has moved (m) some seconds after the layer liquefied; time (s), push (m/s2): shaking."""
+        way, speed, plastic = (np.zeros(len(self.layer)) for _ in range(3))
+        crust, layer = self.crust_weight * self.crust / GRAVITY, self.layer_weight * self.layer / GRAVITY
+        moving = self.crust + self.layer > 2.0 * THINNEST
+        for a in np.interp(np.arange(0.0, seconds, dt), time, push, right=0.0):
+            ends = np.concatenate([[0.0], 0.5 * (way[1:] + way[:-1]), [0.0]])
+            force = self.pressure(np.diff(ends) / self.step)
+            between = np.concatenate([force[:1], 0.5 * (force[1:] + force[:-1]), force[-1:]])
+            stress, stiffness, plastic = self.held(way, plastic)
+            stress = np.clip(stress + CREEP * stiffness * speed / self.layer, -self.strength, self.strength)
+            net = -np.diff(between) / self.step - stress + (crust + layer) * a
+            speed = np.where(moving, speed + dt * net / (crust + 0.5 * layer), 0.0)
+            way = way + dt * speed
+        return way
+
+
+def spread_of(case: SlideCase, step: float = 1.0) -> float:
+    """How far the crust moves (m) at the place of a known slide behind a face, of columns of a width (m).
+
+    Only one stratum may liquefy. The section ends at rigid sides, as it does for discs.
+    """
+    config, problem = case.config, case.known.problem
+    assert config is not None
+    assert isinstance(problem, Ground)
+    assert isinstance(problem.at, float)
+    section = config.section
+    [number] = [n for n, each in enumerate(config.cases, start=1) if each.name == problem.case]
+    [k] = [k for k, stratum in enumerate(section.strata) if number in stratum.liquefies_in]
+    left, right = section.extent
+    x = np.arange(left + 0.5 * step, right, step)
+    heights = section.layering.interfaces(x)
+    top, bottom = heights[:, k], heights[:, k + 1]
+    water, there = section.water_pressure, np.full(len(x), k)
+    above, below, middle = (np.column_stack([x, z]) for z in (top, bottom, 0.5 * (top + bottom)))
+    crust, layer = heights[:, 0] - top, np.maximum(top - bottom, 0.5 * THINNEST)
+    weight, all_of_it = water.overburden(above, above), water.overburden(below, below)
+    left_over = config.cases[number - 1].remains_of(section, k)
+    ground = ThinGround(
+        step=step, crust=crust, layer=layer,
+        crust_weight=weight / np.maximum(crust, THINNEST), layer_weight=(all_of_it - weight) / layer,
+        effective=water.vertical_effective(middle, middle, there),
+        strength=left_over.strength, potential=left_over.strain_potential,
+        friction_angle=section.strata[k - 1].friction_angle,
+    )  # fmt: skip
+    shaking = shaking_of(config, [k])
+    assert shaking is not None
+    return float(np.interp(problem.at, x, ground.spread(shaking.time - CALM, shaking.push, LASTS)))
