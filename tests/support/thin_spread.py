@@ -1,14 +1,14 @@
 """Spread of ground behind a bank, integrated over its depth: a third judge beside discs and material points.
 
 Columns of crust ride on columns of a liquefied layer on a level base. The layer shears evenly over its thickness h_l,
-by the law of its strain potential up to its residual strength (`meshes.section.strain_potential`), and keeps its volume:
+by the law of its strain potential up to its residual strength (`meshes.section.strain_potential`). It keeps its volume:
 
     h_l = H_l / (1 + u'/2),  h_c = H_c / (1 + u'),  u the way of the crust,
-    (m_c + m_l/2) ü = -N' - τ(u / H_l) + (m_c + m_l) a,  N = w_c h_c h_l + w_l h_l²/2 + K(u') w_c h_c²/2,
+    (m_c + m_l/2) ü = -N' - τ(u / H_l) + (m_c + m_l) a,  N = w_c h_c h_l + w_l h_l²/2 + K(u') w_c h_c²/2.
 
-a heavy liquid under a crust whose earth pressure goes from K0 to the active one as it is stretched by 0.5 %, and to the
-passive one as it is shortened by 4 % (Rankine's, of its friction angle). Ends stand still. Walls, quays and what happens
-within a layer's thickness of the face are not in it.
+That is a heavy liquid under a crust, whose earth pressure goes from K0 to the active one as it is stretched by 0.5 %,
+and to the passive one as it is shortened by 4 % (Rankine's, of its friction angle). Ends stand still. Quays, and what
+happens within a layer's thickness of the face, are not in it.
 """
 
 from dataclasses import dataclass, field
@@ -59,7 +59,7 @@ class ThinGround:
     friction_angle: float = field(default=np.radians(33.0))
 
     def held(self, way: np.ndarray, plastic: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Shear stress (n,), its stiffness on the first line (Pa), and plastic strain (n,), at ways of the crust (m)."""
+        """Shear stress (Pa), its stiffness on the first line (Pa), plastic strain, at ways of the crust (m)."""
         knee = stress_at_potential(self.effective, np.full(len(way), self.strength))
         first, last = (self.potential, self.potential + BEYOND) if self.potential else (0.5 * BEYOND, BEYOND)
         knee = knee if self.potential else np.full(len(way), 0.5 * self.strength)
@@ -82,7 +82,7 @@ class ThinGround:
         return np.asarray(liquid + 0.5 * earth * self.crust_weight * crust**2)
 
     def spread(self, time: np.ndarray, push: np.ndarray, seconds: float, dt: float = 0.005) -> np.ndarray:
-        """How far the crust (n,) has moved (m) some seconds after the layer liquefied; time (s), push (m/s2): shaking."""
+        """How far the crust (n,) has moved (m) some seconds after the layer liquefied; time (s), push (m/s2)."""
         way, speed, plastic = (np.zeros(len(self.layer)) for _ in range(3))
         crust, layer = self.crust_weight * self.crust / GRAVITY, self.layer_weight * self.layer / GRAVITY
         moving = self.crust + self.layer > 2.0 * THINNEST
