@@ -13,23 +13,29 @@ from tests.support import TOP
 from workflow.cli import main
 
 
-def run(*arguments: object, side_by_side: bool = False, painted: bool = True) -> int:
+def run(*arguments: object, side_by_side: bool = False, painted: bool = False) -> int:
     """The exit code of the command, in this process.
 
     Unless its tasks are to be done ``side_by_side`` this process does them all, which finds the same: each other one
-    takes seconds to import what it draws and computes with. Unless its pictures are ``painted`` each is made up to its
-    last step, and a line of white is saved: a fifth of a second less for a picture that no test looks at.
+    takes seconds to import what it draws and computes with. Where a test looks at its pictures they are ``painted``;
+    else each is made up to its last step, and a line of white is saved, which takes half a second less of drawing and
+    of compressing for the report.
     """
     with pytest.MonkeyPatch.context() as patch:
         if not side_by_side:
             patch.setattr("workflow.terminal.Processes", lambda count: SERIAL)
         if not painted:
-            patch.setattr("matplotlib.figure.Figure.savefig", _white)
+            unpainted(patch)
         try:
             main([str(argument) for argument in arguments])
         except SystemExit as stop:
             return int(stop.code or 0)
     return 0
+
+
+def unpainted(patch: pytest.MonkeyPatch) -> None:
+    """Lets pictures be white lines for as long as a patch holds."""
+    patch.setattr("matplotlib.figure.Figure.savefig", _white)
 
 
 def _white(_: object, path: Path | str, **__: object) -> None:

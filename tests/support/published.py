@@ -1,8 +1,9 @@
-"""The collection of published cases, read once."""
+"""The collections of published slopes and of known slides, each read once."""
 
 from functools import cache
 
 from docs.verify.case import FOLDER, Case, read_cases
+from docs.verify.slides import case as slides_case
 from tests.support import TOP
 
 PUBLISHED = TOP / FOLDER
@@ -12,3 +13,9 @@ PUBLISHED = TOP / FOLDER
 def cases() -> dict[str, Case]:
     """Every case by its name."""
     return {case.name: case for case in read_cases(PUBLISHED)}
+
+
+@cache
+def slides() -> dict[str, slides_case.SlideCase]:
+    """Every known slide by its name."""
+    return {case.name: case for case in slides_case.read_cases(TOP / slides_case.FOLDER)}

@@ -23,7 +23,7 @@ SMALL = ("--max-cells", "400", "--gap", "0.2", "--sides", "fixed")
 
 def test_leaves_the_bracket_how_good_it_is_and_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
-    assert run("bounds", written(tmp_path), "--out", out, "--davis", *SMALL) == 0
+    assert run("bounds", written(tmp_path), "--out", out, "--davis", *SMALL, painted=True) == 0
     answer = json.loads((out / "fem/bounds.json").read_text())
     told = capsys.readouterr().out
     for bracket in (answer, answer["substitute"]):
@@ -123,6 +123,7 @@ def test_ground_that_fails_by_itself_is_no_answer(tmp_path: Path, capsys: pytest
     assert "fails under its own weight" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_ctrl_c_stops_it(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "workflow.cli", "bounds", str(SECTIONS / "s13.toml"), "--gap", "0.0001"]
     done = subprocess.Popen(

@@ -55,7 +55,7 @@ def written(folder: Path, **changes: dict[str, Any]) -> Path:
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder in which the slide was asked for, and so all before it has run."""
     folder = tmp_path_factory.mktemp("dem")
-    assert run("slide", written(folder), "--out", folder / "out") == 0
+    assert run("slide", written(folder), "--out", folder / "out", painted=True) == 0
     return folder / "out"
 
 

@@ -182,7 +182,7 @@ def _run_tutorial(page: Path, folder: Path, quick: bool) -> None:
         if name == "mesh":
             rest[rest.index("--size") + 1] = "4"
         more = [word for key, value in small if f"{key}=" not in line for word in ("--set", f"{key}={value}")]
-        assert run(name, *rest, *more) == 0, line
+        assert run(name, *rest, *more, painted=not quick) == 0, line
 
 
 @pytest.mark.parametrize("page", [p for p in TUTORIALS if p.stem != "discs"], ids=lambda page: page.stem)

@@ -30,13 +30,13 @@ SHORT_PATH = (*ONE_PATH, "--set", "fem.first_step=0.1", "--set", "fem.kh_limit=0
 def short_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the section and, in `out`, its answer for one direction, up to a limit of Kh."""
     folder = tmp_path_factory.mktemp("short_path")
-    assert run("fem", written(folder), "--out", folder / "out", *SHORT_PATH, *SMALL, painted=False) == 0
+    assert run("fem", written(folder), "--out", folder / "out", *SHORT_PATH, *SMALL) == 0
     return folder
 
 
 def test_leaves_the_answer_its_path_fields_and_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
-    assert run("fem", written(tmp_path), "--out", out, "--kh", "0.1", "--kh", "5.0", *SMALL) == 0
+    assert run("fem", written(tmp_path), "--out", out, "--kh", "0.1", "--kh", "5.0", *SMALL, painted=True) == 0
     told = capsys.readouterr().out
     answer = json.loads((out / "fem/critical.json").read_text())
     assert f"Critical Kh = {answer['kc']:.3f}" in told
@@ -65,7 +65,7 @@ def test_factors_of_safety_fall_with_kh_and_pass_one_at_the_critical_kh(
 ) -> None:
     out = tmp_path / "out"
     options = ("--kh", "0.1", "--associated", "--safety-factor", "--sides", "fixed", "--set", "bounds.max_cells=700")
-    assert run("fem", written(tmp_path), "--out", out, *options, *ONE_PATH, *SMALL) == 0
+    assert run("fem", written(tmp_path), "--out", out, *options, *ONE_PATH, *SMALL, painted=True) == 0
     answer = json.loads((out / "fem/critical.json").read_text())
     still, shaken = answer["safety_factors"]
     assert still["kh"] == 0.0
@@ -176,7 +176,7 @@ def test_two_processes_find_the_same_and_one_writes(short_path: Path, tmp_path: 
 def test_a_mesh_made_elsewhere_gives_the_same_answer(short_path: Path, tmp_path: Path) -> None:
     given = short_path / "out/mesh/section.msh"
     options = (*SHORT_PATH, "--element", "bilinear", "--mesh", given)
-    assert run("fem", short_path / "slope.toml", "--out", tmp_path / "given", *options, painted=False) == 0
+    assert run("fem", short_path / "slope.toml", "--out", tmp_path / "given", *options) == 0
     own, other = (
         json.loads((out / "fem/critical.json").read_text()) for out in (short_path / "out", tmp_path / "given")
     )

@@ -33,7 +33,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     }
     path = place / "gentle.toml"
     path.write_text(tomli_w.dumps(data))
-    assert command_line.run("liquefied", path, "--out", place / "run", "--quiet", painted=False) == 0
+    assert command_line.run("liquefied", path, "--out", place / "run", "--quiet") == 0
     return place / "run"
 
 
@@ -58,6 +58,7 @@ def test_the_report_tells_it(folder: Path) -> None:
     assert "1, 4" in text
 
 
+@pytest.mark.slow
 def test_an_embankment_with_a_weak_face_uphill_fails_there_first(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -141,7 +141,7 @@ def test_pictures_of_any_proportions(tmp_path: Path) -> None:
     for name, width, height in (("tall", 10.0, 300.0), ("square", 50.0, 50.0), ("flat", 2000.0, 20.0)):
         data = {**slope(), "name": name, "surface": [[0.0, height], [width, height]]}
         (tmp_path / f"{name}.toml").write_text(tomli_w.dumps(data))
-        assert run("check", tmp_path / f"{name}.toml", "--out", tmp_path / name) == 0
+        assert run("check", tmp_path / f"{name}.toml", "--out", tmp_path / name, painted=True) == 0
         image = imread(tmp_path / name / "figures/section.png")
         assert image.shape[1] == canvas.WIDTH
         heights[name] = image.shape[0]
@@ -249,14 +249,16 @@ def test_no_usable_mesh_is_another_exit_code(
 # --- Failures while it runs ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kilobytes", [1, 4, 12, 30])
+@pytest.mark.parametrize(
+    "kilobytes", [pytest.param(1, marks=pytest.mark.slow), 4, pytest.param(12, marks=pytest.mark.slow), 30]
+)
 def test_a_full_disk_leaves_nothing_half_written(kilobytes: int, section: Path, out: Path) -> None:
     """No file may become larger than so many kilobytes: each file is then there whole, or not at all."""
 
     def limit() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (1024 * kilobytes, 1024 * kilobytes))
 
-    assert run("mesh", section, "--out", out.with_name("whole")) == 0
+    assert run("mesh", section, "--out", out.with_name("whole"), painted=True) == 0
     done = process("mesh", section, "--out", out, before=limit)
     assert done.returncode == 2
     assert "cannot be written" in done.stderr

@@ -42,7 +42,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     }  # fmt: skip
     path = place / "gentle.toml"
     path.write_text(tomli_w.dumps(data))
-    assert command_line.run("slide", path, "--model", "mpm", "--out", place / "run", "--quiet") == 0
+    assert command_line.run("slide", path, "--model", "mpm", "--out", place / "run", "--quiet", painted=True) == 0
     return place / "run"
 
 

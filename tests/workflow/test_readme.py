@@ -7,6 +7,8 @@ import sys
 import tomllib
 from pathlib import Path
 
+import pytest
+
 from tests.support import TOP
 from tests.support.docs import blocks, program
 from workflow.config import Config
@@ -55,9 +57,17 @@ def test_its_answers_come_from_the_file() -> None:
     assert re.findall(r"\d\.\d+", told) == first["script"]
 
 
-def test_the_section_and_the_script_run(tmp_path: Path) -> None:
-    """The script on the section of the page: elements and bounds as told, discs as near as rounding leaves them."""
+def test_the_section_is_read_and_what_the_script_imports_is_there() -> None:
     assert Config.parse(tomllib.loads(SECTION)).section.name == "my_slope"
+    (example,) = blocks("python", README)
+    lines = [line for line in example.splitlines() if line.startswith(("import ", "from "))]
+    assert len(lines) >= 3
+    exec("\n".join(lines), {})
+
+
+@pytest.mark.slow
+def test_the_script_runs(tmp_path: Path) -> None:
+    """On the section of the page: elements and bounds as told, discs as near as rounding leaves them."""
     (tmp_path / "my_slope.toml").write_text(SECTION, encoding="utf-8")
     (example,) = blocks("python", README)
     done = subprocess.run(

@@ -22,7 +22,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     folder = tmp_path_factory.mktemp("whole")
     with pytest.MonkeyPatch.context() as patch:
         dem_fixture.stand_in(patch)
-        assert run("run", written(folder), "--out", folder / "out", side_by_side=True) == 0
+        assert run("run", written(folder), "--out", folder / "out", side_by_side=True, painted=True) == 0
         yield folder
 
 
@@ -117,11 +117,11 @@ def test_plot_draws_again_without_computing(whole: Path, capsys: pytest.CaptureF
         if not path.name.startswith(("bounds", "case", "dem", "history")):
             path.unlink()
     fields = (whole / "plot/fem/critical.json").stat().st_mtime_ns
-    assert run("plot", whole / "plot") == 0
+    assert run("plot", whole / "plot", painted=True) == 0
     assert "slide: its pictures are drawn only when it runs" in capsys.readouterr().out
     assert {path.name: path.read_bytes() for path in (whole / "plot/figures").glob("*.png")} == before
     assert (whole / "plot/fem/critical.json").stat().st_mtime_ns == fields
-    assert run("plot", whole / "plot", "--field", "shear_strain", "--at", "0.2") == 0
+    assert run("plot", whole / "plot", "--field", "shear_strain", "--at", "0.2", painted=True) == 0
     assert imread(whole / "plot/figures/field_shear_strain_kh_0.200.png").shape[1] == 1600
     for options, words in (
         (("--field", "strain"), "expected one of displacement, displacement_x"),
@@ -217,6 +217,7 @@ def test_without_an_answer_the_report_says_why(
     assert "The stage calibrate ended without an answer:</b> the range of stiffness does not reach it." in text
 
 
+@pytest.mark.slow
 def test_ground_that_does_not_stand_has_a_report_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     weak = written(tmp_path)
     text = weak.read_text().replace('"15 kPa"', '"0.1 kPa"').replace('"25 deg"', '"0 deg"')

@@ -39,7 +39,7 @@ def finished_after_kills(
     """A run that was killed so often, at moments drawn from all that it takes, and one that was left alone."""
     path = written(tmp_path, **more)
     start = time.monotonic()
-    assert run("run", path, "--out", tmp_path / "alone", *only, painted=False) == 0
+    assert run("run", path, "--out", tmp_path / "alone", *only) == 0
     span = time.monotonic() - start
     draw = random.Random(seed)
     for _ in range(kills):
@@ -47,7 +47,7 @@ def finished_after_kills(
         for file in (tmp_path / "killed").rglob("*.json"):
             if not BESIDE.fullmatch(file.name):
                 json.loads(file.read_text())  # whatever is there under its own name is whole
-    assert run("run", path, "--out", tmp_path / "killed", *only, painted=False) == 0
+    assert run("run", path, "--out", tmp_path / "killed", *only) == 0
     return tmp_path / "alone", tmp_path / "killed"
 
 
@@ -108,7 +108,7 @@ def remount(place: Path, options: str) -> None:
 
 def test_a_full_disk_and_then_a_larger_one(mounted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path)
-    assert run("run", path, "--out", mounted / "out", *CONTINUUM) == 2
+    assert run("run", path, "--out", mounted / "out", *CONTINUUM, painted=True) == 2
     assert "cannot be written: No space left on device" in " ".join(capsys.readouterr().err.split())
     assert not list(mounted.rglob(".[0-9]*"))  # nothing half-written
     remount(mounted, "size=40m")

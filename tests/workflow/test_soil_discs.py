@@ -41,7 +41,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder in which the slide was asked for, and so all before it has run."""
     folder = tmp_path_factory.mktemp("soil")
     (folder / "soil.toml").write_text(tomli_w.dumps(SECTION))
-    assert run("slide", folder / "soil.toml", "--out", folder / "out", painted=False) == 0
+    assert run("slide", folder / "soil.toml", "--out", folder / "out") == 0
     return folder / "out"
 
 

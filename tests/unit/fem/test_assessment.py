@@ -37,6 +37,7 @@ def test_two_threads_find_the_same_bits_as_one(monkeypatch):
     np.testing.assert_array_equal(one.mesh.points, other.mesh.points)
 
 
+@pytest.mark.slow
 def test_ground_whose_factor_of_safety_is_below_one_has_no_critical_kh():
     """A cut of 51 degrees in loam: coarse cells bear Kh = 0.005, finer ones have a factor of 0.99 (psi = 0)."""
     loam = layer("loam", bottom={"elevation": [[0.0, 19.0], [31.0, 19.0], [40.0, 26.0], [75.0, 27.0]]})

@@ -283,6 +283,7 @@ def test_the_work_allowed_is_a_limit_of_all_bounds_together() -> None:
     assert found.ended == "time"
 
 
+@pytest.mark.slow
 def test_bare_sand_from_which_water_seeps_is_strengthened_where_it_slips_first() -> None:
     """A dam with a core: its dry downstream face rolls at tan(36° - β) = 0.253, the slope fails upstream at 0.16, but
     water comes out of 0.8 m of the downstream toe, which does not stand. Such a dam was told as strict bounds,

@@ -71,7 +71,7 @@ def test_in_order_ctrl_c_is_heard_at_once() -> None:
 
 
 def test_a_thread_goes_on_beside_this_one_and_leaves_it_what_it_has_not_begun() -> None:
-    met, own = threading.Barrier(2, timeout=10.0), threading.get_ident()
+    met, own = threading.Barrier(2, timeout=60.0), threading.get_ident()
     with OneThread() as executor:
         begun, waits = executor.submit(met.wait), executor.submit(threading.get_ident)
         assert waits.result() == own
@@ -88,16 +88,16 @@ def test_a_task_that_several_threads_ask_for_is_done_once_and_what_follows_it_is
         return len(done)
 
     with OneThread() as executor:
-        executor.submit(may_end.wait, 10.0)
+        executor.submit(may_end.wait, 60.0)
         waits = executor.submit(counted)
         follows = then(waits, lambda known: 10 * known.result())
         asking = [threading.Thread(target=lambda: found.append(waits.result())) for _ in range(4)]
         for thread in asking:
             thread.start()
         for thread in asking:
-            thread.join(10.0)
+            thread.join(60.0)
         assert found == [1, 1, 1, 1]
-        assert follows.result(1.0) == 10
+        assert follows.result(60.0) == 10
         may_end.set()
 
 

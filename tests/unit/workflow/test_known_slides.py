@@ -13,11 +13,12 @@ from docs.verify.slides.shaking import shaking_of_slope
 from docs.verify.slides.verdict import bias, judge, right
 from meshes.errors import InputError
 from tests.support.newmark import G, newmark_shaken, newmark_slide
+from tests.support.published import slides
 from workflow.estimates.slide_error import SlideError, error_of
 from workflow.report import model_error
 
 ROOT = Path(__file__).parents[3]
-CASES = {case.name: case for case in read_cases(ROOT / FOLDER)}
+CASES = slides()
 
 
 def test_every_case_says_where_its_numbers_are_from() -> None:

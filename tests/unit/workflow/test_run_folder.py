@@ -35,7 +35,7 @@ def test_two_runs_do_not_share_a_folder_and_a_dead_one_holds_nothing(toys: Toys,
             toys.go(tmp_path)
         assert not (tmp_path / "mesh.txt").exists()
         holder.send_signal(signal.SIGKILL)
-        holder.wait(timeout=10)
+        holder.wait(timeout=60)
         assert toys.go(tmp_path).ran == ALL_OF_THEM
     finally:
         holder.kill()
@@ -51,7 +51,7 @@ def test_children_do_not_keep_the_lock(tmp_path: Path) -> None:
         assert holder.stdout is not None
         holder.stdout.readline()
         os.kill(holder.pid, signal.SIGKILL)
-        holder.wait(timeout=10)
+        holder.wait(timeout=60)
         with locked(tmp_path):
             pass
     finally:

@@ -46,7 +46,9 @@ def exact(kh: float) -> float:
     return float(quad(lambda f: chance(f) * stats.norm.pdf(f, 30.0, 3.0), 12.0, 48.0, limit=200)[0])
 
 
-@pytest.mark.parametrize(("method", "furthest"), [("sobol", 0.01), ("latin", 0.043)])
+@pytest.mark.parametrize(
+    ("method", "furthest"), [("sobol", 0.01), pytest.param("latin", 0.043, marks=pytest.mark.slow)]
+)
 def test_a_thousand_infinite_slopes_have_the_exact_distribution(method: str, furthest: float, tmp_path: Path) -> None:
     """In Kolmogorov's sense; 1.36 / sqrt(n) = 0.043 is what 95 % of independent samples keep within."""
     drawn = chances(2, 1000, method, 0)  # type: ignore[arg-type]

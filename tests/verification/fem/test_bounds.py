@@ -139,6 +139,7 @@ def test_footing_on_ground_with_friction(phi, Nc, gap):
     contains(footing(phi, gap=gap), Nc, gap)
 
 
+@pytest.mark.slow
 def test_s13_fixed_within_3_percent_in_less_than_a_minute():
     """Measured: 0.3527 to 0.3610 on 4510 cells after 7 s, 0.3533 to 0.3554 on 18529.
 

@@ -39,6 +39,7 @@ def test_kh_takes_its_share_of_the_factor():
     assert 1.31 < still.lower < still.upper < 1.40
 
 
+@pytest.mark.slow
 def test_the_side_that_fails_first_is_found_whichever_way_the_push_goes():
     """A bank of 45° to the left and 27° to the right: the left face decides, and the same the other way round."""
     surface = [[0.0, 0.0], [8.0, 0.0], [14.0, 6.0], [20.0, 6.0], [32.0, 0.0], [40.0, 0.0]]

@@ -7,15 +7,14 @@ import pytest
 
 from docs.known_slides import errors
 from docs.verify.record import FILE, read_answers
-from docs.verify.slides.case import read_cases
 from docs.verify.slides.predict import predict
 from docs.verify.slides.record import SlideAnswer
 from docs.verify.slides.verdict import judge
-from tests.support.published import PUBLISHED
+from tests.support.published import PUBLISHED, slides
 from workflow.estimates.slide_error import TABLE
 
 SLIDES = PUBLISHED.parent / "slides"
-CASES = {case.name: case for case in read_cases(SLIDES)}
+CASES = slides()
 RECORDED = read_answers(SLIDES / FILE, SlideAnswer)
 
 
