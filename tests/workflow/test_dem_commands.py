@@ -32,7 +32,7 @@ SECTION: dict[str, Any] = {
         layer("firm", cohesion="2 kPa", friction_angle="30 deg"),
     ],
     "mesh": {"columns": 18, "rows": 4},
-    "fem": {"element": "bilinear", "kh": [0.1], "rigid_box": False},
+    "fem": {"element": "bilinear", "kh": [0.1], "rigid_box": False, "tolerance": 1e-4},
     "dem": {
         "model": "paper", "radius": "0.5 m", "kh": [0.1], "resolution": 0.04, "tolerance": 0.1,
         "out_of_reach": "go on", "element_tests": False, "parameter": "all", "range": [0.25, 4.0],

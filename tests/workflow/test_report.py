@@ -18,7 +18,7 @@ from tests.support.command_line import run
 from tests.support.sections import slope
 from tests.support.sentences import disagreements
 
-COARSE = {"fem.element": "bilinear", "fem.accuracy": 0.0, "fem.kh": [0.1], "variants.which": []}
+COARSE = {"fem.element": "bilinear", "fem.tolerance": 1e-4, "fem.accuracy": 0.0, "fem.kh": [0.1], "variants.which": []}
 FEW_DISCS = {
     "mesh.size": 3, "dem.elements": 50, "dem.parameter": "none", "dem.kh": [], "dem.resolution": 0.1,
     "dem.unbalanced": 1e-2, "dem.element_tests": False, "slide.kh": 0.1, "slide.duration": 2.0,

@@ -26,7 +26,7 @@ SECTION: dict[str, Any] = {
         layer("clay", cohesion="40 kPa", friction_angle="0 deg"),
     ],
     "mesh": {"size": "2 m"},
-    "fem": {"element": "bilinear", "kh": [], "accuracy": 0.0, "direction": "downhill"},
+    "fem": {"element": "bilinear", "kh": [], "accuracy": 0.0, "direction": "downhill", "tolerance": 1e-4},
     "dem": {
         "elements": 150, "kh": [0.1], "resolution": 0.04, "tolerance": 0.05, "out_of_reach": "go on",
         "element_tests": False,
