@@ -32,7 +32,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             layer("stiff", **{**SAND, "cohesion": "50 kPa"}),
         ],
         "slide": {
-            "kh": 0.0, "duration": 12.0, "onset": 1.0, "mpm_cells": 300, "frames": 4,
+            "kh": 0.0, "duration": 8.0, "onset": 1.0, "mpm_cells": 200, "frames": 4,
             "cases": [
                 {"residual": 0.5, "name": "much"},
                 {"residual": 0.01, "name": "little"},
