@@ -48,8 +48,9 @@ class Page:
 
     def open(self, address: str) -> None:
         """Go to an address and wait until all of it is there."""
+        before = len(self.named("Page.loadEventFired"))  # of the pages that were open earlier
         self.ask("Page.navigate", url=address)
-        while not self.named("Page.loadEventFired"):
+        while len(self.named("Page.loadEventFired")) <= before:
             self.events.append(self._next())
         self.value("Promise.all([...document.images].map(image => image.decode().catch(() => 0))).then(() => 1)")
         time.sleep(0.2)
