@@ -116,6 +116,7 @@ def test_a_mesh_that_no_longer_fits_is_told_with_where_it_comes_from(
     assert "mesh, size = -1.0" in said
 
 
+@pytest.mark.slow
 def test_a_thousand_strata_make_a_picture_that_can_be_looked_at(tmp_path: Path) -> None:
     strata = [layer(f"{k + 1} sand", bottom={"elevation": 5.0 - 0.02 * (k + 1)}) for k in range(999)]
     data = {**slope(), "surface": [[0.0, 5.0], [100.0, 5.0]], "base": {"elevation": -16.0}}

@@ -51,6 +51,7 @@ def finished_after_kills(
     return tmp_path / "alone", tmp_path / "killed"
 
 
+@pytest.mark.slow
 def test_killed_at_random_it_ends_with_the_same_numbers(tmp_path: Path) -> None:
     """Without what takes most of the time: element tests, more than one case, states that are kept, and the stages that
     bound, vary and estimate."""

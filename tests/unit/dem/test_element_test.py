@@ -263,7 +263,6 @@ def test_quality_is_recorded(sand: ElementTest) -> None:
 
 
 def test_same_bits_twice_and_with_two_threads(sand: ElementTest) -> None:
+    """Those of another seed differ: tests/verification/dem/test_element_tests.py."""
     again = element_test(sand.sample, [1e6, 2e6], strain=0.1, threads=2)
     assert again.as_json(STRATUM) == sand.as_json(STRATUM)
-    other = element_test(replace(sand.sample, seed=1), [1e6, 2e6], strain=0.1)
-    assert other.phi != sand.phi

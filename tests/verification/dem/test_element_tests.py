@@ -127,6 +127,7 @@ def test_random_discs_without_pore_springs() -> None:
         assert abs(test.c) < 0.1 * pressures[-1]
         assert 20.0 < np.degrees(test.phi_shear) < 35.0
     assert all(result.biaxial_strength.verdict == "peak" for test in tests for result in test.tests)
+    assert tests[0].phi != tests[1].phi  # of two seeds
 
 
 def test_cohesion_of_pore_springs_is_cohesion_of_the_patch() -> None:

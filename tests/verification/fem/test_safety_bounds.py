@@ -67,6 +67,7 @@ def test_a_flat_layer_that_Kh_slides_off_its_rock():
     assert found.lower >= 0.95 * slides
 
 
+@pytest.mark.slow
 def test_a_footing_fails_by_its_load_whatever_kh():
     """Prandtl's 5.14 c on clay without weight, F = 1: no Kh makes up for too large a load. Measured: 0.986 to 1.007."""
     found = of_case("strip_footing_00", BoundsSettings(gap=0.03, max_cells=2500))
