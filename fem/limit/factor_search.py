@@ -308,17 +308,22 @@ class FactorSearch:
             known = 0.0 < proven < math.inf and math.isfinite(root)
             decides = side == "upper" and root * math.exp(MARGIN) < self.slips
             if finally_ or decides or not known or abs(math.log(root / proven)) > FALLBACK:
-                self.prove(side, sense)
+                self.prove(side, sense, finally_)
 
-    def prove(self, side: BoundSide, sense: float) -> None:
+    def prove(self, side: BoundSide, sense: float, finally_: bool = True) -> None:
         """Prove a bound by trials a little to the safe side of the estimated factor until they prove no more; the lower
-        one, which takes most of the work, until the gap is closed. Where there is no estimate, bisect.
+        one, which takes most of the work, until the gap is closed. Where there is no estimate, bisect; where no stress
+        has balanced the loads yet, go down, on triangles that are not the last ones (``finally_``) once.
         """
         last = self.trials[-1].factor
         for times in range(1, PROOFS + 1):
             proven = getattr(self, side)
             at = self.root(side) * math.exp(sense * times * MARGIN)
-            if math.isnan(at):
+            if math.isnan(at) and proven == 0.0:
+                if times > 1 and not finally_:
+                    return
+                at = min(last, self.unborne_from) * STEP ** (-0.5 * times)
+            elif math.isnan(at):
                 at = math.sqrt(last * proven)
             elif not sense * (at - proven * math.exp(-sense * MARGIN)) < 0.0:
                 return

@@ -22,12 +22,14 @@ FALLEN = 0.25
 # Shares of the largest slide by which the uphill end of a section moves where a slide goes on behind it; and the
 # largest slide (m) below which that does not matter.
 ALONG, LEAST_END = (0.1, 0.8), 2.0
+# Times a strict upper bound, beyond which a slip circle is not what fails first.
+NO_CIRCLE = 1.05
 NEAR_KC = 0.95  # of the critical Kh, at which a push has come to it
 
 
 def contradictions(results: Results) -> Iterator[tuple[Weight, str]]:
     """Contradictions of the results with a weight each: load curves of discs, sides of the box, order of cases,
-    settlements.
+    settlements, slip circles.
     """
     _, cases = results.case_set()
     if results.dem is not None and results.no_answer("calibrate") is None:
@@ -43,6 +45,30 @@ def contradictions(results: Results) -> Iterator[tuple[Weight, str]]:
     yield from ((2, text) for text in of_settlement({k: (case, case.settlement_uphill_m) for k, case in cases.items()}))
     crests = {number: (case, case.settlement_crest_m) for number, case in points.items()}
     yield from ((2, text) for text in of_settlement(crests, "material points"))
+    yield from ((3, text) for text in of_circles(results))
+
+
+def of_circles(results: Results) -> Iterator[str]:
+    """Slip circles above strict upper bounds: a reviewer who knows circles alone would take the larger number."""
+    circles, bounds = results.slices, results.bounds
+    if circles is None or bounds is None or results.config.fem.direction != "both":
+        return
+    factors = {group.kh: min(circle.bishop for circle in group.circles) for group in circles.factors if group.circles}
+    for part in bounds.safety:
+        factor = factors.get(part.kh)
+        if factor is not None and part.upper is not None and factor > NO_CIRCLE * part.upper:
+            yield (
+                f"slip circles have a factor of safety of {factor:.2f} at Kh = {part.kh:g}, above the strict upper "
+                f"bound of {part.upper:.2f}: rely on elements and bounds, for what fails first is no circle, as along "
+                "a weak layer"
+            )
+    critical = min((circle.bishop for circle in circles.critical), default=None)
+    if critical is not None and bounds.upper is not None and critical > NO_CIRCLE * bounds.upper + NO_CIRCLE - 1.0:
+        yield (
+            f"slip circles have a critical Kh of {coefficient(critical)}, above the strict upper bound of "
+            f"{coefficient(bounds.upper)}: rely on elements and bounds, for what fails first is no circle, as along a "
+            "weak layer"
+        )
 
 
 def of_curve(discs: DiscsAnswer) -> Iterator[str]:
