@@ -205,6 +205,8 @@ class FactorSearch:
         )
         if low is not None and high is not None:
             self.seen = (problem, low, high)
+        elif trial.unborne and low is not None and len(self.seen[1].stress) == len(low.stress):
+            self.seen = (self.seen[0], low, self.seen[2])  # what keeps stress from balancing the loads wants triangles
         if trial.lower is not None and self.over(trial.lower) >= 0.0:
             self.both_ways = self.gauge == "loads" if factor > self.lower else self.both_ways
             self.lower = max(self.lower, factor)
@@ -319,17 +321,24 @@ class FactorSearch:
         for times in range(1, PROOFS + 1):
             proven = getattr(self, side)
             at = self.root(side) * math.exp(sense * times * MARGIN)
+            unborne = min((trial.factor for trial in self.here if side == "lower" and trial.unborne), default=math.inf)
             if math.isnan(at) and proven == 0.0:
                 if times > 1 and not finally_:
                     return
-                at = min(last, self.unborne_from) * STEP ** (-0.5 * times)
-            elif math.isnan(at):
-                at = math.sqrt(last * proven)
+                at = min(last, unborne) * STEP ** (-0.5 * times)
+            elif math.isnan(at) or self.trials[-1].factor == unborne:
+                at = math.sqrt(min(last, unborne) * proven)
             elif not sense * (at - proven * math.exp(-sense * MARGIN)) < 0.0:
                 return
             if (self.good and side == "lower") or not SMALLEST < at < LARGEST or not self.work.allows(0.0):
                 return
             self.measure(at, side == "lower", side == "upper")
+
+    @property
+    def here(self) -> list[Trial]:
+        """The trials on the present triangles."""
+        last = self.trials[-1]
+        return [trial for trial in self.trials if (trial.cells, trial.gauge) == (last.cells, last.gauge)]
 
     def root(self, side: BoundSide) -> float:
         """The factor of a bound on these triangles by a secant, NaN where nothing is known."""
@@ -337,9 +346,7 @@ class FactorSearch:
 
     def points(self, side: BoundSide) -> list[tuple[float, float]]:
         """Pairs of the logarithm of the factor and the excess of a bound, of the trials on these triangles."""
-        last = self.trials[-1]
-        here = [trial for trial in self.trials if (trial.cells, trial.gauge) == (last.cells, last.gauge)]
-        bounds = [(trial.factor, getattr(trial, side)) for trial in here]
+        bounds = [(trial.factor, getattr(trial, side)) for trial in self.here]
         points = [(math.log(factor), self.over(bound)) for factor, bound in bounds if bound is not None]
         return sorted(point for point in points if abs(point[1]) < FAR)
 

@@ -96,7 +96,11 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = Tru
         phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}.{finer}"
     if factor.slip_surface:
         x, z = zip(*factor.slip_surface, strict=True)
-        phrase += f" It slips from x = {min(x):.1f} to {max(x):.1f} m, down to z = {min(z):.1f} m."
+        start, end = f"{min(x):.1f}", f"{max(x):.1f}"
+        where = f"slips from x = {start} to {end} m, down to z = {min(z):.1f} m"
+        phrase += (
+            f" It {where if start != end else f'fails first in a few cells at x = {start} m, z = {min(z):.1f} m'}."
+        )
     if factor.shallow_failure is not None and factor.shallow_failure < factor.factor:
         phrase += f" Its cohesionless face fails (shallow failure) at {factor.shallow_failure:.3f}."
     return phrase

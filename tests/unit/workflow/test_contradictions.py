@@ -203,6 +203,18 @@ def test_level_ground_has_no_factor_of_safety_but_one_above_where_the_search_end
     assert told == "Factor of safety at Kh = 0: above 20, where the search ended."
 
 
+def test_a_slip_surface_of_no_length_is_told_as_a_place(run: Config) -> None:
+    """A cut in young clay failed at its toe: "it slips from x = 41.6 to 41.6 m"."""
+    factor = FactorOfSafety(
+        kh=0.0, factor=1.338, upper=1.338, verdict="plateau", reason="", curve=(), shallow_failure=None
+    )
+    for line, told in (
+        (((41.62, -4.0), (41.64, -4.0)), "It fails first in a few cells at x = 41.6 m, z = -4.0 m."),
+        (((30.0, 0.0), (42.0, -4.0)), "It slips from x = 30.0 to 42.0 m, down to z = -4.0 m."),
+    ):
+        assert safety_sentence(factor.model_copy(update={"slip_surface": line}), fem(run)).endswith(told)
+
+
 def test_a_factor_of_safety_above_its_strict_upper_bound_is_told(run: Config) -> None:
     """A face of sand after a seepage fault: 1.15 told, whose grains' own factor is 1.08."""
     factor = FactorOfSafety(
