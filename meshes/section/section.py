@@ -180,6 +180,7 @@ class Section(Model):
             notices += not_level(self.ground, self.water_pressure.after)
         notices += [self.uplift.words] if self.uplift else []
         notices += [f"{key_in_file(self.strata, k)}: {words}" for k, words in self.cohesion_field.notices]
+        notices += [f"surcharges {number}: {words}" for number, words in self.surface_loads.notices]
         if self.beyond is not None:
             notices.append(continuation_words(self.beyond, self.beyond_slope, *self.given_extent))
         return notices

@@ -1,6 +1,6 @@
 """Loads on the ground: a table [[surcharges]] for each, vertical and per metre of horizontal distance."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Self
 
@@ -111,3 +111,31 @@ class SurfaceLoads:
             drawn = WESTERGAARD * self.water.unit_weight * np.sqrt(self.water.deepest * depth)
             traction = traction + (sign * drawn * normal[:, 0])[:, None] * normal
         return traction
+
+    @property
+    def notices(self) -> list[tuple[int, str]]:
+        """What a person has to know of surcharges: the number of each, and words."""
+        return [
+            (
+                number,
+                f'it ends at x = {x:.4g} m on "{name}", which has no cohesion and bears nothing beside bare ground; '
+                "for strict lower bounds let its pressure fall to 0 at its ends, or give the ground a cohesion",
+            )
+            for number, x, name in self.bare_ends()
+        ]
+
+    def bare_ends(self) -> Iterator[tuple[int, float, str]]:
+        """Number, x (m) and stratum of every end of a surcharge with a pressure on ground without cohesion.
+
+        Such sand bears nothing beside bare ground: what the depth of a footing gives it there is nothing.
+        """
+        layers = self.water.layers
+        for number, load in enumerate(self.surcharges, start=1):
+            for x, pressure in zip((load.start, load.end), load.pressure, strict=True):
+                if not (pressure > 0.0 and layers.x[0] < x < layers.x[-1]):
+                    continue
+                bounds = layers.interfaces(np.array([x]))[0]
+                top = int(np.argmax(bounds[:-1] - bounds[1:] > layers.tolerance))
+                beside = [other for other in self.surcharges if other is not load and other.start <= x <= other.end]
+                if not self.water.strata[top].has_cohesion and not beside:
+                    yield number, x, self.water.strata[top].name
