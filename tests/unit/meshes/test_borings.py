@@ -277,7 +277,7 @@ def test_cones_of_a_csv_file(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 
 def test_what_was_not_measured_has_to_be_given(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path, AGS4, "borings.ags")
-    assert command_line.run("section", path, "-o", tmp_path / "made.toml") == 0
+    assert command_line.run("section", path, "-o", tmp_path / "made.toml", painted=True) == 0
     told = capsys.readouterr().out
     assert 'strata 1 "MG"' in told
     assert "density: missing" in told
