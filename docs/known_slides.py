@@ -46,10 +46,12 @@ and the sea. Predictions of others for the same ground are given for comparison.
 Spreads move by the strain potential of the sand, which blow counts give. Behind a face the crust is one to three discs
 thick. It sinks and drifts with the liquefied ground below it, by packing more than by anything else: level ground
 drifts as well, either way, by up to a fifth of a disc's diameter (0.5 m for discs of 1.26 m radius), and in discs as
-thick as the crust ground far behind a bank hardly follows. Material points depend on neither. They slide too far where
-the residual strength lets a bank flow by its weight, which moved by less than a metre in the field: most of all at
-Wildlife, whose sand lies below 2.5 m of silt and reaches below the bed of the river. Discs lie in a rigid box, which
-holds the ground farthest behind a face: what is asked for lies 25 to 180 m from its side."""
+thick as the crust ground far behind a bank hardly follows. Material points depend on neither. They move gently
+sloping ground as the discs do, and as the strain potential does in closed form, layer by layer. They slide too far
+where the residual strength lets a bank flow by its weight, which moved by less than a metre in the field: most of all
+at Wildlife, whose sand lies below 2.5 m of silt and reaches below the bed of the river. Discs lie in a rigid box, and
+level ground ends at smooth sides for points: both hold the ground farthest behind a face, and what is asked for lies 25
+to 180 m from there."""
 
 
 def write_page(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> Path:

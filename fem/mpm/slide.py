@@ -21,7 +21,7 @@ from meshes.section.strain_potential import BEYOND, stress_at_potential
 DAMPING = 0.7  # with which the ground comes to rest under its weight
 SETTLE, LONGEST_SETTLING = 0.5, 30.0  # s between two looks at that, and after which it is given up
 STILL = 1e-4  # m: movement between those looks with which the ground is at rest
-LOOK, WINDOW, WINDOWS = 0.5, 5.0, 3  # s between two looks; s and number of windows in which the surface must not move
+LOOK = 0.5  # s between two looks
 ONSET_STEPS = 20  # in which strength changes as ground liquefies
 # 1/s: with which velocities of points decay that the grid cannot resolve. The smaller one keeps more noise; both are
 # computed, and their difference is part of the method's interval.
@@ -59,7 +59,8 @@ class SlideProgramme:
     duration : float
         Time at which the computation ends.
     still : float
-        The surface is at rest if its mean place moves by less (m) from one window of 5 s to the next, twice in a row.
+        The surface is at rest if its mean place moves by less (m), or by less than 0.2 % of the slide,
+        from one window of 5 s to the next, twice in a row.
     drained : float
         Volume that drains away over the onset (-).
     """
@@ -156,7 +157,7 @@ class PointSlider:
             if on_look is not None:
                 on_look(self.engine.time, slide.slide[-1])
             slide.stopped_by = self._side_reached()
-            if self._at_rest(slide, programme):
+            if slide.at_rest(programme.still, programme.calm):
                 slide.settled, slide.reason = True, "the surface has come to rest"
             elif slide.stopped_by and slide.slide_max > FAR * float(np.ptp(self.ground.section.extent)):
                 where = "out of the section at" if self.ground.room > 0.0 else "across the section to"
@@ -264,18 +265,6 @@ class PointSlider:
         """Tops (k, 2) of the points that are the surface, from left to right, in the section (m)."""
         top = np.array([0.0, 0.25 * self.ground.grid.cell])
         return self.engine.original(self.ground.points.x)[self.ground.surface] + self.ground.offset + top
-
-    def _at_rest(self, slide: PointSlide, programme: SlideProgramme) -> bool:
-        """Whether the mean place of the surface in each of the last windows is within ``still`` of that in the window
-        before: ground under Kh swings about where it has come to lie, and little damps that.
-        """
-        times = np.array(slide.times)
-        if times[-1] - max(programme.calm, times[0]) < WINDOWS * WINDOW - 1e-9:
-            return False
-        window = ((times[-1] - times) / WINDOW).astype(int)
-        moved = np.hstack([np.array(slide.slide), np.array(slide.settlement)])
-        means = np.array([moved[window == k].mean(axis=0) for k in range(WINDOWS)])
-        return bool(np.abs(np.diff(means, axis=0)).max() < programme.still)
 
     def _side_reached(self) -> str | None:
         """The side against which the slide has piled up: ground that moved lies within two cells of it, or of the end
