@@ -240,7 +240,8 @@ class SlideSettings(Model):
     )
     mpm_sides: Literal["free-field", "smooth", "fixed", "periodic"] | None = Field(
         default=None,
-        description="sides of the section for material points; if not given those of [fem]",
+        description="sides of the section for material points; if not given those of [fem]; if neither is given, "
+        '"smooth" also where the higher end of the ground alone is level',
     )
     frames: int = Field(default=30, ge=2, le=1000, description="pictures of an animation, states of a .pvd")
     seeds: tuple[Seed, ...] | PackingCount | None = Field(

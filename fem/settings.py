@@ -48,11 +48,40 @@ def usual_sides(section: Section) -> Sides:
     str
         "smooth" or "free-field".
     """
+    return "smooth" if all(_level_ends(section)) else "free-field"
+
+
+def usual_point_sides(section: Section) -> Sides | None:
+    """The sides for material points of a section file that does not say, where they are not those of the elements.
+
+    They are "smooth" where the higher end of the ground is level and the other one slopes.
+
+    A free-field side presses on as it did at rest, however far the ground has gone, and shoves level ground behind a
+    face along. Ground that slopes at its higher end moves with the slope, and may.
+
+    Parameters
+    ----------
+    section : Section
+        The ground.
+
+    Returns
+    -------
+    str or None
+        "smooth", or None for the sides of the elements.
+    """
+    ground, (left, right) = section.ground, section.extent
+    ends = np.interp([left, right], ground[:, 0], ground[:, 1])
+    level = _level_ends(section)
+    return "smooth" if level[int(np.argmax(ends))] and not all(level) else None
+
+
+def _level_ends(section: Section) -> tuple[bool, bool]:
+    """Whether the ground is level at the left and at the right end, over the mean height of the section."""
     ground, (left, right) = section.ground, section.extent
     height = float(section.layering.areas().sum()) / (right - left)
-    ends = np.array([[left, left + height], [right - height, right]])
-    falls = np.interp(ends, ground[:, 0], ground[:, 1])
-    return "smooth" if np.all(np.abs(falls[:, 1] - falls[:, 0]) <= LEVEL * height) else "free-field"
+    ends = np.interp([[left, left + height], [right - height, right]], ground[:, 0], ground[:, 1])
+    at_left, at_right = (bool(abs(end[1] - end[0]) <= LEVEL * height) for end in ends)
+    return at_left, at_right
 
 
 class FemSettings(Model):

@@ -10,7 +10,7 @@ from pydantic import PrivateAttr, ValidationError, model_validator
 
 from dem.case import Case, cases_of_loose_sand
 from dem.settings import AVERAGE, CASES, SlideSettings
-from fem.settings import usual_sides
+from fem.settings import usual_point_sides, usual_sides
 from meshes.errors import InputError
 from meshes.section.cutting import key_in_file
 from meshes.section.quantity import GRAVITY
@@ -205,10 +205,14 @@ class Config(Tables):
         if section is None or settings is None:
             raise InputError(source, problems)
         try:
-            said = "sides" in settings.fem.model_fields_set
+            fem, slide = settings.fem, settings.slide
+            if "sides" not in fem.model_fields_set:
+                fem = fem.changed(sides=usual_sides(section))
+                slide = slide.changed(mpm_sides=slide.mpm_sides or usual_point_sides(section))
             used = {
                 **dict(settings),
-                "fem": settings.fem if said else settings.fem.changed(sides=usual_sides(section)),
+                "fem": fem,
+                "slide": slide,
                 "mesh": settings.mesh.at_most(settings.fem.max_cells),
                 "criteria": settings.criteria.resolved(_peak(settings)),
             }

@@ -32,3 +32,14 @@ def test_one_warning_tells_of_a_side_that_the_mechanism_reaches() -> None:
     what = "The ground that fails reaches the right side, so that the condition there may decide."
     assert warned_of_sides(None) == [f"{what} {REMEDY}"]
     assert Texts("ja").sentence(what) != what
+
+
+def test_points_behind_a_bank_with_a_sloping_bed_have_smooth_sides_unless_the_file_says_otherwise() -> None:
+    bank = {**slope(), "surface": [[0.0, 18.0], [20.0, 18.0], [44.0, 6.0], [70.0, 5.0]]}
+    bank.pop("fem", None)
+    run = Config.parse(bank)
+    assert (run.fem.sides, run.slide.mpm_sides) == ("free-field", "smooth")
+    said = Config.parse({**bank, "fem": {"sides": "free-field"}})
+    assert (said.fem.sides, said.slide.mpm_sides) == ("free-field", None)
+    chosen = Config.parse({**bank, "slide": {"mpm_sides": "fixed"}})
+    assert chosen.slide.mpm_sides == "fixed"

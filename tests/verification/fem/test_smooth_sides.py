@@ -16,7 +16,7 @@ from fem.limit_load.limit_load import critical_limit_load
 from fem.path.gravity import gravity_equilibrium
 from fem.search.critical import critical_coefficient
 from fem.search.strength_reduction import limit_load_safety_factor, safety_factor
-from fem.settings import BoundsSettings, FemSettings, Sides, usual_sides
+from fem.settings import BoundsSettings, FemSettings, Sides, usual_point_sides, usual_sides
 from meshes.gmsh_model import generate
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -170,3 +170,19 @@ def test_an_embankment_on_level_sand_fails_itself_and_not_the_sand_beside_it() -
     )
     assert level == pytest.approx(0.352, rel=0.05)
     assert out < 0.2
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "sides"),
+    [
+        (4.2, -1.5, "smooth"),  # level behind the bank, a bed that falls by 1 in 20
+        (4.2, -1.0, None),  # level at both ends, as for the elements
+        (7.0, -1.0, None),  # a hillside above the bank moves with it
+    ],
+)
+def test_level_ground_behind_a_bank_is_held_for_material_points(left: float, right: float, sides: Sides | None) -> None:
+    sand = soil("Sand", cohesion="0 kPa", friction_angle="31 deg", density="19 kN/m^3")
+    surface = [[0.0, left], [40.0, 4.2], [52.0, -1.0], [80.0, -1.0], [90.0, right]]
+    for mirrored in (False, True):
+        points = [[90.0 - x, z] for x, z in reversed(surface)] if mirrored else surface
+        assert usual_point_sides(section(sand, base={"elevation": -8.0}, surface=points)) == sides
