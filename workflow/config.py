@@ -208,7 +208,8 @@ class Config(Tables):
             fem, slide = settings.fem, settings.slide
             if "sides" not in fem.model_fields_set:
                 fem = fem.changed(sides=usual_sides(section))
-                slide = slide.changed(mpm_sides=slide.mpm_sides or usual_point_sides(section))
+                if slide.mpm_sides is None and (sides := usual_point_sides(section)) is not None:
+                    slide = slide.changed(mpm_sides=sides)
             used = {
                 **dict(settings),
                 "fem": fem,
