@@ -172,6 +172,13 @@ def check_cancelled() -> None:
         raise KeyboardInterrupt
 
 
+def is_interrupt(error: BaseException | None) -> bool:
+    """Whether an error is Ctrl-C, as such or as compiled code passes it on: as a cause of an error of its own."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
+
+
 def is_left_working() -> bool:
     """Whether a thread still works for which nobody waits."""
     return any(not future.done() for future in _left)

@@ -4,9 +4,10 @@ import os
 import sys
 import traceback
 from collections.abc import Callable
+from typing import NoReturn
 
 from meshes.errors import InputError, NoAnswerError
-from meshes.executor import is_left_working
+from meshes.executor import is_interrupt, is_left_working
 from workflow.run.spelling import spell_out
 
 DONE, FAULT, BAD_INPUT, NO_ANSWER, STOPPED = 0, 1, 2, 3, 130
@@ -26,12 +27,13 @@ def ended(call: Callable[[], object]) -> None:
     except (KeyboardInterrupt, SystemExit) as stop:
         if isinstance(stop, SystemExit) and stop.code != STOPPED:
             raise
-        _complain("Stopped.", style="yellow")  # typer turns Ctrl-C into an exit without a word
-        sys.exit(STOPPED)
+        _stop()  # typer turns Ctrl-C into an exit without a word
     except MemoryError:
         _complain("Out of memory: take larger cells or discs, or a machine with more.")
         sys.exit(BAD_INPUT)
     except Exception as error:
+        if is_interrupt(error):
+            _stop()
         _complain(traceback.format_exc(), style="")
         _complain(
             f"This is a fault of noshiro, not of your input: {type(error).__name__}: {error}",
@@ -52,6 +54,11 @@ def ended_as_program(call: Callable[[], object]) -> None:
             sys.stderr.flush()
             os._exit(stop.code if isinstance(stop.code, int) else int(stop.code is not None))
         raise
+
+
+def _stop() -> NoReturn:
+    _complain("Stopped.", style="yellow")
+    sys.exit(STOPPED)
 
 
 def _complain(*lines: str, style: str = "red") -> None:

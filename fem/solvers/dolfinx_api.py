@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from meshes.errors import InputError
+from meshes.executor import is_interrupt
 
 OLDEST = (0, 5)
 HOW_TO_GET_IT = (
@@ -44,7 +45,7 @@ def require() -> None:
         with _symbols_to_themselves():
             import dolfinx
     except ImportError as error:
-        if isinstance(error.__cause__, KeyboardInterrupt):  # how pybind11 passes Ctrl-C on
+        if is_interrupt(error):
             raise KeyboardInterrupt from None
         raise InputError("dolfinx", [f"cannot be imported ({error}); {HOW_TO_GET_IT}"]) from None
     version = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])

@@ -11,6 +11,7 @@ from datetime import datetime
 from importlib import metadata
 
 from meshes.errors import InputError
+from meshes.executor import is_interrupt
 from workflow.run.store import Store
 
 NAME = "log.txt"
@@ -59,7 +60,7 @@ class Log:
 
     def stop(self, error: BaseException) -> None:
         """Say what stopped the run, with its traceback if it is a fault of the program; a full disk is let pass."""
-        expected = isinstance(error, InputError | KeyboardInterrupt)
+        expected = isinstance(error, InputError) or is_interrupt(error)
         lines = [str(error) or type(error).__name__] if expected else traceback.format_exception(error)
         with suppress(InputError):
             self.line(f"stopped after {time.perf_counter() - self.start:.1f} s: {''.join(lines)}")

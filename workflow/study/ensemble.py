@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Generic
 
 from meshes.errors import InputError, NoAnswerError
-from meshes.executor import LostError, Processes
+from meshes.executor import LostError, Processes, is_interrupt
 from workflow.study.result_cache import Outcome, ResultCache
 from workflow.study.task import Found, Given, Task
 
@@ -172,6 +172,8 @@ def _outcome(task: Task[Given, Found]) -> Outcome:
     except (InputError, NoAnswerError) as error:
         reason = "; ".join(error.problems) if isinstance(error, InputError) else str(error)
     except Exception as error:
+        if is_interrupt(error):
+            raise KeyboardInterrupt from error
         reason, lasting = f"{type(error).__name__}: {error}", False
     return Outcome(
         task=task.name, given=task.given.model_dump(mode="json"), answer=answer, reason=reason,

@@ -1,0 +1,51 @@
+"""Exit codes of the program and what it says at its end."""
+
+from collections.abc import Callable
+
+import pytest
+
+from meshes.errors import InputError
+from workflow.exits import BAD_INPUT, FAULT, STOPPED, ended
+
+
+def interrupted_by_itself() -> None:
+    raise KeyboardInterrupt
+
+
+def interrupted_as_compiled_code_returns() -> None:
+    """As Python tells Ctrl-C that is heard while Numba calls a kernel: twice removed from its cause."""
+    try:
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as heard:
+            raise SystemError("<function _numba_unpickle> returned a result with an exception set") from heard
+    except SystemError as error:
+        raise SystemError("CPUDispatcher(<function members_of>) returned a result with an exception set") from error
+
+
+def refused() -> None:
+    raise InputError("section.toml", ["strata: missing"])
+
+
+def faulty() -> None:
+    raise SystemError("a fault")
+
+
+@pytest.mark.parametrize(
+    ("call", "code", "told"),
+    [
+        (interrupted_by_itself, STOPPED, "Stopped.\n"),
+        (interrupted_as_compiled_code_returns, STOPPED, "Stopped.\n"),
+        (refused, BAD_INPUT, "strata: missing"),
+        (faulty, FAULT, "This is a fault of noshiro, not of your input: SystemError: a fault"),
+    ],
+)
+def test_ends_with_the_code_and_a_sentence(
+    call: Callable[[], None], code: int, told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as stop:
+        ended(call)
+    assert stop.value.code == code
+    said = capsys.readouterr().err
+    assert told in said
+    assert (said == told) == (code == STOPPED)
