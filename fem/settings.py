@@ -5,6 +5,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field, StrictBool
 
+from meshes.section.polyline import downhill
 from meshes.section.quantity import Length, Quantity
 from meshes.section.recorded_kh import RecordedKh
 from meshes.section.section import Model, Section
@@ -69,10 +70,9 @@ def usual_point_sides(section: Section) -> Sides | None:
     str or None
         "smooth", or None for the sides of the elements.
     """
-    ground, (left, right) = section.ground, section.extent
-    ends = np.interp([left, right], ground[:, 0], ground[:, 1])
-    level = _level_ends(section)
-    return "smooth" if level[int(np.argmax(ends))] and not all(level) else None
+    left, right = _level_ends(section)
+    higher, lower = (left, right) if downhill(section.ground) > 0 else (right, left)
+    return "smooth" if higher and not lower else None
 
 
 def _level_ends(section: Section) -> tuple[bool, bool]:

@@ -163,7 +163,7 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
             notes.append(f'stratum "{name}" liquefies but has no disc: take a smaller radius')
             continue
         x, z = ground.to_section(start.x[here], start.z[here])
-        column = ((x - x.min()) / (4.0 * ground.radius)).astype(int)
+        column = _columns(x, ground.radius)
         depth = [float(np.ptp(z[column == c]) + 2.0 * start.radius[here].mean()) for c in np.unique(column)]
         thick = float(np.median(depth))
         if thick < 4.0 * ground.radius:
@@ -173,6 +173,11 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
                 f"radius of {thick / 4.0:.2g} m would show it"
             )
     return notes
+
+
+def _columns(x: np.ndarray, radius: float) -> np.ndarray:
+    """Numbers of the columns, two discs wide, in which discs at x (n,) lie."""
+    return np.asarray((x - x.min()) / (4.0 * radius)).astype(int)
 
 
 def thin_crust(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[str]:
@@ -185,7 +190,7 @@ def thin_crust(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[
     free = np.flatnonzero(~start.fixed)
     x, z = ground.to_section(start.x[free], start.z[free])
     wet, top = np.isin(start.layer[free], strata), z + start.radius[free]
-    column = ((x - x.min()) / (4.0 * ground.radius)).astype(int)
+    column = _columns(x, ground.radius)
     thick = []
     for c in np.unique(column[wet]):
         here = column == c

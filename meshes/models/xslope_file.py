@@ -16,7 +16,7 @@ FEET, POUNDS = 0.3048, 0.04788026  # m of a foot, kPa of a lbf/ft²
 IMPERIAL = 30.0  # unit weights of water above this are in lbf/ft³
 NEAR = 1e-6  # of the width of a section: lines that are nearer to each other touch
 INSIDE = 1e-6  # of an interval: how far from its ends lines are looked at
-OPTIONS = {"mc": "Mohr-Coulomb", "cp": "c/p with depth"}
+OPTIONS = ("mc", "cp")  # Mohr-Coulomb, and c that grows with depth
 Rows = list[tuple[Any, ...]]
 Points = list[tuple[float, float]]
 

@@ -81,11 +81,17 @@ class CohesionField:
         stress = self.effective_stress(middle, middle, np.full(len(middle), stratum))
         return float(np.average(stress, weights=thick)) if len(middle) else 0.0
 
-    def _columns(self, stratum: int) -> tuple[np.ndarray, np.ndarray]:
-        """Thickness (m) and middle (n, 2) of a stratum on the vertical lines that cross it."""
+    @cached_property
+    def _verticals(self) -> tuple[np.ndarray, np.ndarray]:
+        """x (m) of vertical lines over the section, and the elevations (n, k + 1) of its interfaces on them."""
         layers = self.water.layers
         x = layers.x[0] + (layers.x[-1] - layers.x[0]) * (np.arange(COLUMNS) + 0.5) / COLUMNS
-        top, bottom = layers.interfaces(x)[:, stratum : stratum + 2].T
+        return x, layers.interfaces(x)
+
+    def _columns(self, stratum: int) -> tuple[np.ndarray, np.ndarray]:
+        """Thickness (m) and middle (n, 2) of a stratum on the vertical lines that cross it."""
+        x, levels = self._verticals
+        top, bottom = levels[:, stratum : stratum + 2].T
         there = top > bottom
         return (top - bottom)[there], np.column_stack([x, 0.5 * (top + bottom)])[there]
 
@@ -100,8 +106,8 @@ class CohesionField:
         soil, layers = self.water.strata[stratum], self.water.layers
         if not soil.strength_ratio or soil.friction_angle > 0.0 or soil.pre_overburden_pressure is not None:
             return ""
-        x = layers.x[0] + (layers.x[-1] - layers.x[0]) * (np.arange(COLUMNS) + 0.5) / COLUMNS
-        ground, top, bottom = layers.interfaces(x)[:, [0, stratum, stratum + 1]].T
+        x, levels = self._verticals
+        ground, top, bottom = levels[:, [0, stratum, stratum + 1]].T
         points, near = np.column_stack([x, top]), np.column_stack([x, top - SHALLOW * (top - bottom)])
         none = (top > bottom) & (self.at(points, near, np.full(len(x), stratum)) < NO_STRENGTH)
         below = none & (ground > top + layers.tolerance)

@@ -1,6 +1,7 @@
 """The earthquake of a section, a table [earthquake], and the peak acceleration that it lets expect."""
 
 from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -72,13 +73,15 @@ class EarthquakeSettings(Model):
         if self.peak_acceleration is not None:
             return Motion(float(self.peak_acceleration), 0.0, "as given", "the input", "as given")
         if self.record:
-            motion = self._recorded()
+            motion = self._recorded
             return Motion(motion.peak, 0.0, f"the peak of {motion.name}", "the record", "as recorded")
         if self.magnitude is None or self.distance is None:
             return None
         return expected(self, self.magnitude, self.distance)
 
+    @cached_property
     def _recorded(self) -> Accelerogram:
+        """The record, read once."""
         try:
             return read_record(Path(self.record), self.unit, self.component).scaled(self.scale)
         except InputError as error:
@@ -139,7 +142,7 @@ class EarthquakeSettings(Model):
         if self.peak_acceleration is None or not self.record:
             return ""
         try:
-            record = self._recorded()
+            record = self._recorded
         except InputError as error:
             return f"earthquake, record is not used beside peak_acceleration, and cannot be read: {error.problems[0]}"
         peak = float(self.peak_acceleration)
@@ -175,7 +178,7 @@ class EarthquakeSettings(Model):
         """The equivalent cycles of Kh; None where the peak is not known."""
         try:
             motion = self.motion()
-            record = self._recorded() if self.record and self.peak_acceleration is None else None
+            record = self._recorded if self.record and self.peak_acceleration is None else None
         except InputError:
             return None
         if motion is None:

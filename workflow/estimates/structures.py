@@ -7,7 +7,6 @@ from meshes.section.section import Section
 from meshes.section.structure import Kind
 from meshes.section.tension_crack import TensionCrack
 from workflow.estimates.crest import Crest, crest_between, embankments
-from workflow.estimates.slices import LEFT
 from workflow.estimates.slip_circles import NO_CRACK, SlipCircle, critical_circle
 
 
@@ -42,7 +41,7 @@ def face_circle(
     section: Section,
     structure: Standing,
     towards: int,
-    whole: Sequence[SlipCircle],
+    critical: SlipCircle | None,
     kh: float | None,
     least_depth: float,
     vertical: float,
@@ -50,14 +49,11 @@ def face_circle(
 ) -> SlipCircle | None:
     """The critical slip circle of one face of a structure, with which some of its crest slides ``towards`` a side.
 
-    ``whole`` are the critical circles of the ``section``, whose faces may be strengthened, for the same question:
-    that of this side is the circle of the face where some of the crest slides with it. The other arguments are those of
-    `critical_circle`.
+    ``critical`` is the critical circle of the ``section`` towards that side, for the same question: it is the circle of
+    the face where some of the crest slides with it. The other arguments are those of `critical_circle`.
     ``kh``, ``least_depth``, ``vertical``, ``crack``: as there.
     """
-    side = "left" if towards == LEFT else "right"
-    for circle in whole:
-        if circle.towards == side and structure.slides_with([(x, z) for x, z in circle.surface]):
-            return circle
+    if critical is not None and structure.slides_with([(x, z) for x, z in critical.surface]):
+        return critical
     crest = structure.crest.left, structure.crest.right
     return critical_circle(section, towards, kh, least_depth, vertical, crest, crack)

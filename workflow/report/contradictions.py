@@ -24,6 +24,7 @@ FALLEN = 0.25
 ALONG, LEAST_END = (0.1, 0.8), 2.0
 # Times a strict upper bound, beyond which a slip circle is not what fails first.
 NO_CIRCLE = 1.05
+RELY = "rely on elements and bounds, for what fails first is no circle, as along a weak layer"
 NEAR_KC = 0.95  # of the critical Kh, at which a push has come to it
 
 
@@ -59,15 +60,13 @@ def of_circles(results: Results) -> Iterator[str]:
         if factor is not None and part.upper is not None and factor > NO_CIRCLE * part.upper:
             yield (
                 f"slip circles have a factor of safety of {factor:.2f} at Kh = {part.kh:g}, above the strict upper "
-                f"bound of {part.upper:.2f}: rely on elements and bounds, for what fails first is no circle, as along "
-                "a weak layer"
+                f"bound of {part.upper:.2f}: {RELY}"
             )
     critical = min((circle.bishop for circle in circles.critical), default=None)
     if critical is not None and bounds.upper is not None and critical > NO_CIRCLE * bounds.upper + NO_CIRCLE - 1.0:
         yield (
             f"slip circles have a critical Kh of {coefficient(critical)}, above the strict upper bound of "
-            f"{coefficient(bounds.upper)}: rely on elements and bounds, for what fails first is no circle, as along a "
-            "weak layer"
+            f"{coefficient(bounds.upper)}: {RELY}"
         )
 
 

@@ -61,8 +61,7 @@ def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
             job.progress(f"{structure.name}, towards the {towards}", None)
             parts: dict[float | None, tuple[CirclePart, ...]] = {}
             for kh, ground, circle in ((kh, *of) for (kh, of_side), of in whole.items() if of_side == side):
-                given = () if circle is None else (circle,)
-                face = face_circle(ground, structure, side, given, kh, fem.least_depth, fem.vertical, crack)
+                face = face_circle(ground, structure, side, circle, kh, fem.least_depth, fem.vertical, crack)
                 parts[kh] = _parts(section, kh, ((ground, face),))
             crest = structure.crest
             yield FacePart(

@@ -212,11 +212,11 @@ def test_a_levee_and_its_low_water_bank_are_told_apart() -> None:
     assert bank is not None
     assert not levee.slides_with(bank.surface)
     assert bank.bishop == pytest.approx(0.039, abs=0.001)
-    circle = face_circle(section, levee, LEFT, [bank], None, 0.0, 0.0)
+    circle = face_circle(section, levee, LEFT, bank, None, 0.0, 0.0)
     assert circle is not None
     assert levee.slides_with(circle.surface)
     assert circle.bishop == pytest.approx(0.146, abs=0.003)
-    assert face_circle(section, levee, LEFT, [circle], None, 0.0, 0.0) is circle
+    assert face_circle(section, levee, LEFT, circle, None, 0.0, 0.0) is circle
 
 
 def _bank(sand: str) -> Section:
