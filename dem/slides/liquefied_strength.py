@@ -1,6 +1,6 @@
 """Constants of liquefied layers, and the residual strength of soil discs."""
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from dem.model import DiscModel
 from dem.slides.overburden import effective_overburden
 from dem.slides.volume import area_per_disc
 from dem.springs import Law, LayerSprings
+from meshes.section.section import Section
 from meshes.section.strain_potential import BEYOND, stress_at_potential
 
 NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go through each other
@@ -41,6 +42,20 @@ def liquefied(
                 layer = layer.liquefied(*(float(max(f, 1e-12) ** share) if share < 1.0 else f for f in factors))
         out.append(layer if law == "soil" else replace(layer, allowed_overlap=NO_LIMIT))
     return out
+
+
+def effect_of(case: Case, section: Section, strata: Sequence[int], law: Law) -> Hashable:
+    """All that discs feel of a case: two cases of one effect slide alike, to the last bit.
+
+    The paper's discs take factors. Soil discs take the strength that each stratum keeps, and the stiffness with which
+    they come to it unless a strain potential says that instead (see `onset`).
+    case: what liquefaction leaves; section: the ground; strata: numbers of those that liquefy; law: of the contacts.
+    """
+    felt = tuple(strata), case.volumetric_strain, bool(case.residual or case.residual_strength)  # notes name the last
+    if law == "paper":
+        return *felt, case.stiffness, case.damping_left, case.friction
+    kept = [case.remains_of(section, k) for k in strata]
+    return *felt, tuple((remains, 0.0 if remains.strain_potential else case.stiffness) for remains in kept)
 
 
 def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> Onset:

@@ -8,13 +8,18 @@ import numpy as np
 import pytest
 import tomli_w
 
+from dem.case import Case
 from dem.model import DiscModel
 from dem.search.levelling import misfit
 from dem.settings import SlideSettings
+from dem.slides.liquefaction import Slider
+from dem.slides.liquefied_strength import effect_of
 from meshes.section.section import Section
 from tests.support.command_line import run
 from tests.support.sections import layer
 from workflow.config import Config
+from workflow.run.store import Store
+from workflow.stages.discs_at_rest import ground_for
 
 SECTION: dict[str, Any] = {
     "name": "soil",
@@ -22,7 +27,7 @@ SECTION: dict[str, Any] = {
     "base": {"elevation": 0.0},
     "strata": [
         layer("crust", bottom={"elevation": 6.0}, cohesion="2 kPa", friction_angle="30 deg"),
-        layer("loose", bottom={"elevation": 3.0}, cohesion="0 kPa", friction_angle="33 deg", liquefies_in=[1, 2]),
+        layer("loose", bottom={"elevation": 3.0}, cohesion="0 kPa", friction_angle="33 deg", liquefies_in=[1, 2, 3]),
         layer("clay", cohesion="40 kPa", friction_angle="0 deg"),
     ],
     "mesh": {"size": "2 m"},
@@ -32,7 +37,8 @@ SECTION: dict[str, Any] = {
         "element_tests": False,
     },
     "slide": {"methods": ["discs"], "seeds": [1], "duration": 4.0, "frames": 3, "kh_seconds": 1.0,
-              "cases": [{"stiffness": 0.1, "residual": 0.1}, {"volumetric_strain": 0.03}]},
+              "cases": [{"stiffness": 0.1, "residual": 0.1}, {"volumetric_strain": 0.03},
+                        {"stiffness": 0.1, "residual": 0.1, "damping": 0.3}]},
 }  # fmt: skip
 
 
@@ -90,13 +96,47 @@ def test_the_ground_before_anything_is_the_sections(whole: Path) -> None:
 
 def test_the_slides(whole: Path) -> None:
     cases = answer(whole, "dem/cases.json")["sets"]["calibrated"]
-    assert set(cases) == {"1", "2"}
+    assert set(cases) == {"1", "2", "3"}
     for case in cases.values():
         assert case["escaped"] == 0
         assert case["overlap"] < 0.5
         assert case["settlement_uphill_m"] >= 0.0
         assert abs(case["area_lost_share"]) < 0.05
         assert case["slide_max_m"] < 8.0
+
+
+def test_cases_that_soil_discs_feel_alike_are_one_slide(whole: Path) -> None:
+    """Soil discs have no use for a factor on dashpots: case 3 is case 1, states included, and is not computed again."""
+    cases = answer(whole, "dem/cases.json")
+    assert cases["sets"]["calibrated"]["1"] == cases["sets"]["calibrated"]["3"]
+    assert cases["sets"]["calibrated"]["1"] != cases["sets"]["calibrated"]["2"]
+    assert sum((whole / f"dem/slide_calibrated_{n}").exists() for n in (1, 3)) == 1
+    states = [[file.read_bytes() for file in sorted(whole.glob(f"dem/case{n}/*.vtp"))] for n in (1, 3)]
+    assert states[0] == states[1] != []
+    for case in cases["random"]["cases"].values():
+        assert len(case["slide_max_m"]["values"]) == len(cases["random"]["cases"]["1"]["slide_max_m"]["values"])
+
+
+def test_what_soil_discs_feel_of_a_case_is_all_that_their_slide_depends_on(whole: Path) -> None:
+    """Slides of one effect have the same bits; where stiffness is felt, the effect and the bits are others."""
+    config = Config.load(whole / "section.toml")
+    start = DiscModel.load(whole / "dem/calibrated.h5")
+    ground = ground_for(config.section, Store(whole), config.dem, start)
+    settings = config.slide.changed(duration=4.0)  # they liquefy after 2 s
+
+    def slid(case: Case) -> tuple[object, list[float]]:
+        slide = Slider(start, ground, [1], case, settings).run()
+        return effect_of(case, config.section, [1], "soil"), slide.slide
+
+    potential = {"residual": 0.2, "strain_potential": 0.2}
+    one, other = (slid(Case(**potential, stiffness=stiffness, damping=stiffness)) for stiffness in (0.1, 0.01))
+    assert one == other
+    soft, stiff = (slid(Case(residual=0.1, stiffness=stiffness)) for stiffness in (0.01, 0.5))
+    assert soft[0] != stiff[0]
+    assert soft[1] != stiff[1]
+    drained = slid(Case(**potential, volumetric_strain=0.02))
+    assert drained[0] != one[0]
+    assert drained[1] != one[1]
 
 
 def test_settings_of_the_paper_are_refused_with_words(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

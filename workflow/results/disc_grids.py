@@ -1,5 +1,6 @@
 """Discs and their pore springs as VTK files, in the section's frame."""
 
+import shutil
 from pathlib import PurePath
 
 import numpy as np
@@ -69,3 +70,14 @@ def frames(store: Store, name: str, folder: str = "dem") -> dict[int, str]:
     """The files of a case by their numbers, in time."""
     files = store.matching([f"{folder}/{name}/frame_*.vtp"])
     return dict(sorted((int(PurePath(file).stem.removeprefix("frame_")), file) for file in files))
+
+
+def copy_frames(store: Store, of: str, to: str, folder: str = "dem") -> None:
+    """The states of one case as those of another that slides alike.
+
+    ``store``: the folder of the run; ``of``, ``to``: the cases by the names of their files; ``folder``: of both.
+    """
+    store.remove(list(frames(store, to, folder).values()))
+    for number, file in frames(store, of, folder).items():
+        with store.writing(frame_file(to, number, folder)) as path:
+            shutil.copyfile(store.folder / file, path)

@@ -15,7 +15,7 @@ from meshes.executor import SERIAL, Executor, Tell
 from workflow.config import Config
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer, RandomPackings
-from workflow.results.disc_grids import case_name, frames, write_collection
+from workflow.results.disc_grids import case_name, copy_frames, frames, write_collection
 from workflow.results.history import SlideHistory, read_histories, write_histories
 from workflow.run.progress import Progress
 from workflow.run.stage import Job
@@ -23,7 +23,7 @@ from workflow.run.store import Store
 from workflow.stages.discs_at_rest import PAPER, SETTLED, ground_for
 from workflow.stages.liquefaction import liquefying
 from workflow.stages.random_packings import Packing, RandomPackingsWanted, packed
-from workflow.stages.sliding import ALONE, PlannedSlide, SlideTask, slid, task
+from workflow.stages.sliding import ALONE, PlannedSlide, SlideTask, first_alike, slid, task
 
 USUAL, ALMOST = 0.4, 0.9  # of the time that a slide may last, when it is at rest as a rule; what is done by then
 
@@ -38,10 +38,13 @@ def slide_stage(job: Job) -> None:
     if config.slide.packings(config.dem.model) and wanted:
         others = RandomPackingsWanted.of(config, store, wanted)
     packings = others.at_once() if others is not None else []  # these take longest, and so begin
-    pieces: list[SlideTask | Packing] = [*packings, *(SlideTask(config, store, each, frames=True) for each in tasks)]
+    alike = first_alike(config, tasks)
+    computed = list(dict.fromkeys(alike.values()))
+    pieces: list[SlideTask | Packing] = [*packings, *(SlideTask(config, store, each, frames=True) for each in computed)]
     hearer = Hearer(config, job.progress, pieces)
     outcomes = job.executor.compute(_computed, pieces, hearer, hearer.ended)
-    slides: dict[PlannedSlide, Slide] = dict(zip(tasks, outcomes[len(packings) :], strict=True))
+    found: dict[PlannedSlide, Slide] = dict(zip(computed, outcomes[len(packings) :], strict=True))
+    slides = {each: found[alike[each]] for each in tasks}
     random: RandomPackings | None = None
     if others is not None:
         calibrated = {
@@ -50,8 +53,11 @@ def slide_stage(job: Job) -> None:
         random = others.answer(job, outcomes[: len(packings)], calibrated)
     write_histories(store, (SlideHistory(t.springs, t.number, tuple(slide.rows)) for t, slide in slides.items()))
     CasesAnswer(sets={springs: _cases(slides, springs) for springs in starts}, random=random).write(store)
-    for each in tasks:
-        write_collection(store, case_name(each.springs, each.number))
+    for each, first in alike.items():
+        name = case_name(each.springs, each.number)
+        if each is not first:
+            copy_frames(store, case_name(first.springs, first.number), name)
+        write_collection(store, name)
     job.progress("pictures of the slides", None)
     slide_pictures(config, store, job.executor)
 

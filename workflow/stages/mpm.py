@@ -2,7 +2,6 @@
 
 import copy
 import math
-import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -65,7 +64,7 @@ def work(job: Job) -> None:
     The answer says so where the method is not applicable.
     """
     from fem.mpm.slide import DECAYS
-    from workflow.results.disc_grids import write_collection
+    from workflow.results.disc_grids import copy_frames, write_collection
 
     config = job.config
     wanted = [n for n in liquefying(config) if job.cases is None or n in job.cases]
@@ -108,7 +107,7 @@ def work(job: Job) -> None:
     job.store.remove(job.store.matching(["mpm/checkpoint_*"]))
     for number in wanted:
         if alike[number] != number:
-            _copy_frames(job.store, alike[number], number)
+            copy_frames(job.store, f"case{alike[number]}", f"case{number}", FOLDER)
         write_collection(job.store, f"case{number}", FOLDER)
     draw(job)
 
@@ -119,15 +118,6 @@ def _alike(config: Config, wanted: Sequence[int]) -> dict[int, int]:
     remains = remaining(config)
     strength = {n: (remains[n], config.cases[n - 1].volumetric_strain) for n in wanted}
     return {n: next(first for first in wanted if strength[first] == strength[n]) for n in wanted}
-
-
-def _copy_frames(store: Store, of: int, to: int) -> None:
-    """The states of one case as those of another that slides alike."""
-    from workflow.results.disc_grids import frame_file, frames
-
-    for number, file in frames(store, f"case{of}", FOLDER).items():
-        with store.writing(frame_file(f"case{to}", number, FOLDER)) as path:
-            shutil.copyfile(store.folder / file, path)
 
 
 def draw(job: Job) -> None:

@@ -14,7 +14,7 @@ from workflow.results.cases import QUANTITIES, Profile, RandomCase, RandomPackin
 from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.stages.discs_at_rest import calibrator_for, continuum_for, discs_at_rest
-from workflow.stages.sliding import SlideTask, slid, task
+from workflow.stages.sliding import SlideTask, first_alike, slid, task
 
 Packed = tuple[Seed, dict[int, Slide]]  # how it was calibrated, and its slides by case
 
@@ -130,7 +130,9 @@ def packed(packing: Packing, tell: Tell) -> Packed:
     tell("slides")
     start = calibrator.settled_with(parameter, seed.value)
     tasks = [task(config, f"seed{packing.seed}", number, start, calibrator.ground) for number in packing.numbers]
-    return seed, {each.number: slid(SlideTask(config, store, each), lambda _: None) for each in tasks}
+    alike = first_alike(config, tasks)
+    slides = {each: slid(SlideTask(config, store, each), lambda _: None) for each in dict.fromkeys(alike.values())}
+    return seed, {each.number: slides[alike[each]] for each in tasks}
 
 
 def _untouched(seed: int) -> Seed:

@@ -1,5 +1,6 @@
 """One slide: from its discs at rest, or from its last checkpoint, to its end."""
 
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
 from dem.case import Case
@@ -7,6 +8,7 @@ from dem.ground import Ground
 from dem.model import DiscModel
 from dem.settings import PAPER_PUSH
 from dem.slides.liquefaction import Slider
+from dem.slides.liquefied_strength import effect_of
 from dem.slides.row import Row
 from dem.slides.slide import Slide
 from meshes.executor import Tell
@@ -44,6 +46,17 @@ class PlannedSlide:
     def folder(self) -> str:
         """Where the checkpoints are, within the folder of the run."""
         return f"dem/slide_{self.springs}_{self.number}"
+
+    def effect(self, config: Config) -> Hashable:
+        """What two slides of one run have in common that are the same slide."""
+        case = None if self.case is None else effect_of(self.case, config.section, self.strata, self.start.law)
+        return self.springs, case
+
+
+def first_alike(config: Config, tasks: Sequence[PlannedSlide]) -> dict[PlannedSlide, PlannedSlide]:
+    """For every slide the first of them that is the same, itself where no other is: only that has to be computed."""
+    first: dict[Hashable, PlannedSlide] = {}
+    return {each: first.setdefault(each.effect(config), each) for each in tasks}
 
 
 def task(config: Config, springs: str, number: int, start: DiscModel, ground: Ground) -> PlannedSlide:
