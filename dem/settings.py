@@ -226,8 +226,8 @@ class SlideSettings(Model):
     still: float = Field(
         default=0.01,
         gt=0.0,
-        description="at rest: movement of the surface (m) in 5 s, less than that twice in a row, or by points less "
-        "than 0.2 % of the slide",
+        description="at rest: movement of the surface (m) in 5 s, while discs may oscillate by three times that; of "
+        "points that or 0.2 % of the slide, twice in a row",
     )
     duration: float = Field(default=60.0, gt=0.0, description="seconds after which a slide is not followed further")
     methods: tuple[Literal["discs", "mpm"], ...] = Field(

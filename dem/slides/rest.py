@@ -9,29 +9,33 @@ from collections.abc import Sequence
 import numpy as np
 
 WINDOW = 5.0  # s
-WINDOWS = 2  # in a row
+SWING = 3.0  # times what counts as still, about where the ground has come to lie: little damps the swing of firm ground
+LATELY = 10.0  # s
 LITTLE = 0.01  # of the energy turned over, in a window
 
 
 def at_rest(times: Sequence[float], moved: Sequence[Sequence[float]], still: float) -> bool:
-    """Whether nothing has moved by `still` (m) within each of the last windows.
+    """Whether nothing moved on by `still` (m) within the last window, nor swung by more than a few times that.
+
+    What moved on is twice the way between the mean places in the two halves of the window: ground that creeps moves on
+    as far as it moves, and ground that swings by much less.
 
     times (n,): of the looks (s), rising; moved (n, k): what is watched at each look (m): slides and settlements of the
     thirds, and the largest slide.
     """
     time, where = np.asarray(times, float), np.asarray(moved, float)
-    if len(time) == 0 or time[-1] - time[0] < WINDOWS * WINDOW - 1e-9:
+    if len(time) == 0 or time[-1] - time[0] < WINDOW - 1e-9:
         return False
-    for k in range(WINDOWS):
-        inside = (time >= time[-1] - (k + 1) * WINDOW - 1e-9) & (time <= time[-1] - k * WINDOW + 1e-9)
-        if np.ptp(where[inside], axis=0).max() >= still:
-            return False
-    return True
+    since = time - time[-1] + WINDOW
+    late, middle = since > -1e-9, 0.5 * WINDOW
+    earlier, later = where[late & (since < middle + 1e-9)], where[since > middle - 1e-9]
+    moved_on = 2.0 * np.abs(later.mean(axis=0) - earlier.mean(axis=0))
+    return bool(moved_on.max() < still and np.ptp(where[late], axis=0).max() < SWING * still)
 
 
 def moved_lately(times: Sequence[float], moved: Sequence[float]) -> float:
-    """How much something moved within the last windows (m); times (n,) of the looks (s), moved (n,) at each (m)."""
-    first = int(np.searchsorted(np.asarray(times, float), times[-1] - WINDOWS * WINDOW - 1e-9))
+    """How much something moved within the last 10 s (m); times (n,) of the looks (s), moved (n,) at each (m)."""
+    first = int(np.searchsorted(np.asarray(times, float), times[-1] - LATELY - 1e-9))
     return float(np.ptp(np.asarray(moved, float)[first:]))
 
 

@@ -23,8 +23,8 @@ SETTLE, LONGEST_SETTLING = 0.5, 30.0  # s between two looks at that, and after w
 STILL = 1e-4  # m: movement between those looks with which the ground is at rest
 LOOK = 0.5  # s between two looks
 ONSET_STEPS = 20  # in which strength changes as ground liquefies
-# 1/s: with which velocities of points decay that the grid cannot resolve. The smaller one keeps more noise; both are
-# computed, and their difference is part of the method's interval.
+# 1/s: with which velocities of points decay that the grid cannot resolve. The first one counts. The smaller one keeps
+# more noise; the difference of the two, in coarse cells, is part of the method's interval.
 DECAYS = (10.0, 1.0)
 # s: viscosity over stiffness of liquefied ground that has not strained by its potential. With it ground comes to rest
 # where it would if its stiffness were lost slowly, and does not swing for minutes; the loops of sand take that energy.

@@ -15,7 +15,7 @@ class PointCase(MovedSurface):
     """One case by material points. Lengths in m, downslope and down positive."""
 
     slide_max_m: float = Field(description="largest slide of the surface, with velocities given up at 10 1/s")
-    slide_max_low_m: float = Field(description="smallest of the slides with 10 and 1 1/s and that in finer cells")
+    slide_max_low_m: float = Field(description="smallest of it, and of what finer cells and a decay of 1 1/s come to")
     slide_max_high_m: float = Field(description="largest of the three; that is the method's interval")
     slide_max_at_x_m: float = Field(description="where the surface slides furthest")
     slide_uphill_m: float = Field(description="median over the uphill third of the surface")

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 FOLDER = "mpm"  # of its files
 LEAD = 2.0  # s in which Kh comes on before anything liquefies, as for the discs
 DOUBTED_FROM = 0.05  # m: the energies of a smaller slide are those of a ground that swings
-COARSE = 2  # times larger cells, with which the error of their size is found
+COARSE = 2  # times larger cells, with which the errors by their size and by the decay of velocities are found
 TINY = 1e-6  # s: sums of steps are off by less
 AFTER = 1.0  # s after Kh has gone, from which on the ground may come to rest
 
@@ -43,13 +43,14 @@ class PointRun:
 
     @property
     def name(self) -> str:
-        """Name of the case and, where it is not the one that counts, how it differs from that."""
+        """Name of the case and, where it is not the slide that counts, how it differs from that."""
         from fem.mpm.slide import DECAYS
 
         called = self.config.called(self.number)
-        if self.coarse:
-            return f"{called}, for its error in cells {COARSE} times larger"
-        return called if self.decay == DECAYS[0] else f"{called}, for its error with velocities that decay slower"
+        if not self.coarse:
+            return called
+        slower = "" if self.decay == DECAYS[0] else ", with velocities that decay slower"
+        return f"{called}, for its error in cells {COARSE} times larger{slower}"
 
     @property
     def checkpoint(self) -> Path | None:
@@ -80,8 +81,8 @@ def work(job: Job) -> None:
         run
         for number in dict.fromkeys(alike.values())
         for run in (
-            *(PointRun(config, slider, number, decay, job.store) for decay in DECAYS),
-            PointRun(config, coarse, number, DECAYS[0], job.store, coarse=True),
+            PointRun(config, slider, number, DECAYS[0], job.store),
+            *(PointRun(config, coarse, number, decay, job.store, coarse=True) for decay in DECAYS),
         )
     ]
     shares = [0.0] * len(runs)
@@ -241,20 +242,21 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
 
 
 def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
-    """A case as its answer holds it, from the slides with both decays and that in coarse cells.
+    """A case as its answer holds it, from the slide that counts, and those in coarse cells with both decays.
 
-    Slides converge with the first power of the size of the cells, so that the last one tells what finer cells would
-    come to (Richardson's extrapolation).
+    Slides converge with the first power of the size of the cells, so that the second one tells what finer cells would
+    come to (Richardson's extrapolation). The third one, beside it, tells what the decay changes.
     """
     from fem.mpm.slide import LOSS
 
-    counts, other, coarse = slides
+    counts, coarse, slower = slides
     slide, settlement = counts.slide[-1], counts.settlement[-1]
     uphill_first = counts.before[0, 1] >= counts.before[-1, 1]
     thirds = [np.array_split(values if uphill_first else values[::-1], 3) for values in (slide, settlement)]
     names = ("uphill", "middle", "downhill")
     finer = counts.slide_max + (counts.slide_max - coarse.slide_max) / (COARSE - 1)
-    ends = counts.slide_max, other.slide_max, max(finer, 0.0)
+    decaying_slower = counts.slide_max + slower.slide_max - coarse.slide_max
+    ends = counts.slide_max, max(decaying_slower, 0.0), max(finer, 0.0)
     notes = []
     lost = 100.0 * counts.energy_lost_share
     if abs(counts.energy_lost_share) > LOSS and counts.slide_max > DOUBTED_FROM:

@@ -8,11 +8,23 @@ from dem.slides.rest import at_rest, moved_lately, residual_motion_source
 TIMES = np.arange(0.0, 12.5, 0.5)
 
 
-def test_ground_that_lies_still_for_two_windows_is_at_rest() -> None:
+def test_ground_that_has_lain_still_for_five_seconds_is_at_rest() -> None:
     moved = np.where(TIMES < 2.0, TIMES, 2.0)[:, None] * [1.0, 0.5]
+    early = TIMES < 7.1
     assert at_rest(TIMES, moved, 0.01)
-    assert not at_rest(TIMES[:-2], moved[:-2], 0.01)  # 11 s in all, still for 9
+    assert at_rest(TIMES[early], moved[early], 0.01)
+    assert not at_rest(TIMES[early][:-1], moved[early][:-1], 0.01)  # still for 4.5 s
+    assert not at_rest(TIMES[TIMES > 7.9], moved[TIMES > 7.9], 0.01)  # watched for 4 s
     assert not at_rest([], [], 0.01)
+
+
+@pytest.mark.parametrize(("period", "swings"), [(0.7, 0.014), (1.3, 0.014), (1.3, 0.016)])
+def test_ground_may_swing_about_where_it_lies_but_not_while_it_moves_on(period: float, swings: float) -> None:
+    """A swing of 2.8 cm is no slide, one of 3.2 cm is too much to tell; nothing slides on under cover of a swing."""
+    swing = (swings * np.sin(2.0 * np.pi * TIMES / period))[:, None]
+    assert at_rest(TIMES, swing, 0.01) == (swings < 0.015)
+    creep = 0.0025 * TIMES[:, None]
+    assert not at_rest(TIMES, swing + creep, 0.01)
 
 
 @pytest.mark.parametrize("column", [0, 1])
