@@ -1,10 +1,14 @@
 """Cone penetration tests of an AGS4 file: SCPT, the readings, and SCPG, what stands for all of a test."""
 
+import re
+
 from pydantic import ValidationError
 
 from meshes.borings.ags4_groups import Groups, Row
 from meshes.borings.boring import Cone
 from meshes.section.sentences import sentences
+
+NO_READING = re.compile(r"-9{3,}(\.\d*)?")  # what loggers write for a reading that is missing
 
 
 def cones_of(name: str, groups: Groups) -> tuple[Cone, ...]:
@@ -12,12 +16,15 @@ def cones_of(name: str, groups: Groups) -> tuple[Cone, ...]:
 
     The resistance is SCPT_QT; where that was not reported it is SCPT_RES + (1 - a) SCPT_PWP2 with the area ratio a of
     the cone, SCPG_CAR, or SCPT_RES alone, which in sand is nearly the same. Sleeve friction below zero, noise, is zero.
-    Readings without a resistance or a sleeve friction are left out, as files have them where a push begins.
+    Readings without a resistance or a sleeve friction, or with -999 for it, are left out, as files have them where a
+    push begins.
     """
     ratios = {location.get("SCPG_TESN", ""): location.get("SCPG_CAR", "") for location in groups.of("SCPG", name)}
     cones: dict[float, Cone] = {}
     for row in groups.of("SCPT", name):
         if not (row.get("SCPT_RES") or row.get("SCPT_QT")) or not row.get("SCPT_FRES"):
+            continue
+        if any(NO_READING.fullmatch(row.get(key, "")) for key in ("SCPT_QT", "SCPT_RES", "SCPT_FRES")):
             continue
         depth = row.get("SCPT_DPTH", "")
         if not depth:

@@ -138,13 +138,14 @@ def _samples(name: str, groups: Groups) -> tuple[Sample, ...]:
             groups.problems.append(f"boring {name}: a blow count N = {count or report} without a depth, ISPT_TOP")
             continue
         where = f"boring {name}, SPT at {row['ISPT_TOP']} {groups.units['ISPT_TOP']}"
-        if not count and not report:
+        driven = _driven(row)
+        if not count and not report and not driven:
             groups.notices.append(f"{where}: has neither ISPT_NVAL nor ISPT_REP, and is not used")
             continue
         depth = _number(row, "ISPT_TOP", name, groups) + MIDDLE
         if math.isnan(depth):
             continue
-        sample = _sample(f"{where}, ", depth, _count_of(count, report), row.get("ISPT_ERAT", ""), groups)
+        sample = _sample(f"{where}, ", depth, _count_of(count, report, driven), row.get("ISPT_ERAT", ""), groups)
         if sample is None:
             continue
         other = samples.setdefault(depth, sample)
@@ -154,12 +155,24 @@ def _samples(name: str, groups: Groups) -> tuple[Sample, ...]:
     return tuple(samples[depth] for depth in sorted(samples))
 
 
-def _count_of(count: str, report: str) -> str:
-    """The text of the blow count: ISPT_REP where that is a refusal, or where there is no ISPT_NVAL."""
-    try:
-        return report if not count or is_refusal(read_blows(report)) else count
-    except ValueError:
-        return count or report
+def _driven(row: Row) -> str:
+    """The blows of the main drive, ISPT_MAIN, for their penetration, ISPT_NPEN (mm); empty where one is missing."""
+    blows, depth = row.get("ISPT_MAIN", ""), row.get("ISPT_NPEN", "")
+    return f"{blows} for {depth} mm" if blows.isdecimal() and depth.isdecimal() and float(depth) > 0.0 else ""
+
+
+def _count_of(count: str, report: str, driven: str) -> str:
+    """The text of the blow count: ISPT_NVAL, unless the report or the drive says refusal, or there is none.
+
+    ``count``: ISPT_NVAL; ``report``: ISPT_REP; ``driven``: blows for a penetration.
+    """
+    for text in (report, driven):
+        try:
+            if text and (not count or is_refusal(read_blows(text))):
+                return text
+        except ValueError:
+            continue
+    return count or report
 
 
 def _sample(where: str, depth: float, count: str, energy: str, groups: Groups) -> Sample | None:

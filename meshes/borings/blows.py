@@ -18,7 +18,7 @@ EXPECTED = (
 MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "inch": 25.4, "inches": 25.4, '"': 25.4, "ft": 304.8,
                "foot": 304.8, "feet": 304.8, "'": 304.8, "": 1.0}  # fmt: skip
 NUMBER = r"(\d+(?:\.\d+)?)"
-AT_LEAST = re.compile(rf"(?:N\s*)?(?:>=?|≥|=>)\s*{NUMBER}|{NUMBER}\s*\+", re.IGNORECASE)
+AT_LEAST = re.compile(rf"(?:N\s*)?(?:>=?|≥|=>)\s*{NUMBER}|{NUMBER}\s*(?:\+|以上)", re.IGNORECASE)
 # Which tool was driven, "S" the split spoon and "C" a solid cone, that it was stopped, and a mark of a footnote say
 # nothing of the count.
 BESIDE = re.compile(r"^\(?[SC]\)?(?=[\s\d(N])\s*|\s*\(?\b[SC]\)?$|\*+|\s*-\s*abandoned$", re.IGNORECASE)
@@ -38,10 +38,12 @@ DRIVEN = re.compile(
 )
 BARE = re.compile(rf"(?<![/\d.]){NUMBER}\s*/\s*{NUMBER}")
 WORDS = {"r", "ref", "ref.", "refusal", "refused", "refus", "rechazo", "rifiuto", "rebote", "abbruch", "貫入不能"}
-UNDER_ITS_WEIGHT = re.compile(r"(woh|wor|wr|wh|hw|rw|sw)(\s*/.*)?", re.IGNORECASE)
+UNDER_ITS_WEIGHT = re.compile(r"(woh|wor|wr|wh|hw|rw|sw|(モンケン|ハンマー|ロッド)?自沈)(\s*/.*)?", re.IGNORECASE)
 WORD = "|".join(map(re.escape, sorted(WORDS, key=len, reverse=True)))
 REFUSED = re.compile(
-    rf"(?:N\s*[=:]\s*)?(?:{NUMBER}[\s(/-]*)?(?:{WORD})\)?|(?:{WORD})[\s(/-]*{NUMBER}\)?", re.IGNORECASE
+    rf"(?:N\s*[=:]\s*)?(?:{NUMBER}[\s(/-]*)?(?:{WORD})\)?|(?:{WORD})[\s(/-]*{NUMBER}\)?"
+    rf"|(?:{WORD})\s*(?:/|for)\s*[\d.]+\s*(?:{LENGTH})",
+    re.IGNORECASE,
 )
 
 

@@ -1,5 +1,6 @@
 """Borings on the line of a section, and their layers connected by name from one to the next."""
 
+import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -9,11 +10,12 @@ from itertools import pairwise
 import numpy as np
 
 from meshes.borings.complaints import folded
-from meshes.borings.log import Log, LogLayer
+from meshes.borings.log import Log, LogLayer, joined
 from meshes.errors import InputError
 from meshes.section.numbering import Piece, Stack, stacked
 
 REMEDY = "--borings names those of the section"
+WATER_ABOVE = 0.1  # m, by which water is told to stand above the ground
 OFF_LINE = 20.0  # m, beside the line, beyond which a boring does not belong to the section
 
 
@@ -135,6 +137,7 @@ def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
     A layer that lies above and below others is several strata, with numbers. What lies below a boring's end is taken
     level from the nearest boring that reached it. Raises InputError.
     """
+    logs, alike = _spelled_alike(logs)
     everything = placed(logs, off_line)
     borings = tuple(boring for boring in everything if boring.log.layers)
     soundings = tuple(boring for boring in everything if not boring.log.layers)
@@ -159,7 +162,33 @@ def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
             if len(there) < len(values) == 2 and there and above[place] == ground[place]:
                 level = _end_at_the_ground(there[0], levels[left if values[0] is None else left + 1], level)
             bottoms[k, place] = min(level, float(above[place]))
+    notices = [*alike, *notices, *_water_above(borings)]
     return Connected(borings, names, x, ground, bottoms, soundings, tuple(notices))
+
+
+def _spelled_alike(logs: Sequence[Log]) -> tuple[list[Log], list[str]]:
+    """The borings with one name for layers whose names differ in capitals and blanks alone, and a sentence for each."""
+    first: dict[str, str] = {}
+    spellings: dict[str, list[str]] = {}
+    for name in (layer.name for log in logs for layer in log.layers):
+        plain = " ".join(name.split()).casefold()
+        spellings.setdefault(first.setdefault(plain, name), []).append(name)
+    whole = {name: kept for kept, names in spellings.items() for name in names}
+    one = [
+        replace(log, layers=tuple(joined([replace(layer, name=whole[layer.name]) for layer in log.layers])))
+        for log in logs
+    ]
+    several = [list(dict.fromkeys(names)) for names in spellings.values() if len(set(names)) > 1]
+    return one, [f'{" and ".join(json.dumps(name, ensure_ascii=False) for name in names)} are taken for one stratum, '
+                 f'"{names[0]}"' for names in several]  # fmt: skip
+
+
+def _water_above(borings: Sequence[Placed]) -> list[str]:
+    """A sentence for each boring whose water stands above its ground: open water, a head, or a slip."""
+    above = [(at.log, at.log.water_level - at.log.ground_level) for at in borings if at.log.water_level is not None]
+    return [f"boring {log.name}: its water level, {log.water_level:.4g} m, is {height:.3g} m above its ground: "
+            "expected the elevation of a water table, or of a river or pond that stands there"
+            for log, height in above if height > WATER_ABOVE]  # fmt: skip
 
 
 def _end_at_the_ground(bottom: float, ground: float, half_way: float) -> float:

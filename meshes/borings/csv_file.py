@@ -9,16 +9,26 @@ from pydantic import ValidationError
 from meshes.borings.boring import Sample
 from meshes.borings.complaints import folded
 from meshes.borings.cone_file import read_cones
-from meshes.borings.log import BoringFile, Log, LogLayer, depth_problems, joined, layer_problems, refusal_notices
-from meshes.borings.plausible import implausible_sample
+from meshes.borings.log import (
+    DEPTHS_EXPECTED,
+    BoringFile,
+    Log,
+    LogLayer,
+    depth_problems,
+    joined,
+    layer_problems,
+    refusal_notices,
+)
+from meshes.borings.plausible import implausible_sample, shares_for_percent
 from meshes.borings.table import NOT_MEASURED, PLACE, Table, has_column, read_table, with_unit, written
 from meshes.errors import InputError
 from meshes.section.quantity import DENSITY
 from meshes.section.sentences import sentences
 
 NEEDED = ("boring", "ground_level", "top", "bottom", "layer")
-KNOWN = (*NEEDED, *PLACE, "N", "fines", "d50", "plasticity", "unit_weight", "water_level", "energy_ratio")
-OF_A_BORING = (*PLACE, "ground_level", "water_level")
+WATER = ("water_level", "water_depth")
+KNOWN = (*NEEDED, *PLACE, "N", "fines", "d50", "plasticity", "unit_weight", *WATER, "energy_ratio")
+OF_A_BORING = (*PLACE, "ground_level", *WATER)
 
 
 def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:
@@ -45,7 +55,8 @@ def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
     if table.problems:
         raise InputError(str(path), folded(table.problems))
     kept = [log for log in logs if log is not None]
-    return BoringFile(kept, [*table.notices, *refusal_notices(kept)])
+    shares = shares_for_percent([sample for log in kept for sample in log.samples])
+    return BoringFile(kept, [*table.notices, *shares, *refusal_notices(kept)])
 
 
 def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table) -> Log | None:
@@ -63,14 +74,21 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table
             table.problems.append(f"line {number}, unit_weight = {weight!r}: {error}")
         layers.append(LogLayer(cells.get("layer", ""), top, bottom, weight))
         middle = 0.5 * (top + bottom)
-        if cells.get("N", "").lower() not in NOT_MEASURED and math.isfinite(middle):  # else it has been told
+        if min(top, bottom) < 0.0:
+            depths = f"top = {cells['top']}, bottom = {cells['bottom']}"
+            table.problems.append(f"line {number}, {depths}: {DEPTHS_EXPECTED}")
+        elif cells.get("N", "").lower() not in NOT_MEASURED and math.isfinite(middle):  # else it has been told
             sample = _sample(number, cells, middle, table)
             samples += [sample] if sample is not None else []
     number, first = lines[0]
     place = table.place(number, first)
     ground = table.length(number, first, "ground_level")
     water = table.length(number, first, "water_level") if first.get("water_level") else None
+    if water is None and first.get("water_depth", "").lower() not in NOT_MEASURED:
+        water = ground - table.length(number, first, "water_depth")
     table.problems.extend(_contradictions(name, lines))
+    layers.sort(key=lambda layer: layer.top)
+    samples.sort(key=lambda sample: sample.depth)
     if len(table.problems) == before:
         table.problems.extend(layer_problems(name, layers))
     log = Log(name, place, ground, tuple(joined(layers)), tuple(samples), water)
@@ -106,6 +124,7 @@ def _sample(number: int, cells: Mapping[str, str], depth: float, table: Table) -
     except ValidationError as error:
         table.problems.extend(f"line {number}, {text}" for text in sentences(error, data, Sample))
         return None
-    if not isinstance(data.get("d50"), str):  # a grain size with its unit is meant; [triggering] asks again
-        table.problems.extend(implausible_sample(f"line {number}, ", sample))
+    # A grain size with its unit is meant; [triggering] asks again.
+    asked = sample.model_copy(update={"d50": None}) if isinstance(data.get("d50"), str) else sample
+    table.problems.extend(implausible_sample(f"line {number}, ", asked))
     return sample

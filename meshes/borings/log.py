@@ -14,6 +14,7 @@ DEPTH = Range(0.0, 300.0, "m", 1.0, ((1e-2, "cm"), (1e-3, "mm")))  # of the deep
 CONTACT = 0.0101
 # The last test of a boring goes on below its end (m).
 BELOW_END = 1.0
+DEPTHS_EXPECTED = "expected depths below the ground, from 0 downwards without a sign; not elevations"
 
 
 @dataclass(frozen=True)
@@ -77,6 +78,8 @@ def refusal_notices(logs: Sequence[Log]) -> list[str]:
 def layer_problems(name: str, layers: list[LogLayer]) -> list[str]:
     """What is wrong with the layers of a boring: none, gaps, overlaps, layers upside down."""
     problems = [] if layers else [f"boring {name}: it has no layers"]
+    if layers and min(min(layer.top, layer.bottom) for layer in layers) < -CONTACT:
+        return [f"boring {name}: layers at {layers[0].top:g} to {layers[0].bottom:g} m; {DEPTHS_EXPECTED}"]
     for layer in layers:
         if layer.bottom <= layer.top:
             problems.append(f'boring {name}, "{layer.name}": the bottom at {layer.bottom:g} m is not below the top')

@@ -25,7 +25,8 @@ def implausible_tests(borings: Sequence[Boring]) -> list[str]:
         for place, sample in enumerate(boring.spt, start=1):
             problems += implausible_sample(f"{where}, spt {place}, ", sample, UNUSUAL)
         problems += implausible_cones(f"{where}, cpt, ", boring.cpt, UNUSUAL)
-    return problems
+    samples = [sample for boring in borings for sample in boring.spt]
+    return problems + [f"triggering, borings: {text}{UNUSUAL}" for text in shares_for_percent(samples)]
 
 
 def implausible_sample(where: str, sample: Sample, remedy: str = "") -> Iterator[str]:
@@ -34,6 +35,19 @@ def implausible_sample(where: str, sample: Sample, remedy: str = "") -> Iterator
         value = getattr(sample, key)
         if value is not None and not within(value, limits):
             yield sentence(f"{where}{key}", value, limits, remedy)
+
+
+def shares_for_percent(samples: Sequence[Sample]) -> list[str]:
+    """A sentence for fines contents, and one for plasticity indices, that are below 1 % in every one of the samples.
+
+    Sand washed of its fines has some per cent of them: such numbers are shares of one where percent were expected.
+    """
+    sentences = []
+    for key, what in (("fines", "fines contents"), ("plasticity", "plasticity indices")):
+        values = [value for sample in samples if (value := getattr(sample, key)) is not None]
+        if values and 0.0 < max(values) < 1.0:
+            sentences.append(f"the {what} are {max(values):g} % at most: shares of one? expected percent, 15 for 15 %")
+    return sentences
 
 
 def implausible_cones(where: str, cones: Sequence[Cone], remedy: str = "", with_units: bool = False) -> Iterator[str]:

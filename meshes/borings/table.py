@@ -15,11 +15,12 @@ from meshes.section.quantity import COORDINATE, DENSITY, LENGTH, STRENGTH, Kind
 HEADING = re.compile(r"^\s*([^(\[]+?)\s*(?:[(\[]\s*([^)\]]*?)\s*[)\]])?\s*$")
 PLACE = ("x", "easting", "northing")
 SEPARATORS = ";\t,"
+FIRST_LINES = 20  # among which the heading stands, below the title of a sheet
 NOT_MEASURED = {"", "-", "--", "n/a", "na", "nan", "none"}
 # A number with a decimal comma, and perhaps a unit, in a file whose cells are not parted by commas.
 DECIMAL_COMMA = re.compile(r"([-+]?\d+),(\d+)(\s*[^\d,]\S*)?")
 KINDS: dict[str, Kind] = {
-    **dict.fromkeys((*PLACE, "ground_level", "water_level", "top", "bottom", "depth"), COORDINATE),
+    **dict.fromkeys((*PLACE, "ground_level", "water_level", "water_depth", "top", "bottom", "depth"), COORDINATE),
     "d50": LENGTH, "unit_weight": DENSITY, "qc": STRENGTH, "fs": STRENGTH,
 }  # fmt: skip
 # What a column without a dimension may say of its unit; blows for a foot are those for 30 cm.
@@ -87,7 +88,7 @@ def read_table(path: Path, needed: Sequence[str], known: Sequence[str], columns:
         raise InputError(str(path), [f"holds no lines; expected a heading with {', '.join(needed)}, and lines below"])
     names = [name for name, _ in sheet.heads]
     units = dict(sheet.heads)
-    others = [name for name in names if name not in known]
+    others = [name for name in names if name and name not in known]
     problems = _unknown(sheet, columns, known, needed)
     problems += [text for name, unit in sheet.heads if (text := _unit_problem(name, unit))]
     problems += [f"line {number}: has {len(row)} cells where the heading has {len(names)}; expected numbers with a "
@@ -117,16 +118,19 @@ def _unknown(sheet: _Sheet, columns: Mapping[str, str], known: Sequence[str], ne
                 for key, name in columns.items() if key not in known]  # fmt: skip
     problems += [f"--columns {key}={name}: there is no column {name!r}; expected one of {', '.join(written)}"
                  for key, name in columns.items() if key in known and key not in names]  # fmt: skip
-    if others := [] if columns else [repr(name) for name in names if name not in known]:
+    lacking = [name for name in needed if name not in names]
+    placeless = "x" not in names and not {"easting", "northing"} <= set(names)
+    unread = [] if columns or not (lacking or placeless) else [repr(name) for name in names if name not in known]
+    if others := unread:
         message = (
             f"expected {'some' if len(others) > 1 else 'one'} of {', '.join(known)}; --columns says which is which"
         )
         message += ", --columns layer=Stratum, and leaves out what it does not name"
         problems.append(f"column{'s' * (len(others) > 1)} {', '.join(others)}: {message}")
-    problems += [f"column {name}: missing" for name in needed if name not in names]
+    problems += [f"column {name}: missing" for name in lacking]
     problems += [f"column {name}: there are {names.count(name)}" for name in dict.fromkeys(names)
                  if name in known and names.count(name) > 1]  # fmt: skip
-    if "x" not in names and not {"easting", "northing"} <= set(names):
+    if placeless:
         problems.append("column x: missing; expected it, or easting and northing")
     return problems
 
@@ -150,20 +154,45 @@ def _sheet(path: Path, columns: Mapping[str, str], known: Sequence[str]) -> _She
     separator = ""
     if lines and (directive := re.fullmatch(r"\s*\"?sep=(.)\"?\s*", lines[0])):  # Excel's way to say it
         separator, lines[0] = directive[1], "\n"
-    heading = next((line for line in lines if line.strip(" \t\r\n,;")), "")
-    separator = separator or max(SEPARATORS, key=re.sub(r'"[^"]*"|\([^)]*\)', "", heading).count)
-    reader = csv.reader(lines, delimiter=separator)
-    rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
-    rows = [(number, [_decimal(cell.strip(), separator) for cell in row]) for number, row in rows]
     wanted = {_plain(name): key for key, name in columns.items()}
     ours = {_plain(name): name for name in known}
+    first = _heading_line(lines, {*wanted, *ours})
+    heading = re.sub(r'"[^"]*"|\([^)]*\)', "", lines[first]) if lines else ""
+    separator = separator or max(SEPARATORS, key=heading.count)
+    reader = csv.reader(lines[first:], delimiter=separator)
+    rows = [(first + reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    rows = [(number, [_decimal(cell.strip(), separator) for cell in row]) for number, row in rows]
+    width = max((k for _, row in rows for k, cell in enumerate(row, start=1) if cell), default=0)
+    rows = rows and [(rows[0][0], rows[0][1][:width]), *rows[1:]]
     heads = []
     for cell in rows[0][1] if rows else ():
         name, unit = _split(cell)
         key = wanted.get(_plain(name))
         free = _plain(name) in ours and ours[_plain(name)] not in columns
         heads.append((key or (ours[_plain(name)] if free else name), unit))
-    return _Sheet(rows, heads, [notice] if notice else [])
+    if len(rows) > 1 and _are_units(heads, rows[1][1]):
+        heads = [(name, unit or below) for (name, unit), below in zip(heads, rows.pop(1)[1], strict=False)]
+    notices = [notice] if notice else []
+    if any(line.strip(" \t\r\n,;") for line in lines[:first]):
+        notices.append(f"{path.name}: the heading is taken to stand in line {first + 1}; what stands above is not read")
+    return _Sheet(rows, heads, notices)
+
+
+def _heading_line(lines: Sequence[str], names: set[str]) -> int:
+    """Index of the line with the heading: of the first ones that with most of the ``names``, or else the first."""
+    filled = [k for k, line in enumerate(lines) if line.strip(" \t\r\n,;")][:FIRST_LINES]
+    met = {k: sum(_plain(_split(cell)[0].strip(' "\r\n')) in names for cell in re.split(r"[;\t,]", lines[k]))
+           for k in filled}  # fmt: skip
+    return max(filled, key=lambda k: met[k] if met[k] > 1 else 0, default=0)
+
+
+def _are_units(heads: Sequence[tuple[str, str]], row: Sequence[str]) -> bool:
+    """Whether a row below the heading has the units of the columns: these alone, and one at least."""
+    cells = [(name, cell) for (name, _), cell in zip(heads, row, strict=False) if cell]
+    return any(name in KINDS for name, _ in cells) and not any(
+        name not in (*KINDS, *PLAIN) or re.search(r"^[-+.]?\d", cell) or _unit_problem(name, cell)
+        for name, cell in cells
+    )
 
 
 def _plain(name: str) -> str:
