@@ -14,23 +14,14 @@ import numpy as np
 
 from dem.errors import ConfinementError, EscapeError
 from dem.laboratory.compression import PatchStrength, compress
-from dem.laboratory.patch import Sample
+from dem.laboratory.contact_numbers import PRESSURE, ContactNumbers
 from dem.laboratory.strength_map import KAPPA, MAP
-from dem.springs import ATTRACTION, ROLLING, Strength, soil_discs
 
 FRICTION = (-0.45, -0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8)
 COHESION = (0.0, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4, 12.8, 25.6)
 CLAY = 0.2  # friction up to which clay is looked for: its discs do not turn, and have some cohesion
 SEEDS, SAND_SEEDS, CLAY_SEEDS = 6, 24, 48
-PRESSURE = 1e5  # Pa
-RADIUS = 0.75  # m
-DENSITY = 2000.0  # kg/m3
 HEADS = ("turns", "friction", "cohesion_number", "after", "peak", "scatter", "modulus", "dilation", "seeds")
-
-
-def stiffness_of(cohesion_number: float) -> float:
-    """kn (N/m) that is `KAPPA` times what presses contacts together, attraction among it."""
-    return KAPPA * (1.0 + ATTRACTION * cohesion_number) * PRESSURE
 
 
 def places() -> list[tuple[bool, float, float, int]]:
@@ -48,13 +39,8 @@ def patch_strength(place: tuple[bool, float, float, int]) -> PatchStrength | Non
     turns, friction, cohesion_number, seed = place
     if cohesion_number == 0.0:  # what holds nothing without any push cannot hold less with one
         friction = max(friction, 0.0)
-    rolling = ROLLING if turns else np.inf
-    strength = Strength(friction, cohesion_number * 2.0 * RADIUS * PRESSURE, rolling)
-    layer = soil_discs(
-        "map", stiffness_of(cohesion_number), strength, DENSITY, DENSITY, RADIUS, 0.0, allowed_overlap=1.0
-    )
     try:
-        return compress(Sample(layer, "random", RADIUS, seed, law="soil"), PRESSURE)
+        return compress(ContactNumbers(turns, friction, cohesion_number, KAPPA).sample(seed), PRESSURE)
     except (ConfinementError, EscapeError):
         return None
 
@@ -63,7 +49,8 @@ def row_of(cohesion_number: float, patches: Sequence[PatchStrength]) -> list[str
     """The numbers of a place of the map, by its patches."""
     after = np.array([patch.after for patch in patches]) / PRESSURE
     peak = np.mean([patch.course for patch in patches], axis=0).max() / PRESSURE
-    modulus = np.mean([patch.E for patch in patches]) / stiffness_of(cohesion_number)
+    stiffness = ContactNumbers(True, 0.0, cohesion_number, KAPPA).stiffness * PRESSURE
+    modulus = np.mean([patch.E for patch in patches]) / stiffness
     dilation = np.degrees(np.mean([patch.dilation for patch in patches]))
     return [f"{value:.4g}" for value in (after.mean(), peak, after.std(ddof=1), modulus, dilation)]
 

@@ -5,105 +5,80 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dem.errors import DemError
-from dem.laboratory.compression import PatchStrength, compress
+from dem.laboratory.compression import PatchStrength
+from dem.laboratory.contact_numbers import PRESSURE, ContactNumbers
+from dem.laboratory.kept_strengths import strength_of_patch
 from dem.laboratory.layer_check import LayerCheck
-from dem.laboratory.patch import VOID_RATIO, Sample
+from dem.laboratory.patch import VOID_RATIO
 from dem.laboratory.soil_layers import SoilLayer
 from dem.laboratory.strength import from_principal
 from dem.springs import LayerSprings
 from meshes.executor import Tell
 
 SEEDS = (101, 102, 103, 104)  # none of those that the map was made with
-# Patches whose kappa = kn/p is the same but for a fifth are one: strength hardly depends on it, E on its fourth root.
-KAPPAS_PER_DOUBLING = 2
 
-Likeness = tuple[float, float, float, int]
+Task = tuple[ContactNumbers, int]  # a patch, and the seed of its packing
+Outcome = PatchStrength | str  # the result of a test, or the reason why there is none
 
 
 @dataclass(frozen=True)
 class ElementTestProgramme:
     """The tests of some layers, as discs of one mean radius, each by several patches at three confining pressures.
 
-    Patches that differ by nothing but their scale, as those of all sands with one angle of friction do, count once.
+    Contacts that are much alike, as those of one sand at two pressures, share their patches, which have the nearest
+    dimensionless numbers of a few (`ContactNumbers.nearest`). By the map their strength and stiffness are carried over
+    to the numbers of the layer: by some per cent, and what is off by the map is off at both.
 
     Attributes
     ----------
     layers : sequence of SoilLayer
         What is tested.
-    wanted : list of (LayerSprings, float)
-        Springs and confining pressure (Pa) of every test, layer by layer.
-    first : dict
-        Those of them that are carried out, by what patches are told by.
     radius : float
         Mean of the discs (m).
     """
 
     layers: Sequence[SoilLayer]
-    wanted: list[tuple[LayerSprings, float]]
-    first: dict[Likeness, tuple[LayerSprings, float]]
     radius: float
 
-    @classmethod
-    def of(cls, layers: Sequence[SoilLayer], radius: float) -> "ElementTestProgramme":
-        """The tests of discs of a mean ``radius`` (m)."""
-        wanted = [(layer.springs(radius, VOID_RATIO), float(p)) for layer in layers for p in layer.pressures]
-        first: dict[Likeness, tuple[LayerSprings, float]] = {}
-        for test in wanted:
-            first.setdefault(_alike(*test), test)
-        return cls(layers, wanted, first, radius)
-
     @property
-    def patches(self) -> list[tuple[Sample, float]]:
-        """The patches to compress, each with its confining pressure (Pa)."""
-        return [
-            (Sample(spring, "random", self.radius, seed, law="soil"), p)
-            for spring, p in self.first.values()
+    def tasks(self) -> list[Task]:
+        """The patches to compress."""
+        kinds = dict.fromkeys(
+            ContactNumbers.of(layer, float(p)).nearest for layer in self.layers for p in layer.pressures
+        )
+        return [(kind, seed) for kind in kinds for seed in SEEDS]
+
+    def checks(self, done: Sequence[Outcome]) -> list[LayerCheck]:
+        """The comparison of every layer with its discs, from the outcomes of its ``tasks``."""
+        outcomes = dict(zip(self.tasks, done, strict=True))
+        return [self._check(layer, outcomes) for layer in self.layers]
+
+    def _check(self, layer: SoilLayer, outcomes: dict[Task, Outcome]) -> LayerCheck:
+        patches = [
+            _carried(outcomes[numbers.nearest, seed], numbers, float(p), seed)
+            for p in layer.pressures
+            for numbers in [ContactNumbers.of(layer, float(p))]
             for seed in SEEDS
         ]
-
-    def checks(self, done: Sequence[PatchStrength | str]) -> list[LayerCheck]:
-        """The comparison of every layer with its discs, from the tests ``done`` on its ``patches``."""
-        by_kind = {like: done[k * len(SEEDS) : (k + 1) * len(SEEDS)] for k, like in enumerate(self.first)}
-        scaled = [
-            [_scaled(patch, self.first[like], itself) for patch in by_kind[like]]
-            for itself in self.wanted
-            for like in [_alike(*itself)]
-        ]
-        n = len(scaled) // max(1, len(self.layers))
-        return [
-            _check(layer, self.wanted[k * n][0], [patch for tests in scaled[k * n : (k + 1) * n] for patch in tests])
-            for k, layer in enumerate(self.layers)
-        ]
+        return _check(layer, layer.springs(self.radius, VOID_RATIO), patches)
 
 
-def _alike(spring: LayerSprings, pressure: float) -> Likeness:
-    """Key of patches that differ by scale alone: mu, ks/kn, C/p, and kappa by its nearest step."""
-    kappa = round(KAPPAS_PER_DOUBLING * float(np.log2(spring.kn / pressure)))
-    return spring.friction, round(spring.ks / spring.kn, 6), round(spring.contact_cohesion / pressure, 6), kappa
-
-
-def _scaled(
-    patch: PatchStrength | str, tested: tuple[LayerSprings, float], wanted: tuple[LayerSprings, float]
-) -> PatchStrength | str:
-    """The result of a patch scaled to other springs and another pressure: stresses go with the pressure, E with kn."""
-    if isinstance(patch, str):
-        return patch
-    (spring, pressure), (new_spring, new_pressure) = tested, wanted
-    share = new_pressure / pressure
-    return replace(
-        patch, pressure=new_pressure, E=patch.E * new_spring.kn / spring.kn, peak=patch.peak * share,
-        after=patch.after * share, course=patch.course * share,
-    )  # fmt: skip
-
-
-def compressed(task: tuple[Sample, float], _: Tell) -> PatchStrength | str:
+def compressed(task: Task, _: Tell) -> Outcome:
     """The result of one compressed patch, or the reason why it has no strength."""
-    sample, pressure = task
-    try:
-        return compress(sample, pressure)
-    except (DemError, ValueError) as error:
-        return f"{pressure / 1e3:.3g} kPa, seed {sample.seed}: {error}"
+    return strength_of_patch(*task)
+
+
+def _carried(patch: Outcome, numbers: ContactNumbers, pressure: float, seed: int) -> Outcome:
+    """The result of the nearest patch at other numbers and another pressure (Pa)."""
+    if isinstance(patch, str):
+        return f"{pressure / 1e3:.3g} kPa, seed {seed}, scaled to {PRESSURE / 1e3:.3g} kPa: {patch}"
+    near = numbers.nearest
+    share = numbers.strength / near.strength * pressure / PRESSURE
+    stiffer = numbers.modulus * numbers.stiffness * pressure / (near.modulus * near.stiffness * PRESSURE)
+    return replace(
+        patch, pressure=pressure, E=patch.E * stiffer, peak=patch.peak * share, after=patch.after * share,
+        course=patch.course * share,
+    )  # fmt: skip
 
 
 def _check(layer: SoilLayer, spring: LayerSprings, patches: Sequence[PatchStrength | str]) -> LayerCheck:

@@ -104,6 +104,11 @@ class StrengthMap:
         stiff = youngs_modulus / modulus / (KAPPA * (pressure + ATTRACTION * cohesion)) ** power
         return float(stiff ** (1.0 / (1.0 - power)))
 
+    def modulus_over_kn(self, friction: float, cohesion_number: float, kappa: float) -> float:
+        """Young's modulus in plane strain over kn of patches of these dimensionless numbers."""
+        modulus = float(self._at(self.modulus, friction, np.array([cohesion_number]))[0])
+        return modulus * (KAPPA / kappa) ** LOOSENS[cohesion_number > 0.0]
+
     def gained_by_softness(self, stiffness: float, pressure: np.ndarray, cohesion: float) -> np.ndarray:
         """Strength of discs of this kn (N/m) at these pressures (Pa) over that of the map; cohesion: C over the
         diameter (Pa). It is interpolated between that without cohesion and that with much.

@@ -30,7 +30,8 @@ ONE_AT_A_TIME = PARAMETERS[:3]
 SENSITIVITIES = (0.5, 2.0)
 TOGETHER = 2  # factors that are tried side by side: a search may not depend on the number of workers
 NARROWINGS = 12  # searches at most once the target is bracketed
-NARROWEST = 1.003  # ratio of two factors between which no more is looked for
+# Ratio of two factors between which no more is looked for: Kh changes by less, and where it jumps it is that of chance.
+NARROWEST = 1.01
 SHORTEST = 0.1  # of a bracket, that a new factor keeps away from its ends
 
 Verdict = Literal["calibrated", "out of reach"]
@@ -125,6 +126,8 @@ class Calibrator:
         Hear of every trial of a search in this process, and of every search.
     executor
         Who does several searches.
+    until_failed
+        Whether soil discs are pushed on past the critical Kh until they have failed.
 
     By parameter and factor, ``pushed`` has the discs at the end of every push in this process, and ``rested`` soil
     discs at rest.
@@ -142,9 +145,10 @@ class Calibrator:
         on_trial: OnTrial | None = None,
         on_search: OnSearch | None = None,
         executor: Executor = SERIAL,
+        until_failed: bool = True,
     ) -> None:
         self.ground, self.layers, self.settled, self.settings = ground, list(layers), settled, settings
-        self.continuum = continuum
+        self.continuum, self.until_failed = continuum, until_failed
         self.searches = dict(known or {})
         self.pushed: dict[Key, DiscModel] = {}
         self.rested: dict[Key, DiscModel] = {}
@@ -152,15 +156,8 @@ class Calibrator:
 
     def __getstate__(self) -> dict[str, Any]:
         """State for another process: all but the listener and the known searches."""
-        return {
-            **self.__dict__,
-            "searches": {},
-            "pushed": {},
-            "rested": {},
-            "on_trial": None,
-            "on_search": None,
-            "executor": SERIAL,
-        }
+        nothing: dict[str, Any] = {"searches": {}, "pushed": {}, "rested": {}}
+        return self.__dict__ | nothing | {"on_trial": None, "on_search": None, "executor": SERIAL}
 
     def settled_with(self, parameter: str, factor: float) -> DiscModel:
         """Discs at rest with a factor on a parameter.
@@ -203,8 +200,9 @@ class Calibrator:
             if self.continuum is None:
                 raise ValueError("soil discs are pushed as far as a continuum says: give one")
             search, self.pushed[key] = pushover_critical_kh(
-                settled, self.ground, settings, self.continuum, threads=threads, on_trial=self.on_trial
-            )
+                settled, self.ground, settings, self.continuum, threads=threads, on_trial=self.on_trial,
+                until_failed=self.until_failed,
+            )  # fmt: skip
             return search
         width = settings.resolution
         return critical_kh(

@@ -101,9 +101,11 @@ def pushover_critical_kh(
     *,
     threads: int = 1,
     on_trial: OnTrial | None = None,
+    until_failed: bool = True,
 ) -> tuple[Search, DiscModel]:
     """The critical Kh of settled discs, which stay as they are, the curve that leads to it, and the discs once they
-    have been pushed on until a slip surface has formed, a part has come apart, or it is far enough.
+    have been pushed on until a slip surface has formed, a part has come apart, or it is far enough; those at the end of
+    the curve where they are not wanted ``until_failed``.
 
     on_trial hears of every point of the curve.
     Undecided where a DemError stopped the discs before the end of the curve; where one comes later, the discs are
@@ -117,7 +119,7 @@ def pushover_critical_kh(
     reach = settings.ductility * continuum.yielding
     try:
         machine = DisplacementControl(reach, MACHINE * continuum.kc / reach)
-        for trial in _points(model, settled, ground, machine, threads):
+        for trial in _points(model, settled, ground, machine, threads, until_failed):
             if trial is None or isinstance(trial, str):
                 whole, ended = True, trial or ""
                 continue
@@ -158,11 +160,16 @@ def critical_point(points: Sequence[Trial]) -> tuple[float, float, int]:
 
 
 def _points(
-    model: DiscModel, before: DiscModel, ground: Ground, machine: DisplacementControl, threads: int
+    model: DiscModel,
+    before: DiscModel,
+    ground: Ground,
+    machine: DisplacementControl,
+    threads: int,
+    until_failed: bool,
 ) -> Iterator[Trial | str | None]:
-    """Moves the far end of the machine on and takes the discs along, until they have failed; each point of the
-    curve is the mean of what was measured since the last, None follows where it ends, a little beyond the reach, and
-    at last where and why the push ends, in words.
+    """Moves the far end of the machine on and takes the discs along, to the end of the curve or until they have failed;
+    each point of the curve is the mean of what was measured since the last, None follows where it ends, a little beyond
+    the reach, and at last where and why the push ends, in words.
 
     Between two points Kh is the force of spring and dashpot over the weight.
     """
@@ -191,6 +198,8 @@ def _points(
             if curving and moved >= BEYOND * machine.reach:
                 curving = False
                 yield None
+                if not until_failed:
+                    return
         pulses.whole()
     yield f"; pushed on to {moved:.2g} m, {ended}"
 

@@ -147,12 +147,11 @@ def _searched(
         searched = searched if share is None else share
         tell(words)
 
-    programme = ElementTestProgramme.of(
-        soil_layers(config.section) if config.dem.element_tests else (), config.dem.mean_radius(config.section)
-    )
+    soils = soil_layers(config.section) if config.dem.element_tests else ()
+    programme = ElementTestProgramme(soils, config.dem.mean_radius(config.section))
     first: list[Piece] = [(dem_counterpart_piece, (config, store)), (_at_rest, (config, store))]
     first += [(_paper, (config, store))] if config.dem.paper else []
-    tests: list[Piece] = [(compressed, (patch,)) for patch in programme.patches]
+    tests: list[Piece] = [(compressed, (task,)) for task in programme.tasks]
 
     def one_more(place: int, _: Any) -> None:
         nonlocal ended

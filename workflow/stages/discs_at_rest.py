@@ -73,16 +73,19 @@ def calibrator_for(
     on_trial: Callable[[Trial], None],
     continuum: Continuum | None = None,
     executor: Executor = SERIAL,
+    until_failed: bool = True,
 ) -> Calibrator:
     """The calibrator of discs, which continues from the searches in a journal.
 
     ``store``: the folder of the run; ``dem``: settings; ``on_trial`` hears of every trial; ``continuum``: critical Kh
-    and yield displacement; ``executor``: computes in parallel.
+    and yield displacement; ``executor``: computes in parallel; ``until_failed``: whether soil discs are pushed on until
+    they have a slip surface.
     """
     kept = Journal(store, journal)
     return Calibrator(
         discs.ground, discs.layers, discs.settled, dem, continuum=continuum, known=kept.known(),
         on_trial=lambda trial, _: on_trial(trial), on_search=kept.add, executor=executor,
+        until_failed=until_failed,
     )  # fmt: skip
 
 

@@ -117,6 +117,7 @@ def packed(packing: Packing, tell: Tell) -> Packed:
     calibrator = calibrator_for(
         discs, store, dem, f"dem/slide_seed{dem.seed}_trials.jsonl",
         lambda trial: tell(f"Kh = {trial.kh:.4f} {trial.verdict}"), packing.continuum,
+        until_failed=False,
     )  # fmt: skip
     if config.dem.model == "soil" and config.dem.parameter == "none":
         seed = _untouched(packing.seed)

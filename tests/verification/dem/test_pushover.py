@@ -90,6 +90,20 @@ def test_a_push_tells_where_and_why_it_ends() -> None:
         assert (pushed.x - model.x).mean() == pytest.approx(way, rel=0.05)
 
 
+def test_the_critical_kh_is_known_before_the_discs_have_failed() -> None:
+    """A push that ends with its curve has the same curve to the last bit; its block is a little past the reach."""
+    ground, model, continuum = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
+    found, pushed = pushover_critical_kh(model, ground, SETTINGS, continuum, until_failed=False)
+    until_failed, furthest = pushed_block()
+    assert (found.kc_lower, found.kc_upper, found.curve) == (
+        until_failed.kc_lower, until_failed.kc_upper, until_failed.curve
+    )  # fmt: skip
+    assert found.verdict == "bracketed"
+    assert found.reason.endswith("where the continuum yields")
+    reach = SETTINGS.ductility * continuum.yielding
+    assert reach < (pushed.x - model.x).mean() < 1.3 * reach < (furthest.x - model.x).mean()
+
+
 def test_ground_of_which_a_part_comes_apart_is_pushed_no_further() -> None:
     """One disc of four is twenty times as far as the others."""
     ground, model, _ = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))

@@ -52,8 +52,8 @@ def ground(run: Config, layers: list[SoilLayer]) -> Deposit:
 
 @pytest.fixture(scope="module")
 def checks(run: Config, layers: list[SoilLayer]) -> dict[str, LayerCheck]:
-    programme = ElementTestProgramme.of(layers, run.dem.mean_radius(run.section))
-    found = programme.checks(SERIAL.compute(compressed, programme.patches))
+    programme = ElementTestProgramme(layers, run.dem.mean_radius(run.section))
+    found = programme.checks(SERIAL.compute(compressed, programme.tasks))
     return {check.stratum: check for check in found}
 
 

@@ -1,0 +1,79 @@
+"""Results of element tests, kept in the user's cache: patches of equal dimensionless numbers are tested once.
+
+They lie beside the compiled kernels, in a folder for each state of the sources of the discs, so that no result of
+another law is taken. A test has the same bits whoever computes it, so that it does not matter which were kept.
+"""
+
+import hashlib
+import json
+import platform
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import asdict
+from functools import cache
+from pathlib import Path
+
+import numba
+import numpy as np
+from llvmlite.binding import get_host_cpu_name
+
+from dem.errors import DemError
+from dem.laboratory.compression import PatchStrength, compress
+from dem.laboratory.contact_numbers import PRESSURE, ContactNumbers
+from meshes.compiled import kept_kernels
+from meshes.files import whole
+
+OVERLAP = 0.5  # over the mean radius, at which a test is stopped
+
+
+def strength_of_patch(numbers: ContactNumbers, seed: int) -> PatchStrength | str:
+    """The strength of a patch at `PRESSURE`, tested now or earlier, or the reason why it has none.
+
+    Parameters
+    ----------
+    numbers : ContactNumbers
+        What its contacts are like.
+    seed : int
+        Of its packing.
+
+    Returns
+    -------
+    PatchStrength or str
+        The result; where it does not come to rest or cannot be compressed, the reason.
+    """
+    file = _folder() / f"{_name(numbers, seed)}.json"
+    with suppress(OSError, ValueError, TypeError, KeyError):
+        kept = json.loads(file.read_text())
+        return (
+            str(kept["reason"]) if "reason" in kept else PatchStrength(**{**kept, "course": np.array(kept["course"])})
+        )
+    try:
+        found: PatchStrength | str = compress(numbers.sample(seed, OVERLAP), PRESSURE)
+    except (DemError, ValueError) as error:
+        found = str(error)
+    content = {"reason": found} if isinstance(found, str) else {**asdict(found), "course": found.course.tolist()}
+    with suppress(OSError), whole(file) as beside:
+        beside.write_text(json.dumps(content))
+    return found
+
+
+def _name(numbers: ContactNumbers, seed: int) -> str:
+    """The numbers in a name of a file, to the last digit."""
+    values = "_".join(f"{value:.17g}" for value in (numbers.friction, numbers.cohesion, numbers.kappa))
+    return f"{'turning' if numbers.turns else 'fixed'}_{values}_{seed}"
+
+
+@cache
+def _folder() -> Path:
+    """Where the results of these sources on this machine are."""
+    digest = hashlib.sha256(repr((platform.machine(), get_host_cpu_name(), numba.__version__, np.__version__)).encode())
+    for path in _sources():
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    return kept_kernels() / f"element_tests_{digest.hexdigest()[:16]}"
+
+
+def _sources() -> Iterator[Path]:
+    """The files of the discs on which a test depends, in their order."""
+    package = Path(__file__).parents[1]
+    for room in ("", "engine", "kernels", "laboratory"):
+        yield from sorted((package / room).glob("*.py"))
