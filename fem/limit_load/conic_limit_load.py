@@ -47,12 +47,15 @@ class ConicLimitLoad:
     mechanism : State or None
         Stresses at the limit load, and in the place of displacement and strain the velocities of the mechanism, the
         largest of which is 1 m/s, and its strain rates; None without a mechanism.
+    bracket : (float, float)
+        Between which multipliers the solver stopped; ``multiplier`` is their middle.
     start : Warm or None
         Where the solver may begin for the same elements and loads with another strength.
     """
 
     multiplier: float
     mechanism: State | None
+    bracket: tuple[float, float]
     start: cone_program.Warm | None = None
 
 
@@ -233,11 +236,12 @@ def _limit(
     if not solution.sure:
         raise NoAnswerError(f"the limit load of the elements was not found ({solution.ended})", "use another mesh")
     if solution.none == "no mechanism":
-        return ConicLimitLoad(np.inf, None), None
+        return ConicLimitLoad(np.inf, None, (np.inf, np.inf)), None
     if solution.none:
         raise UnstableError("the section fails under its own weight: no stress balances it")
     kh = ratio * solution.multiplier
-    return ConicLimitLoad(kh, ground.mechanism(problem, mesh, solution, kh)), solution.warm
+    low, high = (ratio * multiplier for multiplier in solution.bracket)
+    return ConicLimitLoad(kh, ground.mechanism(problem, mesh, solution, kh), (low, high)), solution.warm
 
 
 def _strain_matrix(cells: _Cells, factor: np.ndarray, size: int) -> sparse.csr_matrix:

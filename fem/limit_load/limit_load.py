@@ -136,6 +136,31 @@ def asked_again(result: LimitLoadResult, section: Section, mesh: QuadMesh, setti
     return _told(section, mesh, settings, replace(ground, limit=limit))
 
 
+def in_order(weak: LimitLoadResult, strong: LimitLoadResult) -> tuple[LimitLoadResult, LimitLoadResult]:
+    """Two limit loads of one mesh under one load, of which ground has nowhere more strength in the first.
+
+    What it bears, the second bears as well (lower bound theorem), so that the solver's bracket of either ends where
+    that of the other does; the middles of both are then in this order, too, however alike the two are.
+    """
+    low, high = weak.ground.limit, strong.ground.limit
+    if low is None or high is None:
+        return weak, strong
+    return (
+        _between(weak, low.bracket[0], min(low.bracket[1], high.bracket[1])),
+        _between(strong, max(low.bracket[0], high.bracket[0]), high.bracket[1]),
+    )
+
+
+def _between(result: LimitLoadResult, lower: float, upper: float) -> LimitLoadResult:
+    """The limit load as the middle of a bracket; as it was where that is the solver's own."""
+    limit = result.ground.limit
+    if limit is None or limit.bracket == (lower, upper) or result.verdict != "plateau":
+        return result
+    middle = 0.5 * (lower + upper)
+    limit = replace(limit, multiplier=middle, bracket=(lower, upper))
+    return replace(result, kc=middle, ground=replace(result.ground, limit=limit))
+
+
 def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Ground) -> LimitLoadResult:
     """A limit load as a result."""
     assert ground.limit is not None

@@ -15,7 +15,7 @@ from fem.continuum.loads import Direction
 from fem.continuum.shallow_failure import ShallowFailure, faces_at, strengthened, without_strips
 from fem.continuum.strength import is_associated
 from fem.errors import UnstableError
-from fem.limit_load.limit_load import LimitLoadResult, asked_again, critical_limit_load
+from fem.limit_load.limit_load import LimitLoadResult, asked_again, critical_limit_load, in_order
 from fem.search.mesh_sequence import (
     FEWEST_CELLS,
     SMALLEST_KH,
@@ -202,21 +202,23 @@ class AdaptiveSearch:
         """
         full = settings.changed(flow="associated")
         beside = self.beside(base, full)
+        if beside.mesh is base.mesh:
+            return ordered(base, beside)
         if beside.result.kc >= base.result.kc:
             return base, beside
         again = critical_limit_load(self.section, beside.mesh, settings, self.comm, base.result.ground.faces)
         last = replace(base.rounds[-1], cells=len(beside.mesh.cells), value=again.kc)
         same = asked_again(again, self.section, beside.mesh, full)
-        return (
+        return ordered(
             replace(base, result=again, mesh=beside.mesh, rounds=[*base.rounds[:-1], last]),
             replace(beside, result=same),
         )
 
     def davis_beside(
         self, base: AdaptiveResult[LimitLoadResult], settings: FemSettings
-    ) -> AdaptiveResult[LimitLoadResult]:
-        """Davis's estimate of the critical Kh beside ``base``, which is with ψ = φ; 0 where the ground fails without
-        any.
+    ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult]]:
+        """``base``, which is with ψ = φ, and Davis's estimate of the critical Kh beside it; 0 where the ground fails
+        without any.
 
         On the mesh of ``base`` it is not above ``base``. Raises what `beside` does but for UnstableError.
         """
@@ -224,7 +226,11 @@ class AdaptiveSearch:
             beside = self.beside(base, settings.changed(flow="davis"))
         except UnstableError:
             beside = replace(base, result=replace(base.result, kc=-1.0, flow="davis"), other=None)
-        return beside if beside.result.kc > 0.0 else failing_by_itself(beside)
+        if beside.result.kc <= 0.0:
+            return base, failing_by_itself(beside)
+        if beside.mesh is base.mesh:
+            beside, base = ordered(beside, base)
+        return base, beside
 
     def safety(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor]:
         """The factor of safety at ``kh``; raises what ``limit_load_safety_factor`` does on the first mesh."""
@@ -247,8 +253,8 @@ class AdaptiveSearch:
 
     def safety_beside(self, base: AdaptiveResult[SafetyFactor], other: FemSettings, kh: float) -> float:
         """The factor of safety by the flow rule of ``other`` settings on the mesh of ``base``; where that does not
-        resolve the mechanism, on one of as many cells that does, if it is less there. It is no less than ``base`` where
-        that is Davis's estimate.
+        resolve the mechanism, on one of as many cells that does, if it is less there. Davis's estimate is no more than
+        that with ψ = φ, which bears all that lower strength bears.
 
         Raises what ``limit_load_safety_factor`` does.
         """
@@ -264,7 +270,7 @@ class AdaptiveSearch:
                 factor = min(factor, limit_load_safety_factor(self.section, mesh, other, kh, self.comm, factor).factor)
             except NoAnswerError:
                 pass
-        return max(factor, base.result.factor) if other.flow == "associated" else factor
+        return (max if other.flow == "associated" else min)(factor, base.result.factor)
 
     def _rough_faces(self, first: QuadMesh, settings: FemSettings) -> list[ShallowFailure] | None:
         """The cohesionless faces to strengthen on a ``first`` mesh of many cells, as found on a coarse mesh; None where
@@ -293,6 +299,19 @@ class AdaptiveSearch:
             return generate(self.section, MeshSettings(size=size))
         except (NoAnswerError, InputError):
             return None
+
+
+def ordered(
+    weak: AdaptiveResult[LimitLoadResult], strong: AdaptiveResult[LimitLoadResult]
+) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult]]:
+    """Davis's estimate and the limit load with ψ = φ on one mesh, told in the order that they have (`in_order`)."""
+    low, high = in_order(weak.result, strong.result)
+    return _with_last(weak, low), _with_last(strong, high)
+
+
+def _with_last(base: AdaptiveResult[LimitLoadResult], result: LimitLoadResult) -> AdaptiveResult[LimitLoadResult]:
+    """The answer with another ``result`` of its last mesh."""
+    return replace(base, result=result, rounds=[*base.rounds[:-1], replace(base.rounds[-1], value=result.kc)])
 
 
 def failing_by_itself(base: AdaptiveResult[LimitLoadResult]) -> AdaptiveResult[LimitLoadResult]:

@@ -241,7 +241,7 @@ class _Search:
         """
         try:
             if self.dilates_more(settings):
-                return adapted, self.on_meshes("Kh by Davis's estimate").davis_beside(adapted, settings)
+                return self.on_meshes("Kh by Davis's estimate").davis_beside(adapted, settings)
             if not self.is_substituted(settings):
                 return adapted, None
             return self.on_meshes("Kh with ψ = φ").beside_full_dilation(adapted, settings)

@@ -107,6 +107,8 @@ class Solution:
         Processor time it took.
     fallback : bool
         Whether Clarabel found it, since the interior-point method of our own broke down or there is no solution.
+    bracket : (float, float)
+        Between which multipliers the solver stopped.
     warm : Warm or None
         A starting point for programs of the same mesh with another strength.
     """
@@ -124,6 +126,7 @@ class Solution:
     work: float
     seconds: float
     fallback: bool
+    bracket: tuple[float, float]
     warm: "Warm | None" = None
 
 
@@ -207,8 +210,10 @@ def _solve(
     x, z = end.x, end.z
     first = 1 + len(clay)
     stress = stress_of(program, -z[0], z[1:first], z[first : first + 3 * corners].reshape(corners, 3), clay)
+    own_multiplier = -float(z[0])
+    bracket = end.bracket or (own_multiplier, own_multiplier)
     return Solution(
-        multiplier=end.middle if in_the_middle and end.middle is not None else -float(z[0]),
+        multiplier=0.5 * sum(bracket) if in_the_middle else own_multiplier,
         rates=x[:n],
         stress=stress,
         shear=data.shear @ x,
@@ -221,6 +226,7 @@ def _solve(
         work=end.work,
         seconds=time.thread_time() - started,
         fallback=end.fallback,
+        bracket=bracket,
         warm=end.warm,
     )
 
@@ -235,7 +241,7 @@ class _End:
     sure: bool
     iterations: int
     work: float
-    middle: float | None = None
+    bracket: tuple[float, float] | None = None
     fallback: bool = False
     warm: Warm | None = None
     out_of_work: bool = False
@@ -272,11 +278,11 @@ def _by_interior_point(
     z = np.empty(len(solution.z))
     z[order] = solution.z / magnified
     work = cost * iterations
-    middle = 0.5 * (solution.primal + solution.dual) / magnified
+    low, high = sorted((solution.primal / magnified, solution.dual / magnified))
     kept = Warm(solution.warm, matrix, form) if solution.warm else None
     status = "Solved" if met else "NumericalError"
     return _End(
-        status, solution.y, z, met, iterations, work, middle, warm=kept, out_of_work=not met and work >= most_work
+        status, solution.y, z, met, iterations, work, (low, high), warm=kept, out_of_work=not met and work >= most_work
     )
 
 
