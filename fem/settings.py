@@ -1,13 +1,13 @@
 """How to look for the critical seismic coefficient."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field, StrictBool
 
 from meshes.section.polyline import downhill
 from meshes.section.quantity import Length, Quantity
-from meshes.section.recorded_kh import RecordedKh
+from meshes.section.recorded_kh import LARGEST, RecordedKh
 from meshes.section.section import Model, Section
 
 Element = Literal["quadratic", "reduced", "bilinear"]
@@ -144,7 +144,7 @@ class FemSettings(Model):
         le=0.1,
         description='displacement over which overstress decays, in elastic displacements; used with flow = "section"',
     )
-    safety_factor_at: tuple[float, ...] = Field(
+    safety_factor_at: tuple[Annotated[float, Field(ge=-LARGEST, le=LARGEST)], ...] = Field(
         default=(0.0,), description="seismic coefficients at which the factor of safety is wanted, such as [0.0, 0.1]"
     )
     threads: int = Field(default=1, ge=1, le=256, description="threads of the stress update")

@@ -315,7 +315,7 @@ def _strip(section: Section, face: ShallowFailure, k: int, of_face: int, setting
     """The ground of stratum k below a face, down to the least depth or to the bottom of the stratum; none where there
     is no such ground."""
     soil, face_soil = section.strata[k], section.strata[of_face]
-    points = _strip_bottom(section.layering, face, k, settings.least_depth)
+    points = strip_bottom(section.layering, face.start, face.end, k, settings.least_depth)
     weight = GRAVITY * face.ratio * face_soil.density_seismic
     cohesion = weight * settings.least_depth * np.sin(2.0 * face.angle) / (2.0 * np.cos(soil.friction_angle) ** 2)
     if points:
@@ -328,10 +328,12 @@ def _strip(section: Section, face: ShallowFailure, k: int, of_face: int, setting
         )
 
 
-def _strip_bottom(layers: Layering, face: ShallowFailure, k: int, depth: float) -> list[list[float]]:
-    """The bottom of a strip in stratum k: points [x, elevation] (m); none where the stratum is not there."""
-    x = np.unique(np.concatenate([[face.start, face.end], layers.x]))
-    x = x[(x >= face.start) & (x <= face.end)]
+def strip_bottom(layers: Layering, start: float, end: float, k: int, depth: float) -> list[list[float]]:
+    """The bottom of a strip down to a ``depth`` (m) from ``start`` to ``end`` (m) in stratum k: points [x, elevation]
+    (m); none where the stratum is not there.
+    """
+    x = np.unique(np.concatenate([[start, end], layers.x]))
+    x = x[(x >= start) & (x <= end)]
     points: list[list[float]] = []
     thick = False
     for start, end in pairwise(x):

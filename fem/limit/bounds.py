@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fem.continuum.load_ends import with_held_ends
 from fem.continuum.loads import Direction, direction_of, lifted, push, soils
 from fem.continuum.repetition import refuse_other_sides
 from fem.continuum.shallow_failure import ShallowFailure, failing_at_rest, shallow_failures, strengthened
@@ -106,7 +107,7 @@ class DirectionGround:
     def search(self, limits: Limits, after: BoundSearch | None = None) -> DirectionSearch:
         """The search for bounds; ``after`` another one of stronger ground for Davis's estimate, on its last mesh if
         the work left allows that."""
-        ground = self.section.cut_at_films
+        ground = as_analysed(self.section, self.fem)
         if after is not None and 2.0 * after.bracket.meshes[-1].work < limits.seconds:
             mesh = after.bracket.mesh
         else:
@@ -188,7 +189,7 @@ def kh_bounds(
     as_given = min(ground.as_given for ground in grounds.values())
     some = bool(govern or wet)
     shallow = as_given if some and as_given < min([bounds.upper, *(face.kh for face in govern)]) else None
-    analysed = grounds[bounds.directions[0].direction].section.cut_at_films
+    analysed = as_analysed(grounds[bounds.directions[0].direction].section, fem)
     return KhBounds(**vars(bounds), shallow_failures=govern, shallow=shallow, section=analysed, substitute=substitute)
 
 
@@ -205,9 +206,14 @@ def _unstable(section: Section, upper: float) -> UnstableError:
     return UnstableError(f"the section fails under its own weight: {most}; check strengths, densities")
 
 
+def as_analysed(section: Section, fem: FemSettings) -> Section:
+    """The section with ends of loads on bare sand held, and films of water cut off, as triangles need it."""
+    return with_held_ends(section, fem.least_depth).cut_at_films
+
+
 def _coarse_upper_bound(section: Section, fem: FemSettings) -> float:
     """An upper bound of Kh on one coarse mesh, inf if there is none."""
-    ground = section.cut_at_films
+    ground = as_analysed(section, fem)
     mesh = first_mesh(ground, COARSE_CELLS, fem.sides)
     body = body_of(ground, mesh, fem)
     _, _, mechanism = proven_upper_bound(limit_problem(mesh, body, units_of(mesh, body)))

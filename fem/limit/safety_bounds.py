@@ -16,7 +16,7 @@ from typing import Literal
 
 from fem.continuum.loads import Direction, direction_of
 from fem.continuum.shallow_failure import faces_at, least_rolling_factor, strengthened
-from fem.limit.bounds import COARSE_CELLS, first_mesh, strengths
+from fem.limit.bounds import COARSE_CELLS, as_analysed, first_mesh, strengths
 from fem.limit.factor_search import LARGEST, SMALLEST, FactorSearch
 from fem.limit.factor_trial import FactorWork, Start, Trial, gap_of_factors
 from fem.settings import BoundsSettings, FemSettings
@@ -38,8 +38,8 @@ class SafetyBounds:
     ``shallow_failure`` is that at which a cohesionless face fails, or shallow ground slips where two of them
     meet, if below ``upper``; the ground down to the least depth below such faces was then strengthened, as in the
     finite elements, and the bounds are of the slope as a whole: strict for the ground so strengthened. Without it they
-    are strict for the ground as it is given. ``direction`` is that of the seismic force with which it fails, None
-    without any; ``ended`` says why the bounds are not closer.
+    are strict for the ground as it is given, but for ends of loads on bare sand (``load_ends.py``). ``direction`` is
+    that of the seismic force with which it fails, None without any; ``ended`` says why the bounds are not closer.
     """
 
     kh: float
@@ -128,7 +128,7 @@ class _Coarse:
 
 
 def _coarse(section: Section, fem: FemSettings, settings: BoundsSettings, start: Start, work: FactorWork) -> _Coarse:
-    section = section.cut_at_films
+    section = as_analysed(section, fem)
     mesh = first_mesh(section, COARSE_CELLS, fem.sides)
     down, up = (FactorSearch(section, mesh, fem, settings, sign, start, work) for sign in (1, -1))
     return _Coarse((down, up))
@@ -138,7 +138,7 @@ def _bounds_of(
     section: Section, fem: FemSettings, settings: BoundsSettings, start: Start, work: FactorWork
 ) -> SafetyBounds:
     """The bounds of a section as it stands, its faces strengthened or not."""
-    section = section.cut_at_films
+    section = as_analysed(section, fem)
 
     def search(mesh: TriMesh, sign: int, start: Start) -> FactorSearch:
         return FactorSearch(section, mesh, fem, settings, sign, start, work)

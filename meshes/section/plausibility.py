@@ -71,9 +71,19 @@ COHESION = Range(0.05, 5e4, "kPa", 1e3, ((1e3, "kPa"), (1e-3, "kPa")), or_none=T
 FRICTION = Range(0.0, 60.0, "deg", math.pi / 180.0, ())
 WATER = Range(9.5, 12.5, "kN/m^3", 1e3, ((1e3, "kN/m^3"),))
 LOAD = Range(0.05, 5e3, "kPa", 1e3, ((1e3, "kPa"), (1e-3, "kPa")), or_none=True)
+# Mud to crust, per metre. Tailings that have liquefied to diatomaceous clay (0.2 to 0.35 in most); desiccated crust;
+# pores that bear all of the weight. Intact clay to open rockfill.
+INCREASE = Range(0.01, 200.0, "kPa/m", 1e3, ((1e3, "kPa/m"), (1e-3, "kPa/m")), or_none=True)
+STRENGTH_RATIO = Range(0.01, 1.0, "", 1.0, ((0.01, "%"),), or_none=True)
+OVERCONSOLIDATION = Range(1.0, 60.0, "", 1.0, ())
+PRESSURE_RATIO = Range(0.0, 1.0, "", 1.0, ((0.01, "%"),))
+PERMEABILITY = Range(1e-14, 1.0, "m/s", 1.0, ((1e-2, "cm/s"),))
 OF_A_STRATUM = {
     "density_ordinary": BUOYANT, "density_seismic": DENSITY, "density_saturated": DENSITY, "youngs_modulus": STIFFNESS,
-    "cohesion": COHESION, "friction_angle": FRICTION,
+    "cohesion": COHESION, "cohesion_increase": INCREASE, "cohesion_minimum": COHESION, "tension": COHESION,
+    "friction_angle": FRICTION, "strength_ratio": STRENGTH_RATIO, "ocr": OVERCONSOLIDATION,
+    "pre_overburden_pressure": LOAD, "pore_pressure_ratio": PRESSURE_RATIO, "permeability": PERMEABILITY,
+    "permeability_vertical": PERMEABILITY,
 }  # fmt: skip
 
 
@@ -143,6 +153,21 @@ def against_the_water(
             yield f"{where}: it liquefies in {list(s.liquefies_in)}, and lies above the water table"
         if table is not None and s.density_saturated is None and s.name.endswith(BELOW_WATER):
             yield f"{where}: it has no density_saturated, so that its density is taken below the water, too"
+
+
+def not_lower(before: np.ndarray, after: np.ndarray) -> Iterator[str]:
+    """A sentence if the water table ``after`` a drawdown lies above that ``before`` it, both (n, 2)."""
+    x = np.union1d(before[:, 0], after[:, 0])
+    middle = 0.5 * (x[1:] + x[:-1])
+    both = (np.array([level_at(table, end, middle) for end in (x[:-1], x[1:])]) for table in (before, after))
+    rise = np.subtract(*reversed(list(both)))
+    if rise.max() > LEVEL:
+        risen = (rise > LEVEL).any(axis=0)
+        start, end = x[:-1][risen][0], x[1:][risen][-1]
+        yield (
+            f"water: after_drawdown lies above table, by up to {rise.max():.3g} m, between x = {start:g} and {end:g} "
+            "m; the water rises there"
+        )
 
 
 def _area(parts: DividedStratum, part: int) -> float:

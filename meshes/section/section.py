@@ -25,7 +25,7 @@ from meshes.section.layering import Layering, Layers, elevations_below, layering
 from meshes.section.line_order import in_order
 from meshes.section.model import Model
 from meshes.section.naming import naming_problems, without_other_tables
-from meshes.section.plausibility import against_the_water, implausible, not_level
+from meshes.section.plausibility import against_the_water, implausible, not_level, not_lower
 from meshes.section.polyline import Line, Polyline
 from meshes.section.quantity import Length
 from meshes.section.seepage import Seepage
@@ -178,6 +178,7 @@ class Section(Model):
         notices += against_the_water(self.layering, self.strata, drawn, table)
         if self.water_pressure.after is not None:
             notices += not_level(self.ground, self.water_pressure.after)
+            notices += [] if table is None else not_lower(table, self.water_pressure.after)
         notices += [self.uplift.words] if self.uplift else []
         notices += [f"{key_in_file(self.strata, k)}: {words}" for k, words in self.cohesion_field.notices]
         notices += [f"surcharges {number}: {words}" for number, words in self.surface_loads.notices]

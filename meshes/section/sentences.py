@@ -68,6 +68,22 @@ def _without_choices(location: Place, data: Any) -> tuple[Place, Place]:
     return tuple(place), field
 
 
+# What other programs and hand calculations call a key of a stratum: the key, and what to know of it.
+UNDRAINED = ("cohesion", ', with friction_angle = "0 deg"')
+WEIGHT = ("density", ', which may be a unit weight such as "18 kN/m^3"')
+SATURATED = ("density_saturated", WEIGHT[1])
+OTHER_WORDS = {
+    "unit_weight": WEIGHT, "gamma": WEIGHT, "γ": WEIGHT, "gamma_sat": SATURATED,
+    "unit_weight_saturated": SATURATED, "saturated_unit_weight": SATURATED,
+    "su": UNDRAINED, "s_u": UNDRAINED, "cu": UNDRAINED, "c_u": UNDRAINED, "undrained_shear_strength": UNDRAINED,
+    "undrained_strength": UNDRAINED, "c": ("cohesion", ""), "phi": ("friction_angle", ""), "φ": ("friction_angle", ""),
+    "psi": ("dilation_angle", ""), "e": ("youngs_modulus", ""), "nu": ("poissons_ratio", ""),
+    "ru": ("pore_pressure_ratio", ""), "r_u": ("pore_pressure_ratio", ""), "k": ("permeability", ""),
+    "kx": ("permeability", ""), "ky": ("permeability_vertical", ""), "kv": ("permeability_vertical", ""),
+    "pop": ("pre_overburden_pressure", ""), "shansep": ("strength_ratio", ""),
+}  # fmt: skip
+
+
 def _nearest(field: Place, errors: list[ErrorDetails]) -> list[ErrorDetails]:
     """The faults of the kind of value that the writer most likely meant, out of all kinds the value can be."""
 
@@ -93,6 +109,8 @@ def _sentences_of(error: ErrorDetails, data: Any, model: type[BaseModel], beside
         close = difflib.get_close_matches(str(error["loc"][-1]), known, n=1)
         listed = f"; expected one of {', '.join(known)}" if known else ""
         hint = f'; did you mean "{close[0]}"?' if close else listed
+        if (other := OTHER_WORDS.get(str(error["loc"][-1]).lower())) and other[0] in known:
+            hint = f"; expected {other[0]}{other[1]}"
         return [f"{key}: unknown key{hint}"]
     value = error["input"]
     shown = f" = {shortened(repr(value))}" if isinstance(value, str | int | float | bool) else ""

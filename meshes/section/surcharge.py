@@ -119,7 +119,7 @@ class SurfaceLoads:
             (
                 number,
                 f'it ends at x = {x:.4g} m on "{name}", which has no cohesion and bears nothing beside bare ground; '
-                "for strict lower bounds let its pressure fall to 0 at its ends, or give the ground a cohesion",
+                "bounds give the ground within fem.least_depth of that end a cohesion of half the pressure",
             )
             for number, x, name in self.bare_ends()
         ]

@@ -7,7 +7,7 @@ import numpy as np
 import pyvista as pv
 from matplotlib.patches import Patch
 
-from fem.continuum.shallow_failure import STRIP
+from fem.continuum.load_ends import soil_of_strip
 from fem.limit.bound_checks import corner_rates, yield_slack
 from fem.limit.bounds import KhBounds
 from fem.limit.bracket import Mechanism, StressField
@@ -118,7 +118,7 @@ def _mesh_sheet(section: Section, bounds: KhBounds, window: Window) -> Sheet:
     mesh, strata = bounds.mesh, (bounds.section or section).strata
     known = [stratum.name for stratum in section.strata]  # a strengthened face, or a film, has its stratum's colour
     whole = [layer.name.removesuffix(FILM_IN) for layer in strata]
-    names = [name if name in known else name.rpartition(STRIP)[0] for name in whole]
+    names = [name if name in known else soil_of_strip(name) for name in whole]
     colours = [soil_colours(known)[known.index(name)] for name in names]
     soils = {
         soil_of(stratum.name): colour

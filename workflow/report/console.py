@@ -135,9 +135,12 @@ def _out_at(sides: tuple[str, ...]) -> str:
     return f", where the ground slides out at the {' and the '.join(sides)} side" if sides else ""
 
 
-def proven(strengthened: bool) -> str:
-    """The name of bounds of the ground as it is, or with its cohesionless faces ``strengthened``."""
-    return "Bounds of these deeper failures, the faces given a cohesion," if strengthened else "Strict bounds"
+def proven(faces: bool, load_ends: bool) -> str:
+    """The name of bounds of the ground as it is, or with cohesionless ``faces``, or bare ground at ``load_ends``,
+    strengthened."""
+    held = [what for what, given in (("the faces", faces), ("the ends of loads", load_ends)) if given]
+    failures = "Bounds of these deeper failures" if faces else "Bounds"
+    return f"{failures}, {' and '.join(held)} given a cohesion," if held else "Strict bounds"
 
 
 def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
@@ -154,15 +157,23 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
         if not answer.shallow_failures:
             ground = f"water comes out of a bare face, ground less than {answer.least_depth:g} m deep"
         yield f"Where {ground} slips {when}: it needs cohesion, or protection."
-    yield f"{proven(answer.strengthened)} with ψ = φ, the upper one for every ψ: {answer.words}."
+    ends = bool(answer.load_ends)
+    if ends:
+        where = ", ".join(f"{x:g}" for x in answer.load_ends)
+        yield (
+            f"Sand without cohesion bears nothing below the end of a load beside bare ground (x = {where} m). The "
+            f"bounds below give it half of the pressure as a cohesion, down to {answer.least_depth:g} m."
+        )
+    name = proven(answer.strengthened_faces, ends)
+    yield f"{name} with ψ = φ, the upper one for every ψ: {answer.words}."
     if answer.verdict != "bracketed":
         yield answer.reason
     for factor in answer.safety:
-        yield f"{proven(factor.shallow_failure is not None)} of the factor of safety, ψ = φ: {factor.words}."
+        yield f"{proven(factor.shallow_failure is not None, ends)} of the factor of safety, ψ = φ: {factor.words}."
         if factor.reason:
             yield factor.reason
     if answer.substitute:
-        yield f"{proven(answer.strengthened)} of Davis's estimate for ψ < φ: {answer.substitute.words}."
+        yield f"{name} of Davis's estimate for ψ < φ: {answer.substitute.words}."
         if answer.substitute.verdict != "bracketed":
             yield answer.substitute.reason
 

@@ -157,13 +157,21 @@ class BoundsAnswer(BracketPart, Answer):
     shallow: float | None = Field(
         default=None, description="Kh at which ground above that depth slips at the latest, where two such faces meet"
     )
-    least_depth: float = Field(description="how deep failures of such faces are left out (m)")
+    load_ends: tuple[float, ...] = Field(
+        default=(), description="x of ends of loads on bare sand (m), where the ground was given a cohesion"
+    )
+    least_depth: float = Field(description="how deep failures of such faces, and at such ends, are left out (m)")
     sides: Sides
     vertical: float = Field(description="vertical seismic coefficient, positive upwards")
     seconds: float = Field(description="computing time")
     settings: BoundsSettings
 
     @property
-    def strengthened(self) -> bool:
+    def strengthened_faces(self) -> bool:
         """Whether the bounds are of ground whose bare faces were given a cohesion."""
         return bool(self.shallow_failures) or self.shallow is not None
+
+    @property
+    def strengthened(self) -> bool:
+        """Whether the bounds are of ground whose bare faces, or the ends of loads on it, were given a cohesion."""
+        return self.strengthened_faces or bool(self.load_ends)

@@ -116,6 +116,7 @@ def answer_of(config: Config, bounds: "KhBounds", settings: BoundsSettings, seco
         substitute=bracket_part(bounds.substitute, settings) if bounds.substitute else None,
         shallow_failures=tuple(ShallowBoundPart.model_validate(face) for face in joined(bounds.shallow_failures)),
         shallow=bounds.shallow,
+        load_ends=tuple(sorted({x for _, x, _ in config.section.surface_loads.bare_ends()})),
         least_depth=config.fem.least_depth,
         sides=config.fem.sides,
         vertical=config.fem.vertical,

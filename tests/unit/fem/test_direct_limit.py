@@ -38,7 +38,10 @@ def test_brackets_of_one_mesh_end_where_the_other_does() -> None:
     """Davis's estimate stops between 0.26731 and 0.26746, ψ = φ between 0.26725 and 0.26741: on random slope 21 the
     middle of the first was above that of the second, where clay alone fails and both have the same limit load."""
     ground = section([[0.0, 3.0], [12.0, 3.0], [18.0, 0.0], [24.0, 0.0]], 4.0, soil(c=15e3, phi=25.0))
-    mesh, davis = generate(ground, MeshSettings(method="free", size=2.0)), FemSettings(direction="downhill", flow="davis")
+    mesh, davis = (
+        generate(ground, MeshSettings(method="free", size=2.0)),
+        FemSettings(direction="downhill", flow="davis"),
+    )
     weak = critical_limit_load(ground, mesh, davis, MPI.COMM_SELF)
     strong = asked_again(weak, ground, mesh, davis.changed(flow="associated"))
     assert in_order(weak, strong) == (weak, strong)  # brackets that do not meet stay

@@ -30,6 +30,13 @@ def data(**changes: Any) -> dict[str, Any]:
         ({"cohesion": 5}, "5 kPa"),
         ({"cohesion": 0.01}, ""),
         ({"friction_angle": "70 deg"}, ""),
+        ({"cohesion_increase": 2, "cohesion_from": 10}, "2 kPa/m"),
+        ({"tension": 5}, "5 kPa"),
+        ({"strength_ratio": 22}, "22 %"),
+        ({"strength_ratio": 0.22, "ocr": 250}, ""),
+        ({"strength_ratio": 0.22, "pre_overburden_pressure": 20}, "20 kPa"),
+        ({"pore_pressure_ratio": 30}, "30 %"),
+        ({"permeability": 5}, "5 cm/s"),
     ],
 )
 def test_a_slip_of_the_unit_is_told_with_what_was_meant_and_may_be_meant(changes: dict[str, Any], meant: str) -> None:
@@ -83,3 +90,25 @@ def test_what_is_doubtful_about_the_water_is_told() -> None:
     assert any("lies above the water table" in text for text in dry.notices)
     assert any("not level" in text for text in section(water={"table": [[0, 12], [60, 7]]}).notices)
     assert any("no density_saturated" in text for text in section(soil(**BULK), water={"table": 3.0}).notices)
+
+
+@pytest.mark.parametrize(
+    ("key", "expected"),
+    [
+        ("unit_weight", 'expected density, which may be a unit weight such as "18 kN/m^3"'),
+        ("su", 'expected cohesion, with friction_angle = "0 deg"'),
+        ("phi", "expected friction_angle"),
+        ("ru", "expected pore_pressure_ratio"),
+    ],
+)
+def test_a_word_of_practice_is_told_with_the_key_that_has_its_meaning(key: str, expected: str) -> None:
+    assert any(text.endswith(f"{key}: unknown key; {expected}") for text in problems(data(**{key: 1})))
+
+
+def test_a_drawdown_that_raises_the_water_is_told() -> None:
+    lowered, raised = (
+        Section.parse({**data(), "water": {"table": [[0, 6], [60, 6]], "after_drawdown": [[0, 6], [60, level]]}})
+        for level in (3.0, 8.0)
+    )
+    assert not any("water rises" in text for text in lowered.notices)
+    assert any("after_drawdown lies above table, by up to 2 m" in text for text in raised.notices)

@@ -1,0 +1,66 @@
+"""Ends of surcharges on ground without cohesion, which bears nothing there: the ground just below them is strengthened.
+
+Sand bears a strip load by its own weight alone, and nothing at the edge of one that ends beside bare ground (Terzaghi
+1943: γ B Nγ / 2 is left, the mean of a pressure that goes to zero at the edge). So no stress balances a pressure that
+ends in a step, whatever Kh is, and there is no strict lower bound. What yields is a heap of grains at the edge. As
+below cohesionless faces, the ground within the least depth of the end is given an apparent cohesion, with which it
+bears the load by itself; any failure is then one that cuts through it.
+"""
+
+from fem.continuum.shallow_failure import STRIP, strip_bottom
+from meshes.section.polyline import Line
+from meshes.section.section import Section, Stratum
+
+# What the name of such ground has behind that of its stratum, before the x of the end of the load.
+BELOW_END = ", below the end of a load at x = "
+# The cohesion over the pressure: a strip load on ground without weight and friction fails at (2 + π) c (Prandtl 1920),
+# so that there is room for a horizontal force of the load, too.
+COHESION_SHARE = 0.5
+
+
+def with_held_ends(section: Section, least_depth: float) -> Section:
+    """The section with a cohesion in the ground within ``least_depth`` (m) of ends of surcharges on bare sand.
+
+    Parameters
+    ----------
+    section : Section
+        The ground.
+    least_depth : float
+        Half of the width, and the depth, of the ground that is strengthened (m).
+
+    Returns
+    -------
+    Section
+        The same one where no surcharge ends on bare ground without cohesion.
+    """
+    ends: dict[float, float] = {}
+    for number, x, _ in section.surface_loads.bare_ends():
+        load = section.surcharges[number - 1]
+        ends[x] = max(ends.get(x, 0.0), load.pressure[0 if x == load.start else 1])
+    if not ends:
+        return section
+    left, right = section.extent
+    strata: list[Stratum] = []
+    for k, stratum in enumerate(section.strata):
+        for x, pressure in ends.items() if not stratum.has_cohesion else ():
+            start, end = max(x - least_depth, left), min(x + least_depth, right)
+            points = strip_bottom(section.layering, start, end, k, least_depth)
+            if points:
+                strata.append(
+                    stratum.model_copy(
+                        update={
+                            "name": f"{stratum.name}{BELOW_END}{x:.10g} m",
+                            "bottom": Line(elevation=points),
+                            "cohesion": COHESION_SHARE * float(pressure),
+                        }
+                    )
+                )
+        strata.append(stratum)
+    return section.with_strata(strata)
+
+
+def soil_of_strip(name: str) -> str:
+    """The stratum of a strip below a face or the end of a load; the name itself of any other stratum."""
+    for mark in (STRIP, BELOW_END):
+        name = name.rpartition(mark)[0] or name
+    return name
