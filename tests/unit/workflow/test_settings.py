@@ -115,6 +115,7 @@ def test_the_commented_settings_of_the_example_exist() -> None:
         ([0.2, 0.2], "kh: [0.2, 0.2]: expected every seismic coefficient once"),
         ([0.2, 0.3, 0.2004], "those that agree in their first 3 decimals would share a picture"),
         ([-0.1], "kh 1 = -0.1: input should be greater than or equal to 0"),
+        ([15.0], "kh 1 = 15.0: input should be less than or equal to 5"),
     ],
 )
 def test_a_kh_that_is_kept_twice_or_points_uphill_is_refused(table: str, kh: list[float], told: str) -> None:
