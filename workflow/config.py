@@ -20,7 +20,7 @@ from workflow.earthquake.records_in_use import remarks
 from workflow.earthquake.settings import CYCLES, EARTHQUAKE
 from workflow.renamed import current
 from workflow.tables import Tables
-from workflow.triggering.assessment import off_the_section
+from workflow.triggering.assessment import below_loads, off_the_section
 from workflow.triggering.plausibility import implausible_triggering
 from workflow.triggering.settings import CASE_NAMES, left_to_blow_counts
 from workflow.uncertain.limits import Reach, reach_of
@@ -128,6 +128,7 @@ class Config(Tables):
         """Notices on the earthquake and its records, on their effect on the slides, and on strengths assumed there."""
         slides = self.section.liquefies
         notices = [*remarks(self), *self.earthquake.notices(self.slide if slides else None)]
+        notices += below_loads(self.section, self.triggering)
         if slides and self.slide.cases and self.slide.cases == cases_of_loose_sand(self.section):
             notices.append(
                 "slide, cases: nothing says what strength liquefied ground keeps; loose sand with (N1)60 = 8, 3 "

@@ -75,7 +75,8 @@ def _go_past(lines: Sequence[Shape], outlines: Sequence[Shape]) -> bool:
 def _with_one_side(outlines: Sequence[np.ndarray]) -> tuple[list[np.ndarray], list[str]]:
     """Outlines (n, 2) cut where the first of those that reach a side ends, and a sentence where that is told.
 
-    Else the ground would fall into a slit at that side, as deep as the outline that ends short of it.
+    Corners within a centimetre of a side stand on it. Else the ground would fall into a slit at that side, as deep as
+    the outline that ends short of it.
     """
     ends = np.array([[points[:, 0].min(), points[:, 0].max()] for points in outlines])
     near = SIDE * float(np.ptp(ends))
@@ -87,7 +88,12 @@ def _with_one_side(outlines: Sequence[np.ndarray]) -> tuple[list[np.ndarray], li
         if abs(sides[-1] - sign * outmost) > JOINED:
             notices.append(f"outlines end at different x at one side, {sign * outmost:.6g} and {sides[-1]:.6g} m: the "
                            "section ends with the narrower one")  # fmt: skip
-    clipped = [np.column_stack([points[:, 0].clip(min=sides[0], max=sides[1]), points[:, 1]]) for points in outlines]
+    clipped = []
+    for points in outlines:
+        x = points[:, 0].copy()
+        for end, is_near in ((sides[0], x < sides[0] + JOINED), (sides[1], x > sides[1] - JOINED)):
+            x[is_near] = end
+        clipped.append(np.column_stack([x, points[:, 1]]))
     return clipped, notices
 
 
@@ -99,7 +105,7 @@ def _doubts(outlines: Sequence[Shape]) -> list[str]:
         doubts.append(f'all {len(outlines)} outlines are on layer "{outlines[0].layer}", and make one stratum')
     for outline in outlines:
         low, high = outline.points.min(axis=0), outline.points.max(axis=0)
-        others = [other.points for other in outlines if other is not outline]
+        others = [other.points for other in outlines if other.layer != outline.layer]
         if others and all((points > low + JOINED).all() and (points < high - JOINED).all() for points in others):
             doubts.append(f'the outline on layer "{outline.layer}" lies round all others: if it is the frame of the '
                           "sheet, turn its layer off in the drawing")  # fmt: skip

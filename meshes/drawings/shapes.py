@@ -95,6 +95,8 @@ def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes
     if any(item.closed and item.kind not in FILLED for item in items):
         unused.update(f"{item.kind} on layer {item.layer}" for item in items if item.kind in FILLED)
         items = [item for item in items if item.kind not in FILLED]
+    if not items:
+        notices += _in_paper_space(drawing)
     shapes = _in_plane(items, unused)
     width = max((float(shape.points[:, 0].max()) for shape in shapes), default=0.0) - min(
         (float(shape.points[:, 0].min()) for shape in shapes), default=0.0
@@ -119,6 +121,13 @@ def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes
         (outlines if shape.closed else lines).append(shape)
     notices += [f"not used: {count} {what}" for what, count in sorted(unused.items())]
     return Shapes(outlines, lines, frozenset(names.values()), notices)
+
+
+def _in_paper_space(drawing: Any) -> list[str]:
+    """A sentence for each sheet of a drawing that has entities: they are not read."""
+    sheets = [(layout.name, len(layout)) for layout in drawing.layouts if not layout.is_modelspace]
+    return [f'not used: {count} entities on the sheet "{name}": expected the section in model space'
+            for name, count in sheets if count]  # fmt: skip
 
 
 def _unit(drawing: Any, notices: list[str]) -> float:

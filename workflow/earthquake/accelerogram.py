@@ -91,7 +91,11 @@ def _lines(path: Path) -> list[str]:
     """The lines of a text file in any encoding."""
     if not path.exists():
         raise InputError(str(path), ["there is no such accelerogram"])
-    return read_text(path).text.splitlines()
+    text = read_text(path).text
+    if "\0" in text:
+        message = "is no text but binary, as miniSEED, SAC or spreadsheets; expected columns of time and acceleration"
+        raise InputError(str(path), [message])
+    return text.splitlines()
 
 
 def _chosen(components: list[RecordedSeries], wanted: str) -> RecordedSeries:
@@ -128,6 +132,11 @@ def _accelerogram(name: str, series: RecordedSeries, unit: str) -> Accelerogram:
     measured = _unit(series, unit)
     values = measured.factor * series.values
     remarks: list[str] = []
+    if not values.any():
+        raise ValueError("holds zeros alone; expected a record of ground that moves")
+    if abs(series.time[0]) > COARSE:
+        remarks.append(f"its times begin at {series.time[0]:.6g} s, and are counted from there")
+        series = replace(series, time=series.time - series.time[0])
     if measured.motion != "acceleration":
         peak = f"{np.abs(series.values).max():.4g} {series.unit or unit}"
         remarks.append(f"it holds {measured.motion}, up to {peak}, which was differentiated in time")

@@ -1,6 +1,7 @@
-"""Files of two national networks: GeoNet of New Zealand (.V1A, .V2A) and BHRC of Iran (.V1).
+"""Files of national networks: GeoNet of New Zealand (.V1A, .V2A), BHRC of Iran (.V1), USGS (.smc).
 
-Sources: GNS Science, "Accelerogram data file format" (2012), and files that GeoNet and BHRC have published.
+Sources: GNS Science, "Accelerogram data file format" (2012), and files that GeoNet and BHRC have published;
+USGS, National Strong-Motion Program, SMC-format data files, 3.1 to 4.0.
 """
 
 import re
@@ -28,6 +29,16 @@ BHRC_POINTS = re.compile(r"NO\. OF POINTS\s*=\s*(\d+)\s+DURATION\s*=\s*([\d.]+)"
 BHRC_UNITS = re.compile(r"UNITS ARE SECONDS AND\s+(\S+)", re.IGNORECASE)
 BHRC_HEADING = 15  # lines between that of the units and the first values: a blank one, 7 of integers and 7 of reals
 BHRC_VOLUME = "VOL1DS"
+
+SMC = re.compile(r"^\s*[1-4]\s+(?:UN)?(?:CORRECTED\s+)?(ACCELEROGRAM|VELOCITY|DISPLACEMENT)\b", re.IGNORECASE)
+SMC_TEXT_LINES, SMC_INTEGERS, SMC_REALS = 11, 48, 50
+SMC_COUNT, SMC_RATE = 17, 2  # which of the integers and reals are the number of values, and those in a second
+SMC_NO_VALUE = 1e30  # a real that is not known is 1.7E+38
+SMC_QUANTITIES = {
+    "ACCELEROGRAM": ("acceleration", "cm/s/s"),
+    "VELOCITY": ("velocity", "cm/s"),
+    "DISPLACEMENT": ("displacement", "cm"),
+}
 
 
 def is_geonet(lines: Lines) -> bool:
@@ -100,3 +111,28 @@ def bhrc(lines: Lines) -> list[RecordedSeries]:
             called = f"{name}: {azimuths[name]}" if name in azimuths else name
             components.append(RecordedSeries("BHRC", called, time, scale * values, measured, "acceleration"))
     return components
+
+
+def is_smc(lines: Lines) -> bool:
+    """Whether these are lines of an SMC file of the USGS."""
+    return bool(lines) and bool(SMC.match(lines[0]))
+
+
+def smc(lines: Lines) -> list[RecordedSeries]:
+    """SMC: 11 lines of text, 48 integers, 50 reals, comments, and one series in cm and s, eight values a line."""
+    known = SMC.match(lines[0])
+    assert known is not None
+    integers, place = fixed_numbers(lines, SMC_TEXT_LINES, SMC_INTEGERS, "8I10")
+    reals, place = fixed_numbers(lines, place, SMC_REALS, "5E15.7")
+    rate = float(reals[SMC_RATE - 1])
+    if not 0.0 < rate < SMC_NO_VALUE:
+        raise ValueError(
+            f"real value {SMC_RATE} of its heading, the samples in a second, is {rate:g}; expected above 0"
+        )
+    while place < len(lines) and lines[place].startswith("|"):
+        place += 1
+    values, _ = fixed_numbers(lines, place, int(integers[SMC_COUNT - 1]), "8E10.4")
+    quantity, unit = SMC_QUANTITIES[known[1].upper()]
+    time = steps(len(values), 1.0 / rate, f"real value {SMC_RATE} of its heading")
+    is_raw = lines[0].lstrip().startswith("1")
+    return [RecordedSeries("SMC", "", time, values, unit, quantity, counts=is_raw)]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshes.section.motion_units import motion_unit, time_unit
-from workflow.earthquake.national_formats import bhrc, geonet, is_bhrc, is_geonet
+from workflow.earthquake.national_formats import bhrc, geonet, is_bhrc, is_geonet, is_smc, smc
 from workflow.earthquake.recorded_series import RecordedSeries, fixed_numbers, free_numbers, steps
 
 Lines = Sequence[str]
@@ -24,6 +24,7 @@ QUANTITY = re.compile(r"\b(ACCEL|VELOC|DISPL)[A-Z]*", re.IGNORECASE)
 IN_UNITS = re.compile(r"UNITS?\s*(?:OF|IN|ARE|[:=])?\s+(\S+(?: ?/ ?\w+)*)|UNITS?\s*[:=]\s*(\S+)", re.IGNORECASE)
 
 KNET_LINES = 17  # of heading, of which the last begins with Memo.
+KNET = re.compile(r"^Station Code.*^Sampling Freq\(Hz\)", re.MULTILINE | re.DOTALL)
 KNET_SCALE = re.compile(r"Scale Factor[\s,;]+([\d.]+)\(gal\)/(\d+)")
 KNET_RATE = re.compile(r"Sampling Freq\(Hz\)[\s,;]+([\d.]+)")
 KNET_DURATION = re.compile(r"Duration Time\(s\)[\s,;]+([\d.]+)")
@@ -241,6 +242,11 @@ def _any(*patterns: re.Pattern[str]) -> Callable[[Lines], bool]:
     return lambda lines: any(pattern.search(line) for line in lines[:HEADING] for pattern in patterns)
 
 
+def _is_knet(lines: Lines) -> bool:
+    head = "\n".join(lines[:KNET_LINES])
+    return bool(KNET_SCALE.search(head) or KNET.search(head))
+
+
 FORMATS = (
     NetworkFormat("", lambda lines: bool(lines) and bool(SPECTRA.match(lines[0])), spectra),
     NetworkFormat("GeoNet V1 and V2", is_geonet, geonet),
@@ -248,7 +254,8 @@ FORMATS = (
     NetworkFormat("COSMOS V1 and V2", _any(COSMOS, COSMOS_REALS), cosmos),
     NetworkFormat("CSMIP V1 and V2", _any(CSMIP_V1, CSMIP_V2), csmip),
     NetworkFormat("RENADIC", _any(FILM), film),
-    NetworkFormat("K-NET and KiK-net", lambda lines: bool(KNET_SCALE.search("\n".join(lines[:KNET_LINES]))), knet),
+    NetworkFormat("K-NET and KiK-net", _is_knet, knet),
+    NetworkFormat("SMC", is_smc, smc),
     NetworkFormat("ESM", lambda lines: any(line.startswith("SAMPLING_INTERVAL_S:") for line in lines[:HEADING]), esm),
     NetworkFormat("PEER .AT2, .VT2, .DT2", _any(PEER_NEW, PEER_OLD), peer),
 )

@@ -28,6 +28,15 @@ RATE = re.compile(
 # Lines of words among so many first ones from which on a file is no table that a person made, but a network's.
 NETWORKS_HEADING, FIRST_LINES = 8, 25
 DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?|[-+]?\d+(?:[eE][-+]?\d+)?")
+# Numbers with decimal commas that blanks part; and numbers in columns so narrow that nothing but signs part them.
+APART_BY_BLANKS = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?(?:\s+[-+]?\d*,\d+(?:[eE][-+]?\d+)?)+")
+APART_BY_SIGNS = re.compile(r"(?:\s*[-+]?\d*\.\d+)(?:\s+[-+]?\d*\.\d+|[-+]\d*\.\d+)+")
+CLOCK = re.compile(r"(?:\d{4}[-/]\d\d[-/]\d\d[T ,;])?(?<!\d)(\d{1,2}):(\d\d):(\d\d(?:\.\d+)?)Z?")
+BEHIND_THE_NAME = re.compile(r"(?:\bin|,)\s+(\S.*?)\s*$", re.IGNORECASE)  # "Acceleration in g", "Time, s"
+COUNTER = re.compile(r"^\W*(no|nr|n|i|k|id|index|sample|samples|point|番号)\W*$", re.IGNORECASE)
+# Values of one series stand in rows of so many, as a rule eight; components are three.
+VALUES_IN_A_ROW = 5
+SAME_TIMES = 0.6  # share of the times that may be those before them: a record of steps has two at each
 
 
 @dataclass(frozen=True)
@@ -52,24 +61,38 @@ def _components(lines: Sequence[str]) -> list[RecordedSeries]:
     heading, rows = _split(lines)
     if len(rows) < 2:
         raise ValueError(f"is no accelerogram of a known format; read are {READ}")
-    values = np.array(rows)
-    columns = _columns(heading, values.shape[1])
     text = "\n".join(heading)
     step = _step(text)
-    timed = any(TIME.search(column.name) or time_unit(column.unit) for column in columns)
-    if not timed and (values.shape[1] == 1 or step is not None):
+    columns = _columns(heading, len(rows[0]))
+    if step is not None and not columns and len(rows[0]) >= VALUES_IN_A_ROW:
+        series = finite([value for row in rows for value in row])
+        return [RecordedSeries("columns", "", steps(len(series), step, "the heading"), series, unit_in(text),
+                               word_of(text))]  # fmt: skip
+    if len(rows[-1]) != len(rows[0]):
+        raise ValueError(f"its last row has {len(rows[-1])} numbers; expected {_numbers(len(rows[0]))}")
+    values = np.array(_without_count(rows) if not heading else rows)
+    columns = columns or [Column("", "")] * values.shape[1]
+    timed = [k for k, column in enumerate(columns) if TIME.search(column.name) or time_unit(column.unit)]
+    counters = [k for k, column in enumerate(columns) if COUNTER.search(column.name) and not column.unit]
+    if not timed and (values.shape[1] == 1 or step is not None or 0 in counters):
         if step is None:
-            raise ValueError(
-                'holds one column: expected a column of time before it, or a heading such as "dt = 0.01 s"'
-            )
-        time, first = steps(len(values), step, "the heading"), 0
+            has = "holds one column" if values.shape[1] == 1 else f'its first column, "{columns[0].name}", is no time'
+            raise ValueError(f'{has}: expected a column of time before it, or a heading such as "dt = 0.01 s"')
+        time, no_component = steps(len(values), step, "the heading"), counters
     else:
-        time, first = _times(values[:, 0], columns[0] if columns else Column("", "")), 1
-    stated = unit_in(text) if not columns or not any(column.unit for column in columns[first:]) else ""
+        place = timed[0] if timed else 0
+        if not timed and values.shape[1] >= VALUES_IN_A_ROW and np.any(np.diff(values[:, 0]) < 0.0):
+            raise ValueError(
+                f"holds rows of {values.shape[1]} numbers whose first ones are no times; expected a time step in the "
+                'heading of such a series, as in "dt = 0.01 s"'
+            )
+        time, no_component = _times(values[:, place], columns[place]), [place, *counters]
+    places = [k for k in range(values.shape[1]) if k not in no_component]
+    stated = unit_in(text) if not any(columns[k].unit for k in places) else ""
     components = [
-        RecordedSeries("columns", columns[k].name if columns else "", time, finite(values[:, k].tolist()),
-                       (columns[k].unit if columns else "") or stated, word_of(columns[k].name) if columns else "")
-        for k in range(first, values.shape[1])
+        RecordedSeries("columns", columns[k].name, time, finite(values[:, k].tolist()), columns[k].unit or stated,
+                       word_of(columns[k].name))
+        for k in places
     ]  # fmt: skip
     return components if len(components) == 1 else _of_acceleration(components)
 
@@ -80,18 +103,36 @@ def _of_acceleration(components: list[RecordedSeries]) -> list[RecordedSeries]:
     return [component for component, unit in known if unit is not None and unit.motion == "acceleration"] or components
 
 
+def _without_count(rows: list[list[float]]) -> list[list[float]]:
+    """The rows without a first one that holds the number of the others and their time step, as DEEPSOIL writes it."""
+    if len(rows) < 3 or len(rows[0]) != 2 or rows[0][0] != len(rows) - 1 or rows[0][1] <= 0.0:
+        return rows
+    return rows[1:] if abs(rows[2][0] - rows[1][0] - rows[0][1]) <= 0.1 * rows[0][1] else rows
+
+
 def _split(lines: Sequence[str]) -> tuple[list[str], list[list[float]]]:
-    """The lines before the first row of numbers, and all rows, of which each has as many numbers as the first."""
+    """The lines before the first row of numbers, and all rows, of which each has as many numbers as the first.
+
+    The last row of a series that stands in rows may have fewer.
+    """
     heading: list[str] = []
     rows: list[list[float]] = []
     for number, line in enumerate(lines, start=1):
         text = line.strip()
         row = None if text.startswith(("#", "%", "!")) else _row(text.partition("#")[0])
+        if rows and row and not np.isfinite(row).all():
+            raise ValueError(
+                f"line {number}: {text!r}: a value is missing or not finite; expected a number in every row"
+            )
         if row is None and rows and text and not text.startswith(("#", "%", "!")):
             raise ValueError(f"line {number}: {text!r}: expected {_numbers(len(rows[0]))}")
         if row is None:
             heading += [text.lstrip("#%! ")] if text and not rows else []
-        elif row and rows and len(row) != len(rows[0]):
+        elif (
+            row
+            and rows
+            and (len(row) > len(rows[0]) or len(row) < len(rows[-1]) < VALUES_IN_A_ROW or len(rows[-1]) < len(rows[0]))
+        ):
             raise ValueError(f"line {number}: {text!r}: expected {_numbers(len(rows[0]))}")
         elif row:
             rows.append(row)
@@ -104,7 +145,11 @@ def _numbers(count: int) -> str:
 
 def _row(text: str) -> list[float] | None:
     """The numbers of a line; none of a blank one, None of a line that holds anything else."""
-    text = text.strip()
+    text = CLOCK.sub(_seconds, text.replace('"', "").strip())
+    if APART_BY_BLANKS.fullmatch(text):
+        text = text.replace(",", ".")
+    if APART_BY_SIGNS.fullmatch(text):
+        text = " ".join(re.findall(r"[-+]?\d*\.\d+", text))
     apart = ";" if ";" in text else "\t" if "\t" in text else ""
     cells = [cell.strip() for cell in text.split(apart)] if apart else re.split(r"[,\s]+", text)
     if apart and any("," in cell for cell in cells):
@@ -118,8 +163,22 @@ def _row(text: str) -> list[float] | None:
         return None
 
 
+def _seconds(clock: re.Match[str]) -> str:
+    """The time of day in s, with the date before it left out."""
+    return f"{3600 * int(clock[1]) + 60 * int(clock[2]) + float(clock[3]):.9g}"
+
+
 def _columns(heading: list[str], count: int) -> list[Column]:
-    """The names and units of the columns, from the last line of the heading that has as many; none without one."""
+    """The names and units of the columns; units may stand in the line below the names."""
+    columns = _columns_in(heading, count)
+    if not columns or not all(column.unit and column.name.strip("[]() ") == column.unit for column in columns):
+        return columns
+    names = _columns_in(heading[:-1], count)
+    return [Column(above.name, below.unit) for above, below in zip(names, columns, strict=True)] if names else columns
+
+
+def _columns_in(heading: list[str], count: int) -> list[Column]:
+    """The same from the last line of the heading that has as many; none without one."""
     for above, line in enumerate(reversed(heading)):
         for apart in (";", "\t", ","):
             cells = [cell.strip() for cell in line.rstrip(" ,;\t").split(apart)]
@@ -134,7 +193,7 @@ def _columns(heading: list[str], count: int) -> list[Column]:
 def _column(cell: str) -> Column:
     cell = cell.strip("\"' ")
     brackets = BRACKETS.findall(cell)
-    words = [next(filter(None, groups)).strip() for groups in brackets] or [cell]
+    words = [next(filter(None, groups)).strip() for groups in brackets] or [cell, *BEHIND_THE_NAME.findall(cell)]
     unit = next((w for w in reversed(words) if motion_unit(SUFFIXES.get(w.lower(), w)) or time_unit(w)), "")
     return Column(BRACKETS.sub("", cell).strip() or cell, SUFFIXES.get(unit.lower(), unit))
 
@@ -161,6 +220,12 @@ def _times(values: np.ndarray, column: Column) -> np.ndarray:
         shown = column.unit or "s"
         raise ValueError(
             f"the time falls from {values[back[0]]:g} {shown} to {values[back[0] + 1]:g} {shown}; expected it to rise"
+        )
+    same = np.flatnonzero(np.diff(values) == 0.0)
+    if len(values) >= VALUES_IN_A_ROW and len(same) > SAME_TIMES * len(values):
+        raise ValueError(
+            f"{len(same)} of its {len(values)} times are those before them, as {values[same[0]]:g}: they were written "
+            "with too few digits; expected them to rise"
         )
     typical = float(np.median(np.diff(values))) * second
     if len(values) >= 50 and typical > LONGEST_STEP:

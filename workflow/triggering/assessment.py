@@ -178,6 +178,16 @@ def off_the_section(section: Section, settings: TriggeringSettings) -> list[str]
     return [text for boring in settings.borings for text in _outside(section, boring)]
 
 
+def below_loads(section: Section, settings: TriggeringSettings) -> list[str]:
+    """A sentence where borings stand below surcharges, which the stresses of triggering do not count."""
+    loaded = [boring.name for boring in settings.borings
+              if any(load.start < boring.x < load.end for load in section.surcharges)]  # fmt: skip
+    if not loaded:
+        return []
+    return [f"triggering, borings: {', '.join(loaded)}: surcharges there do not count in σv and σ'v of F_L, which are "
+            "those of the ground alone"]  # fmt: skip
+
+
 def _outside(section: Section, boring: Boring) -> list[str]:
     depths = [*(test.depth for test in boring.spt), *(test.depth for test in boring.cpt)]
     messages = {outside(section, boring.x, depth): None for depth in depths}

@@ -353,3 +353,30 @@ def test_outlines_that_are_doubted(tmp_path: Path) -> None:
     )
     bow = [(0, 12), (100, 2), (100, 12), (0, 2)]
     assert 'the outline on layer "Sand" crosses itself' in section(drawn(tmp_path, lambda s: outlines(s, Sand=bow)))[1]
+
+
+def test_corners_a_little_beside_a_side_stand_on_it(tmp_path: Path) -> None:
+    """Else a stratum would reach up along the side in a slit of half a millimetre."""
+    beside = [(0.0004, 2), (100.0006, 2), (99.9995, -6), (0, -6)]
+    made, told = section(drawn(tmp_path, lambda space: outlines(space, Clay=beside)))
+    assert told == ""
+    assert [stratum.bottom is None for stratum in made.strata] == [False, True]
+    assert np.allclose(made.layering.x[[0, -1]], [0.0, 100.0])
+    assert areas(made) == {"Sand": pytest.approx(600.0), "Clay": pytest.approx(800.0)}
+
+
+def test_a_frame_with_a_title_block_on_its_layer_is_doubted(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        outlines(space, **{"0": [(-20, -30), (130, -30), (130, 40), (-20, 40)]})
+        space.add_lwpolyline([(90, -30), (130, -30), (130, -25), (90, -25)], close=True)
+
+    assert 'the outline on layer "0" lies round all others' in section(drawn(tmp_path, draw))[1]
+
+
+def test_a_section_on_a_sheet_is_told(tmp_path: Path) -> None:
+    document = ezdxf.new(units=6)
+    outlines(document.layout("Layout1"))
+    document.saveas(tmp_path / "sheet.dxf")
+    with pytest.raises(InputError) as caught:
+        read_dxf(tmp_path / "sheet.dxf", "made")
+    assert 'not used: 2 entities on the sheet "Layout1": expected the section in model space' in caught.value.problems

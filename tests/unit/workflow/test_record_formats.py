@@ -230,7 +230,7 @@ def test_one_of_several_components_is_asked_for() -> None:
         (records.cosmos(np.ones(8), 0.01, "counts"), 'the unit "counts", which is not understood'),
         (records.cosmos(np.ones(8), -999.0, "g"), "real value 34 of its heading"),
         (records.cosmos(np.ones(8), 0.01, "g").replace("       8  acc", "       9  acc"), "the heading says 9"),
-        (records.knet(np.ones(8), 0.01).replace("Scale Factor      3920", "Scale Factor "), "no accelerogram"),
+        (records.knet(np.ones(8), 0.01).replace("Scale Factor      3920", "Scale Factor "), "has no \"Scale Factor\""),
     ],
 )  # fmt: skip
 def test_what_is_missing_is_asked_for(text: str, told: str) -> None:

@@ -291,3 +291,20 @@ def test_blow_counts_give_the_strengths_where_nothing_else_does(tables: dict[str
     config = analysed(data)
     assert [case.name for case in config.cases] == names
     assert not [line for line in config.notices if "nothing says what strength" in line]
+
+
+def test_borings_below_surcharges_are_told() -> None:
+    """σv and σ'v are those of the ground alone; a load beside the boring says nothing of it."""
+    data = bored()
+    loads = {"below": (10.0, 30.0), "beside": (40.0, 60.0)}
+    told = {
+        name: [
+            text
+            for text in analysed(
+                {**data, "surcharges": [{"from": ends[0], "to": ends[1], "pressure": "20 kPa"}]}
+            ).notices_of_slides
+            if "surcharges there do not count in σv and σ'v" in text
+        ]
+        for name, ends in loads.items()
+    }
+    assert (len(told["below"]), told["beside"]) == (1, [])
