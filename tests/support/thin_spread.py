@@ -7,8 +7,10 @@ by the law of its strain potential up to its residual strength (`meshes.section.
     (m_c + m_l/2) ü = -N' - τ(u / H_l) + (m_c + m_l) a,  N = w_c h_c h_l + w_l h_l²/2 + K(u') w_c h_c²/2.
 
 That is a heavy liquid under a crust, whose earth pressure goes from K0 to the active one as it is stretched by 0.5 %,
-and to the passive one as it is shortened by 4 % (Rankine's, of its friction angle). Ends stand still. Quays, and what
-happens within a layer's thickness of the face, are not in it.
+and to the passive one as it is shortened by 4 % (Rankine's, of its friction angle). Where it slips, the layer bears its
+own lateral stress as well, π s/2 less than the overburden as it is stretched and π s/2 more as it is shortened: the
+mean of 2 √(s² - τ²), τ from 0 at its top to its strength s at its base (Nye 1951, Proc. R. Soc. A 207, 554). Ends stand
+still. Quays, and what happens within a layer's thickness of the face, are not in it.
 """
 
 from dataclasses import dataclass, field
@@ -21,6 +23,7 @@ from meshes.section.strain_potential import BEYOND, stress_at_potential
 from workflow.stages.shaking import shaking_of
 
 STRETCHED, SHORTENED = 0.005, 0.04  # strains of the crust at its active and passive earth pressure
+SLIPS = 0.01  # strain of a layer that slips, at its least and its greatest lateral stress
 THINNEST = 0.02  # m: of a column that takes part
 CREEP = 5.0  # s: dashpot over stiffness of ground short of its potential, as in discs and points
 LEAST = 0.2  # of its length that a column keeps
@@ -70,8 +73,8 @@ class ThinGround:
         stress = np.where(size < first, knee / first * size, knee + rise * (size - first))
         return np.sign(elastic) * stress, knee / first, plastic + strain - elastic
 
-    def pressure(self, stretch: np.ndarray) -> np.ndarray:
-        """Horizontal force N (N/m) in columns of which the crust is stretched by a share (n,)."""
+    def pressure(self, stretch: np.ndarray, way: np.ndarray) -> np.ndarray:
+        """Horizontal force N (N/m) in columns of which the crust is stretched by a share (n,), and went a way (m)."""
         sine = np.sin(self.friction_angle)
         active, rest, passive = (1.0 - sine) / (1.0 + sine), 1.0 - sine, (1.0 + sine) / (1.0 - sine)
         rising = np.where(stretch > 0.0, (rest - active) / STRETCHED, (passive - rest) / SHORTENED)
@@ -79,7 +82,9 @@ class ThinGround:
         layer = self.layer / np.maximum(1.0 + 0.5 * stretch, LEAST)
         crust = self.crust / np.maximum(1.0 + stretch, LEAST)
         liquid = self.crust_weight * crust * layer + 0.5 * self.layer_weight * layer**2
-        return np.asarray(liquid + 0.5 * earth * self.crust_weight * crust**2)
+        slips = np.clip((np.hypot(way / self.layer, stretch) - self.potential) / BEYOND, 0.0, 1.0)
+        lateral = 0.5 * np.pi * self.strength * layer * slips * np.clip(stretch / SLIPS, -1.0, 1.0)
+        return np.asarray(liquid - lateral + 0.5 * earth * self.crust_weight * crust**2)
 
     def spread(self, time: np.ndarray, push: np.ndarray, seconds: float, dt: float = 0.005) -> np.ndarray:
         """How far the crust (n,) has moved (m) some seconds after the layer liquefied; time (s), push (m/s2)."""
@@ -88,7 +93,7 @@ class ThinGround:
         moving = self.crust + self.layer > 2.0 * THINNEST
         for a in np.interp(np.arange(0.0, seconds, dt), time, push, right=0.0):
             ends = np.concatenate([[0.0], 0.5 * (way[1:] + way[:-1]), [0.0]])
-            force = self.pressure(np.diff(ends) / self.step)
+            force = self.pressure(np.diff(ends) / self.step, way)
             between = np.concatenate([force[:1], 0.5 * (force[1:] + force[:-1]), force[-1:]])
             stress, stiffness, plastic = self.held(way, plastic)
             stress = np.clip(stress + CREEP * stiffness * speed / self.layer, -self.strength, self.strength)
