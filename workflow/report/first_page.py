@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from meshes.section.cutting import shown_name
 from meshes.section.quantity import GRAVITY
-from workflow.estimates.slide_error import slide_error
+from workflow.estimates.slide_error import SlideMethod, slide_error
 from workflow.estimates.structures import structures_of
 from workflow.report.accuracy import METHODS, Accuracy, accuracy, proven_by, rounded_up
 from workflow.report.findings import CONTRADICTED, at_rest
@@ -21,6 +21,7 @@ from workflow.results.verdicts import HeadlinePart
 
 CLOSE_BOUNDS = 0.95  # of the upper bound: a lower one above it tells the critical Kh better than coarse elements
 LEAST_SLIDE = 0.1  # m: discs do not resolve less
+NAMES: Mapping[SlideMethod, str] = {"discs": "discs", "mpm": "material points"}
 FLOW: Mapping[str, str] = {
     "associated": "associated flow, ψ = φ",
     "davis": "Davis reduced strength",
@@ -209,7 +210,7 @@ def _slide(results: Results, _: Texts) -> HeadlinePart:
         end=_end([*cases.values(), *points.values()], _),
     )
     value = _span({**cases, **{-number: point for number, point in points.items()}})
-    return HeadlinePart(name=name, value=value, interval=_of_slides(results, cases or points, _), conclusion=phrase)
+    return HeadlinePart(name=name, value=value, interval=_of_slides(results, _), conclusion=phrase)
 
 
 Slides = Mapping[int, CaseAnswer] | Mapping[int, PointCase] | Mapping[int, CaseAnswer | PointCase]
@@ -230,21 +231,18 @@ def _end(cases: Sequence[CaseAnswer | PointCase], _: Texts) -> str:
     return _("was still moving when the computation ended")
 
 
-def _of_slides(results: Results, cases: Slides, _: Texts) -> str:
-    """The interval of the largest slide, with the error of such predictions on known slides."""
-    known = {case.flows if isinstance(case, CaseAnswer) else None for case in cases.values()}
-    discs = any(isinstance(case, CaseAnswer) for case in cases.values())
-    error = slide_error(known.pop() if len(known) == 1 else None, "discs" if discs else "mpm")
-    random = results.cases.random if results.cases is not None else None
-    slides = [case.slide_max_m for case in cases.values()]
-    for case in random.cases.values() if random is not None else ():
-        slides += case.slide_max_m.values
-    slides += [case.slide_max_m for case in results.mpm.cases.values()] if results.mpm is not None else []
-    moved = [slide for slide in slides if slide > 0.0]
-    if error is None or not moved:
+def _of_slides(results: Results, _: Texts) -> str:
+    """The interval of the largest slide by the method that was nearer to known slides, with its error on them."""
+    predicted = _predicted(results)
+    known = {case.flows for case in results.case_set()[1].values()}
+    flows = known.pop() if len(known) == 1 else None
+    errors = [error for method in predicted if (error := slide_error(flows, method)) is not None]
+    if not errors:
         return _("the error on known slides is not known")
+    error = min(errors, key=lambda error: error.middle)
+    moved, method = predicted[error.method], _(NAMES[error.method])
     if 2 * error.held < error.cases:
-        return _("no interval: discs did not predict the known slides of this kind")
+        return _("no interval: {method} did not predict the known slides of this kind", method=method)
     if not error.bounds_slides:
         return _(
             "uncertain by a factor of {factor}: {held} of {cases} known slides were predicted within it by {method}, "
@@ -252,16 +250,29 @@ def _of_slides(results: Results, cases: Slides, _: Texts) -> str:
             factor=f"{error.factor:g}",
             held=error.held,
             cases=error.cases,
-            method="discs" if discs else "material points",
+            method=method,
             middle=f"{error.middle:.2g}",
         )
     return _(
-        "{span}: {held} of {cases} known slides were predicted within a factor of {factor}",
+        "{span}: {held} of {cases} known slides were predicted within a factor of {factor} by {method}",
         span=span(error.interval(min(moved), max(moved))),
-        factor=f"{error.factor:g}",
         held=error.held,
         cases=error.cases,
+        factor=f"{error.factor:g}",
+        method=method,
     )
+
+
+def _predicted(results: Results) -> dict[SlideMethod, list[float]]:
+    """Largest slides (m) by method, over cases and packings, of those that slide downhill at all."""
+    random = results.cases.random if results.cases is not None else None
+    discs = [case.slide_max_m for case in results.case_set()[1].values()]
+    for case in random.cases.values() if random is not None else ():
+        discs += case.slide_max_m.values
+    points = [case.slide_max_m for case in results.mpm.cases.values()] if results.mpm is not None else []
+    slides: dict[SlideMethod, list[float]] = {"discs": discs, "mpm": points}
+    moved = {method: [slide for slide in found if slide > 0.0] for method, found in slides.items()}
+    return {method: found for method, found in moved.items() if found}
 
 
 def conclusions(results: Results, _: Texts) -> Iterator[str]:

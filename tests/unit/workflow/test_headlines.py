@@ -1,9 +1,18 @@
 """The three numbers of the first page of the report, and their intervals."""
 
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
 from tests.support.answers import bounds, fem, results
+from tests.support.dem_fixture import case
 from tests.support.sections import analysed, slope
+from workflow.estimates.slide_error import SlideError
+from workflow.report import first_page
 from workflow.report.first_page import headlines
 from workflow.report.texts import Texts
+from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety
 
 
@@ -22,3 +31,26 @@ def test_a_factor_of_safety_is_in_the_headline_only_with_its_error() -> None:
     assert told.interval == "one mesh, on which the critical Kh is off by at most 3 % by strict bounds"
     meshes = answer.model_copy(update={"safety_factors": (factor.model_copy(update={"rest": 0.01}),)})
     assert headlines(results(run, fem=meshes), Texts())[1].interval == "8.75 to 8.84 by the sequence of meshes"
+
+
+@pytest.mark.parametrize(
+    ("middle", "told"),
+    [
+        (1.6, "0.3 to 3 m: 20 of 28 known slides were predicted within a factor of 3 by material points"),
+        (9.0, "uncertain by a factor of 5: 20 of 30 known slides were predicted within it by discs, half of them "),
+    ],
+)
+def test_the_interval_of_a_slide_is_that_of_the_method_nearer_to_known_slides(
+    middle: float, told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Discs slide 0.2 m, material points 1 m: of the two the one whose known slides lie closer counts alone."""
+    errors = {
+        "discs": SlideError("lateral spreads", 5.0, 20, 30, 3.2),
+        "mpm": SlideError("lateral spreads", 3.0, 20, 28, middle, "mpm"),
+    }
+    monkeypatch.setattr(first_page, "slide_error", lambda flows, method: errors[method])
+    run = analysed(slope())
+    slides = CasesAnswer(sets={"calibrated": {1: case(1.0, 0.2)}}, random=None)
+    point = SimpleNamespace(slide_max_m=1.0, settled=True, reason="", stopped_by=None)
+    both = results(run, cases=slides, mpm=cast(Any, SimpleNamespace(cases={1: point})))
+    assert headlines(both, Texts())[2].interval.startswith(told)
