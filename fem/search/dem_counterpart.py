@@ -18,9 +18,8 @@ from fem.search.critical import critical_coefficient
 from fem.search.slip_surface import slip_surface
 from fem.settings import YIELDED, FemSettings, PathVerdict
 from meshes.quad_mesh import QuadMesh
+from meshes.section.recorded_kh import LARGEST
 from meshes.section.section import Section
-
-BEYOND_ANY_KH = 1e3  # where no fields are kept
 
 
 @dataclass(frozen=True)
@@ -58,8 +57,8 @@ def rigid_box_path(
     ``section``: the ground; ``mesh``: cells of it; ``comm``: MPI communicator; ``listener`` is called after every step.
     Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
     """
-    # the path is not taken once more for fields on its way
-    wish = settings.changed(flow="section", sides="fixed", kh=(BEYOND_ANY_KH,))
+    # fields are asked for beyond the path alone, so that it is not taken once more for some on its way
+    wish = settings.changed(flow="section", sides="fixed", kh=(LARGEST,))
     way: list[tuple[float, np.ndarray]] = []  # Kh and displacements (points, 2) in m
 
     def step(path: EquilibriumPath) -> None:
