@@ -186,35 +186,32 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
     sheet.save(out)
 
 
-def animate(config: Config, paths: list[Path], springs: str, number: int, out: Path) -> None:
+def animate(config: Config, paths: Sequence[Path], springs: str, out: Mapping[int, Path]) -> None:
     """An animated WebP of all states of a case, displacement in colour; it is a third as large as a GIF.
 
-    config: of the run; paths: files of the states; springs: set of the discs; number: of the case; out: the picture.
+    config: of the run; paths: files of the states; springs: set of the discs; out: the pictures, by the numbers of the
+    cases that these are the states of.
     """
     last = Frame.read(paths[-1])
     norm, window = last.scale(), shown_window([Frame.read(paths[0]), last], springs)
     window = Window(window.left, window.right, window.bottom, window.top)
-    font = ImageFont.truetype(fonts.file_for(name_of(config, springs, number)), size=17)
-    images = []
-    for path in paths:
-        frame = Frame.read(path)
-        picture = render(window, partial(draw_frame, frame=frame, norm=norm), FRAME_WIDTH)
-        image = Image.new("RGB", (FRAME_WIDTH, picture.shape[0] + 34), "white")
-        image.paste(Image.fromarray(picture), (0, 34))
-        text = f"{name_of(config, springs, number)}, {frame.seconds:5.1f} s; colour: displacement, 0 to {norm.vmax:g} m"
-        ImageDraw.Draw(image).text((8, 7), text, fill=INK, font=font)
-        images.append(image)
-    durations = [FRAME_MS] * (len(images) - 1) + [HOLD_MS]
-    images[0].save(
-        out,
-        format="WEBP",
-        save_all=True,
-        append_images=images[1:],
-        duration=durations,
-        loop=0,
-        quality=QUALITY,
-        method=0,
-    )
+    states = [Frame.read(path) for path in paths]
+    pictures = [render(window, partial(draw_frame, frame=frame, norm=norm), FRAME_WIDTH) for frame in states]
+    durations = [FRAME_MS] * (len(states) - 1) + [HOLD_MS]
+    for number, file in out.items():
+        name = name_of(config, springs, number)
+        font = ImageFont.truetype(fonts.file_for(name), size=17)
+        images = []
+        for frame, picture in zip(states, pictures, strict=True):
+            image = Image.new("RGB", (FRAME_WIDTH, picture.shape[0] + 34), "white")
+            image.paste(Image.fromarray(picture), (0, 34))
+            text = f"{name}, {frame.seconds:5.1f} s; colour: displacement, 0 to {norm.vmax:g} m"
+            ImageDraw.Draw(image).text((8, 7), text, fill=INK, font=font)
+            images.append(image)
+        images[0].save(
+            file, format="WEBP", save_all=True, append_images=images[1:], duration=durations, loop=0, quality=QUALITY,
+            method=0,
+        )  # fmt: skip
 
 
 def draw_frame(plotter: pv.Plotter, frame: Frame, norm: Normalize) -> None:

@@ -5,7 +5,6 @@ dem/slide_* let a stopped run go on.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from dem.ground import Ground
@@ -15,11 +14,12 @@ from meshes.executor import SERIAL, Executor, Tell
 from workflow.config import Config
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer, RandomPackings
-from workflow.results.disc_grids import case_name, copy_frames, frames, write_collection
+from workflow.results.disc_grids import case_name, copy_frames, write_collection
 from workflow.results.history import SlideHistory, read_histories, write_histories
 from workflow.run.progress import Progress
 from workflow.run.stage import Job
 from workflow.run.store import Store
+from workflow.stages.case_pictures import case_pictures, drawn
 from workflow.stages.discs_at_rest import PAPER, SETTLED, ground_for
 from workflow.stages.liquefaction import liquefying
 from workflow.stages.random_packings import Packing, RandomPackingsWanted, packed
@@ -140,7 +140,8 @@ def slide_pictures(config: Config, store: Store, executor: Executor = SERIAL) ->
     from workflow.figures import slides as slide_figures
 
     answer = CasesAnswer.read(store)
-    executor.compute(_drawn, [CasePictures(config, store, *each) for each in answer.each()])
+    wanted = [each for springs, cases in answer.sets.items() for each in case_pictures(config, store, springs, cases)]
+    executor.compute(drawn, wanted)
     if any(answer.sets.values()):
         with store.writing("figures/history.png") as path:
             slide_figures.history(config, read_histories(store), path)
@@ -151,28 +152,3 @@ def slide_pictures(config: Config, store: Store, executor: Executor = SERIAL) ->
             slide_figures.profiles(
                 config, bands, max(len(case.slide_max_m.values) for case in random_cases.values()), path
             )
-
-
-@dataclass(frozen=True)
-class CasePictures:
-    """A case to be drawn: the set of springs, its number, and its answer."""
-
-    config: Config
-    store: Store
-    springs: str
-    number: int
-    case: CaseAnswer
-
-
-def _drawn(wanted: CasePictures, _: Tell) -> None:
-    """The picture of a case at its end, and its animation, from its frames."""
-    from workflow.figures import slides as slide_figures
-
-    config, store, springs, number = wanted.config, wanted.store, wanted.springs, wanted.number
-    name = case_name(springs, number)
-    states = [store.folder / file for file in frames(store, name).values()]
-    if states:
-        with store.writing(f"figures/{name}.png") as path:
-            slide_figures.end(config, states[-1], wanted.case, springs, number, path)
-        with store.writing(f"figures/{name}.webp") as path:
-            slide_figures.animate(config, states, springs, number, path)

@@ -124,26 +124,13 @@ def _alike(config: Config, wanted: Sequence[int]) -> dict[int, int]:
 def draw(job: Job) -> None:
     """Draw the surface of every case before and after, every case at its end, and its animation."""
     from workflow.figures.material_points import profiles
+    from workflow.stages.case_pictures import POINTS, case_pictures, drawn
 
     config, store, answer = job.config, job.store, PointSlidesAnswer.read(job.store)
     if answer.cases:
         with store.writing("figures/mpm.png") as path:
             profiles(config, answer, path)
-    job.executor.compute(_drawn, [(config, store, number, case) for number, case in answer.cases.items()])
-
-
-def _drawn(wanted: tuple[Config, Store, int, PointCase], _: Tell) -> None:
-    """The picture of a case at its end, and its animation, from its frames."""
-    from workflow.figures.slides import animate, end
-    from workflow.results.disc_grids import frames
-
-    config, store, number, case = wanted
-    states = [store.folder / file for file in frames(store, f"case{number}", FOLDER).values()]
-    if states:
-        with store.writing(f"figures/mpm_case{number}.png") as path:
-            end(config, states[-1], case, "mpm", number, path)
-        with store.writing(f"figures/mpm_case{number}.webp") as path:
-            animate(config, states, "mpm", number, path)
+    job.executor.compute(drawn, case_pictures(config, store, POINTS, answer.cases))
 
 
 def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":

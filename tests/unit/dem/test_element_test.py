@@ -4,7 +4,6 @@ import json
 import signal
 from dataclasses import replace
 from threading import Event, Thread, main_thread
-from time import process_time
 
 import numpy as np
 import pytest
@@ -233,12 +232,18 @@ def test_as_json_holds_soil_beside_discs(sand: ElementTest) -> None:
     assert found["verdicts"] == list(sand.verdicts)
 
 
-def test_element_tests_hear_an_interrupt() -> None:
+def test_element_tests_hear_an_interrupt(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ctrl-C ends the tests of all layers within an interval of each, not when all of them are through."""
+    ended: list[ElementTest] = []
+
+    def counted(sample: Sample, pressures: list[float]) -> ElementTest:
+        ended.append(element_test(sample, pressures))
+        return ended[-1]
+
+    monkeypatch.setattr("dem.laboratory.element_table.element_test", counted)
     section = Section.read(SECTIONS / "s13.toml")
     layers = [replace(SOIL, kn=4e6, ks=1.6e6, allowed_overlap=1.0)] * len(section.strata)
     element_test(Sample(layers[0], "lattice", RADIUS, size=(8, 8)), [1e4, 2e4], strain=0.01)  # compiled by then
-    begin = process_time()
     heard = Event()
 
     def press() -> None:
@@ -248,12 +253,12 @@ def test_element_tests_hear_an_interrupt() -> None:
 
     Thread(target=press, daemon=True).start()
     try:
-        with pytest.raises((KeyboardInterrupt, SystemError)) as ended:
+        with pytest.raises((KeyboardInterrupt, SystemError)) as stopped:
             element_tests(section, layers, RADIUS)
     finally:
         heard.set()
-    assert is_interrupt(ended.value)  # which is what Python calls one that is heard as a kernel returns
-    assert process_time() - begin < 6.0
+    assert is_interrupt(stopped.value)  # which is what Python calls one that is heard as a kernel returns
+    assert len(ended) < len(layers)  # of two for each: as many as a second and an interval have time for
 
 
 def test_quality_is_recorded(sand: ElementTest) -> None:
