@@ -84,6 +84,7 @@ OF_A_STRATUM = {
     "friction_angle": FRICTION, "strength_ratio": STRENGTH_RATIO, "ocr": OVERCONSOLIDATION,
     "pre_overburden_pressure": LOAD, "pore_pressure_ratio": PRESSURE_RATIO, "permeability": PERMEABILITY,
     "permeability_vertical": PERMEABILITY,
+    "residual_cohesion": COHESION, "residual_friction_angle": FRICTION,
 }  # fmt: skip
 
 

@@ -115,6 +115,15 @@ class Stratum(Model):
     dilation_angle: Angle | None = Field(
         default=None, description='a dilation angle ψ such as "5 deg"; fem.flow says what is done where it is not given'
     )
+    residual_cohesion: Strength | None = Field(
+        default=None,
+        description='what is left of the cohesion of soil that has been sheared far, such as "0 kPa"; with '
+        "residual_friction_angle",
+    )
+    residual_friction_angle: Angle | None = Field(
+        default=None,
+        description='its friction angle once it has been sheared far, such as "12 deg"; see noshiro residual',
+    )
     liquefies_in: CaseNumbers = Field(default=Cases(), description=LIQUEFIES_IN)
     piezometric_level: ElevationOrLine | None = Field(
         default=None, description="the level to which water rises in a pipe that ends in it, where not the water table"
@@ -180,6 +189,19 @@ class Stratum(Model):
         return self.model_copy(update={**dict.fromkeys(OF_COHESION), "cohesion": cohesion, "cohesion_increase": 0.0})
 
     @property
+    def softens(self) -> bool:
+        """Whether soil that has been sheared far keeps another strength."""
+        return self.residual_cohesion is not None
+
+    def softened(self) -> Self:
+        """A copy with the strength of soil that has been sheared far, at its critical state: it does not dilate."""
+        if self.residual_cohesion is None or self.residual_friction_angle is None:
+            return self
+        dilation = None if self.dilation_angle is None else 0.0
+        change = {"friction_angle": self.residual_friction_angle, "dilation_angle": dilation}
+        return self.with_cohesion(self.residual_cohesion).model_copy(update=change)
+
+    @property
     def buoyant(self) -> bool:
         """Whether its density_ordinary has the water's uplift taken off already."""
         return self.density_ordinary < self.density_seismic
@@ -192,6 +214,7 @@ class Stratum(Model):
         if len(set(self.liquefies_in)) < len(self.liquefies_in):
             problems.append(f"liquefies_in = {list(self.liquefies_in)}: expected every case once")
         problems += self._cohesion_problems()
+        problems += self._residual_problems()
         if self.pore_pressure_ratio is not None and self.piezometric_level is not None:
             problems.append("pore_pressure_ratio and piezometric_level: expected one of them")
         if problems:
@@ -224,6 +247,18 @@ class Stratum(Model):
             yield "ocr and pre_overburden_pressure: expected one of them"
         if self.exponent > 1.0:
             yield f"ocr_exponent = {self.exponent:g}: expected an exponent from 0 to 1"
+
+    def _residual_problems(self) -> Iterator[str]:
+        """One sentence for each problem of the strength of soil that has been sheared far."""
+        cohesion, friction = self.residual_cohesion, self.residual_friction_angle
+        if (cohesion is None) != (friction is None):
+            yield "residual_cohesion and residual_friction_angle: expected both of them, or none"
+        if friction is not None and friction > self.friction_angle:
+            yield "residual_friction_angle above friction_angle: expected at most the friction angle"
+        if cohesion == 0.0 and friction == 0.0:
+            yield "residual_cohesion and residual_friction_angle are both 0: expected a strength"
+        if cohesion is not None and cohesion > self.cohesion and not self.cohesion_varies:
+            yield "residual_cohesion above cohesion: expected at most the cohesion"
 
     def _weigh(self) -> list[str]:
         """Set both densities to the one that was given, if one was; return a sentence for each problem of them."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from meshes.section.cutting import shown_name
 from workflow.report.numbers import bracket, coefficient, listed, of_cases, span
+from workflow.results.bearing import Bearing
 from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 from workflow.results.results import Results
 
@@ -186,7 +187,7 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
         yield f"{enough.words}."
 
 
-def factors(case: LiquefiedCase) -> str:
+def factors(case: Bearing) -> str:
     """The factor of safety with its bounds; sides are held in both, as in strength reduction without shaking."""
     phrases = []
     if case.factor_lower is not None or case.factor_upper is not None:

@@ -13,6 +13,7 @@ from workflow.report.crests import crest_parts, crest_sentences
 from workflow.report.findings import lies_still, moved_lately
 from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
 from workflow.report.numbers import between, coefficient, metres
+from workflow.report.residual import residual_sentences
 from workflow.report.second_opinion import agreeing, contradicting, second_opinions
 from workflow.report.slices import slices_sentences
 from workflow.report.structures import structure_sentences
@@ -26,6 +27,7 @@ from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.liquefied import LiquefiedAnswer
 from workflow.results.material_points import PointSlidesAnswer
+from workflow.results.residual import ResidualAnswer
 from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.slices import SlicesAnswer
 from workflow.results.stored_mesh import stored_mesh
@@ -334,6 +336,7 @@ def sentences(name: str, config: Config, store: Store, every: bool = True) -> It
     of_stage: dict[str, Callable[[], Iterator[str]]] = {
         "triggering": lambda: triggering_sentences(TriggeringAnswer.read(store)),
         "response": lambda: response_sentences(SiteResponseAnswer.read(store)),
+        "residual": lambda: residual_sentences(ResidualAnswer.read(store).steps),
         "liquefied": lambda: after.sentences(LiquefiedAnswer.read(store)),
         "mesh": lambda: mesh_sentences(config, store),
         "fem": lambda: fem_sentences(FemAnswer.read(store), config.section, every),

@@ -10,6 +10,7 @@ from workflow.report.accuracy import METHODS, Accuracy, accuracy, proven_by, rou
 from workflow.report.findings import CONTRADICTED, at_rest
 from workflow.report.numbers import coefficient, of_cases, span
 from workflow.report.paper import rows
+from workflow.report.residual import residual_verdict
 from workflow.report.texts import Texts
 from workflow.report.verdicts import spared
 from workflow.results.answer import FORCE
@@ -278,6 +279,8 @@ def _predicted(results: Results) -> dict[SlideMethod, list[float]]:
 def conclusions(results: Results, _: Texts) -> Iterator[str]:
     """Sentences of the first page behind the numbers: why this Kh, which slide counts, and the paper."""
     yield from _without_shaking(results, _)
+    if results.residual is not None:
+        yield residual_verdict(results.residual.steps, _)
     yield from _why_kh(results, _)
     if results.cases is not None and len([name for name, cases in results.cases.sets.items() if cases]) > 1:
         yield _("The slides of the calibrated discs count; those with the springs of Table 2 are a comparison.")

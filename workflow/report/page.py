@@ -27,6 +27,7 @@ from workflow.report.labels import Labels, Notes
 from workflow.report.numbers import metres, number, scaled
 from workflow.report.paper import rows
 from workflow.report.player import films
+from workflow.report.residual import residual_details
 from workflow.report.second_opinion import second_opinions
 from workflow.report.stability import stability_rows
 from workflow.report.structures import elsewhere, face_rows
@@ -47,8 +48,8 @@ LAYERS = "figures/section.png"
 VARIED = ("Mesh", "Element", "Step", "Dilation", "Side condition", "Random packing")  # rows of the sensitivity
 # Parts of the page with a template of their own.
 PARTS = {
-    "triggering": "triggering.html.jinja", "liquefied": "liquefied.html.jinja", "response": "response.html.jinja",
-    "mpm": "mpm.html.jinja", "structures": "structures.html.jinja",
+    "triggering": "triggering.html.jinja", "residual": "residual.html.jinja", "liquefied": "liquefied.html.jinja",
+    "response": "response.html.jinja", "mpm": "mpm.html.jinja", "structures": "structures.html.jinja",
     "crests": "crests.html.jinja", "verdicts": "verdicts.html.jinja", "tests": "tests.html.jinja",
 }  # fmt: skip
 LOGOS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".svg": "svg+xml"}
@@ -98,6 +99,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "weights": {1: texts("contradiction"), 2: texts("changes the result"), 3: texts("note")},
         "assumptions": list(assumptions(config)),
         "enough": just_enough(results.liquefied.cases) if results.liquefied is not None else None,
+        "residual": list(residual_details(results.residual.steps)) if results.residual is not None else [],
         "faces": faces,
         "holds_water": holds_water(config),
         "crests": summary.crests or (),

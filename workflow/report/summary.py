@@ -67,6 +67,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
         cases_random=results.cases.random if results.cases is not None else None,
         cases_mpm=results.mpm.cases if results.mpm is not None else None,
         triggering=results.triggering.strata if results.triggering is not None else None,
+        residual=results.residual.steps if results.residual is not None else None,
         liquefied=results.liquefied.cases if results.liquefied is not None else None,
         comparison=tuple(
             EstimateSummary.model_validate(part)

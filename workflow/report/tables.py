@@ -28,10 +28,12 @@ WRITTEN = (
     ("dilation_angle", "ψ", "rad"),
 )
 # Columns that are shown where a stratum has the value.
-WRITTEN_OF_WATER = (
+WRITTEN_OF_SOME = (
     ("density_saturated", "saturated density", "kg/m³"),
     ("pore_pressure_ratio", "pore pressure ratio", ""),
     ("excess_pore_pressure_ratio", "excess pore pressure ratio", ""),
+    ("residual_cohesion", "residual c", "Pa"),
+    ("residual_friction_angle", "residual φ", "rad"),
 )
 
 
@@ -149,7 +151,7 @@ def factor(value: Any, name: str = "") -> str:
 
 def written_columns(config: Section) -> list[tuple[str, str, str]]:
     """Field, symbol and SI unit of the parameters of strata that the file gives."""
-    return [*WRITTEN, *(column for column in WRITTEN_OF_WATER if any(getattr(s, column[0]) for s in config.strata))]
+    return [*WRITTEN, *(column for column in WRITTEN_OF_SOME if any(getattr(s, column[0]) for s in config.strata))]
 
 
 def written_rows(config: Section) -> Iterator[list[str]]:

@@ -17,6 +17,7 @@ from workflow.results.dem_counterpart import DemCounterpart
 from workflow.results.discs import DiscsAnswer
 from workflow.results.liquefied import LiquefiedAnswer
 from workflow.results.material_points import PointSlidesAnswer
+from workflow.results.residual import ResidualAnswer
 from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.slices import SlicesAnswer
 from workflow.results.triggering import TriggeringAnswer
@@ -52,6 +53,7 @@ class Results:
     triggering: TriggeringAnswer | None = None
     slices: SlicesAnswer | None = None
     liquefied: LiquefiedAnswer | None = None
+    residual: ResidualAnswer | None = None
     response: SiteResponseAnswer | None = None
     mpm: PointSlidesAnswer | None = None
     stages: tuple[Stage, ...] = ()
@@ -94,6 +96,7 @@ class Results:
             triggering=left("triggering", TriggeringAnswer),
             slices=left("slices", SlicesAnswer),
             liquefied=left("liquefied", LiquefiedAnswer),
+            residual=left("residual", ResidualAnswer),
             response=left("response", SiteResponseAnswer),
             mpm=left("mpm", PointSlidesAnswer),
             stages=stages,

@@ -14,6 +14,7 @@ from workflow.results.cases import CaseNumbers, CaseSummary, RandomPackings
 from workflow.results.continuum import MeshCount, PathVerdict
 from workflow.results.liquefied import LiquefiedCase
 from workflow.results.material_points import PointCase
+from workflow.results.residual import TwoSteps
 from workflow.results.slices import SlicesAnswer
 from workflow.results.triggering import StratumPart
 from workflow.results.verdicts import CrestPart, HeadlinePart, VerdictPart, WarningPart
@@ -194,6 +195,7 @@ class Summary(Answer):
     )
     comparison: tuple[EstimateSummary, ...]
     triggering: tuple[StratumPart, ...] | None = Field(default=None, description="which strata liquefy, by blow counts")
+    residual: TwoSteps | None = Field(default=None, description="stability with residual strength")
     liquefied: tuple[LiquefiedCase, ...] | None = Field(default=None, description="stability after liquefaction")
     paper: tuple[PaperRow, ...] | None = None
     no_answer: dict[str, NoAnswer]

@@ -1,8 +1,8 @@
 """The stages of a run, one file each, which ends with its STAGE; a file may use heavy packages inside functions only.
 
 So the program starts quickly, and each command needs no more installed than it uses; the files themselves are imported
-when STAGES is first asked for. What is too long for one file is in another: calibrated_discs, liquefied_slides,
-random_packings, sliding.
+when STAGES is first asked for. What is too long for one file, or of two stages, is in another: bearing,
+calibrated_discs, liquefied_slides, random_packings, sliding.
 """
 
 from importlib import import_module
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 # In the order in which they run: each is the name of a stage and of its module here.
 NAMES = (
-    "triggering", "response", "mesh", "fem", "variants", "bounds", "slices", "liquefied", "mpm", "calibrate", "slide",
-    "report",
+    "triggering", "response", "mesh", "fem", "variants", "bounds", "slices", "residual", "liquefied", "mpm",
+    "calibrate", "slide", "report",
 )  # fmt: skip
 
 

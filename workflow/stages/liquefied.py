@@ -1,32 +1,18 @@
 """The stage `liquefied`: whether the continuum still stands once layers have liquefied, told before any slide."""
 
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
-from fem.errors import UnstableError
-from fem.settings import WITHOUT_EFFECT, BoundsSettings, FemSettings
-from meshes.errors import InputError, NoAnswerError
 from meshes.section.liquefies import Remains
-from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
-from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum, Stands
+from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 from workflow.run.stage import Job, Stage, unless_it_liquefies
+from workflow.stages.bearing import WITHOUT_EFFECT, bearing_of
 from workflow.stages.liquefaction import LOST, cases_as_data, remaining
 
 if TYPE_CHECKING:
-    from fem.limit.directions import SmallerKhBounds
-    from fem.limit.safety_bounds import SafetyBounds
-    from fem.limit_load.limit_load import LimitLoadResult
-    from fem.search.critical import CriticalResult
     from meshes.quad_mesh import QuadMesh
-
-# Triangles and gap of the bounds: enough to tell standing from flowing, in seconds, as a rule; by how much finer they
-# are taken where they are not.
-CELLS, GAP, SECONDS = 2500, 0.08, 30.0
-FINER = 2
-Found = TypeVar("Found")
 
 
 def work(job: Job) -> None:
@@ -57,14 +43,11 @@ def _case(config: Config, mesh: "QuadMesh", remains: dict[int, Remains], numbers
 
     section = liquefied_section(config.section, remains)
     mean = section.cohesion_field.means()
-    borne = _borne(
-        section,
-        config,
-        mesh,
-        nothing=not any(soil.friction or soil.residual or soil.strength for soil in remains.values()),
-    )
+    nothing = not any(soil.friction or soil.residual or soil.strength for soil in remains.values())
+    bearing = bearing_of(section, config, mesh, nothing)
     cases = [config.cases[number - 1] for number in numbers]
-    return LiquefiedCase(
+    return LiquefiedCase.taken(
+        bearing,
         cases=tuple(numbers),
         names=tuple(dict.fromkeys(case.name for case in cases if case.name)),
         strata=tuple(
@@ -76,153 +59,7 @@ def _case(config: Config, mesh: "QuadMesh", remains: dict[int, Remains], numbers
             )
             for k in remains
         ),
-        **borne,
     )
-
-
-def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) -> dict[str, Any]:
-    """Factor of safety and critical Kh of liquefied ground, as fields of the answer; with ``nothing`` left, only
-    whether it stands.
-    """
-    from fem.continuum.strength import flow_of
-
-    flow = flow_of(config.section.strata, config.fem.flow)
-    fem = config.fem.changed(kh=(), flow=flow, accuracy=0.0)  # the mesh of the stage, and no other
-    asked = config.bounds.changed(max_cells=CELLS, gap=GAP, seconds=SECONDS, davis=False)
-    notes: list[str] = []
-    critical = _critical(section, config, mesh, fem, notes)
-    kc = critical.kc if critical is not None and critical.verdict in ("plateau", "peak") and critical.kc > 0.0 else None
-    factor: float | None = None
-    strict = bracket = None
-    if nothing:
-        notes.append("the layers keep no strength, so that no factor of safety can be given; see slide.cases, residual")
-    else:
-        factor, strict = _factors(section, mesh, fem, asked, notes)
-    lower = strict.lower if strict is not None and strict.lower > 0.0 else None
-    upper = strict.upper if strict is not None and math.isfinite(strict.upper) else None
-    if strict is not None and lower is None and upper is None:
-        notes.append("strict bounds: none of the factor of safety within the work allowed")
-    unstable = ""  # why ground that stands between held sides does not between its own
-    if lower is not None and lower > 1.0:
-        bracket, unstable = _between_own_sides(section, fem, asked, notes)
-    if strict is not None and strict.shallow_failure is not None:
-        notes.append(
-            "shallow ground without cohesion, of one face or where two meet, fails at a factor of safety of "
-            f"{strict.shallow_failure:.2f}; the bounds are of failures deeper than {fem.least_depth:g} m"
-        )
-    if kc is not None and bracket is not None and kc > bracket.upper:
-        notes.append(
-            f"the elements bear Kh = {kc:.3f}, more than the strict upper bound of {bracket.upper:.3f}: their mesh is "
-            "too coarse for the weak layer, and the bounds count"
-        )
-    stands, reason = _stands(kc, lower, upper)
-    if unstable:
-        stands, reason = "flows", f"a mechanism that slides out at a side, where fem.sides lets it: {unstable}"
-        notes.append(f"between held sides a stress proves a factor of safety above {lower:.2f}")
-        factor = lower = upper = None
-    return {
-        "stands": stands,
-        "reason": reason,
-        "kc": kc,
-        "direction": critical.direction if critical is not None and kc is not None else None,
-        "kc_lower": bracket.lower if bracket is not None and bracket.stress else None,
-        "kc_upper": bracket.upper if bracket is not None and bracket.mechanism else None,
-        "factor": factor,
-        "factor_lower": lower,
-        "factor_upper": upper,
-        "notes": tuple(dict.fromkeys(notes)),
-    }
-
-
-def _critical(
-    section: Section, config: Config, mesh: "QuadMesh", fem: FemSettings, notes: list[str]
-) -> "LimitLoadResult | CriticalResult | None":
-    """The critical Kh by finite elements; None, and a note, for ground that does not stand under its weight.
-
-    ``section``: liquefied; ``config``: for meshing; ``mesh``: to begin with; ``fem``: settings; ``notes``: grows.
-    """
-    from mpi4py import MPI
-
-    from fem.continuum.strength import is_associated
-    from fem.search.adaptive import AdaptiveSearch
-    from fem.search.critical import critical_coefficient
-    from fem.search.liquefied_ground import weight_borne
-
-    if not is_associated(section.strata, fem.flow):
-        return _tried("finite elements", notes, lambda: critical_coefficient(section, mesh, fem, MPI.COMM_SELF))
-    borne = _tried("finite elements", [], lambda: weight_borne(section, mesh, fem, MPI.COMM_SELF))
-    if borne is not None and borne < 1.0:  # a path would look for an equilibrium for minutes
-        notes.append(f"the elements bear {100.0 * borne:.0f} % of the weight")
-        return None
-    return _tried(
-        "finite elements", notes, lambda: AdaptiveSearch(section, config.mesh, mesh, MPI.COMM_SELF).critical(fem).result
-    )
-
-
-def _factors(
-    section: Section, mesh: "QuadMesh", fem: FemSettings, asked: BoundsSettings, notes: list[str]
-) -> "tuple[float | None, SafetyBounds | None]":
-    """Factor of safety at Kh = 0 between held sides by finite elements, and its strict bounds: finer ones where the
-    first leave open whether the ground stands. None, and a note, where there is no answer.
-
-    ``section``: liquefied; ``mesh``: of it; ``fem``, ``asked``: settings of both methods; ``notes``: grows.
-    """
-    from mpi4py import MPI
-
-    from fem.limit.safety_bounds import safety_bounds
-    from fem.search.strength_reduction import safety_factor
-
-    safety = _tried("finite elements", notes, lambda: safety_factor(section, mesh, fem, 0.0, MPI.COMM_SELF))
-    guess = safety.factor if safety is not None else 1.0
-    strict = _tried("strict bounds", notes, lambda: safety_bounds(section, fem, asked, 0.0, guess, held=True))
-    if strict is not None and strict.lower <= 1.0 <= strict.upper < math.inf:
-        fine = asked.changed(max_cells=FINER * CELLS, gap=GAP / FINER)
-        at = 0.5 * (strict.lower + strict.upper)
-        strict = _tried("finer bounds", notes, lambda: safety_bounds(section, fem, fine, 0.0, at, held=True)) or strict
-    return safety.factor if safety is not None and safety.verdict != "undecided" else None, strict
-
-
-def _between_own_sides(
-    section: Section, fem: FemSettings, asked: BoundsSettings, notes: list[str]
-) -> "tuple[SmallerKhBounds | None, str]":
-    """Strict bounds of the critical Kh with the sides of the section, or why ground fails under its weight with them.
-
-    ``section``: liquefied; ``fem``, ``asked``: settings; ``notes``: grows where there is no answer.
-    """
-    from fem.limit.bounds import kh_bounds
-
-    try:
-        return kh_bounds(section, fem, asked), ""
-    except UnstableError as error:
-        return None, str(error)
-    except (NoAnswerError, InputError) as error:
-        notes.append(_note("strict bounds of Kh", error))
-        return None, ""
-
-
-def _tried(what: str, notes: list[str], find: Callable[[], Found]) -> Found | None:
-    """The answer of an analysis; None, and a note of the reason, where it has none."""
-    try:
-        return find()
-    except (NoAnswerError, InputError) as error:
-        notes.append(_note(what, error))
-        return None
-
-
-def _note(what: str, error: NoAnswerError | InputError) -> str:
-    """Why an analysis has no answer."""
-    return f"{what}: {'; '.join(error.problems) if isinstance(error, InputError) else error}"
-
-
-def _stands(kc: float | None, lower: float | None, upper: float | None) -> tuple[Stands, str]:
-    """Whether the ground stands without shaking: strict bounds decide where they can, then the elements."""
-    if upper is not None and upper < 1.0:
-        return "flows", f"a mechanism proves a factor of safety below {upper:.2f}"
-    if lower is not None and lower > 1.0:
-        return "stands", f"a stress proves a factor of safety above {lower:.2f}"
-    if kc is None:
-        return "flows", "the elements find no equilibrium under its weight"
-    return "stands", f"the elements find equilibria up to Kh = {kc:.3f}"
 
 
 STAGE = Stage(
@@ -231,17 +68,7 @@ STAGE = Stage(
     work=work,
     needs=("mesh",),
     reads=("fem",),
-    ignores=lambda config: (
-        *WITHOUT_EFFECT,
-        "fem.accuracy",
-        "fem.kh",
-        "fem.max_cells",
-        "fem.rigid_box",
-        "bounds.max_cells",
-        "bounds.gap",
-        "bounds.seconds",
-        "bounds.davis",
-    ),  # it has its own
+    ignores=lambda config: WITHOUT_EFFECT,
     takes=lambda config: {"what liquefies": cases_as_data(config, LOST)},
     beside=("mesh",),
     results=(LiquefiedAnswer.FILE,),

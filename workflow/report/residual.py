@@ -1,0 +1,45 @@
+"""Whether ground that fails continues with its residual strength, in sentences."""
+
+from collections.abc import Iterator
+
+from meshes.section.cutting import shown_name
+from workflow.report.after import factors
+from workflow.report.numbers import listed
+from workflow.report.texts import Texts
+from workflow.results.residual import TwoSteps
+
+
+def residual_verdict(steps: TwoSteps, _: Texts) -> str:
+    """What peak and residual strength mean together, as a sentence."""
+    if steps.verdict == "stands":
+        return _("With residual strength wherever it has one the ground still stands without shaking.")
+    if steps.verdict == "fails":
+        return _("The ground does not stand without shaking even with its peak strength.")
+    return _(
+        "With its peak strength the ground stands without shaking, with its residual strength it does not: where it "
+        "has slid before, or begins to, it continues."
+    )
+
+
+def residual_details(steps: TwoSteps) -> Iterator[str]:
+    """The strengths, the factors of safety behind the verdict, and what could not be found."""
+    strata = [f"{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa and {s.friction_deg:.3g}°" for s in steps.strata]
+    yield f"Residual strength: {listed(strata)}."
+    if steps.peak is not None:
+        yield f"Factor of safety at Kh = 0 with peak strength: {steps.peak:.2f} by elements."
+    along = steps.along
+    if along is not None and along.residual is not None:
+        peak = f" ({along.peak:.2f} with peak strength)" if along.peak is not None else ""
+        yield f"With residual strength along the slip surface of peak strength: {along.residual:.2f} by Spencer{peak}."
+    if steps.everywhere.factor is not None or steps.everywhere.factor_lower is not None:
+        yield f"With residual strength everywhere: {factors(steps.everywhere)}."
+    if steps.everywhere.kc is not None:
+        yield f"Critical Kh with residual strength: {steps.everywhere.kc:.3f} by elements."
+    for note in steps.everywhere.notes:
+        yield f"Warning: {note}."
+
+
+def residual_sentences(steps: TwoSteps) -> Iterator[str]:
+    """The verdict and its details, for the terminal."""
+    yield residual_verdict(steps, Texts("en"))
+    yield from (f"    {sentence}" for sentence in residual_details(steps))

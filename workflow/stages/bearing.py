@@ -1,0 +1,191 @@
+"""What ground of other strength bears: whether it stands without shaking, its factor of safety and its critical Kh."""
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeVar
+
+from fem.errors import UnstableError
+from fem.settings import BoundsSettings, FemSettings
+from meshes.errors import InputError, NoAnswerError
+from meshes.section.section import Section
+from workflow.config import Config
+from workflow.results.bearing import Bearing, Stands
+
+if TYPE_CHECKING:
+    from fem.limit.directions import SmallerKhBounds
+    from fem.limit.safety_bounds import SafetyBounds
+    from fem.limit_load.limit_load import LimitLoadResult
+    from fem.search.critical import CriticalResult
+    from meshes.quad_mesh import QuadMesh
+
+# Triangles and gap of the bounds: enough to tell standing from flowing, in seconds, as a rule; by how much finer they
+# are taken where they are not.
+CELLS, GAP, SECONDS = 2500, 0.08, 30.0
+FINER = 2
+# Settings that have no effect here, for bounds and elements have their own.
+WITHOUT_EFFECT = (
+    "fem.threads", "fem.safety_factor_at", "fem.accuracy", "fem.kh", "fem.max_cells", "fem.rigid_box",
+    "bounds.max_cells", "bounds.gap", "bounds.seconds", "bounds.davis",
+)  # fmt: skip
+Found = TypeVar("Found")
+
+
+def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool = False) -> Bearing:
+    """Factor of safety and critical Kh of a section with another strength than that of the input.
+
+    Parameters
+    ----------
+    section : Section
+        The ground as it is asked about, liquefied or sheared far.
+    config : Config
+        Of the run, with the section of the input, whose flow rule counts.
+    mesh : QuadMesh
+        Of the section, to begin with.
+    nothing : bool
+        Whether layers keep no strength at all: then there is no factor of safety.
+
+    Returns
+    -------
+    Bearing
+        What was found, and notes of what was not.
+    """
+    from fem.continuum.strength import flow_of
+
+    flow = flow_of(config.section.strata, config.fem.flow)
+    fem = config.fem.changed(kh=(), flow=flow, accuracy=0.0)  # the mesh of the stage, and no other
+    asked = config.bounds.changed(max_cells=CELLS, gap=GAP, seconds=SECONDS, davis=False)
+    notes: list[str] = []
+    critical = _critical(section, config, mesh, fem, notes)
+    kc = critical.kc if critical is not None and critical.verdict in ("plateau", "peak") and critical.kc > 0.0 else None
+    factor: float | None = None
+    strict = bracket = None
+    if nothing:
+        notes.append("the layers keep no strength, so that no factor of safety can be given; see slide.cases, residual")
+    else:
+        factor, strict = _factors(section, mesh, fem, asked, notes)
+    lower = strict.lower if strict is not None and strict.lower > 0.0 else None
+    upper = strict.upper if strict is not None and math.isfinite(strict.upper) else None
+    if strict is not None and lower is None and upper is None:
+        notes.append("strict bounds: none of the factor of safety within the work allowed")
+    unstable = ""  # why ground that stands between held sides does not between its own
+    if lower is not None and lower > 1.0:
+        bracket, unstable = _between_own_sides(section, fem, asked, notes)
+    if strict is not None and strict.shallow_failure is not None:
+        notes.append(
+            "shallow ground without cohesion, of one face or where two meet, fails at a factor of safety of "
+            f"{strict.shallow_failure:.2f}; the bounds are of failures deeper than {fem.least_depth:g} m"
+        )
+    if kc is not None and bracket is not None and kc > bracket.upper:
+        notes.append(
+            f"the elements bear Kh = {kc:.3f}, more than the strict upper bound of {bracket.upper:.3f}: their mesh is "
+            "too coarse for the weak layer, and the bounds count"
+        )
+    stands, reason = _stands(kc, lower, upper)
+    if unstable:
+        stands, reason = "flows", f"a mechanism that slides out at a side, where fem.sides lets it: {unstable}"
+        notes.append(f"between held sides a stress proves a factor of safety above {lower:.2f}")
+        factor = lower = upper = None
+    return Bearing(
+        stands=stands,
+        reason=reason,
+        kc=kc,
+        direction=critical.direction if critical is not None and kc is not None else None,
+        kc_lower=bracket.lower if bracket is not None and bracket.stress else None,
+        kc_upper=bracket.upper if bracket is not None and bracket.mechanism else None,
+        factor=factor,
+        factor_lower=lower,
+        factor_upper=upper,
+        notes=tuple(dict.fromkeys(notes)),
+    )
+
+
+def _critical(
+    section: Section, config: Config, mesh: "QuadMesh", fem: FemSettings, notes: list[str]
+) -> "LimitLoadResult | CriticalResult | None":
+    """The critical Kh by finite elements; None, and a note, for ground that does not stand under its weight.
+
+    ``section``: as it is asked about; ``config``: for meshing; ``mesh``: to begin with; ``fem``: settings; ``notes``:
+    grows.
+    """
+    from mpi4py import MPI
+
+    from fem.continuum.strength import is_associated
+    from fem.search.adaptive import AdaptiveSearch
+    from fem.search.critical import critical_coefficient
+    from fem.search.liquefied_ground import weight_borne
+
+    if not is_associated(section.strata, fem.flow):
+        return tried("finite elements", notes, lambda: critical_coefficient(section, mesh, fem, MPI.COMM_SELF))
+    borne = tried("finite elements", [], lambda: weight_borne(section, mesh, fem, MPI.COMM_SELF))
+    if borne is not None and borne < 1.0:  # a path would look for an equilibrium for minutes
+        notes.append(f"the elements bear {100.0 * borne:.0f} % of the weight")
+        return None
+    return tried(
+        "finite elements", notes, lambda: AdaptiveSearch(section, config.mesh, mesh, MPI.COMM_SELF).critical(fem).result
+    )
+
+
+def _factors(
+    section: Section, mesh: "QuadMesh", fem: FemSettings, asked: BoundsSettings, notes: list[str]
+) -> "tuple[float | None, SafetyBounds | None]":
+    """Factor of safety at Kh = 0 between held sides by finite elements, and its strict bounds: finer ones where the
+    first leave open whether the ground stands. None, and a note, where there is no answer.
+
+    ``section``: as it is asked about; ``mesh``: of it; ``fem``, ``asked``: settings of both methods; ``notes``: grows.
+    """
+    from mpi4py import MPI
+
+    from fem.limit.safety_bounds import safety_bounds
+    from fem.search.strength_reduction import safety_factor
+
+    safety = tried("finite elements", notes, lambda: safety_factor(section, mesh, fem, 0.0, MPI.COMM_SELF))
+    guess = safety.factor if safety is not None else 1.0
+    strict = tried("strict bounds", notes, lambda: safety_bounds(section, fem, asked, 0.0, guess, held=True))
+    if strict is not None and strict.lower <= 1.0 <= strict.upper < math.inf:
+        fine = asked.changed(max_cells=FINER * CELLS, gap=GAP / FINER)
+        at = 0.5 * (strict.lower + strict.upper)
+        strict = tried("finer bounds", notes, lambda: safety_bounds(section, fem, fine, 0.0, at, held=True)) or strict
+    return safety.factor if safety is not None and safety.verdict != "undecided" else None, strict
+
+
+def _between_own_sides(
+    section: Section, fem: FemSettings, asked: BoundsSettings, notes: list[str]
+) -> "tuple[SmallerKhBounds | None, str]":
+    """Strict bounds of the critical Kh with the sides of the section, or why ground fails under its weight with them.
+
+    ``section``: as it is asked about; ``fem``, ``asked``: settings; ``notes``: grows where there is no answer.
+    """
+    from fem.limit.bounds import kh_bounds
+
+    try:
+        return kh_bounds(section, fem, asked), ""
+    except UnstableError as error:
+        return None, str(error)
+    except (NoAnswerError, InputError) as error:
+        notes.append(_note("strict bounds of Kh", error))
+        return None, ""
+
+
+def tried(what: str, notes: list[str], find: Callable[[], Found]) -> Found | None:
+    """The answer of an analysis; None, and a note of the reason, where it has none."""
+    try:
+        return find()
+    except (NoAnswerError, InputError) as error:
+        notes.append(_note(what, error))
+        return None
+
+
+def _note(what: str, error: NoAnswerError | InputError) -> str:
+    """Why an analysis has no answer."""
+    return f"{what}: {'; '.join(error.problems) if isinstance(error, InputError) else error}"
+
+
+def _stands(kc: float | None, lower: float | None, upper: float | None) -> tuple[Stands, str]:
+    """Whether the ground stands without shaking: strict bounds decide where they can, then the elements."""
+    if upper is not None and upper < 1.0:
+        return "flows", f"a mechanism proves a factor of safety below {upper:.2f}"
+    if lower is not None and lower > 1.0:
+        return "stands", f"a stress proves a factor of safety above {lower:.2f}"
+    if kc is None:
+        return "flows", "the elements find no equilibrium under its weight"
+    return "stands", f"the elements find equilibria up to Kh = {kc:.3f}"

@@ -1,0 +1,117 @@
+"""The stage `residual`: whether ground that fails continues, with what is left of its strength once it was sheared far.
+
+A verdict of two steps. With peak strength the ground fails along a surface; soil that has slid along it keeps its
+residual strength (Skempton 1964, Géotechnique 14, 77-102), and so does a slope that slid before. In between failure
+progresses from where the ground is sheared most.
+"""
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from meshes.errors import InputError
+from workflow.config import Config
+from workflow.results.answer import SectionLabel, line
+from workflow.results.residual import AlongSurface, ResidualAnswer, SoftenedStratum, TwoSteps, Verdict
+from workflow.run.stage import Job, Stage
+from workflow.stages.bearing import WITHOUT_EFFECT, bearing_of, tried
+
+if TYPE_CHECKING:
+    from fem.search.mesh_sequence import AdaptiveResult
+    from fem.search.strength_reduction import SafetyFactor
+    from meshes.quad_mesh import QuadMesh
+    from meshes.section.section import Section
+    from workflow.results.bearing import Bearing
+
+FEWEST_POINTS = 3  # of a slip surface
+
+
+def work(job: Job) -> None:
+    """Factors of safety with peak and with residual strength; leaves fem/residual.json."""
+    from workflow.results.stored_mesh import stored_mesh
+
+    config, section = job.config, job.config.section
+    if without := _without_residual(config):
+        raise InputError(
+            "strata", [f"{without}; expected residual_cohesion and residual_friction_angle in one at least"]
+        )
+    mesh = stored_mesh(section, job.store)
+    softened = section.with_strata([stratum.softened() for stratum in section.strata])
+    job.progress("peak strength", None)
+    peak = _peak(config, mesh)
+    factor = None if peak is None else peak.result.factor
+    job.progress("residual strength", None)
+    everywhere = bearing_of(softened, config, mesh)
+    steps = TwoSteps(
+        strata=tuple(
+            SoftenedStratum(
+                name=stratum.name,
+                cohesion_kPa=stratum.cohesion / 1e3,
+                friction_deg=math.degrees(stratum.friction_angle),
+            )
+            for stratum in softened.strata
+            if stratum.softens
+        ),
+        verdict=_verdict(factor, everywhere),
+        peak=factor,
+        along=None if peak is None else _along(section, softened, peak, config.fem.vertical),
+        everywhere=everywhere,
+    )
+    ResidualAnswer(section=SectionLabel.of(section), sides=config.fem.sides, steps=steps).write(job.store)
+
+
+def _peak(config: Config, mesh: "QuadMesh") -> "AdaptiveResult[SafetyFactor] | None":
+    """The factor of safety of the section of the input at Kh = 0, and the mesh on which it was found."""
+    from mpi4py import MPI
+
+    from fem.search.adaptive import AdaptiveSearch
+
+    search = AdaptiveSearch(config.section, config.mesh, mesh, MPI.COMM_SELF)
+    found = tried("", [], lambda: search.safety(config.fem, 0.0))
+    return found if found is not None and found.result.verdict != "undecided" else None
+
+
+def _along(
+    section: "Section", softened: "Section", peak: "AdaptiveResult[SafetyFactor]", vertical: float
+) -> AlongSurface | None:
+    """Spencer's factors of safety along the slip surface that the elements have with peak strength."""
+    from fem.search.slip_surface import slip_surface
+    from workflow.estimates.slices import LEFT, RIGHT
+    from workflow.estimates.slip_circles import surface_balance
+
+    mechanism = peak.result.mechanism
+    surface = slip_surface(peak.mesh, mechanism) if mechanism is not None else np.empty((0, 2))
+    if len(surface) < FEWEST_POINTS:
+        return None
+    factors: list[float | None] = []
+    for ground in (section, softened):
+        both = [surface_balance(ground, surface, side, 0.0, vertical) for side in (LEFT, RIGHT)]
+        factors.append(min((value for value in both if value is not None), default=None))
+    return AlongSurface(surface_m=line(surface), peak=factors[0], residual=factors[1])
+
+
+def _without_residual(config: Config) -> str:
+    """Why the stage is not wanted: no stratum says what it keeps."""
+    return "" if any(stratum.softens for stratum in config.section.strata) else "no stratum has a residual strength"
+
+
+def _verdict(factor: float | None, everywhere: "Bearing") -> Verdict:
+    """What both factors mean."""
+    if everywhere.stands == "stands":
+        return "stands"
+    return "fails" if factor is not None and factor < 1.0 else "would continue"
+
+
+STAGE = Stage(
+    name="residual",
+    what="whether ground that fails continues with its residual strength",
+    work=work,
+    needs=("mesh",),
+    reads=("fem",),
+    ignores=lambda config: WITHOUT_EFFECT,
+    beside=("mesh",),
+    results=(ResidualAnswer.FILE,),
+    read=ResidualAnswer.read,
+    unwanted=_without_residual,
+)
