@@ -22,7 +22,7 @@ from meshes.mapped import build_mapped
 from meshes.quad_mesh import BadMeshError, QuadMesh, check
 from meshes.quality import corner_angles
 from meshes.section.layering import Layering
-from meshes.section.naming import BOUNDARIES
+from meshes.section.naming import BOUNDARIES, group_names
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 
@@ -204,8 +204,8 @@ def _from_gmsh(section: Section, method: str) -> QuadMesh:
         raise BadMeshError(f"gmsh left a {kind} near x = {place[0]:.2f} m, z = {place[1]:.2f} m; try another size")
 
     cells, stratum, boundaries = [], [], {}
-    for k, layer in enumerate(section.strata):
-        nodes = group_nodes(2, layer.name, GMSH_QUADRILATERAL, 4)
+    for k, group in enumerate(group_names([layer.name for layer in section.strata])):
+        nodes = group_nodes(2, group, GMSH_QUADRILATERAL, 4)
         cells.append(nodes)
         stratum.append(np.full(len(nodes), k))
     for name in BOUNDARIES:

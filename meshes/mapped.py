@@ -5,6 +5,7 @@ import numpy as np
 
 from meshes.blocks import Blocks, band_thickness, blocks_of, divisions, share_out
 from meshes.errors import InputError
+from meshes.section.naming import group_names
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 
@@ -74,7 +75,7 @@ def _transfinite(section: Section, blocks: Blocks, columns: np.ndarray, rows: np
 
 def name_groups(section: Section, surfaces: dict[int, list[int]], boundaries: dict[str, list[int]]) -> None:
     """Physical groups: stratum k of the section as surface group k + 1, then the boundaries as curve groups."""
-    for k, stratum in enumerate(section.strata):
-        gmsh.model.addPhysicalGroup(2, surfaces[k], tag=k + 1, name=stratum.name)
+    for k, group in enumerate(group_names([stratum.name for stratum in section.strata])):
+        gmsh.model.addPhysicalGroup(2, surfaces[k], tag=k + 1, name=group)
     for number, (name, curves) in enumerate(boundaries.items(), start=1):
         gmsh.model.addPhysicalGroup(1, curves, tag=len(section.strata) + number, name=name)

@@ -8,7 +8,7 @@ import numpy as np
 from meshes.edges import edges_of
 from meshes.errors import InputError, NoAnswerError
 from meshes.quality import Quality, areas, quality, scaled_jacobians
-from meshes.section.naming import BOUNDARIES
+from meshes.section.naming import BOUNDARIES, group_names
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +162,7 @@ def save(mesh: QuadMesh, path: Path | str) -> None:
         [("quad", mesh.cells.astype(np.int64)), ("line", np.concatenate(list(edges.values())).astype(np.int64))],
         cell_data={"gmsh:physical": physical, "gmsh:geometrical": physical},
         field_data={
-            **{name: np.array([k, 2]) for k, name in enumerate(mesh.strata, start=1)},
+            **{name: np.array([k, 2]) for k, name in enumerate(group_names(mesh.strata), start=1)},
             **{name: np.array([tag, 1]) for name, tag in tags.items()},
         },
     )

@@ -10,7 +10,7 @@ from meshes.edges import edges_of
 from meshes.free import Sizes, build_triangles
 from meshes.gmsh_model import group_nodes, refuse_bare_ground, session
 from meshes.quad_mesh import BadMeshError
-from meshes.section.naming import BOUNDARIES
+from meshes.section.naming import BOUNDARIES, group_names
 from meshes.section.section import Section
 
 GMSH_TRIANGLE, GMSH_LINE = 2, 1
@@ -171,7 +171,8 @@ def _triangulated(section: Section, sizes: Sizes, repeats: bool) -> TriMesh:
 def _from_gmsh(section: Section, repeats: bool) -> TriMesh:
     """The meshed gmsh model as arrays, its points numbered from 0 without gaps."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    parts = [group_nodes(2, layer.name, GMSH_TRIANGLE, 3) for layer in section.strata]
+    groups = group_names([layer.name for layer in section.strata])
+    parts = [group_nodes(2, group, GMSH_TRIANGLE, 3) for group in groups]
     triangles = np.concatenate(parts)
     boundaries = {name: group_nodes(1, name, GMSH_LINE, 2) for name in BOUNDARIES}
     refuse_bare_ground(triangles, np.concatenate(list(boundaries.values())), tags, coordinates)

@@ -5,6 +5,8 @@ from difflib import get_close_matches
 from typing import Any
 
 BOUNDARIES = ("surface", "base", "left", "right")
+# gmsh cuts the names of physical groups after 127 bytes; meshio takes a backslash for a sign of its own.
+LONGEST_GROUP = 120
 ALIKE = 0.75  # names that are more alike than this (difflib's ratio) are one, misspelt
 
 
@@ -15,6 +17,18 @@ def naming_problems(names: Sequence[str]) -> Iterator[str]:
             yield f'strata: {names.count(name)} of them are called "{name}"; expected every name once'
         if name in BOUNDARIES:
             yield f'strata: the name "{name}" is taken by a boundary of the mesh'
+
+
+def group_names(names: Sequence[str]) -> list[str]:
+    """Names of the physical groups of strata in a gmsh file: their own, or their number where gmsh cannot keep it."""
+    groups = []
+    for number, name in enumerate(names, start=1):
+        kept = len(name.encode()) <= LONGEST_GROUP and "\\" not in name
+        group = name if kept else f"stratum {number}"
+        while not kept and group in names:
+            group += "'"
+        groups.append(group)
+    return groups
 
 
 def without_other_tables(data: Mapping[str, Any], names: Iterable[str]) -> dict[str, Any]:

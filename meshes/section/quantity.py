@@ -18,7 +18,11 @@ GRAVITY = 9.80665
 
 # A number, then a unit. Not a sum, a product or a power of numbers; and no comma, which is a decimal point to some
 # and nothing to others.
-NUMBER_AND_UNIT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf)\b)\s*(\D?[^,]{0,40}?)\s*")
+NUMBER_AND_UNIT = re.compile(
+    r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf)\b)\s*([^\d,]?[^,]{0,40}?)\s*"
+)
+# Three digits behind a comma are thousands to some.
+DECIMAL_COMMA = re.compile(r"\s*([-+]?\d*),(\d{1,2}|\d{4,})(?![\d,.])(.*)", re.DOTALL)
 
 
 # What most files are written in: SI unit and factor. pint knows these, too, and all others, but takes 0.3 s to load.
@@ -103,6 +107,8 @@ class Kind:
         return Quantity(number, written)
 
     def _convert(self, text: str) -> float:
+        if comma := with_a_point(text):
+            raise ValueError(f'has a decimal comma; write "{comma}"; {self.expected}')
         parts = NUMBER_AND_UNIT.fullmatch(text)
         wanted = spelled(parts[2]) if parts else ""
         unit, factor = COMMON_UNITS.get(wanted, ("", 0.0))
@@ -129,6 +135,12 @@ class Kind:
             hint = ", a mass per area: write tf, kgf or lbf for a force" if mass else ""
             raise ValueError(f"has the wrong dimension ({quantity.units}){hint}; {self.expected}")
         return float(quantity.to(self.unit).magnitude)
+
+
+def with_a_point(text: str) -> str:
+    """A number that was written with a decimal comma, with a point; empty for another text."""
+    parts = DECIMAL_COMMA.fullmatch(text)
+    return f"{parts[1] or 0}.{parts[2]}{parts[3]}".strip() if parts else ""
 
 
 @cache

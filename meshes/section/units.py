@@ -10,6 +10,7 @@ DEFINITIONS = (
     "pcf = pound_force / foot ** 3",
     "kcf = 1000 * pound_force / foot ** 3",
     "pci = pound_force / inch ** 3",
+    "ksc = kilogram_force / centimeter ** 2",
 )
 
 # A power written as "m3" is, "m³", and no square of a cube.
@@ -29,6 +30,7 @@ SPELLINGS = (
     (re.compile(r"\b(?:KCF|Kcf)\b"), "kcf"),
     (re.compile(r"\b(?:PSI|Psi)\b"), "psi"),
     (re.compile(r"\blbs\b"), "lb"),
+    (re.compile(r"\bgr\b"), "g"),  # no soil is weighed in grains
 )
 FOOT_OR_INCH = re.compile(r"\b(?:ft|in|inch|yd)\b")
 TON = re.compile(r"\b[tT]ons?(f?)\b")

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 from pydantic import PlainSerializer, PlainValidator
 
 from meshes.section.motion_units import motion_unit
-from meshes.section.quantity import NUMBER_AND_UNIT, Kind, Quantity
+from meshes.section.quantity import NUMBER_AND_UNIT, Kind, Quantity, with_a_point
 
 ACCELERATION = Kind(
     "an acceleration", "m/s^2", '"250 gal", "0.25 g", "2.5 m/s^2" or "25 %g"', minimum=0.0, maximum=50.0,
@@ -17,6 +17,8 @@ def read(value: Any) -> Quantity:
     """The acceleration in m/s²; raises ValueError that says what was expected."""
     if not isinstance(value, str):
         return ACCELERATION.read(value)
+    if comma := with_a_point(value):
+        raise ValueError(f'has a decimal comma; write "{comma}"; {ACCELERATION.expected}')
     parts = NUMBER_AND_UNIT.fullmatch(value)
     if parts is None:
         raise ValueError(f"not understood as a number with a unit; {ACCELERATION.expected}")

@@ -7,6 +7,7 @@ import numpy as np
 
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh, check, read
+from meshes.section.naming import group_names
 from meshes.section.section import Section
 from workflow.run.store import Store
 
@@ -19,13 +20,14 @@ def given_mesh(section: Section, path: Path) -> QuadMesh:
     """A mesh made elsewhere, its strata in the order of the section; raises InputError if its groups do not fit."""
     mesh = read(path)
     names = [stratum.name for stratum in section.strata]
-    problems = [f'there is no surface group "{name}"' for name in names if name not in mesh.strata]
+    groups = group_names(names)
+    problems = [f'there is no surface group "{group}"' for group in groups if group not in mesh.strata]
     problems += [
-        f'the surface group "{name}" is no stratum of {section.name}' for name in mesh.strata if name not in names
+        f'the surface group "{group}" is no stratum of {section.name}' for group in mesh.strata if group not in groups
     ]
     if problems:
         raise InputError(str(path), problems)
-    place = np.array([names.index(name) for name in mesh.strata])
+    place = np.array([groups.index(group) for group in mesh.strata])
     ordered = replace(mesh, stratum=place[mesh.stratum], strata=tuple(names), method="given")
     check(ordered)
     return ordered

@@ -19,6 +19,7 @@ from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from tests.support.meshes import SHIPPED, free, grid, s13
 from tests.support.sections import assert_conforming, slope
+from workflow.results.stored_mesh import given_mesh
 
 
 @pytest.mark.parametrize("file", SHIPPED, ids=lambda path: path.stem)
@@ -95,6 +96,30 @@ def test_names_in_any_script(tmp_path: Path) -> None:
     data["strata"][0]["name"], data["strata"][1]["name"] = "4 シルト", "$x_{ 'é' # [red]"
     mesh = generate(Section.parse(data), path=tmp_path / "section.msh")
     assert read(tmp_path / "section.msh").strata == mesh.strata == ("4 シルト", "$x_{ 'é' # [red]")
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ["CLAY, grey, " + 12 * "slightly sandy, " + end for end in ("soft", "stiff")],  # gmsh keeps 127 bytes
+        [20 * "礫混り砂", "Sand 'A'"],
+        ["a \\ b", "a\\"],
+        ["stratum 2", 30 * "long " + "clay"],
+    ],
+)
+@pytest.mark.parametrize("method", ["mapped", "free"])
+def test_a_run_finds_its_strata_again_whatever_they_are_called(names: list[str], method: str, tmp_path: Path) -> None:
+    data = slope()
+    for stratum, name in zip(data["strata"], names, strict=False):
+        stratum["name"] = name
+    section = Section.parse(data)
+    mesh = generate(section, MeshSettings(method=method), path=tmp_path / "section.msh")
+    assert mesh.strata[: len(names)] == tuple(names)
+    save(mesh, tmp_path / "saved.msh")
+    for file in ("section.msh", "saved.msh"):
+        again = given_mesh(section, tmp_path / file)
+        assert again.strata == mesh.strata
+        np.testing.assert_allclose(again.stratum_areas(), mesh.stratum_areas(), rtol=1e-12)
 
 
 def test_a_folded_cell_is_refused_by_its_place() -> None:

@@ -74,6 +74,8 @@ def test_converts_to_si(kind: Kind, written: str | float, expected: float) -> No
         (DENSITY, "1.8 tonf/m3", 1800.0),
         (DENSITY, "1.8 ton/m3", 1800.0),
         (COORDINATE, "41 FT", 41 * 0.3048),
+        (DENSITY, "1.8 gr/cm3", 1800.0),
+        (STRENGTH, "0.2 ksc", 2e3 * 9.80665),
     ],
 )
 def test_units_as_reports_spell_them(kind: Kind, written: str, expected: float) -> None:
@@ -98,6 +100,9 @@ def test_units_as_reports_spell_them(kind: Kind, written: str, expected: float) 
         (STIFFNESS, "much", "not understood"),
         (STIFFNESS, "30 Mpsk", "not understood"),
         (STIFFNESS, "1,560 tf/m^2", "not understood"),  # 1560 to some and 1.56 to others
+        (STIFFNESS, "1,5 MPa", 'has a decimal comma; write "1.5 MPa"; expected'),
+        (ANGLE, ",25 deg", 'has a decimal comma; write "0.25 deg"; expected'),
+        (STIFFNESS, "1,5,2 MPa", "not understood"),
         (STIFFNESS, "15 + 2 MPa", "not understood"),
         (STIFFNESS, "9**9**9 Pa", "not understood"),  # would not end
         (STIFFNESS, "9 Pa**9**9**9", "not understood"),

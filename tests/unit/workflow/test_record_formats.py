@@ -277,6 +277,12 @@ def test_a_pulse_keeps_its_mean_and_says_so() -> None:
     assert "does not end at rest; it was left as it is" in found.remarks[0]
 
 
+@pytest.mark.parametrize(("written", "point"), [("0,25 g", "0.25 g"), ("245,2 gal", "245.2 gal")])
+def test_an_acceleration_with_a_decimal_comma_is_told(written: str, point: str) -> None:
+    with pytest.raises(ValueError, match=f'has a decimal comma; write "{point}"'):
+        acceleration(written)
+
+
 def test_peaks_are_doubted() -> None:
     values = motion(4, 300, 0.01)
     values /= np.abs(values).max()

@@ -30,7 +30,8 @@ PLACES += [
     [
         ("ψ = φ, Φ and σ'v", "psi = phi, Phi and sigma'v"),
         ("1.2 m², 19 kN/m³, 31°, 5–10 kPa", "1.2 m^2, 19 kN/m^3, 31 deg, 5-10 kPa"),
-        ("Krabbenhøft, Perić, Gutiérrez", "Krabbenh\\xf8ft, Peric, Gutierrez"),
+        ("Krabbenhøft, Perić, Gutiérrez", "Krabbenhoft, Peric, Gutierrez"),
+        ("Löß über Mørke Ærø", "Loss uber Morke AEro"),
         ("砂", "\\u7802"),
         ("of a name that is no text: \udce9", "of a name that is no text: \\udce9"),
     ],
