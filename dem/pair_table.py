@@ -132,13 +132,15 @@ def _columns(layers: Sequence[LayerSprings]) -> np.ndarray:
 def _share_left(faded: Sequence[float]) -> np.ndarray:
     """Share of the contacts between n layers, and with the boundary, that is left (n + 1, n + 1).
 
-    faded: by layer, what is gone. A contact is gone as far as it is for the one of its layers that has less.
+    faded: by layer, the share that is gone. Of the two layers of a contact the one that has less left decides.
     """
     left = 1.0 - np.array([*faded, 0.0])
     return np.asarray(np.minimum(left[:, None], left[None, :]))
 
 
 def _fade(pairs: np.ndarray, left: np.ndarray) -> None:
-    """Takes what is gone off the stiffness of contacts (CONSTANTS, n + 1, n + 1): they may overlap as they like."""
+    """Reduces the stiffness of contacts (CONSTANTS, n + 1, n + 1) by the share that is gone; their overlap is no longer
+    limited.
+    """
     pairs[[row.KN, row.KS, row.CN, row.CT, row.STOP]] *= left
     pairs[row.ALLOWED] = np.where(left < 1.0, ANY_OVERLAP, pairs[row.ALLOWED])

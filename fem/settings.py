@@ -1,4 +1,4 @@
-"""How to look for the critical seismic coefficient."""
+"""Settings of the search for the critical seismic coefficient."""
 
 from typing import Annotated, Literal
 
@@ -33,11 +33,12 @@ LEVEL = 0.02
 
 
 def usual_sides(section: Section) -> Sides:
-    """The sides of a section file that does not say: "smooth" where the ground is level at both ends.
+    """Default sides of a section file: "smooth" where the ground is level at both ends, else "free-field".
 
     Level ground stands under any Kh below about tan φ' times its share of buoyant weight, if it continues. Free-field
     sides, which bear the K0 stress and no more, let it slide out of the section at about half of that (0.15 in sand
-    below water), long before a slope in its middle may fail. Where it slopes at an end, held sides hold it back.
+    below water), long before a slope in its middle may fail. Where the ground slopes at an end, smooth or fixed sides
+    would hold it back.
 
     Parameters
     ----------
@@ -53,12 +54,12 @@ def usual_sides(section: Section) -> Sides:
 
 
 def usual_point_sides(section: Section) -> Sides | None:
-    """The sides for material points of a section file that does not say, where they are not those of the elements.
+    """Default sides for material points of a section file, where they differ from those of the elements.
 
     They are "smooth" where the higher end of the ground is level and the other one slopes.
 
     A free-field side presses on as it did at rest, however far the ground has gone, and shoves level ground behind a
-    face along. Ground that slopes at its higher end moves with the slope, and may.
+    face along. Where the ground slopes at its higher end, it may move with the slope.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ def large_zeros(*shape: int) -> np.ndarray:
 
 
 class Room:
-    """Where zeros are made again and again, each time of about the same size, by name: what was there before is gone.
+    """Memory that is used again, by name, for arrays of zeros of about the same size; what they held before is lost.
 
     It is kept for arrays above `LARGEST`, which glibc gives back: of 300,000 discs a quarter of the time of a new list
     went into getting such pages anew.

@@ -64,7 +64,7 @@ class Law(NamedTuple):
     share : float
         Share of the element's normal force in Fn of eq. (16).
     period : Period
-        After how much the ground repeats itself; only soil discs do.
+        Length and rise after which periodic ground repeats itself; for soil discs only.
     """
 
     soil: bool

@@ -1,4 +1,5 @@
-"""Kernel: the law of a bond between liquefied discs, of the share of the way to its limit that it has gone.
+"""Kernel: the law of a bond between liquefied discs: its force over its displacement, both as shares of those at its
+limit.
 
 Two straight lines: soft up to the strain potential, steep from there to the limit; without a potential they are one.
 """
@@ -23,15 +24,16 @@ def mobilised(along: float, across: float) -> tuple[float, float]:
 
 @device_function(forceinline=True)
 def slopes(knee: float, soft_to: float) -> tuple[float, float]:
-    """Slopes of both lines of a bond: share of the limit over share of the way to it."""
+    """Slopes of both lines of a bond: force over its limit, per displacement over that at the limit (-)."""
     return knee / (soft_to + LEAST_WAY), (1.0 - knee) / (1.0 - soft_to)
 
 
 @device_function(forceinline=True)
 def force_share(along: float, across: float, soft: float, steep: float) -> float:
-    """Force over limit, over the share of the way to the limit that a bond has gone; 1 without a strain potential.
+    """Secant of a bond: force over its limit, divided by displacement over that at the limit; 1 without a strain
+    potential.
 
-    along, across: the way along and across the bond, over the way to its limit (-); soft, steep: see `slopes`.
+    along, across: displacement along and across the bond, over that at its limit (-); soft, steep: see `slopes`.
     """
     way = math.sqrt(along * along + across * across) + LEAST_WAY
     second = steep - (steep - 1.0) / way
@@ -42,7 +44,7 @@ def force_share(along: float, across: float, soft: float, steep: float) -> float
 def energy_share(along: float, across: float, soft: float, steep: float, soft_to: float) -> float:
     """Energy that a bond stores, over that at its limit without a strain potential (there the square of its way).
 
-    along, across: the way along and across the bond, over the way to its limit (-); soft, steep: see `slopes`;
+    along, across: displacement along and across the bond, over that at its limit (-); soft, steep: see `slopes`;
     soft_to: share of the way at which the steep line begins (-).
     """
     square = along * along + across * across

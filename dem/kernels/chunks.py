@@ -56,7 +56,8 @@ def contact(
 def load_geometry(chunk: int, state: State, buffer: np.ndarray, law: Law, soil: bool) -> None:
     """Loads the partners of one chunk into the rows of `buffer`, with directions and distances.
 
-    state: arrays of discs and contacts; law: holds the period of the ground; soil: whether the discs are soil discs.
+    state: arrays of discs and contacts; law: has the length after which periodic ground repeats itself; soil: whether
+    the discs are soil discs.
     """
     wide_vectors()
     for begin in range(0, field.LANES, BLOCK):

@@ -44,7 +44,7 @@ def spring_energy(over: float, kn: float, gap: float) -> tuple[float, float]:
 
 @device_function(forceinline=True)
 def stop(over: float, stiffness: float, depth: float) -> float:
-    """Push (N) that joins the spring's in soil discs where the overlap exceeds `depth` (m): both stiffen the contact.
+    """Additional push (N) of soil discs where the overlap exceeds `depth` (m), which stiffens the contact.
 
     However soft a layer becomes, its discs do not fall through each other.
     """

@@ -1,7 +1,7 @@
 """Kernel: forces, energies and losses of one contact, from the places of its two sides and its history variables.
 
-Here the law meets the layout, once for the stepping kernel, which keeps the result, and for the energies, which only
-look at it. All is inlined where it is used: what a caller does not need is not computed.
+The contact law is applied to the layout here, for the stepping kernel, which stores the result, and for the energies,
+which only read it. All is inlined where it is used: what a caller does not need is not computed.
 """
 
 import math
@@ -105,9 +105,9 @@ class Contact(NamedTuple):
 def contact_geometry(d: int, q: int, state: State, buffer: np.ndarray, law: Law, soil: bool) -> None:
     """Writes direction, distance and lever arms of the contact in lane q into the rows of `buffer`.
 
-    d: where its chunk begins in `state.links`; law: holds the period of the ground, which only `soil` discs have.
-    One square root and one division: they take longer than all else in the law. So they are computed apart, while the
-    records of the next partners are fetched.
+    d: where its chunk begins in `state.links`; law: has the length after which periodic ground repeats itself, which
+    only `soil` discs have. One square root and one division: they take longer than all else in the law. So they are
+    computed apart, while the records of the next partners are fetched.
     """
     radii = state.links[d + field.RADII + q]
     dx = buffer[field.X + q] - buffer[OWN + field.X + q]

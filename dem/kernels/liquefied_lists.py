@@ -59,7 +59,7 @@ def densities(
     """Density of areas (m2) at all discs (n,), summed over the listed pairs.
 
     x, z: places (m); area: of each disc (m2); first, second: discs of each pair; reach: of the kernel (m);
-    period: after how much the ground repeats itself.
+    period: length after which periodic ground repeats itself.
     """
     out = area * (7.0 / (math.pi * reach * reach))
     for c in range(len(first)):

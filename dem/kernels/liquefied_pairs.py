@@ -15,12 +15,12 @@ Two laws of pairs, for every pair with a liquefied disc that is nearer than the 
    Bonds that are there from the onset hold 1 + FIRST times as much until they have slipped: discs which lose their
    contacts find other places, and until the slip has turned all bonds its way those at their limit add up to 0.77 s.
 
-A disc that has not liquefied, or is fixed, takes the place of the other half: both sums are those of the liquefied
-disc, twice. All is looked at every few steps, where discs will be in the middle of these, and held meanwhile. Sums over
-the pairs of a disc are taken in the order of its partners, so that they do not depend on the number of threads.
+Where the partner is fixed or has not liquefied, the terms of the liquefied disc count twice in both sums. Forces are
+evaluated every few steps, for the places of the discs in the middle of these steps, and held meanwhile. Sums over the
+pairs of a disc are taken in the order of its partners, so that they do not depend on the number of threads.
 
-Work is added up from look to look: that of the forces held, but for half of the last step, which has those of the new
-look at its end (velocity Verlet).
+Work is added up from one evaluation to the next: that of the forces held, except that half of the last step has the new
+forces (velocity Verlet).
 """
 
 import math
@@ -259,8 +259,8 @@ def press_pairs(
     """Forces and memory of a block, once `fetch_strength` has been there.
 
     Returns what its bonds took by slip and by dashpots since the last look, and the work of stand-ins at its end (J).
-    damping_time: dashpot over stiffness of a bond (s); kept: what the spring behind its other dashpot keeps of itself
-    from look to look.
+    damping_time: dashpot over stiffness of a bond (s); kept: share of its force that the spring in series with the
+    second dashpot keeps from one evaluation to the next.
     """
     wide_vectors()
     w, memory, reach = wet.working, wet.memory, wet.reach
@@ -351,7 +351,7 @@ def sum_pairs(begin: int, end: int, wet: Liquefied) -> None:
 def liquefied_energy(wet: Liquefied, shared: np.ndarray, force: np.ndarray) -> tuple[float, float]:
     """Energy (J) stored in pore water and in bonds, and forces of the last look added to those on discs (3, slots).
 
-    What discs have moved since the places at which pairs were looked at is work of these forces that they still hold.
+    The work of these forces on what discs have moved since the pairs were evaluated counts as still stored.
     """
     discs = wet.discs
     water, bonds = 0.0, 0.0

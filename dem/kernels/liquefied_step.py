@@ -25,7 +25,8 @@ from dem.kernels.work_buffers import SUM_X, SUM_Z
 def look_at_slice(p: int, layout: Layout, law: Law, entries: Entries, ahead: float) -> None:
     """Densities, levers and speeds of the pairs of slice p, where discs will be in `ahead` seconds.
 
-    layout: discs and contacts; law: holds the period of the ground; entries: of the energy balance.
+    layout: discs and contacts; law: has the length after which periodic ground repeats itself; entries: of the energy
+    balance.
     """
     wet = layout.liquefied
     for block in range(wet.start[p], wet.start[p + 1]):
@@ -54,8 +55,8 @@ def press_slice(p: int, wet: Liquefied, entries: Entries, damping_time: float, k
 def press(team: Team, layout: Layout, law: Law, entries: Entries, dt: float) -> None:
     """Computes the forces of all pairs of liquefied ground, which then stay constant until the next call.
 
-    Threads of the `team` wait for each other three times. layout: discs and contacts; law: holds the period of the
-    ground; entries: of the energy balance; dt: time step (s).
+    Threads of the `team` wait for each other three times. layout: discs and contacts; law: has the length after which
+    periodic ground repeats itself; entries: of the energy balance; dt: time step (s).
     """
     wet = layout.liquefied
     begin, end = slices_of(team.thread, team.threads, len(layout.chunk_start) - 1)

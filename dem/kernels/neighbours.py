@@ -258,7 +258,8 @@ def pairs_within(
 ) -> tuple[np.ndarray, np.ndarray]:
     """All pairs (i, j), i < j, nearer than the sum of their radii and a skin (m), not both fixed.
 
-    x, z, radius: places and radii (m); fixed: whether a disc is held; period: after how much the ground repeats itself.
+    x, z, radius: places and radii (m); fixed: whether a disc is held; period: length after which periodic ground
+    repeats itself.
     """
     none = np.zeros(0, np.int32)
     near = Near(x, z, radius, fixed, 1.0, skin, period)
@@ -285,7 +286,7 @@ def share_out(i: np.ndarray, j: np.ndarray, n: int) -> None:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def turned(owner: np.ndarray, other: np.ndarray, old: np.ndarray) -> np.ndarray:
-    """-1 for pairs whose disc that does not own them did so before, 1 for all others; old: as of `find_pairs`."""
+    """-1 for pairs whose owner has changed, 1 for all others; old: as of `find_pairs`."""
     sign = np.ones(len(old))
     for c in range(len(old)):
         if old[c] >= 0 and owner[old[c]] == other[c]:

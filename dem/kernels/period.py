@@ -13,7 +13,7 @@ from dem.kernels.device_function import device_function
 
 
 class Period(NamedTuple):
-    """After how much the ground repeats itself.
+    """Length and rise after which periodic ground repeats itself.
 
     Attributes
     ----------

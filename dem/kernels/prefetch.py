@@ -47,7 +47,7 @@ def wide_vectors(typing_context: Any) -> Any:
 if config.DISABLE_JIT:
 
     def fetch(array: Any, at: Any) -> None:
-        """Nothing to fetch ahead for."""
+        """Does nothing: without the JIT there is no cache line to fetch."""
 
     def wide_vectors() -> None:
         """Does nothing: without the JIT there is no vector width to choose."""

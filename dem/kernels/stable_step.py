@@ -192,7 +192,7 @@ def stable_step(
     """Largest stable time step (s) and the disc that sets it; (inf, -1) without contacts.
 
     bodies: the discs; pairs: listed pairs; skin: how much nearer a pair may come before the list is made anew (m);
-    at_lines: contacts with rigid lines; springs: constants; period: after how much the ground repeats itself.
+    at_lines: contacts with rigid lines; springs: constants; period: length after which periodic ground repeats itself.
     """
     x, z, radius = bodies.x, bodies.z, bodies.radius
     blocks = np.zeros(len(x) * BLOCKS)

@@ -46,7 +46,7 @@ def constant(row: int) -> np.uint64:
 def load_constants(
     first: int, kinds: np.ndarray, records: np.ndarray, soil: bool, pores: bool, buffer: np.ndarray
 ) -> None:
-    """Loads the constants of eight contacts, from place `first` of `kinds` on, into their lanes of `buffer`.
+    """Loads the constants of eight contacts, those from `kinds[first]` on, into their lanes of `buffer`.
 
     records: see `Springs`; soil, pores: whether the discs are soil discs, and whether there are pore springs.
     """

@@ -30,8 +30,8 @@ class PatchStrength:
     dilation : float
         Angle of dilation at the peak (rad).
     course : (BINS,)
-        Half the deviator in each of `BINS` equal parts of the way to `STRAIN` (Pa). A patch has jerks, which a sample
-        of many more grains has not: the peak of that is the one of the mean course of several patches.
+        Half the deviator in each of `BINS` equal parts of the way to `STRAIN` (Pa). A patch gives way by jerks, a
+        sample of many more grains does not: its peak is that of the mean curve of several patches.
     """
 
     pressure: float

@@ -2,7 +2,7 @@
 
 A patch of one layer, without gravity, is confined at several pressures, then its pore springs are set, as in the slope
 after settling. From there small probes give its stiffness, a biaxial test (plane strain) and a simple-shear test its
-strength. What holds for patch and loading stands in `patch.py` and `loading.py`.
+strength. Conventions of the patch and its loading are described in `patch.py` and `loading.py`.
 """
 
 from collections.abc import Sequence
@@ -103,7 +103,7 @@ class ElementTest:
 
     @property
     def verdicts(self) -> tuple[str, ...]:
-        """Why the measured strengths are not those of a peak or a plateau, one sentence for each reason."""
+        """Reasons why a measured strength is neither a peak nor a plateau, one sentence each."""
         verdicts = []
         for test in self.tests:
             for curve, result in ((test.biaxial, test.biaxial_strength), (test.shear, test.shear_strength)):

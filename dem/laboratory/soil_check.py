@@ -26,8 +26,8 @@ class ElementTestProgramme:
     """The tests of some layers, as discs of one mean radius, each by several patches at three confining pressures.
 
     Contacts that are much alike, as those of one sand at two pressures, share their patches, which have the nearest
-    dimensionless numbers of a few (`ContactNumbers.nearest`). By the map their strength and stiffness are carried over
-    to the numbers of the layer: by some per cent, and what is off by the map is off at both.
+    dimensionless numbers of a few (`ContactNumbers.nearest`). The map gives the ratio by which strength and stiffness
+    differ between these numbers and those of the layer, a few per cent; an error of the map affects both alike.
 
     Attributes
     ----------

@@ -5,8 +5,8 @@ their strength at a confining pressure p depends on two numbers, and by a few pe
 of their contacts, and the cohesion number C / (2 r p) with the mean radius r and the cohesion C of a contact (N per
 metre), which bears `springs.ATTRACTION` times as much pull. What pulls at contacts presses them together as a pressure
 a C / (2 r) would, and counts in kappa. Strength is half the deviator that is left at 8 to 15 % of axial compression, as
-the continuum is perfectly plastic, and knows no peak. The peak is that of the mean course of all patches: that of each
-is its largest jerk as well.
+the continuum is perfectly plastic, and knows no peak. The peak is that of the mean curve of all patches, since the peak
+of a single patch includes its largest jerk.
 
 There are two maps. Discs of soil with friction turn, and roll over each other no more than the spring of rolling gives
 way (`springs.ROLLING`): ground that turns as a whole costs nothing. Discs that could not turn had a biaxial strength

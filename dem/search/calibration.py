@@ -369,8 +369,8 @@ def _out_of_reach(
 def _outwards(base: Search | None, target: float, settings: DemSettings) -> Iterator[list[float]]:
     """Factors of the trials, from 1 towards the lower end of the range where the discs are too strong, else the upper.
 
-    Halves, quarters, ... or doubles, two at a time whoever computes them; for soil discs, whose range is short, first
-    the ratio of the critical Kh wanted to that without a factor.
+    Halves, quarters, ... or doubles, two at a time for any number of workers; for soil discs, whose range is short,
+    first the ratio of the critical Kh wanted to that without a factor.
     """
     low, high = settings.factors
     weaker = base is None or middle(base) > target

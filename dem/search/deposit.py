@@ -7,8 +7,9 @@ the void ratio that is measured then: section over discs. Both are done `ROUNDS`
 at the surface filled, and that is repeated where a column is still off (`dem.search.levelling`).
 
 Discs that have come to rest under their weight alone have hardly more contacts than they need (three each), and give
-way at a small share of their strength: S-13 moved 0.44 m under Kh = 0.1, its continuum 0.10 m. No ground is as young as
-that. So it is shaken down: some cycles of a small Kh, after which the same Kh moves S-13 by 0.05 m.
+way at a small share of their strength: S-13 moved 0.44 m under Kh = 0.1, its continuum 0.10 m. No natural
+ground is as fresh as that. So it is shaken down: some cycles of a small Kh, after which the same Kh moves S-13 by
+0.05 m.
 """
 
 from collections.abc import Callable, Sequence
@@ -114,7 +115,7 @@ def deposit(section: Section, settings: DemSettings, layers_of: LayersOf) -> Dep
 
 
 def shaken_down(settled: DiscModel, ground: Ground) -> DiscModel:
-    """Discs at rest after cycles of Kh both ways; as they were where every Kh of `SHAKES` moves them on and on."""
+    """Discs at rest after cycles of Kh both ways; unchanged where they keep moving under every Kh of `SHAKES`."""
     cycle = PERIODS * period(settled, ground)
     time = np.linspace(0.0, cycle, 41)
     for kh in SHAKES:

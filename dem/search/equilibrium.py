@@ -276,12 +276,11 @@ def try_kh(
     """Raises Kh for discs that stand at a smaller one, and says whether they still stand; `model` is changed.
 
     Kh rises by `RISE` in a period of the ground, and is held with kinetic damping, as in `settle`: dashpots of contacts
-    hardly damp the swing of the whole ground, and whether it swings back is not what is asked. Stands: both ratios are
-    below their limits. Fails: the displacement since `before` exceeds `growth` times the elastic one and grew
-    at every look of the last period, and neither ratio is below its limit. Else undecided: after `patience` periods, or
-    when a DemError stopped the discs.
-    settings: of the discs; rise: from which Kh to which, and the elastic displacement per Kh (m); threads: of the
-    engine.
+    hardly damp the vibration of the whole ground, which is not what is tested. Stands: both ratios are below their
+    limits. Fails: the displacement since `before` exceeds `growth` times the elastic one and grew at every look of the
+    last period, and neither ratio is below its limit. Else undecided: after `patience` periods, or when a DemError
+    stopped the discs. settings: of the discs; rise: from which Kh to which, and the elastic displacement per Kh (m);
+    threads: of the engine.
     """
     from_kh, kh, flexibility = rise
     cycle = period(model, ground)

@@ -87,7 +87,7 @@ class Drive:
 def cycles(
     settings: SlideSettings, strata: Sequence[int], law: Law = "soil", passed: Mapping[int, float] | None = None
 ) -> Shaking | None:
-    """Cycles of Kh, both ways, after a calm as long as an onset: ground that liquefies at once has done so by then.
+    """Cycles of Kh, both ways, after a pause as long as an onset: ground that liquefies at once has done so by then.
 
     Parameters
     ----------

@@ -1,9 +1,9 @@
 """Slides of ground whose layers liquefy under a seismic coefficient or a record (Sec. 4(3)). In the paper's discs, pore
 springs of the liquefied layers are cut at the onset; their element springs, dashpots and strength take the factors of
 the case, in steps if it takes time. Contacts of soil discs fade out instead, while pore water takes over their
-overburden and bonds their residual strength (`dem.liquefied_ground`). Discs of both shrink by the volume that drains
-away. Kh comes on as well, in the paper at once; soil discs stand under it before anything liquefies, since shaking is
-what liquefies.
+overburden and bonds their residual strength (`dem.liquefied_ground`). In both models discs shrink by the volume that
+drains away. The paper applies Kh at the onset; soil discs carry Kh before anything liquefies, since it is the shaking
+that liquefies.
 """
 
 import json
@@ -148,7 +148,7 @@ class Slider:
             self.cut |= set(new)
 
     def _begin_again(self) -> None:
-        """From the onset, with half the step."""
+        """Repeat the slide from its onset with half the time step."""
         if self.folder is not None:
             (self.folder / "checkpoint.h5").unlink(missing_ok=True)
         self.slide.step_share *= 0.5
@@ -284,7 +284,7 @@ class Slider:
         return notes
 
     def _lost(self) -> list[str]:
-        """A sentence on ground that is gone, or none."""
+        """A sentence on ground that was lost, or none."""
         slide, model, start = self.slide, self.model, self.start
         before, after = ground_area(start, self.ground), ground_area(model, self.ground)
         softer = [] if start.law == "soil" else self.strata

@@ -45,11 +45,11 @@ def liquefied(
 
 
 def effect_of(case: Case, section: Section, strata: Sequence[int], law: Law) -> Hashable:
-    """All that discs feel of a case: two cases of one effect slide alike, to the last bit.
+    """All that a case changes in the discs: two cases with the same effect give the same slide, to the last bit.
 
-    The paper's discs take factors. Soil discs take the strength that each stratum keeps, and the stiffness with which
-    they come to it unless a strain potential says that instead (see `onset`).
-    case: what liquefaction leaves; section: the ground; strata: numbers of those that liquefy; law: of the contacts.
+    The paper's discs take factors. Soil discs take the strength that each stratum keeps, and the stiffness up to that
+    strength, unless a strain potential sets it (see `onset`). case: what liquefaction leaves; section: the ground;
+    strata: numbers of those that liquefy; law: of the contacts.
     """
     felt = tuple(strata), case.volumetric_strain, bool(case.residual or case.residual_strength)  # notes name the last
     if law == "paper":

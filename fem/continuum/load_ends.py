@@ -60,7 +60,9 @@ def with_held_ends(section: Section, least_depth: float) -> Section:
 
 
 def soil_of_strip(name: str) -> str:
-    """The stratum of a strip below a face or the end of a load; the name itself of any other stratum."""
+    """Name of the stratum that a strengthened strip was cut from, below a face or the end of a load; any other
+    stratum's own name.
+    """
     for mark in (STRIP, BELOW_END):
         name = name.rpartition(mark)[0] or name
     return name

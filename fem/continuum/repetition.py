@@ -54,8 +54,9 @@ def refuse_other_water(section: Section) -> None:
 
 
 def _along_side(section: Section, side: int, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pressure (n,) in Pa on the left (0) or right (1) side at both ends of the stretches between ``depths`` (m), then
-    that of the water on the ground; and what shaking adds to the former."""
+    """Pore pressure (n,) in Pa on the left (0) or right (1) side at both ends of the intervals between ``depths`` (m),
+    followed by the pressure of the water on the ground; and the pore pressure that shaking adds.
+    """
     water, layers = section.water_pressure, section.layering
     elevation = layers.left[0] if side == 0 else layers.right[-1]
     x, beside = layers.x[-side], layers.x[[0, 1] if side == 0 else [-2, -1]].mean()

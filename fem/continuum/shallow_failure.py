@@ -151,8 +151,8 @@ def failing_at_rest(
 
 
 def joined(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
-    """Shallow failures from left to right; neighbours of one stratum that fail at one Kh, to the digits that are told,
-    are one, whether water begins below them or not. It fails at the smallest of theirs.
+    """Shallow failures from left to right. Neighbouring faces of one stratum whose Kh agrees to the digits reported are
+    merged, dry or wet, and get the smallest Kh of them.
 
     Parameters
     ----------
@@ -288,7 +288,7 @@ def strengthened(section: Section, faces: Sequence[ShallowFailure], settings: Fe
     These strata have the soil of the face and an apparent cohesion, Δγ d sin 2β / (2 cos² φ) with Δγ = γ - Kv γs and d
     the least depth, vertically: with it they carry Kh = (γ / γs - Kv) tan φ, at which the same sand would fail on level
     ground. It goes to zero with the inclination; 0.5 m of dry sand of φ = 33° at 1:3 get 3.7 kPa. A stratum that is
-    nowhere thicker than that is such a stratum as a whole.
+    nowhere thicker than the least depth gets this cohesion as a whole.
     """
     names = [stratum.name for stratum in section.strata]
     strata: list[Stratum] = []

@@ -48,7 +48,7 @@ def stiffnesses(
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _stiffness(w: np.ndarray, much: float, sine: float, is_clay: bool, soft: float, out: np.ndarray) -> None:
-    """C⁻¹ (3, 3) in closed form, free of differences."""
+    """C⁻¹ (3, 3) in closed form, in which no digits cancel."""
     if is_clay:
         scale = sine * sine / (much * (1.0 + 2.0 * (w[1] * w[1] + w[2] * w[2])))
         out[0, 0] = sine * sine / (soft * much)

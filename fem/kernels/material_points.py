@@ -73,7 +73,9 @@ def _weights(f: float) -> tuple[float, float, float]:
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _flows(state: Floats, properties: Floats, p: int) -> bool:
-    """Whether a point shares its mean stress with its knot span: closed ground that can yield without friction."""
+    """Whether the mean stress of a point is relaxed to that of its knot span: φ = 0, able to yield, not cracked
+    open.
+    """
     return properties[p, SIN_PHI] == 0.0 and properties[p, STRENGTH] < properties[p, BULK] and state[p, OPENED] <= 0.0
 
 

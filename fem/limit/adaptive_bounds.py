@@ -172,7 +172,7 @@ def _first_that_holds(
     most_work: float,
     attempts: int = ATTEMPTS,
 ) -> tuple[F, C | None, list[str]]:
-    """The first of a few attempts whose check holds, None for the check if none does.
+    """The first of a few attempts that passes its check; None for the check if none passes.
 
     The solver meets equations and margins nearly, and what corrects the equations may lead beyond the yield surface or
     against the flow rule. The next attempt keeps away from these, corner by corner, by some times what the last one
@@ -224,9 +224,10 @@ def gap_shares(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.n
 
 
 def refinement_indicator(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.ndarray:
-    """Indicator (m,) of every cell for refinement: its share of the gap, and of the yield work of the lower bound.
+    """Refinement indicator (m,) of every cell: its share of the gap, and its share of the yield work of the lower
+    bound.
 
-    The latter need not be near the mechanism of the upper bound: too coarse a stress field at one corner can keep the
+    Yield work may be far from the mechanism of the upper bound: too coarse a stress field at one corner can keep the
     lower bound down, or leave none.
     """
     shares = gap_shares(problem, low, high)

@@ -224,9 +224,9 @@ def first_mesh(section: Section, max_cells: int, sides: Sides = "free-field") ->
     """Triangles about as large as the layers are thick, fewer where that would be too many; with the same edges on both
     ``sides`` where these are periodic; raises InputError if these differ.
 
-    Those in a film of water are as long as others in its stratum, and as narrow as it is. Where a smooth side meets the
-    ground, several triangles do: bare sand under a seismic force has shear stress along the ground and none along the
-    side, and one triangle beside either may have no such stresses but at Kh = 0.
+    Triangles in a thin film of water are as long as others in its stratum, and as thin as the film. Where a smooth side
+    meets the ground, several triangles do: bare sand under a seismic force has shear stress along the ground and none
+    along the side, and one triangle beside either may have no such stresses but at Kh = 0.
     """
     repeats = sides == "periodic"
     if repeats:

@@ -164,10 +164,10 @@ class Limits:
     max_cells : int
         Triangles of the last mesh, at most.
     seconds : float
-        Work for all meshes, in seconds of the reference machine. A further mesh is begun if it is likely to end by
-        then. Work is counted, not measured: the same input takes the same meshes on a loaded machine.
+        Work for all meshes, in seconds of the reference machine. A further mesh is begun if it is likely to be solved
+        within this work. Work is counted, not measured: the same input takes the same meshes on a loaded machine.
     enough : float
-        An upper bound below this one is as good as any.
+        An upper bound below this number needs no improvement.
     least : float
         The gap is a share of the multiplier, or of this number where the multiplier is smaller; for Kh ``LEAST_KH``.
     """

@@ -1,8 +1,8 @@
 """Bounds of Kh with the seismic force to either side: the smaller Kh counts, and both are kept.
 
 The two directions share the work that is allowed: the next mesh is always made for the direction whose lower bound is
-the smaller one, until the bounds of the smaller Kh are as close as was asked. For the other direction it is shown only
-that it bears more.
+the smaller one, until the bounds of the smaller Kh are as close as was asked. For the other direction it is only shown
+that its critical Kh is larger.
 """
 
 from collections.abc import Callable, Iterable, Sequence

@@ -109,8 +109,8 @@ class FactorSearch:
     def confirms(self, other: "FactorSearch") -> bool:
         """Whether the lower bound of the other direction is proven for this one, too, on triangles as fine as allowed.
 
-        Mostly far fewer than those of the other direction will do. Where the bound is not proven, the factor of this
-        direction is searched for, on triangles refined for its own mechanism.
+        Far fewer triangles than in the other direction mostly suffice. Where the bound is not proven, the factor of
+        this direction is searched for, on triangles refined for its own mechanism.
         """
         if other.both_ways:
             self.lower = other.lower
@@ -138,7 +138,9 @@ class FactorSearch:
 
     @property
     def open_here(self) -> float:
-        """What the bounds on the present triangles leave open by secants, proven or not; inf if unknown."""
+        """Relative gap of the factor on the present triangles, estimated by secants from all trials, proven or not; inf
+        if unknown.
+        """
         ends = self.root("lower"), self.root("upper")
         return math.log(ends[1] / ends[0]) if all(math.isfinite(end) for end in ends) else math.inf
 
@@ -251,8 +253,10 @@ class FactorSearch:
             last = trial
 
     def regauged(self, trial: Trial) -> Trial:
-        """The trial, or one of the share of loads: where a mechanism fails only beyond the Kh given while no stress
-        balances the weight, what fails is the weight, as below a footing, and Kh does not tell by how much."""
+        """A trial of Kh, or of the share of all loads where the weight itself fails, as below a footing: there no
+        stress balances the weight, although a mechanism fails only beyond the given Kh, and Kh does not measure what is
+        lacking.
+        """
         fails_late = trial.upper is not None and self.over(trial.upper) > 0.0
         if self.gauge == "loads" or not (trial.unborne and fails_late):
             return trial

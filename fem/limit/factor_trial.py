@@ -12,8 +12,8 @@ Gauge = Literal["kh", "loads"]
 class Trial:
     """Bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None where nothing was.
 
-    They are of Kh, or of the share of all loads that is borne, inf where friction alone bears any; ``unborne``: no
-    stress balances the weight at any Kh. ``work`` is counted, in seconds of the reference machine.
+    They bound Kh, or the share of all loads that is carried (inf where friction alone carries any load); ``unborne``:
+    no stress balances the weight at any Kh. ``work`` is counted, in seconds of the reference machine.
     """
 
     factor: float
@@ -39,7 +39,7 @@ class Start:
 
 @dataclass
 class FactorWork:
-    """Work allowed and spent (s of the reference machine), and whether the search ended for want of it."""
+    """Work allowed and spent (s of the reference machine), and whether the search ended because it was used up."""
 
     allowed: float
     spent: float = 0.0

@@ -286,8 +286,8 @@ def _tension(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
 def with_all_loads_live(problem: LimitProblem, multiplier: float) -> LimitProblem:
     """The problem whose multiplier acts on all loads; above 1 the ground bears ``multiplier`` times the live load.
 
-    What pore pressures press where they jump is among them: without any load there is a stress, so that by convexity
-    all shares up to the largest one are borne.
+    Forces by jumps of the pore pressure are among these loads. Without any load there is an admissible stress, so that
+    by convexity every share of the loads up to the largest one is carried.
     """
     outline, jumps = problem.outline, problem.jumps
     return replace(

@@ -118,8 +118,7 @@ def lower_bound(
 
 
 def _all_round(stresses: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Stresses (n, 3), those of ``corners``, a mask, with the same pressure all round to the last bit, not to
-    rounding."""
+    """Stresses (n, 3), made exactly isotropic at the masked ``corners``, where the solver leaves rounding errors."""
     pressure = 0.5 * (stresses[:, 0] + stresses[:, 1])
     return np.where(corners[:, None], np.column_stack([pressure, pressure, np.zeros(len(pressure))]), stresses)
 

@@ -50,8 +50,9 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
     because a bare surface is near.
 
     Tractions are continuous across the edges that meet at a point, and zero on a bare one. Where this leaves a
-    cell no stress inside its cone |radius of Mohr's circle| <= sin φ |mean stress|, it leaves zero; where the cone has
-    no inside, as of clay whose strength is zero there, wherever it leaves no pressure that is the same all round.
+    cell no stress inside its cone |radius of Mohr's circle| <= sin φ |mean stress|, it leaves zero stress; where the
+    cone has no inside, as for clay whose strength is zero there, the stress is zero wherever an isotropic pressure is
+    excluded.
     """
     outline, mesh = problem.outline, problem.mesh
     round_corners = pressed_all_round(problem)
@@ -85,8 +86,8 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
 
 
 def pressed_all_round(problem: LimitProblem) -> np.ndarray:
-    """Corners (m, 3), as a mask, of ground that has neither cohesion nor friction there: it bears no more than a
-    pressure that is the same all round, as clay whose strength goes with σ'v does where that is zero.
+    """Corners (m, 3), as a mask, of ground without cohesion and friction there, such as clay whose strength goes with
+    σ'v where σ'v is zero: it bears an isotropic pressure only.
     """
     return (problem.cohesion <= NO_COHESION) & (problem.friction[:, None] == 0.0)
 

@@ -68,9 +68,9 @@ def safety_bounds(
     """Lower and upper bound of the factor of safety at ``kh``.
 
     ``held`` sides move up and down alone, as in strength reduction without shaking, where others bear the K0 stress.
-    ``guess`` is where to begin, and only costs time. Both directions of the push are looked at, within the work that
-    the ``settings`` allow, at factors from SMALLEST to LARGEST. Raises InputError as ``kh_bounds`` does, BadMeshError
-    if there are no triangles.
+    ``guess`` is the first factor tried; a poor one costs time only. Both directions of the push are looked at, within
+    the work that the ``settings`` allow, at factors from SMALLEST to LARGEST. Raises InputError as ``kh_bounds`` does,
+    BadMeshError if there are no triangles.
     ``section``: the ground; ``fem``: settings of the elements, of which sides and direction matter here.
     """
     start, work = Start(kh, guess, held), FactorWork(settings.seconds)

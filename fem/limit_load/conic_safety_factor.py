@@ -75,7 +75,7 @@ class FactorStart:
     place: cone_program.Warm | None
 
     def __reduce__(self) -> tuple:
-        """Sent to another process it is None, since a ``place`` is one in memory."""
+        """It is None in another process, since a ``place`` is an address in memory."""
         return _none, ()
 
 

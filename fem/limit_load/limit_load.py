@@ -120,8 +120,8 @@ def critical_limit_load(
 
 
 def asked_again(result: LimitLoadResult, section: Section, mesh: QuadMesh, settings: FemSettings) -> LimitLoadResult:
-    """The limit load of ground that was ``result`` with other settings, by the flow rule and between the sides
-    of ``settings``.
+    """The limit load of the ground of ``result``, found with other settings, by the flow rule and between the sides of
+    ``settings``.
 
     ``section``: the ground; ``mesh``: cells of it, the same as before.
     Raises NoAnswerError if the solver leaves no answer.
@@ -139,8 +139,9 @@ def asked_again(result: LimitLoadResult, section: Section, mesh: QuadMesh, setti
 def in_order(weak: LimitLoadResult, strong: LimitLoadResult) -> tuple[LimitLoadResult, LimitLoadResult]:
     """Two limit loads of one mesh under one load, of which ground has nowhere more strength in the first.
 
-    What it bears, the second bears as well (lower bound theorem), so that the solver's bracket of either ends where
-    that of the other does; the middles of both are then in this order, too, however alike the two are.
+    What the first bears, the second bears as well (lower bound theorem). So the bracket of the first is cut off at the
+    upper end of the second's, and that of the second at the lower end of the first's: their middles are then in this
+    order, too.
     """
     low, high = weak.ground.limit, strong.ground.limit
     if low is None or high is None:
@@ -152,7 +153,7 @@ def in_order(weak: LimitLoadResult, strong: LimitLoadResult) -> tuple[LimitLoadR
 
 
 def _between(result: LimitLoadResult, lower: float, upper: float) -> LimitLoadResult:
-    """The limit load as the middle of a bracket; as it was where that is the solver's own."""
+    """The limit load as the middle of a bracket; unchanged where the bracket is the solver's own."""
     limit = result.ground.limit
     if limit is None or limit.bracket == (lower, upper) or result.verdict != "plateau":
         return result
@@ -179,9 +180,9 @@ def pushed(
 ) -> Ground:
     """The ground with ``faces`` strengthened, and the limit load of the seismic force if it is unique; at rest if it is
     not. Where faces are not given, all cohesionless faces are strengthened if any of them fails before the ground below
-    does, as in the bounds: where a layer thins out, its neighbour may reach the face in the mesh. Without a limit load
-    they are strengthened if they fail under their own weight, as those are that fall against the force and do so.
-    Raises InputError, UnstableError.
+    does, as in the bounds: where a layer thins out, its neighbour may reach the face in the mesh. Without a limit load,
+    the faces that fail under their own weight are strengthened, those that fall against the force among them. Raises
+    InputError, UnstableError.
     ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
     if faces is not None:

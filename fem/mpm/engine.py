@@ -51,7 +51,9 @@ class MaterialPointEnergy:
 
     @property
     def turned_over(self) -> float:
-        """Energy that shares refer to (J/m): the larger one of work done on the ground and energy dissipated."""
+        """Reference for relative energy errors (J/m): the larger one of work done on the ground and energy
+        dissipated.
+        """
         return max(abs(self.external), self.dissipated, 1e-300)
 
     @property
@@ -66,7 +68,9 @@ class MaterialPointEnergy:
 
     @property
     def imbalance_share(self) -> float:
-        """Work that is neither dissipated nor in the points, by transfer and time steps, over what was turned over."""
+        """Work that is neither dissipated nor stored in the points, lost by transfers and time steps, over the energy
+        turned over (-).
+        """
         kept = self.dissipated + self.elastic - self.elastic_began + self.kinetic - self.kinetic_began
         return (self.external - kept) / self.turned_over
 
@@ -214,7 +218,7 @@ class MaterialPointEngine:
         ), edges[:-1], edges[1:]))  # fmt: skip
 
     def _filter(self, pool: ThreadPoolExecutor, seconds: float) -> None:
-        """Let velocities that the grid cannot resolve decay as they do in some seconds."""
+        """Let velocities that the grid cannot resolve decay for some seconds."""
         points, grid = self.points, self.grid
         if self.decay == 0.0 or np.isinf(self.decay):
             return

@@ -3,10 +3,9 @@
 Around the section lie a few cells of rigid ground: below its base, so that the base is rough, and beyond its sides, as
 in the rigid box of the discs, unless these are smooth: then level ground continues beyond, which holds the ground up to
 its surface, and on which whatever slides over the end moves on. Where the sides are free-field, the rigid ground beside
-them is taken away once the ground is at rest: what it pressed with stays as a force on the points beside it, which the
-ground does not let sink. Coordinates of points and grid are those of the section less an `offset`. Rows of nodes dip as
-layers that liquefy do: a shear band across the cells of a level grid takes 1 to 3 % more strength, which halves slides
-near yield.
+them is taken away once the ground is at rest: its pressure stays as a force on the points beside it, which are held
+vertically. Coordinates of points and grid are those of the section less an `offset`. Rows of nodes dip as layers that
+liquefy do: a shear band across the cells of a level grid takes 1 to 3 % more strength, which halves slides near yield.
 """
 
 from dataclasses import dataclass, replace
@@ -82,9 +81,9 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
 
     Columns of points are filled from the base to the surface layer by layer, so that every layer has its own area and
     the surface is where it is. Stress is that of the column above, K0 = ν / (1 - ν); it is not yet in equilibrium.
-    Sides are rigid and rough, and become free-field ones by `with_free_sides` where ``sides`` are so. Smooth sides are
-    nodes at rest horizontally up to the surface, and periodic ones free-field unless they have the same layers, of
-    which one side may lie higher.
+    Sides are rigid and rough, and become free-field ones by `with_free_sides` where ``sides`` are so. Smooth sides hold
+    nodes horizontally up to the surface. Periodic sides are treated as free-field unless both sides have the same
+    layers, at the same or at another height.
     """
     left, right = section.extent
     width, ends = right - left, (section.layering.left[0], section.layering.right[-1])

@@ -94,7 +94,8 @@ class PointSlider:
         self.began: dict[str, np.ndarray] = {}
 
     def settle(self) -> float:
-        """Bring the ground to equilibrium under its weight; how far its surface moved (m). It begins anew from there.
+        """Bring the ground to equilibrium under its weight; how far its surface moved (m). Displacements are counted
+        from there.
 
         Free-field sides are rigid meanwhile, and press from then on as they did; the ground comes to rest once more.
         Raises FloatingPointError where it has no equilibrium within ``LONGEST_SETTLING``.

@@ -135,8 +135,9 @@ class EquilibriumPath:
     def relax(self) -> bool:
         """Let the overstress decay; True if the state without overstress is in equilibrium.
 
-        Where the multiplier acts on a load, the control displacement is kept and the multiplier falls. Where it acts
-        on the strength, elastic ground does not feel it, so there the multiplier is set, as high as the ground stands.
+        Where the multiplier acts on a load, the control displacement is kept and the multiplier falls. Where it acts on
+        the strength, elastic ground does not respond to it, so that the multiplier is prescribed, as high as the ground
+        stands.
         """
         if self.settings.relaxation <= 0.0:
             return True

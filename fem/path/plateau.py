@@ -143,7 +143,7 @@ def _held_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) 
 
 
 def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], float], rule: PlateauRule) -> StopReason:
-    """Why a path without a next step stopped: a plateau if its load hardly rose any more."""
+    """Why a path stopped for want of a further step: a plateau if its load hardly rose any more."""
     growth = growth_per_doubling(path)
     if path.steps and ductility(path) >= rule.earliest and 0.0 <= growth < rule.growth:
         reason = f"it changed by {100 * growth:.1f} % while the displacement doubled, after which {path.reason}"

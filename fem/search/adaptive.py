@@ -66,11 +66,12 @@ def next_mesh(
 ) -> QuadMesh:
     """A mesh of about so many ``cells`` for a mechanism of plastic shear ``strain`` (len(mesh.cells),).
 
-    Where a mapped mesh was asked for, that one with more columns and rows where the mechanism is; else a free one. Its
-    cells go by the shear displacement of the cells before: along a band of shear that is the same however narrow they
-    were, where strains would draw all new cells to the narrowest. They follow the strips of the ``strong`` section,
-    too, which has its cohesionless faces strengthened: sand with half of its points in a strip would be neither. Sides
-    that are periodic (``repeats``) get the same points. Raises what ``adapted`` does.
+    Where a mapped mesh was asked for, that one with more columns and rows where the mechanism is; else a free one. Cell
+    sizes follow the shear displacement across the cells of the last mesh, which along a shear band does not depend on
+    their width; shear strains would draw all new cells to the narrowest ones. They follow the strips of the ``strong``
+    section, too, which has its cohesionless faces strengthened: a cell with half of its points in a strip would be
+    neither strengthened nor as given. Sides that are periodic (``repeats``) get the same points. Raises what
+    ``adapted`` does.
     ``section``: the ground; ``meshing``: settings of meshes; ``mesh``: the last mesh.
     """
     if meshing.method == "mapped":
@@ -291,7 +292,7 @@ class AdaptiveSearch:
             return 1.0
 
     def _rough_mesh(self, first: QuadMesh) -> QuadMesh | None:
-        """A mesh of few cells, where a ``first`` one has many."""
+        """A coarse mesh; None where the ``first`` mesh is coarse itself."""
         if len(first.cells) <= MANY_TIMES * FEWEST_CELLS:
             return None
         size = math.sqrt(float(areas(first.points, first.cells).sum()) / FEWEST_CELLS)
@@ -304,7 +305,9 @@ class AdaptiveSearch:
 def ordered(
     weak: AdaptiveResult[LimitLoadResult], strong: AdaptiveResult[LimitLoadResult]
 ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult]]:
-    """Davis's estimate and the limit load with ψ = φ on one mesh, told in the order that they have (`in_order`)."""
+    """Davis's estimate and the limit load with ψ = φ on one mesh, put into the order that is proven for them
+    (`in_order`).
+    """
     low, high = in_order(weak.result, strong.result)
     return _with_last(weak, low), _with_last(strong, high)
 

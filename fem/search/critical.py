@@ -123,7 +123,7 @@ def critical_coefficient(
     """Find the critical seismic coefficient of a meshed section, in the direction in which it is smaller.
 
     A mechanism under a seismic force upslope that leaves the section through a side counts only if there is no other:
-    what fails there is the ground in front of the K0 stress of the side, and no slope.
+    what fails there is ground that only the K0 stress on the side holds, and no slope.
 
     Parameters
     ----------

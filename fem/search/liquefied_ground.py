@@ -44,7 +44,8 @@ def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Secti
 
 
 def weight_borne(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any) -> float:
-    """How many times its weight a mesh bears with its sides held, by its limit load; below 1 it flows.
+    """The multiple of its weight that the ground of a mesh bears between held sides (limit load); below 1 the ground
+    flows.
 
     The flow is associated. Raises what ``conic_limit_load`` does.
     ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.

@@ -129,12 +129,12 @@ class AdaptiveResult(Generic[F]):
 
 
 def left_of_error(before: MeshRound, cells: int, value: float) -> float:
-    """By how much ``value`` (-) on so many ``cells`` is still too large, by one mesh ``before``."""
+    """Discretisation error of ``value`` (-) on a mesh of ``cells``, extrapolated from the mesh ``before``."""
     return (before.value - value) / max(cells / before.cells - 1.0, LEAST_GAIN)
 
 
 def nothing() -> float:
-    """The Kh of a direction that is not looked at."""
+    """The Kh of a direction that is not analysed: infinite."""
     return math.inf
 
 
@@ -204,7 +204,7 @@ def solve_adaptively(
 
 
 def _reason_to_stop(rounds: list[MeshRound], result: MeshResult, wanted: int, wish: Wish) -> str:
-    """Why there is to be no next mesh, of so many cells as ``wanted``; empty if there is."""
+    """Why no further mesh, of ``wanted`` cells, is made; empty if one is."""
     last = rounds[-1]
     if wish.is_met(last):
         return f"the last mesh changed it by {100 * last.change:.1f} % and about {100 * last.rest:.1f} % are left"

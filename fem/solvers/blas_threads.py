@@ -15,7 +15,7 @@ def use_one_thread() -> None:
 
 def bears_threads() -> bool:
     """Whether several threads may call BLAS at once: OpenBLAS without threads of its own (Debian's
-    ``libopenblas0-serial``) shares its work space among them, and what it finds then is wrong."""
+    ``libopenblas0-serial``) shares its work space among them and returns wrong results then."""
     return all(library.get("threading_layer") != "disabled" for library in ThreadpoolController().info())
 
 

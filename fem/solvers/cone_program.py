@@ -168,8 +168,8 @@ def solve(
     Clarabel, where it ends without an answer, or meets its tolerances only almost and its equations badly, is asked
     again with the next of the ``regularisations``. Forces are handed to it ``magnified`` times as large: its residuals
     count as absolute below one. After ``most_work`` (s of the reference machine), and a few iterations at least, both
-    methods together end with what they have. The method of our own begins at a ``start`` where that suits, which only
-    costs or saves time.
+    methods together end with what they have. Our interior-point method begins at a ``start`` that suits the program,
+    which changes the time it takes only.
     """
     feasibility = FEASIBILITY_TORN if len(program.torn) else FEASIBILITY
     ask = partial(_by_clarabel, regularisations, feasibility)
@@ -194,7 +194,7 @@ def _solve(
     in_the_middle: bool = False,
     start: Warm | None = None,
 ) -> Solution:
-    """The solution by the interior-point method of our own, or where that has none by Clarabel."""
+    """The solution by our interior-point method, or by Clarabel where that finds none."""
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)
     data = assembled(program, clay)
@@ -233,7 +233,7 @@ def _solve(
 
 @dataclass(frozen=True, eq=False)
 class _End:
-    """State at the end of a solver: status, unknowns and multipliers, whether they are sure, and work."""
+    """State at the end of a solver: status, unknowns and multipliers, whether it is certain, and work."""
 
     status: str
     x: np.ndarray
@@ -255,7 +255,7 @@ def _by_interior_point(
     most_work: float,
     start: Warm | None = None,
 ) -> _End:
-    """The end of the interior-point method of our own; from the beginning where a ``start`` leads nowhere."""
+    """Solve by our interior-point method; without the warm ``start`` where that breaks down."""
     form, order = standard(program, data, magnified)
     warm = start if start is not None and start.suits(form) else None
     try:
@@ -289,7 +289,7 @@ def _by_interior_point(
 def _by_clarabel(
     regularisations: Sequence[float], feasibility: float, data: Assembled, magnified: float, most_work: float
 ) -> _End:
-    """The end of Clarabel with the first of some regularisations that leads to one, or with the best of them."""
+    """Solve by Clarabel with the first regularisation that gives a solution, or else with the best of them."""
     ends: list[clarabel.DefaultSolution] = []
     work = 0.0
     for regularisation in regularisations:
@@ -309,8 +309,7 @@ def _by_clarabel(
 def _solved(
     data: Assembled, magnified: float, settings: clarabel.DefaultSettings, most_work: float
 ) -> tuple[clarabel.DefaultSolution, float]:
-    """What the solver finds in so much work, and the work of an iteration; with a callback it would keep Python's
-    lock."""
+    """Result of Clarabel within a limit of work, and the work of one iteration; a callback would hold Python's lock."""
     none = sparse.csc_matrix((len(data.cost), len(data.cost)))
     data_of_solver = none, magnified * data.cost, data.matrix.tocsc(), data.offset, data.cones
     solver = clarabel.DefaultSolver(*data_of_solver, settings)

@@ -82,8 +82,8 @@ class Tolerance:
     residual : float
         Relative residual of both equations (-).
     nearly : float
-        The residual that will do where no iteration makes it smaller (-). Where edges go on almost straight through a
-        point, the volumes of clay around it all but depend on each other, and 5e-9 stay.
+        The residual that will do where no iteration makes it smaller (-). Where edges pass almost straight through a
+        point, the volume conditions of clay around it are nearly dependent, and a residual of 5e-9 stays.
     """
 
     gap: float
@@ -99,7 +99,7 @@ Place = tuple[np.ndarray, np.ndarray, np.ndarray]
 @dataclass(frozen=True, eq=False)
 class Iterate:
     """Unknowns, multipliers and slacks, both objectives, and what is left: the gap as a share of the multiplier, and
-    the relative residual of the equations; at the end also where to begin with on the same mesh."""
+    the relative residual of the equations; at the end also a starting point for another program on the same mesh."""
 
     y: np.ndarray
     z: np.ndarray
@@ -137,7 +137,7 @@ def interior_solution(
 
 
 class _BreakdownError(ArithmeticError):
-    """An iteration that leads nowhere."""
+    """An iteration that makes no progress."""
 
 
 class _Method:

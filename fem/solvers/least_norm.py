@@ -22,8 +22,8 @@ MANY, NEARLY = 500, 1e-13
 def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.ndarray:
     """The shortest d with ``matrix`` d = ``residual`` as nearly as rounding allows; rows may depend on each other.
 
-    It is Aᵀ (A Aᵀ)⁻¹ ``residual``, by CHOLMOD. What that leaves, as of a few equations or where CHOLMOD is missing,
-    Clarabel takes out: it solves min |d|²/2 with these equations by one factorisation of [[1, Aᵀ], [A, 0]], in an
+    It is Aᵀ (A Aᵀ)⁻¹ ``residual``, by CHOLMOD. The residual that this leaves, or all of it where CHOLMOD is missing, is
+    removed by Clarabel: it solves min |d|²/2 with these equations by one factorisation of [[1, Aᵀ], [A, 0]], in an
     approximate minimum degree ordering (Amestoy, Davis & Duff 1996), in twice the time. SuperLU's multiple minimum
     degree takes a hundred times as long to order A Aᵀ of thin layers: 81 s for 75,000 equations.
     """
