@@ -23,8 +23,9 @@ HOPELESS, HOPELESS_RESIDUAL = 20, 1e-4
 # A place whose gap is this share of the multiplier is where another strength may begin.
 WARM = 1.0
 MOST_WARM = 15  # iterations from there
-# Iterations, at most, whose gap is small enough and whose residual is not.
-MOST_LATE = 4
+# Iterations, at most, whose gap is small enough and whose residual is not; and those in which a residual that is not
+# small enough is not even halved: it stays where it is, and a program took all iterations that it was given.
+MOST_LATE, STALLED = 4, 8
 # Refinements of a direction at most, the residual to which it is refined as a share of what is left of the gap, and
 # the smallest and largest residual; that of directions that are only looked at.
 REFINEMENTS, REFINED, MOST_REFINED, LEAST_REFINED, LOOSE = 10, 1e-5, 1e-10, 1e-5, 1e-3
@@ -176,7 +177,7 @@ class _Method:
         y, z, s = start or self.start()
         warm, wanted = start, self.wanted
         best: Iterate | None = None
-        late = 0
+        late, least, since = 0, np.inf, 0
         for iteration in range(1 + (most_iterations if start is None else min(most_iterations, MOST_WARM))):
             heed()
             ry, rz = self.a_t @ z + self.c, self.b - self.a @ y - s
@@ -196,6 +197,10 @@ class _Method:
                 break
             late += gap < wanted.gap and residual > wanted.residual
             if late > MOST_LATE:
+                break
+            if residual < 0.5 * least:
+                least, since = float(residual), iteration
+            elif least > wanted.nearly and iteration - since >= STALLED:
                 break
             if iteration > HOPELESS and best.residual > HOPELESS_RESIDUAL:  # as without a solution
                 break

@@ -9,8 +9,9 @@ from fem.continuum.shallow_failure import shallow_failures, strengthened
 from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound
 from fem.limit.bounds import body_of, first_mesh
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of
+from fem.limit.lower_bound import lower_bound
 from fem.settings import FemSettings
-from fem.solvers import cholmod, cone_program
+from fem.solvers import cholmod, cone_program, interior_point
 from fem.solvers.cone_matrices import ConeProgram
 from meshes.section.section import Section
 from meshes.triangles import triangulate
@@ -80,6 +81,26 @@ def test_bare_sand_after_a_drawdown_does_not_break_down() -> None:
     assert not found.solution.fallback
     assert stress is not None
     assert stress.multiplier == pytest.approx(0.02679, rel=1e-3)
+
+
+def test_equations_that_come_no_nearer_are_left_to_clarabel_soon(monkeypatch):
+    """Steps of a hundredth from the third on: eight more show that the residual stays where it is; sixty were made."""
+    monkeypatch.setattr(cone_program, "LEAST_VELOCITIES", 0)
+    problem = ground("all clay")
+    wanted = lower_bound(problem)
+    direction, asked = interior_point._Method.direction, []
+
+    def short(method, *place):
+        asked.append(len(asked))
+        *changes, steps = direction(method, *place)
+        share = 1.0 if len(asked) < 3 else 0.01
+        return *changes, tuple(share * step for step in steps)
+
+    monkeypatch.setattr(interior_point._Method, "direction", short)
+    found = lower_bound(problem)
+    assert found.solution.fallback
+    assert len(asked) <= 3 + interior_point.STALLED
+    assert found.multiplier == pytest.approx(wanted.multiplier, rel=5e-4)
 
 
 def test_what_has_no_answer_is_left_to_clarabel(monkeypatch):
