@@ -49,6 +49,11 @@ def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering,
     return _without_empty_ends(layers), list(dict.fromkeys(all_notices))
 
 
+def _part(names: list[str], k: int) -> str:
+    """A stratum in words, and where water cut it the part that is meant."""
+    return f"stratum {shown_name(names[k])}{' above water' if names[k] + BELOW_WATER in names else ''}"
+
+
 def _stepped_once(layers: Layering, least: float, names: list[str]) -> tuple[Layering, list[str]]:
     """End the tips of every stratum in a vertical step once, from the top down; returns layering and notices."""
     notices: list[str] = []
@@ -66,7 +71,7 @@ def _stepped_once(layers: Layering, least: float, names: list[str]) -> tuple[Lay
             if (near := _near_breakpoint(layers, k, *tip, at, thick)) is not None:
                 at, (thick, area) = near, _step_at(layers, k, *tip, near)
             layers = _without(_with_breakpoint(layers, at), k, min(at, x_tip), max(at, x_tip))
-            what = "the section" if k is None else "stratum " + shown_name(names[k])
+            what = "the section" if k is None else _part(names, k)
             notices.append(
                 f"mesh: {what} thins out to nothing at x = {x_tip:g} m; in the mesh it ends in a step of "
                 f"{thick:.2g} m at x = {at:.4g} m, without the last {area:.2g} m²"
@@ -75,7 +80,7 @@ def _stepped_once(layers: Layering, least: float, names: list[str]) -> tuple[Lay
             area = layers.areas()[k]
             layers = _without(layers, k, start, end)
             notices.append(
-                f"mesh: stratum {shown_name(names[k])} is a wedge thinner than {THICKEST_CRUMB * least:.2g} m from "
+                f"mesh: {_part(names, k)} is a wedge thinner than {THICKEST_CRUMB * least:.2g} m from "
                 f"x = {start:.4g} to {end:.4g} m; the mesh is without its {area - layers.areas()[k]:.2g} m²"
             )
         for start, end in [] if k is None else _necks(layers, k, least, longest(k)):

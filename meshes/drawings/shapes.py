@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from meshes.section.columns import JOINED
+from meshes.section.layering import WIDEST
 
 # Chords leave a curve by at most this (m), or this share of the drawing's height if that is less.
 SAGITTA, SHARE_OF_HEIGHT = 0.01, 1.0 / 2000.0
 CURVES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE", "HELIX", "SOLID", "TRACE", "3DFACE"}
 FILLED = {"HATCH", "MPOLYGON"}
 CHORDS = 32  # of a span between knots of a spline without an end
-WIDEST = 5e3  # m of a section of a slope
 # Length (m) of a unit by $INSUNITS; feet, inches, yards and miles of the US survey from 21.
 METRE, UNITS = 6, {
     1: 0.0254, 2: 0.3048, 3: 1609.344, 4: 1e-3, 5: 0.01, 6: 1.0, 7: 1e3, 8: 2.54e-8, 9: 2.54e-5, 10: 0.9144, 13: 1e-6,

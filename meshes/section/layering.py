@@ -16,6 +16,7 @@ from meshes.section.polyline import Line, limits
 # Points closer than this are one point: a centimetre, which no survey and no log of a boring tells, or in a small model
 # a two-thousandth of its height. Left apart they would make cells that are thousands of times as long as wide.
 CENTIMETRE, SHARE_OF_HEIGHT = 0.01, 1.0 / 2000.0
+WIDEST = 5e3  # m of a section of a slope: a wider one is mostly one in feet or millimetres
 # What differs by less than this share of the width is rounding.
 ROUNDING = 1e-9
 
@@ -199,7 +200,10 @@ def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None], al
     if not problems:
         thin = f"has no thickness anywhere (less than {1000.0 * snap:.3g} mm is none)"
         problems = [f"stratum {k + 1} {thin}" for k in np.flatnonzero(layers.areas() <= 0.0)]
-    return Layers(layers, problems, _snapping_notices(exact, stack, x, snap))
+    notices = _snapping_notices(exact, stack, x, snap)
+    if x_right - x_left > WIDEST:
+        notices.append(f"the section is {x_right - x_left:,.0f} m wide; plain coordinates are metres")
+    return Layers(layers, problems, notices)
 
 
 def elevations_below(surface: np.ndarray, depth: Line) -> np.ndarray:

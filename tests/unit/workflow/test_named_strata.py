@@ -106,3 +106,17 @@ def test_cases_are_told_by_what_they_change() -> None:
     )
     (told,) = _cases_are(cut(slide={"cases": [{"stiffness": 0.25}]}))
     assert "0.25 of its stiffness and 0.5 of its damping" in told
+
+
+def test_the_part_of_a_stratum_above_water_is_named_so() -> None:
+    """The sand goes on below the water where its part above it ends."""
+    soil = {"density": "1.8 t/m^3", "density_saturated": "2.0 t/m^3"}
+    strata = [layer("sand", bottom={"elevation": -8.0}, **soil), layer("clay", **soil)]
+    for stratum in strata:
+        del stratum["density_ordinary"], stratum["density_seismic"]
+    given = Config.parse({
+        "name": "cut", "surface": [[0.0, 4.0], [40.0, 0.0]], "base": {"elevation": -12.0}, "mesh": {"method": "free"},
+        "water": {"table": {"elevation": 2.0}}, "strata": strata,
+    })  # fmt: skip
+    [told] = [text for text in given.notices if "thins out" in text]
+    assert told.startswith('mesh: stratum "sand" above water thins out to nothing at x = 20 m')
