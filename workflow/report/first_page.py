@@ -144,7 +144,7 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
         phrase = _("No factor of safety: {reason}.", reason=entry.reason)
         return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
     if fem is None or factor is None:
-        phrase = _("No factor of safety was computed; fem.safety_factors = [0] asks for one.")
+        phrase = _("No factor of safety was computed; fem.safety_factor_at = [0.0] asks for one.")
         return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
     if factor.verdict == "no failure":
         phrase = _(

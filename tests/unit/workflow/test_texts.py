@@ -7,10 +7,12 @@ from collections.abc import Iterator
 import pytest
 from jinja2 import Environment
 from jinja2.ext import extract_from_ast
+from pydantic import BaseModel
 
 from tests.support import TOP
 from tests.support.answers import bounds, fem, results
 from tests.support.sections import analysed, slope
+from workflow.config import Config
 from workflow.estimates.slide_error import SlideError, SlideMethod
 from workflow.report import assumptions, model_error, uncertainty
 from workflow.report.accuracy import METHODS
@@ -162,3 +164,14 @@ def test_sentences_between_japanese_ones_and_notes_of_tables_are_japanese(html: 
     translated = re.sub("<[^>]+>", "", Texts("ja").page(html))
     assert not re.search("[a-z]{4}", translated), translated
     assert all(number in translated for number in re.findall(r"\d+\.?\d*", re.sub("<[^>]+>", "", html)))
+
+
+def test_settings_that_texts_ask_for_are_settings() -> None:
+    """ "fem.safety_factors = [0] asks for one" was told of a key that no file may have."""
+    named = re.compile(rf"(?<![\w./])({'|'.join(Config.tables())})\.([a-z_]+) = ")
+    asked = [match for text in catalogue("ja") for match in named.finditer(text)]
+    assert asked
+    for match in asked:
+        table = Config.model_fields[match[1]].annotation
+        assert issubclass(table, BaseModel)
+        assert match[2] in table.model_fields, match[0]
