@@ -72,12 +72,12 @@ FRICTION = Range(0.0, 60.0, "deg", math.pi / 180.0, ())
 WATER = Range(9.5, 12.5, "kN/m^3", 1e3, ((1e3, "kN/m^3"),))
 LOAD = Range(0.05, 5e3, "kPa", 1e3, ((1e3, "kPa"), (1e-3, "kPa")), or_none=True)
 # Mud to crust, per metre. Tailings that have liquefied to diatomaceous clay (0.2 to 0.35 in most); desiccated crust;
-# pores that bear all of the weight. Intact clay to open rockfill.
+# pores that bear all of the weight. Rock that is written as impermeable to open rockfill.
 INCREASE = Range(0.01, 200.0, "kPa/m", 1e3, ((1e3, "kPa/m"), (1e-3, "kPa/m")), or_none=True)
 STRENGTH_RATIO = Range(0.01, 1.0, "", 1.0, ((0.01, "%"),), or_none=True)
 OVERCONSOLIDATION = Range(1.0, 60.0, "", 1.0, ())
 PRESSURE_RATIO = Range(0.0, 1.0, "", 1.0, ((0.01, "%"),))
-PERMEABILITY = Range(1e-14, 1.0, "m/s", 1.0, ((1e-2, "cm/s"),))
+PERMEABILITY = Range(1e-20, 1.0, "m/s", 1.0, ((1e-2, "cm/s"),))
 OF_A_STRATUM = {
     "density_ordinary": BUOYANT, "density_seismic": DENSITY, "density_saturated": DENSITY, "youngs_modulus": STIFFNESS,
     "cohesion": COHESION, "cohesion_increase": INCREASE, "cohesion_minimum": COHESION, "tension": COHESION,
