@@ -32,8 +32,8 @@ class Blocks:
 def blocks_of(section: Section) -> Blocks | str:
     """The blocks and bands of a section, or the reason why it has none.
 
-    A section can be mapped if the same number of layers lies under every point, all of them thicker than
-    zero, with borders that meet from block to block; lateral neighbours share their band.
+    A section can be mapped if the same number of layers lies under every point, all of them thicker than zero, and if
+    their borders meet from block to block; lateral neighbours lie in one band of rows.
     """
     layers = section.layering
     at_left, at_right = layers.thickness()

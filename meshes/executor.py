@@ -1,5 +1,5 @@
 """Tasks side by side: an executor is handed down, and does the tasks that it is given in order, or in threads, or in
-processes of this machine. What they find does not depend on it.
+processes of this machine. Their results do not depend on the choice.
 
 One rule for interruption and cancelling
 ----------------------------------------
@@ -91,7 +91,7 @@ def _telling_nothing(work: Callable[[], A], _: Tell) -> A:
 
 
 def _do(future: "Future[A]", work: Callable[[], A], kept: type[BaseException] = BaseException) -> None:
-    """Do some work and keep what came of it, errors of a kind as well."""
+    """Do some work and keep its result, or its error of a given kind."""
     try:
         future.set_result(work())
     except kept as error:

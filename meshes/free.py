@@ -319,7 +319,7 @@ def _size_field(
 def _near_field(curves: list[int], near: float, far: float, reach: float, stop: bool) -> int:
     """gmsh's field that grows from ``near`` within that distance of curves to ``far`` at ``reach`` (all in m).
 
-    Beyond it holds no longer if it is to ``stop``; else it stays ``far``.
+    Beyond ``reach`` the field has no effect if it is to ``stop``; else it stays ``far``.
     """
     fields = gmsh.model.mesh.field
     distance = fields.add("Distance")

@@ -164,7 +164,9 @@ class _Line:
         return np.interp(np.interp(along, self.along, self.x), *self.corners.T)
 
     def points(self, along: np.ndarray, fixed: np.ndarray) -> np.ndarray:
-        """The points (n, 2) at a place along the layer; of the ``fixed`` ones that which is there, to the last bit."""
+        """The points (n, 2) at places along the layer; exactly those of the ``fixed`` points that coincide with
+        them.
+        """
         x = np.interp(along, self.along, self.x)
         points = np.column_stack([x, np.interp(x, *self.corners.T)])
         nearest = np.abs(x[:, None] - fixed[:, 0]).argmin(axis=1)
@@ -206,8 +208,9 @@ def _seam(
 def _lines(polygon: np.ndarray) -> tuple[_Line, _Line] | None:
     """Top and bottom of an outline, counter-clockwise, between its ends; None if it has no such lines.
 
-    An end is the edge at the outermost corner, the steeper of the two where that is one corner, as at the face of a
-    slope. Places along the layer are x, but towards an end that leans, the columns lean as well.
+    An end is the edge at the outermost corner; where the layer ends in a single corner, as at the face of a slope, it
+    is the steeper one of the two edges there. Places along the layer are x, but towards an end that leans, the columns
+    lean as well.
     """
     ring = np.roll(polygon, -int(np.lexsort((polygon[:, 1], polygon[:, 0]))[0]), axis=0)
     if _steepness(ring[0], ring[-1]) < _steepness(ring[0], ring[1]):  # the left end comes first, from top to bottom

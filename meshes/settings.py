@@ -56,7 +56,7 @@ class MeshSettings(Model):
     refine: int = Field(default=1, ge=1, le=64, description="a whole number that divides every cell size")
 
     def problems(self, section: Section) -> list[str]:
-        """What does not fit the section, one sentence each."""
+        """Settings that do not fit the section, one sentence each."""
         names = [stratum.name for stratum in section.strata]
         known = {"sizes": names, "towards": [*names, "surface", "base"]}
         problems = [

@@ -11,12 +11,12 @@ def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
     of slip: below a crest that sinks while the ground gives way to both sides it rises from both of its ends.
 
     x (m,) are columns, z (m, n) points in each of them from below upwards, in m, and ``moved`` (m, n) how far or how
-    fast the ground there moves, not a number where there is none. A column counts if its top exceeds the mean of the
-    means of what moves and of what does not (Ridler & Calvard 1978, IEEE Trans. Syst. Man Cybern. 8, 630); the line is
-    where it moves half as much as the upper half of what lies above does on average: within a thin band of shear, half
-    of the way across a thick one, also where the ground turns as it slides, or grains roll ahead on its surface. Of the
-    columns that count it is the longest row without a gap; the median of three neighbours leaves out what one column
-    alone has.
+    fast the ground there moves, not a number where there is none. A column counts as moving if its top moves by more
+    than the mean of two means, that of moving and that of resting columns (Ridler & Calvard 1978, IEEE Trans. Syst. Man
+    Cybern. 8, 630); the line is where it moves half as much as the upper half of what lies above does on average:
+    within a thin band of shear, half of the way across a thick one, also where the ground turns as it slides, or grains
+    roll ahead on its surface. Of the columns that count it is the longest row without a gap; the median of three
+    neighbours leaves out what one column alone has.
     """
     limit = _threshold(moved[np.isfinite(moved)])
     depths = [_depth(heights, values, limit) for heights, values in zip(z, moved, strict=True)]
@@ -34,7 +34,7 @@ def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
 
 
 def _threshold(moved: np.ndarray) -> float:
-    """What tells moving from resting ground; infinite where all is alike."""
+    """The displacement that separates moving from resting ground; infinite where all ground moves alike."""
     if not len(moved) or np.ptp(moved) <= 1e-12 * np.abs(moved).max():
         return np.inf
     limit, before = 0.5 * (moved.min() + moved.max()), np.nan

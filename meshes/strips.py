@@ -45,8 +45,8 @@ def strips_of(mesh: QuadMesh) -> Strips:
 def with_finer_strips(mesh: QuadMesh, indicator: np.ndarray, cells: int) -> QuadMesh:
     """The mesh with columns and rows divided where that helps most, until it has at least ``cells`` cells.
 
-    What helps is ``indicator`` (m,), such as plastic shear strain, times area and width of the cells of a strip, for
-    each cell that the cut adds.
+    The benefit of a cut is ``indicator`` (m,), such as plastic shear strain, times area and width of the cells of a
+    strip, per cell that the cut adds.
     """
     strips = strips_of(mesh)
     size = areas(mesh.points, mesh.cells)

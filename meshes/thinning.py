@@ -2,7 +2,7 @@
 
 A quadrilateral in the tip of a wedge of a few degrees has an angle of a few degrees, and cells behind it are as thin as
 the wedge. The soil of the tip that is cut off is taken to be that of the layer below it (of the one above, if there is
-none below; and where the whole section thins out, the section ends there). How much that is is told.
+none below; and where the whole section thins out, the section ends there). The area that changes its soil is reported.
 """
 
 import math

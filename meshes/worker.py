@@ -85,7 +85,7 @@ class Worker:
 
 
 def serve(descriptor: int, preload: str, forks: bool) -> None:
-    """What the process does until nobody asks any more."""
+    """Loop of the process until there are no more requests."""
     if preload:
         import_module(preload)
     pipe: Connection[Any, Any] = Connection(descriptor)

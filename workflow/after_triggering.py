@@ -148,7 +148,7 @@ def _driven(config: Config) -> tuple[SlideSettings, list[str]]:
 
 
 def _assumed(config: Config, section: Section, slide: SlideSettings) -> SlideSettings:
-    """Settings of slides in which what is left to be assumed has numbers, where ground liquefies.
+    """Settings of the slides with the assumed values filled in, where ground liquefies.
 
     ``config``: as it was read; ``section``: its ground after triggering; ``slide``: settings after the earthquake.
     """

@@ -150,7 +150,7 @@ def mesh(
     verbose: Verbose = False,
     json: Json = False,
 ) -> None:
-    """Mesh a section with quadrilaterals and draw both. What comes after it in the same folder takes the same mesh."""
+    """Mesh a section with quadrilaterals and draw both. Later commands on the same folder take the same mesh."""
     from workflow.invocation import Invocation, mesh_options
     from workflow.terminal import show_strata
 

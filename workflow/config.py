@@ -88,7 +88,7 @@ class Config(Tables):
 
     @cached_property
     def reach(self) -> dict[str, Reach]:
-        """How far the distribution of each uncertain number reaches, by its path."""
+        """Range of the distribution of each uncertain number, by its path."""
         return reach_of(self._before_the_cut(), self.uncertain.numbers, (Section, Tables))
 
     def _before_the_cut(self) -> dict[str, Any]:

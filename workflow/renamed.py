@@ -39,7 +39,7 @@ class Renamed:
         return f"{self.table}.{self.key}"
 
     def value(self, old: Any) -> Any:
-        """A value, or values within a list or a table, in the words of now."""
+        """A value, or values within a list or a table, in current words."""
         if isinstance(old, str):
             return self.values.get(old, old)
         if isinstance(old, list | tuple):
@@ -47,7 +47,7 @@ class Renamed:
         return {key: self.value(each) for key, each in old.items()} if isinstance(old, Mapping) else old
 
     def moved(self, table: Mapping[str, Any], old: str, new: str) -> dict[str, Any]:
-        """A table whose key ``old`` is ``new``, with its value in the words of now; in the same order."""
+        """A table whose key ``old`` is ``new``, with its value in current words; in the same order."""
         return {new if key == old else key: self.value(each) if key == old else each for key, each in table.items()}
 
 

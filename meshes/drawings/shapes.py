@@ -285,7 +285,9 @@ def _end_to_end(chain: np.ndarray, next_chain: np.ndarray) -> np.ndarray:
 
 
 def _without_holes(shapes: Sequence[Shape], notices: list[str]) -> list[Shape]:
-    """Shapes without the outlines of holes in hatches: what lies there is drawn by other shapes, or is the hatch's."""
+    """Shapes without the outlines of holes in hatches: the ground there is that of other shapes drawn in it, or that of
+    the hatch.
+    """
     filled = [shape for shape in shapes if shape.kind in FILLED]
     holes = [
         shape

@@ -90,7 +90,7 @@ def columns_of(
 
 
 class Tally:
-    """What is noticed column by column: gaps, and what lies on what, of all outlines by number."""
+    """Findings of all columns: gaps, and which outlines (by number) overlap."""
 
     def __init__(self, names: list[str], areas: list[float], x: np.ndarray) -> None:
         self.names, self.areas, self.x = names, areas, x

@@ -196,7 +196,7 @@ def cut_strata(
     New lines reach as far as the section was ``given`` (x in m). The upper part keeps the name, and does not liquefy;
     of a soil that zones part, a part wholly below water has the name of one below water where another lies above it.
     What water cuts off in pockets smaller than cells stays with the rest; ``cut_films`` cuts it off, too. Pore
-    pressures know nothing of that.
+    pressures are not changed by it.
     ``layers``: the ground layer by layer.
     """
     cut: list[Stratum] = []

@@ -155,7 +155,7 @@ def _sides(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def kept(x: np.ndarray, sides: list[tuple[np.ndarray, np.ndarray]], fixed: np.ndarray, tolerance: float) -> np.ndarray:
-    """Which x keep all lines within a tolerance, with those that are fixed.
+    """The x whose points keep all lines within a tolerance, the fixed ones included.
 
     Parameters
     ----------

@@ -326,7 +326,7 @@ def _apart(ground: np.ndarray, floor: np.ndarray, x: np.ndarray, snap: float) ->
 
 
 def _snapping_notices(exact: np.ndarray, stack: np.ndarray, x: np.ndarray, snap: float) -> list[str]:
-    """What became of layers (intervals, 2, interfaces) that were thinner somewhere than points may be close."""
+    """Notices on layers (intervals, 2, interfaces) that were thinner somewhere than the smallest distance of points."""
     before, after = -np.diff(exact, axis=-1), -np.diff(stack, axis=-1)
     lost = np.where((after <= 0.0) & (before > ROUNDING * (x[-1] - x[0])), before, 0.0)
     notices = []
@@ -343,7 +343,7 @@ def _snapping_notices(exact: np.ndarray, stack: np.ndarray, x: np.ndarray, snap:
 def _snapped_z(stack: np.ndarray, snap: float) -> np.ndarray:
     """Interfaces (intervals, 2, interfaces) with elevations that differ by no more than ``snap`` made equal.
 
-    At every breakpoint both sides are looked at together, so that neighbours share their points exactly.
+    Both sides of a breakpoint are treated together, so that neighbours share their points exactly.
     """
     intervals = stack.shape[0]
     for b in range(intervals + 1):

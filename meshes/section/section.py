@@ -169,7 +169,7 @@ class Section(Model):
 
     @property
     def notices(self) -> list[str]:
-        """What a person has to know of a section that is sound: what was changed in it, one sentence each."""
+        """Notices on a valid section: what was changed in it, one sentence each."""
         notices = [*self._zone_notices, *self._line_notices]
         notices += [f"geometry: {text}" for text in self._layers.notices]
         notices += [text.split(";")[0] for text in implausible(self.strata, self.water, self.surcharges)]

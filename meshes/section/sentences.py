@@ -51,7 +51,7 @@ def sentences(error: ValidationError, data: Any, model: type[BaseModel], beside:
 def _without_choices(location: Place, data: Any) -> tuple[Place, Place]:
     """A location as it is in the data, and that of the key in it whose value can be one of several kinds, or ().
 
-    Behind such a key pydantic names the kind it has tried, such as "dict[str,float]": nothing that the data have.
+    After such a key pydantic adds the type that it tried, such as "dict[str,float]", which is no key of the data.
     """
     place: list[int | str] = []
     field: Place = ()

@@ -202,7 +202,7 @@ def _strata(columns: Columns, bottoms: np.ndarray, strata: Sequence[Stratum], zo
 
 
 def _parted(columns: Columns, present: Sequence[Stratum], strata: Sequence[Stratum]) -> list[str]:
-    """Which soils are several strata now, and which strata have nothing left."""
+    """Notices on soils that zones divide into several strata, and on strata of which nothing is left."""
     notices = []
     for name in dict.fromkeys(columns.stack.layers):
         parts = [
@@ -216,7 +216,9 @@ def _parted(columns: Columns, present: Sequence[Stratum], strata: Sequence[Strat
 
 
 def _thick(ground: np.ndarray, base: Line, parts: Sequence[Stratum]) -> tuple[Stratum, ...]:
-    """The strata that are thicker somewhere than points may be close; the lowest one reaches down to the base."""
+    """The strata that are thicker somewhere than the smallest distance of points; the lowest one reaches down to the
+    base.
+    """
     areas = layering(ground, base, [stratum.bottom for stratum in parts]).layering.areas()
     kept = [stratum for stratum, area in zip(parts, areas, strict=True) if area > 0.0]
     return (*kept[:-1], kept[-1].model_copy(update={"bottom": None}))

@@ -104,7 +104,7 @@ def _of_acceleration(components: list[RecordedSeries]) -> list[RecordedSeries]:
 
 
 def _without_count(rows: list[list[float]]) -> list[list[float]]:
-    """The rows without a first one that holds the number of the others and their time step, as DEEPSOIL writes it."""
+    """The rows without the first row of a DEEPSOIL file, which holds the number of samples and the time step."""
     if len(rows) < 3 or len(rows[0]) != 2 or rows[0][0] != len(rows) - 1 or rows[0][1] <= 0.0:
         return rows
     return rows[1:] if abs(rows[2][0] - rows[1][0] - rows[0][1]) <= 0.1 * rows[0][1] else rows
@@ -178,7 +178,9 @@ def _columns(heading: list[str], count: int) -> list[Column]:
 
 
 def _columns_in(heading: list[str], count: int) -> list[Column]:
-    """The same from the last line of the heading that has as many; none without one."""
+    """Names and units from the last line of the heading that has an entry for every column; none without such a
+    line.
+    """
     for above, line in enumerate(reversed(heading)):
         for apart in (";", "\t", ","):
             cells = [cell.strip() for cell in line.rstrip(" ,;\t").split(apart)]

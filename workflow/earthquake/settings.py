@@ -1,4 +1,4 @@
-"""The earthquake of a section, a table [earthquake], and the peak acceleration that it lets expect."""
+"""The earthquake of a section, a table [earthquake], and the peak acceleration expected from it."""
 
 from collections.abc import Mapping
 from functools import cached_property
@@ -30,7 +30,9 @@ Relation = Literal["si_midorikawa", "fukushima_tanaka", "boore"]
 
 
 class EarthquakeSettings(Model):
-    """An earthquake by magnitude and distance, or by the peak or a record of what it is at the ground surface."""
+    """An earthquake, given by magnitude and distance, or by the peak or a record of the acceleration at the ground
+    surface.
+    """
 
     magnitude: float | None = Field(
         default=None, ge=4.0, le=9.5, description="the (moment) magnitude, from 4 to 9.5, such as 7.7"
@@ -226,9 +228,9 @@ class SiteResponseSettings(Model):
 def push_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], source: str) -> dict[str, Any]:
     """Kh of the slides, its cycles and their period, where these are left to the earthquake of an input.
 
-    Nothing where there is no earthquake, or it is not sound, which is told elsewhere. Kh that is given, or seconds for
-    which it is held, leave the cycles out unless these are asked for. Raises InputError where ``"earthquake"`` is asked
-    for and nothing says its peak, or a record shakes the slides instead.
+    Nothing where there is no earthquake, or its table has faults, which are reported elsewhere. Kh that is given, or
+    seconds for which it is held, leave the cycles out unless these are asked for. Raises InputError where
+    ``"earthquake"`` is asked for and nothing says its peak, or a record shakes the slides instead.
     """
     asked = [key for key in ("kh", *CYCLES) if slide.get(key) == EARTHQUAKE]
     kh_left = slide.get("kh", EARTHQUAKE) == EARTHQUAKE

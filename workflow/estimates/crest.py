@@ -103,7 +103,7 @@ def _standing_out(ground: np.ndarray) -> Iterator[Crest]:
 
 
 def _foot(points: np.ndarray, base: float, height: float) -> float:
-    """Where the ground has come down from the top, the first of the ``points``, to the ``base``."""
+    """Where the ground, followed from the top (the first of the ``points``), comes down to the elevation ``base``."""
     k = int(np.argmax(points[:, 1] <= base + NEAR * height))
     (x0, z0), (x1, z1) = points[k - 1], points[k]
     return float(x1 if z1 >= base - NEAR * height else x0 + (x1 - x0) * (z0 - base) / (z0 - z1))

@@ -1,4 +1,6 @@
-"""Slip circles below cohesionless faces: those that slide first in a thin layer are strengthened, as in elements."""
+"""Slip circles in ground with cohesionless faces: faces that would slide first in a thin layer are strengthened, as in
+the finite elements.
+"""
 
 import numpy as np
 

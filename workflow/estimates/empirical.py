@@ -85,7 +85,7 @@ def empirical(section: Section, settings: Tables, kc: float | None, slip_surface
 def _blocks(kc: float, resisting: str, motion: Motion, magnitude: float) -> Iterator[Estimate]:
     """Bray & Travasarou (2007) and Bray & Macedo (2019), for a rigid mass (fundamental period 0).
 
-    ``resisting`` says of which flow rule ``kc`` is.
+    ``resisting`` names the flow rule of ``kc``.
     """
     peak = motion.median / GRAVITY
     for title, find, spread, magnitudes, source in (

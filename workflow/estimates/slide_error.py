@@ -88,7 +88,9 @@ def slide_error(flows: bool | None = None, method: SlideMethod = "discs") -> Sli
 
 
 def error_of(kind: str, ratios: Sequence[float], method: SlideMethod = "discs") -> SlideError | None:
-    """The least factor of `FACTORS` that holds two thirds of the ratios, or the largest; None without any."""
+    """The smallest of `FACTORS` within which two thirds of the ratios lie, or the largest of them; None without any
+    ratio.
+    """
     if not ratios:
         return None
     off = [max(ratio, 1.0 / ratio) if ratio > 0.0 else float("inf") for ratio in ratios]

@@ -279,7 +279,9 @@ def _interval(results: Results) -> str:
 
 
 def _spread(mean: float, values: Sequence[float], interval: Sequence[float]) -> str:
-    """A slide on several packings: its mean, and how far packings differ, where that is more than its digits."""
+    """A slide on several packings: its mean, and how far packings differ, where they differ by more than the digits
+    shown.
+    """
     phrases = [span(values)] if span(values) != about([mean]) else []
     phrases += [f"mean of all packings {span(interval)} with 95 %"] if span(interval) != about([mean]) else []
     return about([mean]) + (f" ({'; '.join(phrases)})" if phrases else "")

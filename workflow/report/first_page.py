@@ -95,8 +95,9 @@ def _way(results: Results, fem: FemAnswer, _: Texts) -> str:
 
 
 def _contradicted(results: Results, fem: FemAnswer, error: Accuracy, conditions: str, _: Texts) -> HeadlinePart:
-    """The critical Kh where strict bounds say that it is smaller than the finite elements have it: theirs, where they
-    lie close together."""
+    """The sentence on the critical Kh where strict bounds are below the finite elements: the bounds themselves where
+    they are close, else the upper bound as a limit.
+    """
     if error.low >= CLOSE_BOUNDS * error.high:
         phrase = _(
             "The section fails {way} at Kh = {low} to {high} {method}; the finite elements are {excess} % above "

@@ -217,7 +217,7 @@ def _measured(results: Results) -> PaperRow:
 
 
 def _other_push(results: Results) -> str:
-    """That the paper holds its Kh, where the slides have another one, with a semicolon; else nothing."""
+    """A clause that the paper holds its Kh constant, where the slides have another loading; else empty."""
     slide = results.config.slide
     same = all(getattr(slide, key) == value for key, value in PAPER_PUSH.items())
     return "" if same else f"the paper holds Kh = {PAPER_PUSH['kh']:g} for ever, these discs have {slide.shaking}; "

@@ -100,7 +100,7 @@ def _with_error(low: float, high: float, flows: bool | None, method: SlideMethod
 
 
 def contradicting(opinions: dict[int, SecondOpinion]) -> Iterator[WarningPart]:
-    """Warn of every case on which the models do not agree; what is alike in one."""
+    """Warn of every case on which the models do not agree; equal warnings are merged."""
     for warning in joined({number: [opinion.sentence()] for number, opinion in opinions.items() if not opinion.agreed}):
         what, remedy = split(warning)
         yield WarningPart(weight=1, what=what, remedy=remedy)

@@ -1,4 +1,6 @@
-"""What ground bears with another strength than that of the input, once it has liquefied or was sheared far."""
+"""Stability of ground with another strength than that of the input: after liquefaction, or after large shear
+strains.
+"""
 
 from typing import Literal
 

@@ -148,7 +148,7 @@ class CalibrationAnswer(Answer):
     @classmethod
     def of(cls, base: "Search", calibration: "Calibration | None", tolerance: float, **more: Any) -> Self:
         """The calibration as an answer holds it, sensitivities by parameter, then by factor; without any the discs as
-        they are, with the critical Kh of the search ``base``. ``more`` are fields that neither knows."""
+        they are, with the critical Kh of the search ``base``. ``more`` are further fields of the answer."""
         if calibration is None:
             return cls.taken(
                 base,

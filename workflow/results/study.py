@@ -75,7 +75,7 @@ class Result(Part):
 
     @property
     def is_detail(self) -> bool:
-        """Whether it tells of a part of a slide, and not of its largest."""
+        """Whether the column is a number of a slide other than its largest displacement."""
         return self.name.startswith("case") and not self.name.endswith("slide_max_m")
 
     @property

@@ -13,8 +13,8 @@ def silent(_line: str, _share: float | None) -> None:
 
 class TimeLeft:
     """The time left of a stage, which never rises. The share that is done gives the time for the rest, at the same
-    speed. Work is told in pieces: while a piece lasts, its share stands still, and the time left counts down. Where a
-    piece takes longer than was thought, the time left stays where it is, as a lower bound, until the work has caught
+    speed. Work is reported in pieces: while a piece lasts, its share stands still, and the time left counts down. Where
+    a piece takes longer than was thought, the time left stays where it is, as a lower bound, until the work has caught
     up. Before a share of `EARLY` is done, the start (compilation, meshes) would be taken for the speed of the rest, and
     hours would be told of minutes: until then nothing is told.
     """

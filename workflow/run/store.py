@@ -132,7 +132,7 @@ class Store:
                 raise InputError(str(self.folder / name), [f"cannot be removed: {error.strerror}"]) from error
 
     def sweep(self) -> None:
-        """Remove what writers that were killed left half-written; to be called by who holds the folder."""
+        """Remove files that killed processes left half-written; to be called while the folder is locked."""
         for path in self.folder.rglob(".*"):
             if BESIDE.fullmatch(path.name) and path.is_file():
                 with suppress(OSError):

@@ -1,4 +1,6 @@
-"""What ground of other strength bears: whether it stands without shaking, its factor of safety and its critical Kh."""
+"""Stability of ground with another strength: whether it stands without shaking, its factor of safety and its critical
+Kh.
+"""
 
 import math
 from collections.abc import Callable

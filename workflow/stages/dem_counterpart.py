@@ -42,8 +42,8 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
     """The path with ψ as given, on the initial mesh, since discs have the strength of the soil and hardly any dilation.
     Where the path still rises at its end, the critical Kh lies between its last equilibrium and the limit load with ψ =
     φ. Davis's estimate, a low one, replaces a path that takes too long or gives less; the critical Kh then lies between
-    it and the same limit load. Where the critical Kh of the section is with ψ = φ this is as well: discs dilate by what
-    they do, whatever the continuum is given.
+    it and the same limit load. The path is with ψ as given also where the critical Kh of the section is with ψ = φ: the
+    dilation of discs does not depend on the flow rule chosen for the continuum.
     """
     from mpi4py import MPI
 
@@ -79,7 +79,7 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
 
 
 def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tell) -> DemCounterpart | None:
-    """The answer between fixed sides, where faces that fail before the ground fail no less deep than discs can. None
+    """The answer between fixed sides, for failures at least as deep as discs can fail below cohesionless faces. None
     where it is not asked for, is that of the stage `fem`, or does not exist.
     """
     from mpi4py import MPI

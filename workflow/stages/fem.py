@@ -151,7 +151,7 @@ def _other_way(adapted: "AdaptiveResult[Any] | None") -> OtherWay | None:
 
 
 def _at_sides(adapted: "AdaptiveResult[Any]") -> tuple[str, ...]:
-    """The sides that the ground reaches, if it fails."""
+    """The sides of the section that the failing ground moves through; none if it does not fail."""
     return adapted.at_sides if adapted.result.verdict in ("plateau", "peak") else ()
 
 

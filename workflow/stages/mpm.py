@@ -114,8 +114,9 @@ def work(job: Job) -> None:
 
 
 def _alike(config: Config, wanted: Sequence[int]) -> dict[int, int]:
-    """By case, the first one in which the same layers keep the same strength: points do not know the other numbers of a
-    case, and slide alike."""
+    """For every case the first one in which the same layers keep the same strength: material points do not depend on
+    the other numbers of a case, so that both slides are the same.
+    """
     remains = remaining(config)
     strength = {n: (remains[n], config.cases[n - 1].volumetric_strain) for n in wanted}
     return {n: next(first for first in wanted if strength[first] == strength[n]) for n in wanted}
@@ -136,7 +137,8 @@ def draw(job: Job) -> None:
 def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
     """Material points of a section at rest under their weight, and how far they moved to that (m).
 
-    There are ``fewer`` times less cells than asked for. Raises FloatingPointError where the ground has no equilibrium.
+    The number of cells is the one asked for, divided by ``fewer``. Raises FloatingPointError where the ground has no
+    equilibrium.
     """
     from fem.mpm.ground import ground_of
     from fem.mpm.slide import PointSlider
@@ -148,7 +150,7 @@ def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
 
 
 def slide_of_points(config: Config, number: int) -> "PointSlide":
-    """One case by material points, of the decay that counts.
+    """One case by material points, with the decay of unresolved velocities whose slide counts.
 
     Parameters
     ----------

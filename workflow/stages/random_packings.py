@@ -23,8 +23,8 @@ Packed = tuple[Seed, dict[int, Slide]]  # how it was calibrated, and its slides 
 class RandomPackingsWanted:
     """The packings that are wanted beside that of the run itself.
 
-    A seed whose packing cannot be calibrated to the critical Kh is named with the reason, and not counted. Where a
-    parameter has to be chosen the first seed does, and all others take the same.
+    A seed whose packing cannot be calibrated to the critical Kh is named with the reason, and not counted. Where the
+    parameter of the calibration has to be chosen, the first seed chooses it for all others.
 
     Attributes
     ----------
@@ -137,7 +137,7 @@ def packed(packing: Packing, tell: Tell) -> Packed:
 
 
 def _untouched(seed: int) -> Seed:
-    """A packing of which no critical Kh was asked for."""
+    """A packing that is not to be calibrated."""
     return Seed(
         seed=seed, kc_before=None, parameter="none", value=1.0, kc=None, verdict="not asked for",
         reason='dem.parameter = "none"',

@@ -12,7 +12,7 @@ REPORT, PDF = "report.html", "report.pdf"
 
 
 def work(job: Job) -> None:
-    """Tell all that is there and belongs to the input; leaves summary.json, report.html and pictures."""
+    """Report all results that belong to the input; writes summary.json, report.html and pictures."""
     from workflow.figures.comparison import draw_all
     from workflow.report.page import page
     from workflow.report.summary import summary

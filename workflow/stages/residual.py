@@ -92,7 +92,7 @@ def _along(
 
 
 def _without_residual(config: Config) -> str:
-    """Why the stage is not wanted: no stratum says what it keeps."""
+    """Why the stage is not needed: no stratum has a residual strength."""
     return "" if any(stratum.softens for stratum in config.section.strata) else "no stratum has a residual strength"
 
 

@@ -48,13 +48,13 @@ class PlannedSlide:
         return f"dem/slide_{self.springs}_{self.number}"
 
     def effect(self, config: Config) -> Hashable:
-        """What two slides of one run have in common that are the same slide."""
+        """All inputs that decide this slide within its run: two slides for which they are equal are the same."""
         case = None if self.case is None else effect_of(self.case, config.section, self.strata, self.start.law)
         return self.springs, case
 
 
 def first_alike(config: Config, tasks: Sequence[PlannedSlide]) -> dict[PlannedSlide, PlannedSlide]:
-    """For every slide the first of them that is the same, itself where no other is: only that has to be computed."""
+    """For every slide the first one with the same inputs, which may be itself: only that one has to be computed."""
     first: dict[Hashable, PlannedSlide] = {}
     return {each: first.setdefault(each.effect(config), each) for each in tasks}
 

@@ -80,7 +80,8 @@ def converge(
     quiet: Quiet = False,
     json: Json = False,
 ) -> None:
-    """Do the slides converge? The same with smaller discs (1, 0.71 and 0.5 of the radius) and with smaller steps.
+    """Do the slides converge? Repeat the slides with smaller discs (1, 0.71 and 0.5 of the radius) and with smaller
+    time steps.
 
     The same command continues where it was stopped.
     """

@@ -46,7 +46,7 @@ class ResultCache:
         return self.folder / f"{fingerprint}.json"
 
     def read(self, fingerprint: str) -> Outcome | None:
-        """How a task ended; None where it has not yet, or where what stands there is none of ours."""
+        """How a task ended; None where it has not ended, or where the file is not an outcome of this program."""
         try:
             return Outcome.model_validate_json(self.path(fingerprint).read_bytes())
         except (OSError, ValidationError):

@@ -1,6 +1,6 @@
 """Residual strength of liquefied ground over the vertical effective stress before the earthquake, by three relations.
 
-They rest on slides of the past that were computed back. Stresses in kPa; `None` where a relation says nothing.
+They rest on back-analysed failures. Stresses in kPa; `None` where a relation says nothing.
 """
 
 import math

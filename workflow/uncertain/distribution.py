@@ -158,7 +158,7 @@ def measured(value: Any) -> tuple[float, str]:
 
 
 def in_unit(value: Any, unit: str) -> float:
-    """The number that something written is in a unit; without a unit in SI. Raises ValueError where it is none."""
+    """A written value as a number in a unit; without a unit in SI. Raises ValueError where it is none."""
     number, unit_of_value = measured(value)
     if unit_of_value == unit:
         return number

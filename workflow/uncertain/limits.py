@@ -21,7 +21,7 @@ Check = Callable[[Any], str]  # what is wrong with a number that is drawn; empty
 
 @dataclass(frozen=True)
 class Reach:
-    """The chances between which a distribution draws possible numbers only.
+    """The probabilities between which a distribution draws admissible numbers only.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Reach:
 
 
 def reach_of(data: Mapping[str, Any], numbers: Mapping[str, Distribution], models: Models) -> dict[str, Reach]:
-    """How far each distribution reaches, by its path in ``data``, an input of ``models``.
+    """Range of each distribution, cut off at what the fields of ``models`` accept, by its path in the input ``data``.
 
     Tails of normal and lognormal distributions are cut off where the field of the number refuses it. Ends that are
     written down (uniform, triangular, list, between) and refused are a problem.
@@ -115,7 +115,9 @@ def _sentence(error: ValidationError) -> str:
 
 
 def _furthest(is_possible: Callable[[float], bool], end: float) -> float:
-    """The chance between the median and ``end`` up to which all is possible; 0 or 1 where all of it is."""
+    """The probability between the median and ``end`` (0 or 1) up to which all numbers are admissible; ``end`` where all
+    are.
+    """
     if is_possible(end):
         return round(end)
     inside, outside = 0.5, end

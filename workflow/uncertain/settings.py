@@ -23,7 +23,7 @@ class Correlation(Model):
 
 
 def _nested(path: str, value: Any, known: Set[str]) -> Iterator[str]:
-    """The paths to distributions in tables within a table that is none itself."""
+    """The paths to distributions within nested tables."""
     for key, inner in value.items() if isinstance(value, Mapping) and not known & set(value) else ():
         if isinstance(inner, Mapping):
             deeper = not known & set(inner) and any(isinstance(item, Mapping) for item in inner.values())
