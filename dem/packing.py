@@ -290,9 +290,9 @@ def _area(outline: np.ndarray) -> float:
 def _checked(outline: np.ndarray) -> np.ndarray:
     outline = np.ascontiguousarray(outline, float)
     if outline.ndim != 2 or outline.shape[1] != 2 or len(outline) < 3 or not np.isfinite(outline).all():
-        raise ValueError("an outline is (n, 2) with at least three finite corners")
+        raise ValueError("outline: expected at least three finite corners (n, 2)")
     if not _area(outline) > 0.0:
-        raise ValueError("an outline goes round counter-clockwise and encloses some area")
+        raise ValueError("outline: expected corners in counter-clockwise order, which enclose an area")
     return outline
 
 

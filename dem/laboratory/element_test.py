@@ -216,7 +216,7 @@ def element_test(
     if len(set(pressures)) < 2 or not all(np.isfinite(p) and p > 0.0 for p in pressures):
         raise ValueError(f"pressures: expected two or more different ones above 0 Pa, not {list(pressures)}")
     if not (0.0 < strain <= 0.5 and 0.0 < rate <= 1e-2):
-        raise ValueError(f"a strain of {strain} or a rate of {rate} cannot be tested: up to 0.5, and 0.01")
+        raise ValueError(f"strain = {strain}, rate = {rate}: expected a strain up to 0.5 and a rate up to 0.01")
     tests = tuple(_at_pressure(sample.patch(threads), p, strain, rate) for p in sorted(pressures))
     biaxial, shear = [t.biaxial_strength for t in tests], [t.shear_strength for t in tests]
     c, phi = from_principal([s.major for s in biaxial], [s.minor for s in biaxial])

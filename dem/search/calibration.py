@@ -198,7 +198,7 @@ class Calibrator:
         settings = self.settings
         if settings.model == "soil":
             if self.continuum is None:
-                raise ValueError("soil discs are pushed as far as a continuum says: give one")
+                raise ValueError("soil discs are pushed to a displacement that a continuum sets: give `continuum`")
             search, self.pushed[key] = pushover_critical_kh(
                 settled, self.ground, settings, self.continuum, threads=threads, on_trial=self.on_trial,
                 until_failed=self.until_failed,

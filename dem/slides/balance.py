@@ -169,8 +169,8 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
         if thick < 4.0 * ground.radius:
             notes.append(
                 f"stratum {shown_name(start.springs.layers[k].name)} liquefies and is {thick:.2g} m thick in discs, "
-                f"less than two discs: it yields early, and the slide is likely to be too long; a "
-                f"radius of {thick / 4.0:.2g} m would show it"
+                f"less than two discs: it yields early, and the slide is likely to be too long; check it with "
+                f"discs of {thick / 4.0:.2g} m radius"
             )
     return notes
 
@@ -202,5 +202,5 @@ def thin_crust(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[
         return []
     return [
         f"what lies on ground that liquefies is {crust:.2g} m thick in discs, less than two discs: it sinks and drifts "
-        f"by its packing, and follows a bank too little; a radius of {crust / 4.0:.2g} m would show it"
+        f"by its packing, and follows a bank too little; check it with discs of {crust / 4.0:.2g} m radius"
     ]

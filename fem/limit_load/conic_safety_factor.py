@@ -165,7 +165,7 @@ class _Search:
             if at < -math.log(LARGEST_FACTOR):
                 raise too_weak(kh)
             if at > math.log(LARGEST_FACTOR):
-                raise NoAnswerError(f"the section stands even with its strength over {LARGEST_FACTOR:g}", "")
+                raise NoAnswerError(f"the section stands even with its strength divided by {LARGEST_FACTOR:g}", "")
             step, solution = self.step(at)
             low, high = (at, high) if step >= 0.0 else (low, at)
             if abs(step) < CLOSE:

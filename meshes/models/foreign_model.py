@@ -98,7 +98,7 @@ def faults_told(path: Path, expected: str) -> Iterator[None]:
 def within_reason(entries: Sequence[zipfile.ZipInfo]) -> Sequence[zipfile.ZipInfo]:
     """The documents of a model, unless they are too large; raises ValueError then."""
     if (size := sum(entry.file_size for entry in entries)) > LARGEST:
-        raise ValueError(f"documents of {size / 1e6:.0f} MB, of {LARGEST / 1e6:.0f} MB that are read")
+        raise ValueError(f"documents of {size / 1e6:.0f} MB: at most {LARGEST / 1e6:.0f} MB are read")
     return entries
 
 
@@ -106,7 +106,7 @@ def corners(points: Sequence[tuple[float, float]]) -> np.ndarray:
     """Points (n, 2) in m; raises ValueError where one is no number."""
     array = np.array(points, dtype=float).reshape(-1, 2)
     if not np.isfinite(array).all():
-        raise ValueError("a point whose coordinates are no numbers")
+        raise ValueError("a point whose coordinates are not numbers")
     return array
 
 

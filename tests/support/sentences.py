@@ -70,7 +70,7 @@ def _span_of_slides(summary: Summary, low: str, high: str | None) -> bool:
     return _near(low, min(slides)) and _near(high or low, max(slides))
 
 
-def _paper(summary: Summary, off: str, count: str, off_discs: str, discs: str) -> bool:
+def _paper(summary: Summary, off: str, count: str, discs: str, off_discs: str) -> bool:
     """How many comparisons with the paper disagree, of all and of those of the calibrated discs."""
     compared = [row for row in summary["paper"] if row["agrees"] is not None]
     own = [row for row in compared if "calibrated" in row["quantity"]]
@@ -99,7 +99,7 @@ CHECKS: tuple[tuple[str, Check], ...] = (
     (r"^No (?:critical Kh|factor of safety): (.*)\.$", lambda s, why: why == s["no_answer"]["fem"]["reason"]),
     (rf"stands at every Kh up to {NUMBER}, where", lambda s, kh: _near(kh, s["fem"]["kc_lower"])),
     (rf"with a factor of safety of {NUMBER} \(|with its strength divided by {NUMBER}\.", _any_safe),
-    (r"^No factor of safety was computed; fem.safety_factors = \[0\] asks for one", lambda s: True),
+    (r"^No factor of safety was computed; fem.safety_factor_at = \[0.0\] asks for one", lambda s: True),
     (
         rf"^The section fails \w+, to the \w+, at Kh = {NUMBER} \({NUMBER} m/s²\)",
         lambda s, kh, a: _near(kh, s["fem"]["kc"]) and _near(a, GRAVITY * s["fem"]["kc"]),
@@ -126,7 +126,7 @@ CHECKS: tuple[tuple[str, Check], ...] = (
         rf"^The slides are computed at Kh = {NUMBER}, .* after liquefaction, {NUMBER}",
         lambda s, kh, limit: any(_near(limit, one["kc"]) for one in s["liquefied"]),
     ),
-    (r"^(\d+) of (\d+) comparisons with the paper disagree, (\d+) of (\d+) of them", _paper),
+    (r"^(\d+) of (\d+) comparisons with the paper disagree; of the (\d+) for the calibrated discs (\d+) do", _paper),
     (
         rf"^The numerical error of the critical Kh is below {NUMBER}, by ",
         lambda s, error: 0.0 < float(error) < s["fem"]["kc"],

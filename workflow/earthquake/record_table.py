@@ -54,13 +54,13 @@ def table(lines: Sequence[str]) -> list[RecordedSeries]:
     except ValueError as error:
         if READ in str(error) or sum(_row(line) is None for line in lines[:FIRST_LINES]) < NETWORKS_HEADING:
             raise
-        raise ValueError(f"is of a format that is not known ({error}); read are {READ}") from None
+        raise ValueError(f"is of an unknown format ({error}); known formats: {READ}") from None
 
 
 def _components(lines: Sequence[str]) -> list[RecordedSeries]:
     heading, rows = _split(lines)
     if len(rows) < 2:
-        raise ValueError(f"is no accelerogram of a known format; read are {READ}")
+        raise ValueError(f"is no accelerogram of a known format; known formats: {READ}")
     text = "\n".join(heading)
     step = _step(text)
     columns = _columns(heading, len(rows[0]))

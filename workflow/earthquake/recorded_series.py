@@ -84,7 +84,7 @@ def _free(line: str) -> list[float] | None:
 def finite(values: Sequence[float]) -> np.ndarray:
     """The values (n,) of a series. Raises ValueError without two of them, or where one is not finite."""
     if len(values) < 2 or not np.isfinite(values).all():
-        raise ValueError("holds no two finite values, or one that is not finite")
+        raise ValueError("expected at least two values, all of them finite")
     return np.array(values)
 
 

@@ -40,7 +40,7 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
     )
     yield (
         "Strength",
-        "Mohr and Coulomb's, with c and φ as given, which neither fall with strain nor with the number of cycles. "
+        "Mohr-Coulomb with c and φ as given, which fall neither with strain nor with the number of cycles. "
         + FLOWS[flow_of(config.section.strata, config.fem.flow)],
     )
     yield "Water", _water(config.section)
@@ -82,7 +82,10 @@ def _onset(config: Config) -> str:
 def _water(section: Section) -> str:
     """How water enters the analysis."""
     if not section.water_pressure.present:
-        return "It enters by the densities and strengths given: there is no pore pressure, and none comes with strain."
+        return (
+            "Water enters by the densities and strengths given: there is no pore pressure, and none builds up with "
+            "strain."
+        )
     head = "across the flow" if section.water_pressure.normal else "vertically"
     phrase = (
         f"Effective stress: below the water level of each stratum pores are full, the head in them measured {head}; "

@@ -290,8 +290,8 @@ def conclusions(results: Results, _: Texts) -> Iterator[str]:
     if off:
         discs = [row for row in compared if "calibrated" in row.quantity]
         yield _(
-            "{off} of {all} comparisons with the paper disagree, {off_discs} of {discs} of them for the calibrated "
-            "discs: the depths of the layers are a reconstruction.",
+            "{off} of {all} comparisons with the paper disagree; of the {discs} for the calibrated discs "
+            "{off_discs} do: the depths of the layers are a reconstruction.",
             off=len(off),
             all=len(compared),
             off_discs=len([row for row in discs if not row.agrees]),

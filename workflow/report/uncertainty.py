@@ -71,7 +71,7 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
     yield (
         "Bracket",
         f"Kh = {coefficient(fem.kc_lower)} stood, every step converged to {settings.tolerance:g} of the weight; on "
-        f"this mesh the path rises to at most {coefficient(fem.kc_upper)}. Why it ended: {fem.reason}.",
+        f"this mesh the path rises to at most {coefficient(fem.kc_upper)}. Why the path ended: {fem.reason}.",
         "",
     )
     yield (

@@ -44,7 +44,7 @@ class PointSlidesAnswer(Answer):
     cell_m: float = Field(default=0.0, description="side of a cell of the background grid")
     settled_by_m: float = Field(default=0.0, description="how far the ground moved to equilibrium under its weight")
     softened: tuple[str, ...] = Field(
-        default=(), description="strata that were made less stiff, so that waves allow longer steps"
+        default=(), description="strata that were made less stiff, so that longer time steps are stable"
     )
     sides: Sides = Field(default="fixed", description="what the sides did")
     cases: dict[int, PointCase] = Field(default={})

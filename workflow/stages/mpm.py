@@ -49,8 +49,8 @@ class PointRun:
         called = self.config.called(self.number)
         if not self.coarse:
             return called
-        slower = "" if self.decay == DECAYS[0] else ", with velocities that decay slower"
-        return f"{called}, for its error in cells {COARSE} times larger{slower}"
+        slower = "" if self.decay == DECAYS[0] else ", velocities decaying slower"
+        return f"{called}, error estimate in cells {COARSE} times larger{slower}"
 
     @property
     def checkpoint(self) -> Path | None:
@@ -255,7 +255,7 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
         notes.append(f"the slide ran up against the {counts.stopped_by} side of the section, which held it")
     if ground.softened:
         listed = ", ".join(f'"{name}"' for name in ground.softened)
-        notes.append(f"{listed} were made less stiff, so that waves allow longer steps; strengths are as given")
+        notes.append(f"{listed} were made less stiff, so that longer time steps are stable; strengths are as given")
     largest = int(np.argmax(slide))
     return PointCase(
         slide_max_m=counts.slide_max,

@@ -156,7 +156,7 @@ def test_a_crust_thinner_than_two_discs_is_told(start: DiscModel, ground: Ground
         crusted.layer[~crusted.fixed & (row == row[~crusted.fixed].max() - rows)] = 1
         told = thin_crust(crusted, ground, [1])
         assert len(told) == count
-        assert ["a radius of 0.32 m would show it" in note for note in told] == [True] * count
+        assert ["check it with discs of 0.32 m radius" in note for note in told] == [True] * count
     assert thin_crust(start, ground, []) == []
 
 

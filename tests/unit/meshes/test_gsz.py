@@ -80,7 +80,7 @@ def test_bad_models_are_told(tmp_path: Path) -> None:
         read_gsz(written(tmp_path), "slope", "Rain")
     with pytest.raises(InputError, match=r"as they have it \(no StabilityItem of analysis 3\)"):
         read_gsz(written(tmp_path), "slope", "Shaken")  # no context
-    with pytest.raises(InputError, match="a point whose coordinates are no numbers"):
+    with pytest.raises(InputError, match="a point whose coordinates are not numbers"):
         read_gsz(written(tmp_path, change=('ID="1" X="0"', 'ID="1" X="nan"')), "slope")
     with pytest.raises(InputError, match=r"those in it are of SEEP/W$"):
         read_gsz(written(tmp_path, change=("SLOPE/W", "SEEP/W")), "slope")

@@ -146,7 +146,7 @@ def test_a_report_in_japanese_says_the_same_numbers() -> None:
     assert japanese.value == english.value
     assert japanese.interval == "厳密な上下界で 0.229~0.235"
     assert re.findall(r"\d+\.\d+", japanese.conclusion) == re.findall(r"\d+\.\d+", english.conclusion)
-    assert "下り斜面" in japanese.conclusion
+    assert "斜面下方" in japanese.conclusion
 
 
 @pytest.mark.parametrize(
