@@ -25,7 +25,8 @@ from fem.settings import LEAST_KH, BoundsSettings, FemSettings, Sides
 from meshes.bisection import fan_out
 from meshes.errors import InputError
 from meshes.pore_loads import Pressure
-from meshes.section.cutting import FILM_IN
+from meshes.section.cutting import without_film
+from meshes.section.least_strength import cut_at_least_strength
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, Stratum
 from meshes.section.water_pressure import WaterPressure
@@ -207,8 +208,9 @@ def _unstable(section: Section, upper: float) -> UnstableError:
 
 
 def as_analysed(section: Section, fem: FemSettings) -> Section:
-    """The section with ends of loads on bare sand held, and films of water cut off, as triangles need it."""
-    return with_held_ends(section, fem.least_depth).cut_at_films
+    """The section with ends of loads on bare sand held, and cut at films of water and where a strength begins to
+    grow, as triangles need it."""
+    return cut_at_least_strength(with_held_ends(section, fem.least_depth).cut_at_films)
 
 
 def _coarse_upper_bound(section: Section, fem: FemSettings) -> float:
@@ -237,7 +239,7 @@ def first_mesh(section: Section, max_cells: int, sides: Sides = "free-field") ->
     height = float(np.ptp(section.outline()[:, 1]))
     sizes = np.minimum(areas / across / CELLS_IN_LAYER, height / CELLS_IN_HEIGHT)
     names = [stratum.name for stratum in section.strata]
-    sizes = sizes[[names.index(name.removesuffix(FILM_IN)) for name in names]]
+    sizes = sizes[[names.index(without_film(name)) for name in names]]
     expected = float((areas / (0.43 * sizes**2)).sum())
     sizes *= max(1.0, np.sqrt(expected / (FIRST_SHARE * max_cells)))
     named = {name: float(h) for name, h in zip(names, sizes, strict=True)}

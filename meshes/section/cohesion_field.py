@@ -157,10 +157,13 @@ class CohesionField:
         """Cohesion (n,) at points."""
 
         def exact(soil: Stratum, depth: np.ndarray, stress: np.ndarray) -> np.ndarray:
-            grown = soil.cohesion + soil.cohesion_increase * np.maximum(depth, 0.0) + _shansep(soil, stress)
-            return np.maximum(grown, soil.cohesion_minimum or 0.0)
+            return np.maximum(_grown(soil, depth, stress), soil.cohesion_minimum or 0.0)
 
         return self._of_strata(exact, points, near, stratum)
+
+    def growing(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
+        """Cohesion (n,) at points without the least one of their strata."""
+        return self._of_strata(_grown, points, near, stratum)
 
     def corners(self, corners: np.ndarray, stratum: np.ndarray, above: bool) -> np.ndarray:
         """Cohesions (m, 3) at the ``corners`` (m, 3, 2) of triangles; the linear one between them is nowhere above that
@@ -232,6 +235,11 @@ class CohesionField:
                 stress = self.effective_stress(place, beside, np.full(len(place), k), self.consolidated[k], pore)
             cohesion[here] = law(soil, depth, stress)
         return cohesion
+
+
+def _grown(soil: Stratum, depth: np.ndarray, stress: np.ndarray) -> np.ndarray:
+    """The cohesion (Pa) at depths (m) below its line and vertical effective stresses (Pa), without its least value."""
+    return soil.cohesion + soil.cohesion_increase * np.maximum(depth, 0.0) + _shansep(soil, stress)
 
 
 def _shansep(soil: Stratum, stress: np.ndarray) -> np.ndarray:

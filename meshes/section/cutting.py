@@ -16,6 +16,8 @@ from meshes.section.stratum import Stratum
 # What is added to the name of a stratum for the part of it that lies below water, and for a pocket or a film of water
 # or of moist ground in it that meshes of elements leave out.
 BELOW_WATER, FILM_IN = ", below water", ", film"
+# What is added for the part of it that has the least of a cohesion that varies, which meshes of bounds know.
+LEAST_STRENGTH = ", least strength"
 # What is added for the part of it above the bottom of tension cracks.
 CRACKED = ", cracked"
 # The second, third, ... part of a soil that zones have parted, and the cracked part.
@@ -32,6 +34,11 @@ def shown_name(name: str, quoted: bool = True) -> str:
     """A stratum in a sentence: its soil by the name that it has in the file, and whether it is the part below water."""
     soil = whole_soil(name)
     return (f'"{soil}"' if quoted else soil) + (" below water" if name.endswith(BELOW_WATER) else "")
+
+
+def without_film(name: str) -> str:
+    """The stratum of which a film, or a part with the least strength, is cut off in bounds."""
+    return name.removesuffix(LEAST_STRENGTH).removesuffix(FILM_IN)
 
 
 def part_name(soil: str, taken: Collection[str]) -> str:

@@ -11,7 +11,7 @@ from fem.continuum.load_ends import soil_of_strip
 from fem.limit.bound_checks import corner_rates, yield_slack
 from fem.limit.bounds import KhBounds
 from fem.limit.bracket import Mechanism, StressField
-from meshes.section.cutting import FILM_IN, soil_of
+from meshes.section.cutting import soil_of, without_film
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
 from workflow.config import Config
@@ -117,13 +117,13 @@ def _stress_sheet(config: Config, bounds: KhBounds, stress: StressField, window:
 def _mesh_sheet(section: Section, bounds: KhBounds, window: Window) -> Sheet:
     mesh, strata = bounds.mesh, (bounds.section or section).strata
     known = [stratum.name for stratum in section.strata]  # a strengthened face, or a film, has its stratum's colour
-    whole = [layer.name.removesuffix(FILM_IN) for layer in strata]
+    whole = [without_film(layer.name) for layer in strata]
     names = [name if name in known else soil_of_strip(name) for name in whole]
     colours = [soil_colours(known)[known.index(name)] for name in names]
     soils = {
         soil_of(stratum.name): colour
         for colour, stratum in zip(colours, strata, strict=True)
-        if not stratum.name.endswith(FILM_IN)
+        if stratum.name == without_film(stratum.name)
     }
     handles = [
         Patch(facecolor=colour, edgecolor=INK, linewidth=0.6, label=f" {soil}") for soil, colour in soils.items()

@@ -1,0 +1,73 @@
+"""Strata cut where a strength that grows with depth or stress begins to exceed its least value.
+
+c = max(c_min, c0 + k d + S σ'v OCR^m) has a kink there. Strict lower bounds have a linear cohesion between the corners
+of a triangle that is nowhere above it: in a triangle across the kink either the least value or what goes to zero at the
+ground. Triangles on either side of the kink lose nothing.
+"""
+
+import numpy as np
+
+from meshes.section.cohesion_field import CohesionField
+from meshes.section.cutting import LEAST_STRENGTH, divided_by_water
+from meshes.section.section import Section
+from meshes.section.stratum import Stratum
+
+# Halvings of a thickness until the kink is found in it, to rounding: points a millionth off a straight line make edges
+# that nearly continue each other where they cross it, and there quadratic velocities without change of volume, of which
+# one is then no longer a matter of the others (Scott & Vogelius 1985), are not found to rounding.
+HALVINGS = 52
+# Thinner parts (share of the height of the section) are left as they are: triangles would be as narrow.
+THINNEST = 0.005
+
+
+def cut_at_least_strength(section: Section) -> Section:
+    """The section with strata of a ``cohesion_minimum`` cut where more than that begins; both parts have their soil.
+
+    The section itself where no stratum has such a line.
+    """
+    field = section.cohesion_field
+    strata: list[Stratum] = []
+    for k, stratum in enumerate(section.strata):
+        if field.varies[k] and stratum.cohesion_minimum and stratum.cohesion < stratum.cohesion_minimum:
+            parts = divided_by_water(section.layering, k, _kink(field, k))
+            thinnest = THINNEST * float(np.ptp(section.outline()[:, 1]))
+            if all(parts.thickness[part].max() > thinnest for part in (0, 1)):
+                name, bottom = stratum.name + LEAST_STRENGTH, parts.line(*section.extent)
+                strata.append(stratum.model_copy(update={"name": name, "bottom": bottom}))
+        strata.append(stratum)
+    return section if len(strata) == len(section.strata) else section.with_strata(strata)
+
+
+def _kink(field: CohesionField, k: int) -> np.ndarray:
+    """The line (n, 2) in m below which stratum k has more than its least cohesion, from side to side.
+
+    Along a vertical the cohesion grows with depth. Where it is more than the least one throughout, or less, the line
+    goes on above or below the stratum, as straight as strengths are there, so that it meets its top and bottom.
+    """
+    layers, least = field.water.layers, field.water.strata[k].cohesion_minimum or 0.0
+    x = np.union1d(layers.x, field.kinks)
+    middle = 0.5 * (x[1:] + x[:-1])
+    levels = []
+    for end in (x[:-1], x[1:]):
+        top, bottom = layers.interfaces(end, near=middle)[:, k : k + 2].T
+        over = [_excess(field, k, end, z, middle, 0.5 * (top + bottom), least) for z in (top, bottom)]
+        upper, lower = top.copy(), bottom.copy()
+        for _ in range(HALVINGS):
+            half = 0.5 * (upper + lower)
+            weak = _excess(field, k, end, half, middle, 0.5 * (top + bottom), least) <= 0.0
+            upper, lower = np.where(weak, half, upper), np.where(weak, lower, half)
+        growth = np.maximum(over[1] - over[0], 1e-9 * least)
+        beyond = top - (top - bottom) * np.clip(-over[0] / growth, -1.0, 2.0)
+        inside = (over[0] <= 0.0) & (over[1] >= 0.0)
+        levels.append(np.where(inside, 0.5 * (upper + lower), beyond))
+    ends = np.column_stack([np.column_stack([x[:-1], x[1:]]).ravel(), np.column_stack(levels).ravel()])
+    return ends[np.concatenate([[True], np.any(np.diff(ends, axis=0) != 0.0, axis=1)])]
+
+
+def _excess(
+    field: CohesionField, k: int, x: np.ndarray, z: np.ndarray, beside: np.ndarray, level: np.ndarray, least: float
+) -> np.ndarray:
+    """What the growing cohesion (n,) in Pa of stratum k exceeds its ``least`` value by, at x, z (n,) in m; negative
+    where it is less. ``beside``, ``level`` (n,): x and z of points inside the stratum beside them (m)."""
+    points, near = np.column_stack([x, z]), np.column_stack([beside, level])
+    return field.growing(points, near, np.full(len(x), k)) - least
