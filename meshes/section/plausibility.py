@@ -156,8 +156,10 @@ def against_the_water(
             yield f"{where}: it has no density_saturated, so that its density is taken below the water, too"
 
 
-def not_lower(before: np.ndarray, after: np.ndarray) -> Iterator[str]:
+def not_lower(before: np.ndarray | None, after: np.ndarray) -> Iterator[str]:
     """A sentence if the water table ``after`` a drawdown lies above that ``before`` it, both (n, 2)."""
+    if before is None:
+        return
     x = np.union1d(before[:, 0], after[:, 0])
     middle = 0.5 * (x[1:] + x[:-1])
     both = (np.array([level_at(table, end, middle) for end in (x[:-1], x[1:])]) for table in (before, after))

@@ -178,7 +178,7 @@ class Section(Model):
         notices += against_the_water(self.layering, self.strata, drawn, table)
         if self.water_pressure.after is not None:
             notices += not_level(self.ground, self.water_pressure.after)
-            notices += [] if table is None else not_lower(table, self.water_pressure.after)
+            notices += [] if table is not self.water_pressure.before else not_lower(table, self.water_pressure.after)
         notices += [self.uplift.words] if self.uplift else []
         notices += [f"{key_in_file(self.strata, k)}: {words}" for k, words in self.cohesion_field.notices]
         notices += [f"surcharges {number}: {words}" for number, words in self.surface_loads.notices]

@@ -112,3 +112,9 @@ def test_a_drawdown_that_raises_the_water_is_told() -> None:
     )
     assert not any("water rises" in text for text in lowered.notices)
     assert any("after_drawdown lies above table, by up to 2 m" in text for text in raised.notices)
+
+
+def test_steady_seepage_is_no_drawdown() -> None:
+    water = {"flow": True, "table": [[0, 8], [20, 8], [40, 2], [60, 2]]}
+    seeping = Section.parse({**data(permeability="1e-6 m/s"), "water": water})
+    assert not any("after_drawdown" in text for text in seeping.notices)
