@@ -42,7 +42,7 @@ def _kink(field: CohesionField, k: int) -> np.ndarray:
     """The line (n, 2) in m below which stratum k has more than its least cohesion, from side to side.
 
     Along a vertical the cohesion grows with depth. Where it is more than the least one throughout, or less, the line
-    goes on above or below the stratum, as straight as strengths are there, so that it meets its top and bottom.
+    continues above or below the stratum, as straight as strengths are there, so that it meets its top and bottom.
     """
     layers, least = field.water.layers, field.water.strata[k].cohesion_minimum or 0.0
     x = np.union1d(layers.x, field.kinks)
