@@ -95,7 +95,7 @@ def _divided(mesh: TriMesh, base: np.ndarray, middle: np.ndarray) -> tuple[np.nd
 
 
 def _divided_edges(ends: np.ndarray, middle: np.ndarray) -> np.ndarray:
-    """Edges (k, 2) of a boundary with those cut that have a middle."""
+    """Edges (k, 2) of a boundary, each edge that got a middle point divided in two."""
     cut = middle >= 0
     start, end, mid = ends[cut, 0], ends[cut, 1], middle[cut]
     return np.concatenate([ends[~cut], np.column_stack([start, mid]), np.column_stack([mid, end])])

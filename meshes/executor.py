@@ -115,13 +115,15 @@ class OneThread(Executor):
         self._pool = ThreadPoolExecutor(1, initializer=_cancelled.set, initargs=(self._event,))
 
     def begin(self, work: Callable[[Tell], A], heard: Tell | None = None) -> "Future[A]":
-        """See `Executor.begin`. Who asks for the result does the task, unless the thread is at it already."""
+        """See `Executor.begin`. The thread that asks for the result does the task itself, unless the other thread has
+        begun it.
+        """
         shared = _Shared(partial(work, heard or _unheard))
         self.begin_there(shared.do)
         return shared
 
     def begin_there(self, work: Callable[[], A]) -> "Future[A]":
-        """A task that is the thread's to do."""
+        """A task assigned to the thread."""
         future = self._pool.submit(work)
         self._begun.add(future)
         return future
@@ -141,7 +143,7 @@ class _Shared(Future[A]):
         self._work, self._begun = work, Lock()
 
     def do(self) -> None:
-        """Do it, unless another thread has begun it or it was cancelled."""
+        """Do the task, unless another thread has begun it or it was cancelled."""
         if self._begun.acquire(blocking=False) and self.set_running_or_notify_cancel():
             _do(self, self._work)
 
@@ -166,7 +168,7 @@ def interruptible(work: Callable[[], A]) -> A:
 
 
 def check_cancelled() -> None:
-    """Raise KeyboardInterrupt if nobody waits any more for the work of this thread."""
+    """Raise KeyboardInterrupt if the result of this thread's work is no longer needed."""
     event = _cancelled.get()
     if event is not None and event.is_set():
         raise KeyboardInterrupt
@@ -180,7 +182,7 @@ def is_interrupt(error: BaseException | None) -> bool:
 
 
 def is_left_working() -> bool:
-    """Whether a thread still works for which nobody waits."""
+    """Whether a thread whose result is no longer needed still works."""
     return any(not future.done() for future in _left)
 
 

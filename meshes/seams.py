@@ -102,7 +102,7 @@ def seams_of(
 
 def seam_ends(layers: Layering, k: int, size: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
     """The x (n,) in m at which stratum k is divided: on one side thinner than a cell (``size``), on the other thicker.
-    What is thin then has a plain end, as a seam needs.
+    The thin part then ends in one edge, as a seam needs.
     """
     at = np.column_stack([layers.x[:-1], layers.x[1:]])
     top, bottom = (np.column_stack([layers.left[:, j], layers.right[:, j]]) for j in (k, k + 1))

@@ -146,7 +146,7 @@ class MeshSettings(Model):
         return without_needless(layers, self.cell_size(section) / self.refine), notices
 
     def notices(self, section: Section) -> list[str]:
-        """What a person has to know of the mesh before it is made, one sentence each."""
+        """Notices on the mesh before it is made, one sentence each."""
         notices = self.meshed_layers(section)[1]
         left, right = section.extent
         length, height = right - left, float(section.layering.areas().sum()) / (right - left)

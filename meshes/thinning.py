@@ -117,8 +117,9 @@ def _tips(layers: Layering, k: int | None) -> list[tuple[float, int]]:
 
 
 def _crumbs(layers: Layering, k: int, least: float) -> list[tuple[float, float]]:
-    """Pieces of a stratum (from and to, m) that end in a sharp tip, are short and a small part of it, and thin beside
-    ``least`` (m)."""
+    """Pieces of a stratum (from and to, m) that end in a sharp tip, are a short and small part of it, and are thinner
+    than ``least`` (m).
+    """
     thick = _thickness(layers, k)
     area = 0.5 * layers.width * thick.sum(axis=1)
     runs: list[list[int]] = []
@@ -140,7 +141,8 @@ def _crumbs(layers: Layering, k: int, least: float) -> list[tuple[float, float]]
 def _necks(layers: Layering, k: int, least: float, longest: float) -> list[tuple[float, float]]:
     """Stretches up to the ``longest`` (m) where a stratum is thinner than ``least`` (m), and somewhere much thinner.
 
-    On one side at least it is thick; the other may be the section's. What is thin all over is left alone.
+    On one side at least it is thick; the other may be the section's. A stratum that is thin everywhere is left as it
+    is.
     """
     thick = _thickness(layers, k)
     necks: list[list[float]] = []  # from, to, and the smallest thickness there

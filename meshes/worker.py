@@ -109,7 +109,7 @@ def serve(descriptor: int, preload: str, forks: bool) -> None:
 
 
 def _answer(pipe: "Connection[Any, Any]", request: bytes, ends: bool, answered: Event) -> None:
-    """Do what was asked for, and answer; a child ends then."""
+    """Do the requested task and send its answer; a child process then ends."""
     lock = Lock()
 
     def send(kind: int, value: Any, text: str = "") -> None:

@@ -24,8 +24,8 @@ def refuse_other_sides(section: Section) -> None:
 
 
 def refuse_other_water(section: Section) -> None:
-    """Raise InputError unless the water repeats: from one side to the other, all pressures in the ground and on it
-    change by the same, and those that shaking adds not at all.
+    """Raise InputError unless the water is periodic: pressures in and on the ground at the two sides may differ by one
+    constant, pressures that shaking adds must be equal.
 
     Sections whose layers differ at the two sides are left to ``refuse_other_sides``.
     """

@@ -209,7 +209,8 @@ NONE_FOUND: Mapping[NoSolution, str] = {
 
 
 def gap_shares(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.ndarray:
-    """What every cell (m,) adds to the gap: its dissipation less the work of the lower bound's stress on its strain.
+    """Contribution of every cell (m,) to the gap: its dissipation less the work of the lower bound's stress on its
+    strain.
 
     None is negative, but for rounding, and they add up to upper less lower bound (Ciria, Peraire & Bonet 2008).
     """

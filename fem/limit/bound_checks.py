@@ -252,7 +252,7 @@ def work(problem: LimitProblem, velocity: np.ndarray) -> tuple[float, float]:
 
 
 def _work_at_jumps(problem: LimitProblem, velocity: np.ndarray, traction: np.ndarray) -> float:
-    """Work rate of what jumps of the pore pressure press, (k, 2 ends, 2), on velocities (m, 6 nodes, 2)."""
+    """Work rate of tractions by jumps of the pore pressure, (k, 2 ends, 2), on velocities (m, 6 nodes, 2)."""
     mesh, jumps = problem.mesh, problem.jumps
     cells = mesh.edge_cells[jumps.edges, 0]
     first, last = (velocity[cells, np.argmax(mesh.cells[cells] == end[:, None], axis=1)] for end in jumps.ends.T)

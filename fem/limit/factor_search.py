@@ -218,7 +218,7 @@ class FactorSearch:
         return trial
 
     def count(self, side: BoundSide, factor: float, solution: Solution, unproven: bool) -> None:
-        """Add up the work of a trial, keep its solution for the next one to start from, and count trials in a row in
+        """Add up the work of a trial, keep its solution as the next starting point, and count consecutive trials in
         which the solver found neither a bound nor a proof that there is none.
         ``side``: which bound; ``factor``: factor of safety tried; ``solution``: answer of the solver; ``unproven``: it
         decided nothing.

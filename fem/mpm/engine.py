@@ -58,7 +58,9 @@ class MaterialPointEnergy:
 
     @property
     def transfer_loss(self) -> float:
-        """What was lost between points and grid (J/m): kinetic energy that forces gave and points do not have."""
+        """Energy lost between points and grid (J/m): kinetic energy that forces gave to the nodes and the points did
+        not get.
+        """
         return self.kinetic_gained + self.kinetic_began - self.kinetic
 
     @property

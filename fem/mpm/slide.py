@@ -42,7 +42,7 @@ SMOOTH = 2.0  # m of the surface over which movement is averaged, and three poin
 
 @dataclass(frozen=True, eq=False)
 class SlideProgramme:
-    """What happens to the ground, in s since the slide begins.
+    """Times of the events of a slide: shaking, onsets of liquefaction, end (s since the slide begins).
 
     Attributes
     ----------

@@ -284,7 +284,7 @@ class AdaptiveSearch:
             return None
 
     def _rough_safety(self, settings: FemSettings, kh: float) -> float:
-        """Initial guess of the factor of safety: 1, or the factor on a coarse mesh if the first one is fine."""
+        """Initial guess of the factor of safety: 1, or the factor on a coarse mesh if the first mesh is a fine one."""
         rough = self._rough_mesh(self.first)
         try:
             return limit_load_safety_factor(self.section, rough, settings, kh, self.comm).factor if rough else 1.0

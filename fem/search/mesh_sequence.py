@@ -105,7 +105,9 @@ class AdaptiveResult(Generic[F]):
 
     @property
     def limit(self) -> float:
-        """What the sequence tends to if the error goes with one over the number of cells (-); NaN after one mesh."""
+        """Limit of the sequence if the error is proportional to one over the number of cells (-); NaN after one
+        mesh.
+        """
         if len(self.rounds) < 2:
             return math.nan
         before, last = self.rounds[-2:]

@@ -116,7 +116,7 @@ def _shear_of(program: ConeProgram, across: sparse.csr_matrix, clay: np.ndarray)
 
 
 def _tension_of(program: ConeProgram) -> np.ndarray:
-    """What a corner (k,) dissipates per volume that it opens by: weight times T; 0 for no cut-off.
+    """Dissipation of a corner (k,) per volume of opening: weight times T; 0 for no cut-off.
 
     On a bare surface, half of it: the stress that T ends is the whole trace there, twice the mean.
     """

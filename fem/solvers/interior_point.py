@@ -2,9 +2,9 @@
 
 Primal and dual equations are met in full from some iteration on, so that from then on the two objectives are a bracket
 of the multiplier: a bound needs no more than a gap of 3e-4, elements need one of 1e-3. Newton's directions have the
-scaling of Nesterov & Todd (1997), the corrector of Mehrotra (1992) and up to two of Gondzio (1996). What is factorised
-is the stiffness matrix of a body whose corners have the compliances of ``corner_stiffness.py``, positive definite, by
-CHOLMOD; the load is one more right-hand side. It proves no infeasibility, and below gaps of 1e-4 it may break down.
+scaling of Nesterov & Todd (1997), the corrector of Mehrotra (1992) and up to two of Gondzio (1996). CHOLMOD factorises
+the positive definite stiffness matrix of a body whose corners have the compliances of ``corner_stiffness.py``; the load
+is one more right-hand side. It proves no infeasibility, and below gaps of 1e-4 it may break down.
 """
 
 from collections.abc import Callable

@@ -59,7 +59,7 @@ class Log:
 
 @dataclass(frozen=True)
 class BoringFile:
-    """The borings of a file, in its order, and what a person has to know of how they were read, one sentence each."""
+    """The borings of a file, in its order, and notices on how they were read, one sentence each."""
 
     logs: list[Log]
     notices: list[str]

@@ -31,8 +31,7 @@ PLAIN = {"N": BLOWS, "fines": PERCENT, "plasticity": PERCENT}
 
 @dataclass(frozen=True)
 class Table:
-    """Lines of a file by boring, each with its number and its cells by column; units by column; what is wrong, and
-    what a person has to know."""
+    """Lines of a file by boring, each with its number and its cells by column; units by column; faults, and notices."""
 
     lines: Mapping[str, Sequence[tuple[int, Mapping[str, str]]]]
     units: Mapping[str, str]

@@ -23,7 +23,7 @@ SOIL = ("density", "youngs_modulus", "poissons_ratio", "cohesion", "friction_ang
 
 
 class Drawn(NamedTuple):
-    """A section as TOML, and what a person has to know of how the drawing was read, one sentence each."""
+    """A section as TOML, and notices on how the drawing was read, one sentence each."""
 
     text: str
     notices: list[str]

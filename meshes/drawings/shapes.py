@@ -42,7 +42,7 @@ class Shape:
 
     @property
     def span(self) -> str:
-        """From where to where it goes, in words."""
+        """Extent of the shape along x, in words."""
         return f"x = {self.points[:, 0].min():.6g} to {self.points[:, 0].max():.6g} m"
 
 

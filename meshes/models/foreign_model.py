@@ -73,7 +73,7 @@ class ForeignModel:
 
 
 class FoundSection(NamedTuple):
-    """A section as TOML, and what a person has to know of how it was read, one sentence each."""
+    """A section as TOML, and notices on how it was read, one sentence each."""
 
     text: str
     notices: list[str]

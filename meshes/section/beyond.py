@@ -1,7 +1,7 @@
 """What lies past the ends of a section: its ground, layers, base and water go on as they end, all by the same slope.
 
-Nobody knows what is there; but a side that stands where the survey ended takes part in the failure, and one far away
-does not. Lines go on parallel to the ground, so that every layer keeps its thickness.
+The ground there is unknown; but a side where the survey ended takes part in the failure, and a side far away does not.
+Lines go on parallel to the ground, so that every layer keeps its thickness.
 """
 
 from typing import Literal, NamedTuple

@@ -68,7 +68,7 @@ class CohesionField:
         pressure: np.ndarray | None = None,
     ) -> np.ndarray:
         """The vertical effective stress (n,) in Pa to which the ground has consolidated, that ratios of strength
-        multiply; of what is above the line ``top`` (k, 2) nothing counts. ``pressure`` (n,) in Pa: see
+        multiply; ground above the line ``top`` (k, 2) does not count. ``pressure`` (n,) in Pa: see
         ``WaterPressure.vertical_effective``.
         ``points``, ``near`` (n, 2) in m, ``stratum`` (n,): as in ``WaterPressure.at_rest``.
         """
@@ -97,7 +97,7 @@ class CohesionField:
 
     @property
     def notices(self) -> list[tuple[int, str]]:
-        """What a person has to know of a strength that varies: the number of its stratum, and words."""
+        """Notices on strengths that vary: the number of the stratum, and a sentence."""
         varying = [(int(k), "its cohesion varies; discs have its mean throughout") for k in np.flatnonzero(self.varies)]
         return varying + [(k, words) for k, _ in varying if (words := self._without_strength(k))]
 

@@ -68,7 +68,9 @@ class FlowGrid:
                 yield strip, side, chain[np.append(True, chain[1:] != chain[:-1])] if len(chain) else chain
 
     def strip_at(self, points: np.ndarray, near: np.ndarray, tolerance: float) -> np.ndarray:
-        """The strips (k,) in which points (k, 2) lie; on a line that in which ``near`` (k, 2) does."""
+        """The strips (k,) in which points (k, 2) lie; for a point on the line between two strips the one that holds
+        ``near`` (k, 2).
+        """
         x = points[:, 0]
         strip = np.searchsorted(self.x, x, side="right") - 1
         after = np.clip(np.searchsorted(self.x, x), 1, len(self.x) - 1)

@@ -122,7 +122,7 @@ ElevationOrLine = Annotated[Line, BeforeValidator(_elevation_or_line)]
 
 
 def limits(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values of a polyline (n, 2) just left and just right of each x, which differ at its vertical steps.
+    """Values of a polyline (n, 2) just left and just right of each x; they differ at its vertical steps.
 
     Outside its range the end segments run on; callers cut that off.
     """

@@ -35,8 +35,9 @@ def needed(points: np.ndarray, tolerance: float) -> np.ndarray:
 
 
 def with_farthest(fixed: np.ndarray, off: Callable[[int, int], np.ndarray], tolerance: float) -> np.ndarray:
-    """The places (n,) that are ``fixed``, and between two of these that which is farthest ``off`` the chord from the
-    first to the last, time and again, until none is farther off than the tolerance."""
+    """The places (n,) that are ``fixed``, and between two of these, again and again, the place farthest ``off`` the
+    chord, until none is farther off than the tolerance.
+    """
     keep = fixed.copy()
     ends = np.flatnonzero(keep)
     waiting = [(int(a), int(b)) for a, b in pairwise(ends)]

@@ -114,7 +114,7 @@ class SurfaceLoads:
 
     @property
     def notices(self) -> list[tuple[int, str]]:
-        """What a person has to know of surcharges: the number of each, and words."""
+        """Notices on surcharges: the number of each surcharge, and a sentence."""
         return [
             (
                 number,
@@ -127,7 +127,7 @@ class SurfaceLoads:
     def bare_ends(self) -> Iterator[tuple[int, float, str]]:
         """Number, x (m) and stratum of every end of a surcharge with a pressure on ground without cohesion.
 
-        Such sand bears nothing beside bare ground: what the depth of a footing gives it there is nothing.
+        Such sand bears nothing beside bare ground, where the overburden term of its bearing capacity is zero.
         """
         layers = self.water.layers
         for number, load in enumerate(self.surcharges, start=1):

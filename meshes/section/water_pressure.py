@@ -111,7 +111,7 @@ class WaterPressure:
     ) -> np.ndarray:
         """Vertical effective stress (n,) without shaking, nowhere below zero: the weight of the soil above, of the
         water on it and of a ``load`` (n,) in Pa on the ground, less the pore pressure at rest, or the ``pressure`` (n,)
-        in Pa in its place. Of what is above the line ``top`` (k, 2) nothing counts.
+        in Pa in its place. Ground above the line ``top`` (k, 2) does not count.
         ``points``, ``near``, ``stratum``: as in ``at_rest``.
         """
         ground = self._top(points, near, top)
@@ -210,7 +210,8 @@ class WaterPressure:
         return np.column_stack([points[:, 0], ground])
 
     def _taken_off(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """What a drawdown takes off the pore pressure of ground that does not drain: what it takes off the ground.
+        """Reduction of the pore pressure of ground that does not drain by a drawdown: the reduction of the water
+        pressure on the ground above.
 
         Saturated ground that cannot drain bears no change of its mean stress (Skempton's B of 1), and the water above
         weighs the same on it as in it (Morgenstern 1963).

@@ -26,7 +26,7 @@ MISSED, TOLD = 1e-6, 1e-3
 class Zone(Stratum):
     """Ground of any outline: a core, a key, a trench, a lens, a berm; its soil that of a stratum, or its own.
 
-    Where it stands above the ground it raises the ground. What of it lies below the base or past the sides is left out.
+    Where it stands above the ground it raises the ground. Parts of it below the base or past the sides are left out.
     """
 
     points: Outline = Field(description="the corners of its outline in turn, [[x, z], ...]")
@@ -155,7 +155,7 @@ def _below(layers: Layering, zones: Sequence[Zone]) -> np.ndarray:
 def _of_zones(
     zones: Sequence[Zone], inside: Sequence[np.ndarray], tally: Tally, tolerance: float
 ) -> tuple[list[str], list[str]]:
-    """What is wrong with zones, which are outlines 1 to n of the ``tally``, and what of them is left out.
+    """Faults of zones, which are outlines 1 to n of the ``tally``, and notices on parts of them that are left out.
 
     ``inside`` are their outlines between the sides.
     """

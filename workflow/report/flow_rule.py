@@ -15,8 +15,8 @@ WHEN = (
 BLOCKS: Mapping[Flow, str] = {
     "associated": "The critical Kh with ψ = φ, like the yield coefficients of limit equilibrium that such blocks and "
     "relations were checked with.",
-    "davis": "The critical Kh by Davis's estimate, as the section sets it: with ψ = φ they would slide less.",
-    "section": "The critical Kh with ψ as given, as the section sets it: with ψ = φ they would slide less.",
+    "davis": "The critical Kh by Davis's estimate, as the section sets it: with ψ = φ the blocks would slide less.",
+    "section": "The critical Kh with ψ as given, as the section sets it: with ψ = φ the blocks would slide less.",
 }
 # The same of discs, and of the verdict on liquefied ground.
 DISCS = "They are calibrated to the continuum with ψ as given, 0 where it is not, since discs hardly dilate."
