@@ -153,7 +153,10 @@ def within_scatter(far: float, radius: float) -> list[str]:
 
 
 def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[str]:
-    """Liquefied layers that are less than two discs thick, each with the radius that it wants."""
+    """Liquefied layers that are less than two discs thick, each with the radius that it wants.
+
+    River Park moved by 0.5 m where material points move 1.1 m and 3.7 m were measured.
+    """
     notes = []
     free = ~start.fixed
     for k in strata:
@@ -169,7 +172,7 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
         if thick < 4.0 * ground.radius:
             notes.append(
                 f"stratum {shown_name(start.springs.layers[k].name)} liquefies and is {thick:.2g} m thick in discs, "
-                f"less than two discs: it yields early, and the slide is likely to be too long; check it with "
+                f"less than two discs: they do not resolve how far it slides, behind a bank too little; check it with "
                 f"discs of {thick / 4.0:.2g} m radius"
             )
     return notes

@@ -25,6 +25,8 @@ LEAST_FORCE = 1e-3  # N/m: that on points of free-field sides which nothing pres
 BORDER = 3  # cells of rigid ground around the section
 FAR = 0.25  # of the section's width, that ground may leave it by at free-field sides
 HEADROOM = 6  # cells above its highest point
+SKIN = 0.25  # of a cell: thinner ground on what liquefies is no crust
+COLUMNS = 1000  # of a section, over which the thickness of its crust is found
 RIGID = 1e15  # Pa: cohesion of that ground
 STEEPEST = 0.3  # slope up to which rows of nodes follow layers
 THINNEST = 0.25  # of the spacing of points: a layer that is thinner in a column has none there
@@ -74,6 +76,21 @@ class PointGround:
     softened: tuple[str, ...]
     sides: Sides
     room: float = 0.0
+
+    @property
+    def crust(self) -> float:
+        """Median thickness (m) of what lies on the uppermost stratum that liquefies; inf where nothing does.
+
+        A skin of less than a quarter of a cell is none: half a point at most.
+        """
+        layering, liquefies = self.section.layering, [bool(s.liquefies_in) for s in self.section.strata]
+        left, right = self.section.extent
+        x = np.linspace(left, right, COLUMNS, endpoint=False) + 0.5 * (right - left) / COLUMNS
+        levels = layering.interfaces(x)
+        wet = (levels[:, :-1] - levels[:, 1:] > layering.tolerance) & liquefies
+        thickness = (levels[:, 0] - levels[np.arange(len(x)), wet.argmax(axis=1)])[wet.any(axis=1)]
+        covered = thickness[thickness > SKIN * self.grid.cell]
+        return float(np.median(covered)) if len(covered) else np.inf
 
 
 def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGround:

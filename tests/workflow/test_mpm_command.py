@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import tomli_w
 
-from fem.mpm import PointSlide
+from fem.mpm import PointSlide, ground_of
 from meshes.executor import Tell
 from tests.support import command_line
 from tests.support.borings import SAND
@@ -153,3 +153,28 @@ def test_points_have_the_sides_of_the_elements_unless_told_otherwise() -> None:
     assert at_rest(Config.parse(data))[0].ground.sides == "smooth"
     data["slide"]["mpm_sides"] = "fixed"
     assert at_rest(Config.parse(data))[0].ground.sides == "fixed"
+
+
+@pytest.mark.parametrize(("depth", "told"), [(0.5, True), (2.0, False)])
+def test_a_crust_thinner_than_a_cell_is_told_with_the_cells_it_wants(depth: float, told: bool) -> None:
+    """200 cells of 1 m: 0.5 m of clay on sand that liquefies wants four times as many, 2 m want no more.
+
+    An endless slope of 2 m of crust moves 2.3 m in cells half as thick, 3.1 and 17 m in cells 1.5 and 2.9 times as
+    thick; Port Island E 1.4 m in cells as thick as its crust, and 0.7 m in cells 1.5 times as thick.
+    """
+    data = {
+        "name": "level",
+        "surface": [[0.0, 0.0], [20.0, 0.0]],
+        "base": {"elevation": -10.0},
+        "strata": [
+            layer("clay", bottom={"depth": depth}, **{**SAND, "cohesion": "20 kPa"}),
+            layer("sand", liquefies_in=[1], **SAND),
+        ],
+        "slide": {"mpm_cells": 200, "cases": [{"residual": 0.1}]},
+    }
+    ground = ground_of(Config.parse(data).section, 200)
+    assert ground.crust == pytest.approx(depth)
+    line = np.array([[0.0, 0.0], [10.0, 0.0], [20.0, 0.0]])
+    slide = PointSlide([1.0], [np.zeros(3)], [np.zeros(3)], True, "", line, line, cell=ground.grid.cell)
+    notes = [note for note in _answer([slide] * 3, ground).notes if "less than a cell" in note]
+    assert ["0.5 m thick" in note and "800 cells" in note for note in notes] == [True] * told

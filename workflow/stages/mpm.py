@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 FOLDER = "mpm"  # of its files
 LEAD = 2.0  # s in which Kh comes on before anything liquefies, as for the discs
 DOUBTED_FROM = 0.05  # m: the energies of a smaller slide are those of a ground that swings
+THIN = 0.9  # of a cell: a slide below a thinner crust was off by a factor of up to 2
+CELLS_STEP = 100  # to a multiple of which the cells that a crust wants are rounded up
 COARSE = 2  # times larger cells, with which the errors by their size and by the decay of velocities are found
 TINY = 1e-6  # s: sums of steps are off by less
 AFTER = 1.0  # s after Kh has gone, from which on the ground may come to rest
@@ -253,6 +255,12 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
         notes.append(f"{WARNING}{abs(lost):.0f} % of the energy is {how}")
     if counts.stopped_by and ground.sides == "fixed":
         notes.append(f"the slide ran up against the {counts.stopped_by} side of the section, which held it")
+    if ground.crust < THIN * counts.cell:
+        wanted = int(CELLS_STEP * np.ceil(ground.section.layering.areas().sum() / ground.crust**2 / CELLS_STEP))
+        notes.append(
+            f"{WARNING}what lies on ground that liquefies is {ground.crust:.2g} m thick, less than a cell, so that "
+            f"how far it slides is not resolved; check it with {wanted} cells (slide.mpm_cells)"
+        )
     if ground.softened:
         listed = ", ".join(f'"{name}"' for name in ground.softened)
         notes.append(f"{listed} were made less stiff, so that longer time steps are stable; strengths are as given")
