@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from meshes.section.cutting import shown_name
 from workflow.config import Config
 from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.slip_circles import surface_balance
@@ -22,6 +23,12 @@ def slices_sentences(answer: SlicesAnswer) -> Iterator[str]:
             yield f"Factor of safety at Kh = {factors.kh:g} by slip circles: {_listed(factors.circles, 2)}."
     if answer.critical:
         yield f"Critical Kh by slip circles: {_listed(answer.critical, 3)}."
+    if answer.weak_layers and (answer.critical or any(factors.circles for factors in answer.factors)):
+        layers = " and ".join(map(shown_name, answer.weak_layers))
+        yield (
+            f"Warning: Slip circles cut across {layers}, thin and weaker than the ground above and below, and cannot "
+            "follow it. The slope may fail with much less. To do: rely on finite elements and strict bounds."
+        )
 
 
 def _listed(circles: Sequence[CirclePart], digits: int) -> str:

@@ -59,4 +59,5 @@ class SlicesAnswer(Answer):
     faces: tuple[FacePart, ...] = Field(description="the faces of structures, towards the left and the right")
     least_depth: float = Field(description="shallower circles are left out (m)")
     reason: str = Field(description="why there is no circle; empty where there are some")
+    weak_layers: tuple[str, ...] = Field(default=(), description="thin, weak layers that circles cannot follow")
     source: str

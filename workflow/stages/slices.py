@@ -25,6 +25,7 @@ def work(job: Job) -> None:
     """Find the critical circles; leaves fem/slices.json and figures/slip_circles.png."""
     from workflow.estimates.deeper_circles import ground_of_circles
     from workflow.estimates.slices import LEFT, RIGHT
+    from workflow.estimates.weak_layers import thin_weak_layers
 
     section, fem, crack = job.config.section, job.config.fem, job.config.tension_crack
     wanted = job.config.criteria.factor_of_safety
@@ -43,6 +44,7 @@ def work(job: Job) -> None:
         faces=tuple(_faces(job, circles)),
         least_depth=fem.least_depth,
         reason=reason,
+        weak_layers=thin_weak_layers(section),
         source=SOURCE,
     ).write(job.store)
     if not reason:

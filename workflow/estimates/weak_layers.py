@@ -1,0 +1,64 @@
+"""Thin layers that are weaker than what lies above and below: a slip circle cuts across them and cannot follow them."""
+
+import numpy as np
+
+from meshes.section.cutting import whole_soil
+from meshes.section.section import Section
+
+# A layer is thin below this share of the relief of the ground, and weak below this share of the strength of the weaker
+# of its neighbours; it counts where it is so over a length of the relief.
+THIN, WEAK = 0.1, 0.8
+COLUMNS = 200  # vertical lines on which layers are looked at
+
+
+def thin_weak_layers(section: Section) -> tuple[str, ...]:
+    """The soils of a section that slip circles cannot follow, from the top down.
+
+    Strengths are c + σ'v tan φ in the middle of a layer, its own and that of the soils above and below it. What lies on
+    the base is as weak as what lies on firm ground.
+
+    Parameters
+    ----------
+    section : Section
+        The ground.
+
+    Returns
+    -------
+    tuple of str
+        Names as in the file.
+    """
+    layers = section.layering
+    width = float(layers.x[-1] - layers.x[0]) / COLUMNS
+    x = layers.x[0] + width * (np.arange(COLUMNS) + 0.5)
+    levels = layers.interfaces(x)
+    soils = [whole_soil(stratum.name) for stratum in section.strata]
+    relief = float(np.ptp(section.ground[:, 1]))
+    lengths: dict[str, float] = {}
+    for at, column in zip(x, levels, strict=True):
+        present = [k for k in range(len(soils)) if column[k] - column[k + 1] > layers.tolerance]
+        for first, last in _runs([soils[k] for k in present]):
+            inside = present[first : last + 1]
+            thick = float(column[inside[0]] - column[inside[-1] + 1])
+            if first == 0 or thick >= THIN * relief:
+                continue
+            middle = float(column[inside[0]]) - 0.5 * thick
+            own = next(k for k in inside if column[k + 1] <= middle)
+            beside = [present[first - 1], *present[last + 1 : last + 2]]
+            strength, *others = (_strength(section, at, middle, own, k) for k in (own, *beside))
+            if strength < WEAK * min(others):
+                lengths[soils[own]] = lengths.get(soils[own], 0.0) + width
+    return tuple(soil for soil in dict.fromkeys(soils) if lengths.get(soil, 0.0) > relief > 0.0)
+
+
+def _runs(names: list[str]) -> list[tuple[int, int]]:
+    """First and last place of every run of equal names."""
+    starts = [i for i, name in enumerate(names) if i == 0 or names[i - 1] != name]
+    return [(start, end - 1) for start, end in zip(starts, [*starts[1:], len(names)], strict=True)]
+
+
+def _strength(section: Section, x: float, z: float, own: int, soil: int) -> float:
+    """Shear strength (Pa) on a level plane at x, z (m) in stratum ``own``, if that had the strength of ``soil``."""
+    point, field = np.array([[x, z]]), section.cohesion_field
+    stress = float(field.effective_stress(point, point, np.array([own]))[0])
+    cohesion = float(field.at(point, point, np.array([soil]))[0])
+    return cohesion + stress * float(np.tan(section.strata[soil].friction_angle))
