@@ -11,7 +11,7 @@ from meshes.section.cutting import BELOW_WATER, DividedStratum, divided_by_water
 from meshes.section.layering import Layering
 from meshes.section.model import Model
 from meshes.section.polyline import level_at
-from meshes.section.quantity import GRAVITY
+from meshes.section.quantity import GRAVITY, NUMBER_AND_UNIT
 from meshes.section.stratum import MISSING_DENSITY, Stratum
 from meshes.section.surcharge import Surcharge
 from meshes.section.water import Water
@@ -37,6 +37,7 @@ def within(value: float, limits: Range) -> bool:
     return none or limits.low * (1.0 - 1e-9) <= value / limits.si <= limits.high * (1.0 + 1e-9)
 
 
+SIZES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "m": 1.0, "km": 1e3, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6}  # SI
 UNUSUAL = ", or unusual = true at the head of the file if it is meant"
 
 
@@ -50,10 +51,17 @@ def sentence(key: str, value: float, limits: Range, remedy: str = UNUSUAL) -> st
     shown = f'"{written}"' if isinstance(written, str) else f"{written:g}"
     unit = f" {limits.unit}" if limits.unit else ""
     number = str(written).split()[0]
-    meant = next((unit for factor, unit in limits.slips if within(factor * value, limits)), None)
+    meant = next((unit for factor, unit in limits.slips if _is_meant(written, unit, factor * value, limits)), None)
     hint = f' (did you mean "{number} {meant}"?)' if meant and f"{number} {meant}" != written else ""
     expected = f"{'0, or ' if limits.or_none else ''}{limits.low:g} to {limits.high:g}{unit}"
     return f"{key} = {shown}: {value / limits.si:.6g}{unit} is beyond what there is{hint}; expected {expected}{remedy}"
+
+
+def _is_meant(written: str | float, unit: str, otherwise: float, limits: Range) -> bool:
+    """Whether a number that was written with a unit is one of the range in another; ``otherwise`` what it would be (SI)
+    where it had none, or in a unit that has no size of its own here."""
+    number = NUMBER_AND_UNIT.fullmatch(written) if isinstance(written, str) else None
+    return within(SIZES[unit] * float(number[1]) if number and unit in SIZES else otherwise, limits)
 
 
 # Share of a stratum on the wrong side of the water that is told.
@@ -136,6 +144,7 @@ def against_the_water(
     level = drawn if table is None else table
     if level is None:
         return
+    yield from _beside_the_ground(layers, level)
     for k, s in enumerate(strata):
         above, below = (_area(divided_by_water(layers, k, level), part) for part in (0, 1))
         where = key_in_file(strata, k)
@@ -171,6 +180,17 @@ def not_lower(before: np.ndarray | None, after: np.ndarray) -> Iterator[str]:
             f"water: after_drawdown lies above table, by up to {rise.max():.3g} m, between x = {start:g} and {end:g} "
             "m; the water rises there"
         )
+
+
+def _beside_the_ground(layers: Layering, level: np.ndarray) -> Iterator[str]:
+    """A sentence where the water (n, 2) stands above all of the ground, or lies below all of it."""
+    x = np.concatenate([layers.x[:-1], layers.x[1:]])
+    top, base = (np.concatenate([layers.left[:, k], layers.right[:, k]]) for k in (0, -1))
+    here = np.interp(x, *level.T)
+    if (here > top).all():
+        yield f"water: all of the ground lies under it, at most {float((here - top).max()):.4g} m deep"
+    elif (here < base).all():
+        yield "water: its table lies below the base of the section, and wets none of the ground"
 
 
 def _area(parts: DividedStratum, part: int) -> float:

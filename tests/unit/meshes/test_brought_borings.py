@@ -76,6 +76,22 @@ def test_shares_of_one_are_no_percent(tmp_path: Path) -> None:
     assert implausible_tests([washed]) == []
 
 
+@pytest.mark.parametrize(
+    ("qc", "fs", "told"),
+    [
+        ("4 MPa", "20 MPa", 'largest fs = "20 MPa": 20000 kPa is beyond what there is (did you mean "20 kPa"?)'),
+        ("4 kPa", "20 kPa", 'largest qc = "4 kPa": 0.004 MPa is beyond what there is (did you mean "4 MPa"?)'),
+        ("0.4 MPa", "0.5 MPa", "fs: half of the readings are above 125 % of qc; expected a friction ratio below 20 %"),
+        ("4 MPa", "20 kPa", ""),
+    ],
+)
+def test_a_sounding_is_doubted_by_its_units(qc: str, fs: str, told: str) -> None:
+    boring = Boring.model_validate({"name": "C-1", "x": 0.0, "cpt": [{"depth": 1.0, "qc": qc, "fs": fs}]})
+    found = implausible_tests([boring])
+    assert len(found) == bool(told)
+    assert not told or found[0].startswith(f'triggering, borings 1 "C-1", cpt, {told}')
+
+
 def test_elevations_are_no_depths(tmp_path: Path) -> None:
     text = f"{HEAD}\nB1,0,10,10,7,Fill,8,20,,8\nB1,0,10,7,-2,Sand,12,5,,8\n"
     [problem] = problems(tmp_path, text)

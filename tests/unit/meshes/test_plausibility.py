@@ -118,3 +118,12 @@ def test_steady_seepage_is_no_drawdown() -> None:
     water = {"flow": True, "table": [[0, 8], [20, 8], [40, 2], [60, 2]]}
     seeping = Section.parse({**data(permeability="1e-6 m/s"), "water": water})
     assert not any("after_drawdown" in text for text in seeping.notices)
+
+
+@pytest.mark.parametrize(
+    ("table", "told"),
+    [(60.0, "all of the ground lies under it, at most "), (-90.0, "its table lies below the base of the section")],
+)
+def test_water_beside_all_of_the_ground_is_told(table: float, told: str) -> None:
+    made = Section.parse({**data(), "water": {"table": table}})
+    assert sum(notice.startswith(f"water: {told}") for notice in made.notices) == 1

@@ -58,7 +58,7 @@ def test_an_excavation_above_a_lens_blows_out_where_its_floor_is_too_thin() -> N
 
 @pytest.mark.parametrize(("ratio", "lifts"), [(0.9, False), (1.0, False), (1.1, True)])
 def test_a_pore_pressure_ratio_above_one_lifts_all_of_it(ratio: float, lifts: bool) -> None:
-    found = section(soil(pore_pressure_ratio=ratio, density_saturated=None)).uplift
+    found = section(soil(pore_pressure_ratio=ratio, density_saturated=None), unusual=True).uplift
     assert (found is not None) == lifts
     if found is not None:
         assert found.factor == pytest.approx(1.0 / 1.1, rel=1e-9)
