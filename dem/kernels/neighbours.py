@@ -98,7 +98,9 @@ class Known(NamedTuple):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def cell_grid(near: Near) -> Grid:
-    """Discs in cells no smaller than what is near can be apart; the columns fill the period, if there is one."""
+    """Discs sorted into cells no smaller than the largest distance of neighbours; the columns fill the period, if there
+    is one.
+    """
     x, z, radius, period = near.x, near.z, near.radius, near.period
     n = len(x)
     xs, zs = folded(x, z, period)

@@ -69,7 +69,9 @@ def slip_surface(model: DiscModel, before: DiscModel, ground: Ground) -> np.ndar
 
 
 def compare(section: Section, first: np.ndarray, second: np.ndarray) -> Agreement | None:
-    """How two slip surfaces agree, at the columns of the first that lie within the second's reach; None if none do."""
+    """How two slip surfaces agree, at the columns of the first that lie within the second's reach; None if no column
+    does.
+    """
     if len(first) == 0 or len(second) < 2:
         return None
     inside = (first[:, 0] >= second[:, 0].min()) & (first[:, 0] <= second[:, 0].max())

@@ -253,9 +253,8 @@ class FactorSearch:
             last = trial
 
     def regauged(self, trial: Trial) -> Trial:
-        """A trial of Kh, or of the share of all loads where the weight itself fails, as below a footing: there no
-        stress balances the weight, although a mechanism fails only beyond the given Kh, and Kh does not measure what is
-        lacking.
+        """A trial with bounds of Kh; with bounds of the share of all loads where Kh decides nothing: a mechanism fails
+        only beyond the given Kh, but no stress balances the weight, as below a footing.
         """
         fails_late = trial.upper is not None and self.over(trial.upper) > 0.0
         if self.gauge == "loads" or not (trial.unborne and fails_late):

@@ -92,7 +92,7 @@ def smoothed(line: np.ndarray, size: float) -> np.ndarray:
     line : array (n, 2)
         Tops of the discs of the surface: x and elevation (m).
     size : float
-        Diameter of the discs (m). The median over three of them, then the mean over two.
+        Diameter of the discs (m): the surface is a running median over three diameters, then a mean over two.
 
     Returns
     -------

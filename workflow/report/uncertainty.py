@@ -108,7 +108,7 @@ def _bounds(results: Results, bounds: BoundsAnswer) -> str:
 def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
     """Of the discs; ``several`` packings of them have been computed, or one."""
     model, surfaces = dem.model, dem.slip_surface
-    phrase = f"Packing: {model.packing}, {model.elements} discs of {model.radius_m:.3g} m."
+    phrase = f"Packing: {model.packing}, {model.elements} discs of {model.radius_m:.3g} m radius."
     if model.surface_off_mean_m is not None and model.surface_off_worst_m is not None:
         phrase += (
             f" Before the slide their surface lies {model.surface_off_mean_m:.2f} m from the section's on average, and "

@@ -119,10 +119,14 @@ class Hearer:
             seconds, slide, settlement, speed = message
             self.done[place] = _share(seconds / self.config.slide.duration)
             line = (
-                f"{case_name(piece.task.springs, piece.task.number)}: {seconds:.1f} s, slide {slide:.2f} m, settlement "
-                f"{settlement:.2f} m, {speed:.2g} m/s"
+                f"{self._name(piece.task)}: {seconds:.1f} s, slide {slide:.2f} m, settlement {settlement:.2f} m, "
+                f"{speed:.2g} m/s"
             )
         self.progress(line, sum(self.done) / len(self.pieces))
+
+    def _name(self, task: PlannedSlide) -> str:
+        name = "Kh without liquefaction" if task.number == ALONE else self.config.called(task.number)
+        return name if task.springs == "calibrated" else f"{name}, springs of Table 2"
 
     def ended(self, place: int, _: Any) -> None:
         """A slide has come to its end, or a packing with all of its slides."""
