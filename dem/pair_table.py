@@ -132,7 +132,7 @@ def _columns(layers: Sequence[LayerSprings]) -> np.ndarray:
 def _share_left(faded: Sequence[float]) -> np.ndarray:
     """Share of the contacts between n layers, and with the boundary, that is left (n + 1, n + 1).
 
-    faded: by layer, the share that is gone. Of the two layers of a contact the one that has less left decides.
+    faded: by layer, the share that is gone. For a contact between two layers the larger share counts.
     """
     left = 1.0 - np.array([*faded, 0.0])
     return np.asarray(np.minimum(left[:, None], left[None, :]))

@@ -65,7 +65,7 @@ def _name(numbers: ContactNumbers, seed: int) -> str:
 
 @cache
 def _folder() -> Path:
-    """Where the results of these sources on this machine are."""
+    """Folder of stored results that belong to the present sources, on this machine."""
     digest = hashlib.sha256(repr((platform.machine(), get_host_cpu_name(), numba.__version__, np.__version__)).encode())
     for path in _sources():
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")

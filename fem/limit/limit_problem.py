@@ -60,7 +60,7 @@ class Side:
     pressure : Outside or None
         Pressure of the water outside, which acts beside the dead traction; None for zero.
     periodic : bool
-        Whether it is one with another side: velocities there are equal, effective tractions opposite.
+        Whether it is joined to another side: velocities on the two are equal, effective tractions opposite.
     """
 
     held: str = ""

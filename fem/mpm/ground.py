@@ -198,7 +198,9 @@ def _columns(section: Section, spacing: float, margin: int) -> tuple[np.ndarray,
 def _fill(
     x: np.ndarray, top: np.ndarray, bottom: np.ndarray, owner: np.ndarray, spacing: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Places (n, 2), areas (n,) and owners (n,) of the points of columns, and which are the highest of theirs."""
+    """Places (n, 2), areas (n,) and owners (n,) of the points of columns, and which of them are the highest of their
+    column.
+    """
     places, volumes, owners, is_top = [], [], [], []
     for column, at in enumerate(x):
         first = True

@@ -230,6 +230,7 @@ class WaterPressure:
 
 def crossings(x: np.ndarray, first: np.ndarray, last: np.ndarray, least: float) -> np.ndarray:
     """The x (m) where two lines go through each other, whose distances at the ends of the intervals of ``x`` (n,) are
-    ``first`` and ``last`` (n - 1,); those that are nearer than ``least`` at an end do not."""
+    ``first`` and ``last`` (n - 1,); lines that are nearer than ``least`` at an end are not counted as crossing
+    there."""
     i = np.flatnonzero((first * last < 0.0) & (np.minimum(abs(first), abs(last)) > least))
     return np.asarray(x[i] + (x[i + 1] - x[i]) * first[i] / (first[i] - last[i]))

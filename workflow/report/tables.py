@@ -113,7 +113,10 @@ OPTIONAL = ("name", "residual", "residual_strength", "strain_potential", "volume
 
 def case_heads(config: Config) -> list[tuple[str, str]]:
     """Heads of the table of cases: the name of each factor, and the property that it multiplies."""
-    return [(name.replace("_", " "), str(Case.model_fields[name].description)) for name in _changed(config)]
+    heads = {"residual": "residual strength ratio"}
+    return [
+        (heads.get(name, name.replace("_", " ")), str(Case.model_fields[name].description)) for name in _changed(config)
+    ]
 
 
 def _changed(config: Config) -> list[str]:

@@ -64,14 +64,13 @@ class Stage:
         next stage.
     needs: the stages whose results it reads.
     reads: the settings that its work reads, a whole "table" or one "table.key" of it.
-    ignores: of these, and of those that the stages read which it needs, the settings that change nothing in its own
-        results, with an input as given.
-    takes: inputs worked out from settings that it does not read itself, by the names that people use, such as the cases
-    that follow from blow counts. files: the user's own files that it reads, by what people call them. results: patterns
-    of the files in which it leaves its results. read: reads its answers; raises OtherVersionError where another version
-    of the program wrote one. pictures: patterns of the pictures that it leaves. leftovers: patterns of files from which
-    it continues after a stop; removed once they belong to other inputs. unwanted: why the settings do not ask for it,
-    empty where they do. Where they do not, it runs only if it is asked
+    ignores: settings among those that it or a stage that it needs reads which do not change its own results for a given
+    input. takes: inputs worked out from settings that it does not read itself, by the names that people use, such as
+    the cases that follow from blow counts. files: the user's own files that it reads, by what people call them.
+    results: patterns of the files in which it leaves its results. read: reads its answers; raises OtherVersionError
+    where another version of the program wrote one. pictures: patterns of the pictures that it leaves. leftovers:
+    patterns of files from which it continues after a stop; removed once they belong to other inputs. unwanted: why the
+    settings do not ask for it, empty where they do. Where they do not, it runs only if it is asked
         for by name, and what it left before is used as long as it fits.
     partial: whether the job asks for a part of it only, so that the rest is still to come.
     beside: the stages that must have ended before it may run beside others, in another process; None where it
