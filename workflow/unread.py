@@ -12,6 +12,8 @@ from workflow.run.stage import Job, Stage
 
 # What every command that runs stages reads, whatever they are: how many processes it may take.
 OF_EVERY_RUN = ("dem.workers",)
+# Settings that say whether a run computes a stage: the command of that stage computes it in any case.
+WHETHER = {"bounds.run": "bounds"}
 # Read by `noshiro study` alone; the report tells of them as of every setting.
 OF_STUDIES = ("study", "uncertain")
 
@@ -40,7 +42,9 @@ def unread(settings: Sequence[str], job: Job, chosen: Sequence[str], without: Ca
     stages = [stage for stage in job.stages if stage.name in chosen]
     reads = reads_of(stages)
     computing = [stage for stage in stages if not stage.of_all]
-    return [key for key in settings if not is_read(key, reads) and not _changes(computing, job, key, without)]
+    alone = {key for key, stage in WHETHER.items() if [*chosen] == [stage]}
+    return [key for key in settings
+            if key in alone or (not is_read(key, reads) and not _changes(computing, job, key, without))]  # fmt: skip
 
 
 def _changes(stages: Sequence[Stage], job: Job, key: str, without: Callable[[str], Job]) -> bool:
@@ -59,7 +63,8 @@ def in_words(keys: Sequence[str], command: str, commands: Sequence[str]) -> list
     reads = {command_of(stage.name): stage.reads for stage in STAGES if not stage.of_all}
     phrases = []
     for key in keys:
-        others = [name for name, used in reads.items() if name in commands and name != command and is_read(key, used)]
+        others = [name for name, used in reads.items() if name in commands and is_read(key, used)
+                  and name not in (command, WHETHER.get(key))]  # fmt: skip
         others = ["study"] if key.split(".")[0] in OF_STUDIES else [*others, *(["run"] if command != "run" else [])]
         does = " and ".join(f"noshiro {name}" for name in others) or "no command"
         phrases.append(f"Warning: noshiro {command} does not read {key}; it is read by {does}.")

@@ -33,7 +33,7 @@ def test_a_setting_that_a_command_does_not_read_is_told(tmp_path: Path, capsys: 
     )
     assert run("mesh", written(tmp_path), "--out", tmp_path / "out", *asked) == 0
     words = told(capsys)
-    assert "noshiro mesh does not read bounds.run; it is read by noshiro bounds and noshiro run." in words
+    assert "noshiro mesh does not read bounds.run; it is read by noshiro run." in words
     assert "noshiro mesh does not read fem.sides; it is read by noshiro fem and" in words
     assert "noshiro mesh does not read study.samples; it is read by noshiro study." in words
     assert "does not read mesh" not in words
@@ -46,7 +46,7 @@ def test_it_is_told_beside_an_output_without_sentences(
     asked = ("--set", "bounds.run=false", way)
     assert run("mesh", written(tmp_path), "--out", tmp_path / "out", *asked) == 0
     heard = capsys.readouterr()
-    line = "Warning: noshiro mesh does not read bounds.run; it is read by noshiro bounds and noshiro run."
+    line = "Warning: noshiro mesh does not read bounds.run; it is read by noshiro run."
     assert line in heard.err
     if way == "--json":
         assert line in json.loads(heard.out)["warnings"]
@@ -87,6 +87,15 @@ def test_bounds_that_are_not_wanted_are_not_made_beside_a_factor_of_safety(
     run("fem", path, "--out", tmp_path / "out", "--safety-factor")
     run("fem", path, "--out", tmp_path / "out", "--safety-factor", "--set", "bounds.run=false")
     assert chosen == [("mesh", "fem", "bounds"), ("mesh", "fem")]
+
+
+def test_bounds_by_their_own_command_do_not_ask_whether_they_are_wanted(tmp_path: Path) -> None:
+    """`noshiro bounds` computes them whatever bounds.run says; a run, and `noshiro fem`, heed it."""
+    invocation = Invocation.of(written(tmp_path), tmp_path / "out", {}, ["bounds.run=false"])
+    assert invocation.unread(["bounds"]) == ["bounds.run"]
+    assert invocation.unread(NAMES) == invocation.unread(["mesh", "fem", "bounds"]) == []
+    [line] = in_words(["bounds.run"], "bounds", [command_of(name) for name in NAMES])
+    assert line == "Warning: noshiro bounds does not read bounds.run; it is read by noshiro run."
 
 
 def test_a_study_tells_what_its_parts_do_not_read() -> None:
