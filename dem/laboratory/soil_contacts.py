@@ -177,8 +177,8 @@ def soil_contacts(
 def _on_strength(contacts: ContactStrength, wanted: np.ndarray, reach: np.ndarray, pressures: np.ndarray) -> list[str]:
     if (wanted > reach).any():
         return [
-            f"discs cannot be as strong as this soil: it has {wanted[-1] / 1e3:.0f} kPa at {pressures[-1] / 1e3:.3g} "
-            f"kPa, they have {contacts.expected[-1] / 1e3:.0f} kPa, the most that discs can have"
+            f"discs cannot be as strong as this soil: its strength is {wanted[-1] / 1e3:.0f} kPa under "
+            f"{pressures[-1] / 1e3:.3g} kPa, theirs {contacts.expected[-1] / 1e3:.0f} kPa, the most that is possible"
         ]
     miss = contacts.expected / wanted - 1.0
     if np.abs(miss).max() <= NEAR:
@@ -195,6 +195,6 @@ def _on_stiffness(stiffness: float, real: float, stress: float) -> list[str]:
         return []
     what = "stiffer" if stiffness > real else "softer"
     return [
-        f"{what} than the soil: kn is {stiffness / real:.2f} times what its E asks for, {stiffness / stress:.0f} "
+        f"{what} than the soil: kn is {stiffness / real:.2f} times that of its E, {stiffness / stress:.0f} "
         "times the stress of the layer"
     ]

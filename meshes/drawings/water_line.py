@@ -22,7 +22,7 @@ OF_POND = re.compile(
 
 
 def water_table(lines: Sequence[Shape], left: float, right: float) -> tuple[np.ndarray | None, list[str]]:
-    """The longest line of water, from side to side, and a sentence for all else that is known of it.
+    """The longest line of water, extended from side to side, and notices on it and on other lines of water.
 
     Parameters
     ----------

@@ -10,10 +10,10 @@ on both sides of an interface: a dry shell sucks no water out of a core. On bare
 θ = 1.
 
 Pressures diffuse by linear triangles. Two sides of a grid line's triangle lie upright or slant, the third is upright:
-the whole weight of the water in a triangle acts along that one, from its upper end, whose θ it has (upwind). Where an
-edge of obtuse triangles would conduct less than nothing, as much is added to its conductance and to the fall along it
-that it conducts nothing; still water stays still. So every equation rises with its own unknown and falls with all
-others (an M-function), and the set of wet points is found by Newton's method, a linear solution a step.
+the whole weight of the water in a triangle acts along that one, from its upper end, whose θ it has (upwind). An edge of
+obtuse triangles may have a negative conductance: conductance and fall along it are both raised until it conducts
+nothing, so that still water stays still. So every equation rises with its own unknown and falls with all others (an
+M-function), and the set of wet points is found by Newton's method, a linear solution a step.
 """
 
 from dataclasses import dataclass

@@ -134,7 +134,7 @@ def test_bad_workbooks(tmp_path: Path) -> None:
     wrong = [["Fill", 20, "power", 5, 32], *SOILS[1:]]
     for path, told in (
         (workbook(tmp_path / "a.xlsx", soils=wrong), 'material "Fill" has the strength option "power", of mc, cp'),
-        (workbook(tmp_path / "b.xlsx", soils=SOILS[:2]), "3 profile lines and 2 materials; one each is expected"),
+        (workbook(tmp_path / "b.xlsx", soils=SOILS[:2]), "3 profile lines and 2 materials; expected one for each line"),
         (workbook(tmp_path / "c.xlsx", lines=[]), "0 profile lines"),
     ):
         with pytest.raises(InputError, match=told):
