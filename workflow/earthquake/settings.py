@@ -177,10 +177,10 @@ class EarthquakeSettings(Model):
         return self.equivalent() is None and not slide.accelerogram and push == assumed_push(self.magnitude)
 
     def equivalent(self) -> EquivalentKh | None:
-        """The equivalent cycles of Kh; None where the peak is not known."""
+        """The equivalent cycles of Kh, those of a record also beside a peak that is its own; None without a peak."""
         try:
             motion = self.motion()
-            record = self._recorded if self.record and self.peak_acceleration is None else None
+            record = self._recorded if self.record and not self._unlike_record() else None
         except InputError:
             return None
         if motion is None:

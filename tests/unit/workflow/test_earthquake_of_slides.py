@@ -187,6 +187,19 @@ def test_the_block_is_driven_as_the_slides() -> None:
     assert 0.0 < both_ways.slide(0.04, 0.16) < 0.1 * block_drive(shaken(LEVEE, kh_seconds=10.5)).slide(0.04, 0.16)
 
 
+def test_a_record_counts_beside_the_peak_that_is_its_own(tmp_path: Path) -> None:
+    """A peak that says nothing new takes no cycles away; one of another strength does, and it is told."""
+    record, values = tmp_path / "surface.AT2", motion(1, 4000, 0.01)
+    record.write_text(peer(0.25 * values / np.abs(values).max(), 0.01, "G"))
+    given = {"magnitude": 7.4, "record": str(record)}
+    alone, same, other = (
+        shaken(given | peak).slide for peak in ({}, {"peak_acceleration": "0.25 g"}, {"peak_acceleration": "0.4 g"})
+    )
+    assert (same.kh_cycles, same.kh_period) == (alone.kh_cycles, alone.kh_period)
+    assert same.kh == pytest.approx(alone.kh, abs=1e-3)
+    assert other.kh_cycles == pytest.approx(13.9, abs=0.06) != alone.kh_cycles
+
+
 def test_the_cycles_of_a_record_are_counted(tmp_path: Path) -> None:
     """10 s of a sine of 5 Hz: 100 half waves of the peak are ½ · 100 · 0.65^(-1/0.34) = 177.5 cycles of 0.2 s."""
     time = 0.01 * np.arange(2000)
