@@ -31,7 +31,7 @@ def _prefetch(typing_context: Any, array: Any, index: Any) -> Any:
 
 @intrinsic
 def wide_vectors(typing_context: Any) -> Any:
-    """Lets loops of the function that calls it run in vectors as wide as the processor has.
+    """Lets the loops of the calling function be vectorised at the full width of the processor.
 
     LLVM keeps to half of them on processors whose older sisters slowed down in wide ones; these loops gain a fifth.
     """

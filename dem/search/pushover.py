@@ -167,9 +167,9 @@ def _points(
     threads: int,
     until_failed: bool,
 ) -> Iterator[Trial | str | None]:
-    """Moves the far end of the machine on and takes the discs along, to the end of the curve or until they have failed;
-    each point of the curve is the mean of what was measured since the last, None follows where it ends, a little beyond
-    the reach, and at last where and why the push ends, in words.
+    """Moves the far end of the spring on, and the discs with it, to the end of the curve or until they have failed.
+    Yields the points of the curve, each the mean of what was measured since the last one; None where the curve ends, a
+    little beyond the reach; and at last where and why the push ends, in words.
 
     Between two points Kh is the force of spring and dashpot over the weight.
     """

@@ -375,7 +375,7 @@ class FactorSearch:
 
 
 def _root(points: Sequence[tuple[float, float]], slope: float | None) -> float:
-    """The factor at which a falling function of its logarithm is zero.
+    """The factor at which a function that falls with the logarithm of the factor is zero.
 
     From the nearest points, or from one point and its ``slope``; NaN where neither is known.
     """

@@ -66,7 +66,7 @@ class BoringFile:
 
 
 def refusal_notices(logs: Sequence[Log]) -> list[str]:
-    """A sentence where blow counts are refusals, with the first of them."""
+    """A notice where blow counts are refusals, naming the first of them."""
     notices = [f'{log.name} at {sample.depth:g} m "{getattr(sample.N, "written", sample.N)}", N = {sample.N:g}'
              for log in logs for sample in log.samples if is_refusal(sample.N)]  # fmt: skip
     if not notices:

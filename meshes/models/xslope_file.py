@@ -176,7 +176,7 @@ def _outlines(lines: Sequence[np.ndarray], k: int, base: float) -> Iterator[np.n
 
 
 def _inside(start: float, end: float) -> np.ndarray:
-    """Two places next to the ends of an interval, on whose inner side a step of a line is."""
+    """Two places just inside the ends of an interval, so that a step of a line at an end counts on its inner side."""
     return np.array([start, end]) + INSIDE * (end - start) * np.array([1.0, -1.0])
 
 
