@@ -104,7 +104,10 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = Tru
             f" It {where if start != end else f'fails first in a few cells at x = {start} m, z = {min(z):.1f} m'}."
         )
     if factor.shallow_failure is not None and factor.shallow_failure < factor.factor:
-        phrase += f" Its cohesionless face fails (shallow failure) at {factor.shallow_failure:.3f}."
+        depth, faces = answer.settings.least_depth, answer.shallow_failures
+        edges = bool(faces) and all(face.is_edge(depth) for face in faces)
+        what = "The edge of a layer without cohesion" if edges else "Its cohesionless face"
+        phrase += f" {what} fails (shallow failure) at {factor.shallow_failure:.3f}."
     return phrase
 
 
@@ -125,11 +128,21 @@ def beside_sentences(answer: FemAnswer) -> Iterator[str]:
         kh = f"{'above ' if other.verdict == 'no failure' else ''}{coefficient(other.kc)}"
         yield f"With the seismic force {FORCE[other.direction]} it is {kh}{_out_at(other.at_sides)}."
     for face in answer.shallow_failures:
+        if face.is_edge(answer.settings.least_depth):
+            yield edge_sentence(face.stratum, face.start_x_m, face.end_x_m, face.kh)
+            continue
         yield (
             f"Shallow failure of the face of {shown_name(face.stratum)} from x = {face.start_x_m:g} to "
             f"{face.end_x_m:g} m ({face.angle_deg:.0f}°) at Kh = {coefficient(max(face.kh, 0.0))}; the slope as a "
             f"whole fails at {coefficient(answer.kc)}."
         )
+
+
+def edge_sentence(stratum: str, start: float, end: float, kh: float) -> str:
+    """The edge of a layer without cohesion, from ``start`` to ``end`` (m), that crumbles at ``kh``."""
+    when = f"at Kh = {coefficient(kh)}" if kh > 0.0 else "by its own weight"
+    width = f"{end - start:.2g} m wide where it comes out of the ground at x = {start:g} m"
+    return f"The edge of {shown_name(stratum)}, {width}, has no cohesion and crumbles {when}: no failure of the slope."
 
 
 def _out_at(sides: tuple[str, ...]) -> str:
@@ -148,6 +161,9 @@ def proven(faces: bool, load_ends: bool) -> str:
 def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     """The strict bounds of fem/bounds.json, and the shallow failures of faces before them."""
     for face in answer.shallow_failures:
+        if face.is_edge(answer.least_depth):
+            yield edge_sentence(face.stratum, face.start, face.end, face.kh)
+            continue
         when = f"at Kh = {face.kh:.3f}" if face.kh > 0.0 else "by its own weight"
         yield (
             f"Shallow failure of the face of {shown_name(face.stratum)} from x = {face.start:g} to {face.end:g} m "

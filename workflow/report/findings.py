@@ -113,6 +113,8 @@ def _most(results: Results, fem: FemAnswer) -> float:
 def _shallow(results: Results, fem: FemAnswer) -> Iterator[str]:
     """Shallow failures of cohesionless faces, and whether the mechanism leaves the section at a side."""
     for face in fem.shallow_failures:
+        if face.is_edge(fem.settings.least_depth):
+            continue
         yield (
             f"At Kh = {coefficient(max(face.kh, 0.0))} already, the cohesionless face of "
             f"{shown_name(face.stratum, quoted=False)} from x = {face.start_x_m:g} to {face.end_x_m:g} m fails as an "

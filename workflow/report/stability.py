@@ -51,6 +51,8 @@ def _elements(results: Results, _: Texts) -> Iterator[Row]:
             force = _("seismic force upslope") if other.direction == "uphill" else _("seismic force downslope")
         yield Row(name, value, "", force + cut)
     for shallow_failure in fem.shallow_failures:
+        if shallow_failure.is_edge(fem.settings.least_depth):
+            continue
         where = _("shallow failure of the face from x = {start} to {end} m",
                   start=f"{shallow_failure.start_x_m:g}", end=f"{shallow_failure.end_x_m:g}")  # fmt: skip
         yield Row(name, coefficient(max(shallow_failure.kh, 0.0)), "", where)

@@ -111,6 +111,11 @@ class ShallowBoundPart(Part):
     end: float = Field(description="x of its right end (m)")
     kh: float = Field(description="seismic coefficient of the shallow failure")
 
+    def is_edge(self, least_depth: float) -> bool:
+        """Whether it is no face but the edge of a layer that comes out of the ground, narrower than the least depth (m)
+        of a failure that counts."""
+        return self.end - self.start < least_depth
+
 
 class SafetyPart(Part):
     """Strict bounds of the factor of safety at one Kh, ψ = φ."""

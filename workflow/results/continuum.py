@@ -87,6 +87,11 @@ class ShallowFailurePart(Part):
     angle_deg: float
     kh: float = Field(description="Kh at which they do; below 0 if they do by their own weight")
 
+    def is_edge(self, least_depth: float) -> bool:
+        """Whether it is no face but the edge of a layer that comes out of the ground, narrower than the least depth (m)
+        of a failure that counts."""
+        return self.end_x_m - self.start_x_m < least_depth
+
 
 class MeshStep(Part):
     """One mesh of the sequence that was adapted to the mechanism."""

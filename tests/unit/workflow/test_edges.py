@@ -1,0 +1,39 @@
+"""A narrow edge of a layer without cohesion is no shallow failure of a face."""
+
+from fem.settings import FemSettings
+from workflow.report.console import beside_sentences, bounds_sentences
+from workflow.results.bounds import BoundsAnswer, ShallowBoundPart
+from workflow.results.continuum import FemAnswer, ShallowFailurePart
+
+
+def elements(width: float) -> str:
+    face = ShallowFailurePart(stratum="Liner", start_x_m=32.9, end_x_m=32.9 + width, angle_deg=18.0, kh=-0.1)
+    settings = FemSettings(least_depth=0.5)
+    answer = FemAnswer.model_construct(
+        associated=None, opposite=None, shallow_failures=(face,), kc=0.115, settings=settings
+    )
+    [told] = beside_sentences(answer)
+    return told
+
+
+def bounds(width: float) -> str:
+    face = ShallowBoundPart(stratum="Liner", start=32.9, end=32.9 + width, kh=0.05)
+    answer = BoundsAnswer.model_construct(
+        shallow_failures=(face,), shallow=None, least_depth=0.5, load_ends=(), words="0.1 <= Kh", verdict="bracketed",
+        safety=(), substitute=None,
+    )  # fmt: skip
+    return next(iter(bounds_sentences(answer)))
+
+
+def test_seven_centimetres_of_a_liner_are_an_edge() -> None:
+    assert elements(0.07) == (
+        'The edge of "Liner", 0.07 m wide where it comes out of the ground at x = 32.9 m, has no cohesion and '
+        "crumbles by its own weight: no failure of the slope."
+    )
+    assert bounds(0.07).startswith('The edge of "Liner", 0.07 m wide')
+    assert "crumbles at Kh = 0.050" in bounds(0.07)
+
+
+def test_three_metres_are_a_face() -> None:
+    assert elements(3.0).startswith('Shallow failure of the face of "Liner" from x = 32.9')
+    assert bounds(3.0).startswith('Shallow failure of the face of "Liner" from x = 32.9')
