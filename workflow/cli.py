@@ -312,9 +312,9 @@ def bounds(
     """Strict lower and upper bound of the critical seismic coefficient, ψ = φ; they check the finite elements."""
     from workflow.invocation import Invocation
 
-    options = {"run": True, "gap": gap, "davis": davis, "max_cells": max_cells, "safety_factor": safety_factor}
+    options = {"gap": gap, "davis": davis, "max_cells": max_cells, "safety_factor": safety_factor}
     invocation = Invocation.of(section, folder, {"bounds": options, "fem": {"sides": sides}}, settings)
-    _up_to("bounds", invocation, force, Verbosity.of(quiet, verbose, json))
+    _up_to("bounds", invocation.with_bounds(), force, Verbosity.of(quiet, verbose, json))
 
 
 def _of_stage(stage: str, words: str) -> None:

@@ -86,6 +86,10 @@ class Invocation:
         own: dict[str, Any] = {"mesh_options": self.mesh_options, "section_file": self.section}
         return Job(self.config, self.store, stages.STAGES, **own, **more)
 
+    def with_bounds(self) -> "Invocation":
+        """The invocation with bounds, whatever bounds.run says."""
+        return replace(self, config=self.config.with_settings("bounds", run=True))
+
     def with_safety_factors(self) -> "Invocation":
         """The invocation with factors of safety and their bounds, at Kh = 0 and at every Kh whose fields are kept."""
         asked = tuple(sorted({0.0, *self.config.fem.kh, *self.config.fem.safety_factor_at}))

@@ -8,6 +8,7 @@ import pytest
 from tests.support.command_line import run
 from tests.support.sections import written
 from tests.support.settings_reads import KEYS
+from workflow.config import Config
 from workflow.invocation import Invocation
 from workflow.stages import STAGES, command_of
 from workflow.study.command import _unread
@@ -96,6 +97,21 @@ def test_bounds_by_their_own_command_do_not_ask_whether_they_are_wanted(tmp_path
     assert invocation.unread(NAMES) == invocation.unread(["mesh", "fem", "bounds"]) == []
     [line] = in_words(["bounds.run"], "bounds", [command_of(name) for name in NAMES])
     assert line == "Warning: noshiro bounds does not read bounds.run; it is read by noshiro run."
+
+
+@pytest.mark.parametrize(("asked", "told"), [((), False), (("--set", "bounds.run=false"), True)])
+def test_the_command_bounds_tells_of_bounds_run_where_it_was_set(
+    asked: tuple[str, ...],
+    told: bool,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    configs: list[Config] = []
+    monkeypatch.setattr("workflow.terminal.execute", lambda job, *rest, **more: configs.append(job.config))
+    assert run("bounds", written(tmp_path), "--out", tmp_path / "out", *asked) == 0
+    assert ("noshiro bounds does not read bounds.run" in capsys.readouterr().out) == told
+    assert configs[0].bounds.run is True
 
 
 def test_a_study_tells_what_its_parts_do_not_read() -> None:
