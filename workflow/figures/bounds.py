@@ -120,11 +120,7 @@ def _mesh_sheet(section: Section, bounds: KhBounds, window: Window) -> Sheet:
     whole = [without_film(layer.name) for layer in strata]
     names = [name if name in known else soil_of_strip(name) for name in whole]
     colours = [soil_colours(known)[known.index(name)] for name in names]
-    soils = {
-        soil_of(stratum.name): colour
-        for colour, stratum in zip(colours, strata, strict=True)
-        if stratum.name == without_film(stratum.name)
-    }
+    soils = {soil_of(name): colour for name, colour in zip(names, colours, strict=True)}
     handles = [
         Patch(facecolor=colour, edgecolor=INK, linewidth=0.6, label=f" {soil}") for soil, colour in soils.items()
     ]
