@@ -22,7 +22,8 @@ def slices_sentences(answer: SlicesAnswer) -> Iterator[str]:
         if factors.circles:
             yield f"Factor of safety at Kh = {factors.kh:g} by slip circles: {_listed(factors.circles, 2)}."
     if answer.critical:
-        yield f"Critical Kh by slip circles: {_listed(answer.critical, 3)}."
+        fails = ": the ground fails without shaking" if min(circle.bishop for circle in answer.critical) < 0.0 else ""
+        yield f"Critical Kh by slip circles: {_listed(answer.critical, 3)}{fails}."
     if answer.weak_layers and (answer.critical or any(factors.circles for factors in answer.factors)):
         layers = " and ".join(map(shown_name, answer.weak_layers))
         yield (
