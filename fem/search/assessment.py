@@ -184,7 +184,7 @@ class _Search:
         beside = self.executor.submit(partial(self.beside_limit_loads, adapted, one_way))
         critical = self.path_to(adapted, one_way)
         better, other = beside.result()
-        if better is not adapted:
+        if better.mesh is not adapted.mesh:
             critical = self.path_to(better, one_way)
         return _together(critical, better.mesh, better, better.other, other, safety)
 

@@ -100,3 +100,15 @@ def test_ground_that_only_its_free_field_sides_push_over_is_told_so():
     with pytest.raises(UnstableError, match=r"stands with its sides held: its factor of safety is 1\.\d\d then"):
         assessed(cut)
     assert assessed(cut, sides="smooth").critical.kc > 0.0
+
+
+@pytest.mark.parametrize("soil", [{}, {"dilation_angle": "0 deg"}])
+def test_the_path_is_followed_once_where_both_flow_rules_have_one_mesh(soil, monkeypatch):
+    """A second one would begin where the first one ended, and tell states below failure that were never there."""
+    followed = []
+    path = assessment.critical_coefficient
+    monkeypatch.setattr(assessment, "critical_coefficient", lambda *given: followed.append(1) or path(*given))
+    found = assessed(slope_with(cohesion="5 kPa", friction_angle="32 deg", **soil), kh=(0.2,))
+    assert len(followed) == 1
+    (state,) = (state for state in found.critical.states if state.kh == 0.2)
+    assert np.any(state.failed)
