@@ -37,7 +37,16 @@ def within(value: float, limits: Range) -> bool:
     return none or limits.low * (1.0 - 1e-9) <= value / limits.si <= limits.high * (1.0 + 1e-9)
 
 
-SIZES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "m": 1.0, "km": 1e3, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6}  # SI
+SIZES: dict[str, float] = {
+    "Pa": 1.0,
+    "kPa": 1e3,
+    "MPa": 1e6,
+    "m": 1.0,
+    "km": 1e3,
+    "cm": 1e-2,
+    "mm": 1e-3,
+    "µm": 1e-6,
+}  # SI
 UNUSUAL = ", or unusual = true at the head of the file if it is meant"
 
 

@@ -34,7 +34,7 @@ SMC = re.compile(r"^\s*[1-4]\s+(?:UN)?(?:CORRECTED\s+)?(ACCELEROGRAM|VELOCITY|DI
 SMC_TEXT_LINES, SMC_INTEGERS, SMC_REALS = 11, 48, 50
 SMC_COUNT, SMC_RATE = 17, 2  # which of the integers and reals are the number of values, and those in a second
 SMC_NO_VALUE = 1e30  # a real that is not known is 1.7E+38
-SMC_QUANTITIES = {
+SMC_QUANTITIES: dict[str, tuple[str, str]] = {
     "ACCELEROGRAM": ("acceleration", "cm/s/s"),
     "VELOCITY": ("velocity", "cm/s"),
     "DISPLACEMENT": ("displacement", "cm"),

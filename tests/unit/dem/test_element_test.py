@@ -182,8 +182,8 @@ def test_frame_follows_its_affine_motion_to_rounding() -> None:
         ({"pressures": [1e4]}, "two or more"),
         ({"pressures": [1e4, -1e4]}, "above 0 Pa"),
         ({"pressures": [1e4, float("nan")]}, "above 0 Pa"),
-        ({"strain": 0.0}, "strain of 0.0"),
-        ({"rate": 1.0}, "rate of 1.0"),
+        ({"strain": 0.0}, "strain = 0.0"),
+        ({"rate": 1.0}, "rate = 1.0"),
         ({"size": (4, 18)}, "4 x 18"),
     ],
 )
