@@ -14,6 +14,7 @@ import shutil
 import sys
 import tempfile
 import time
+from collections.abc import Iterable
 from pathlib import Path
 
 PACKAGES = ("dem", "fem")  # those with kernels, folders beside this package
@@ -49,10 +50,16 @@ def kept_kernels() -> Path:
 
 def hash_of_kernels(top: Path) -> str:
     """Hash of all sources in the kernels' rooms of the packages in the folder `top`."""
+    return hash_of_files(
+        (path for package in PACKAGES for path in sorted((top / package / "kernels").rglob("*.py"))), top
+    )
+
+
+def hash_of_files(paths: Iterable[Path], top: Path) -> str:
+    """Hash of the contents of files, in their order, and of their places in the folder `top`."""
     digest = hashlib.sha256()
-    for package in PACKAGES:
-        for path in sorted((top / package / "kernels").rglob("*.py")):
-            digest.update(str(path.relative_to(top)).encode() + b"\0" + path.read_bytes() + b"\0")
+    for path in paths:
+        digest.update(str(path.relative_to(top)).encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:16]
 
 

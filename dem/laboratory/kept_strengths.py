@@ -7,7 +7,6 @@ another law is taken. A test has the same bits whoever computes it, so that it d
 import hashlib
 import json
 import platform
-from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import asdict
 from functools import cache
@@ -20,9 +19,10 @@ from llvmlite.binding import get_host_cpu_name
 from dem.errors import DemError
 from dem.laboratory.compression import PatchStrength, compress
 from dem.laboratory.contact_numbers import PRESSURE, ContactNumbers
-from meshes.compiled import kept_kernels
+from meshes.compiled import hash_of_files, kept_kernels
 from meshes.files import whole
 
+ROOMS = "", "engine", "kernels", "laboratory"  # of the discs, whose sources a test depends on
 OVERLAP = 0.5  # over the mean radius, at which a test is stopped
 
 
@@ -65,15 +65,9 @@ def _name(numbers: ContactNumbers, seed: int) -> str:
 
 @cache
 def _folder() -> Path:
-    """Folder of stored results that belong to the present sources, on this machine."""
-    digest = hashlib.sha256(repr((platform.machine(), get_host_cpu_name(), numba.__version__, np.__version__)).encode())
-    for path in _sources():
-        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
-    return kept_kernels() / f"element_tests_{digest.hexdigest()[:16]}"
-
-
-def _sources() -> Iterator[Path]:
-    """The files of the discs on which a test depends, in their order."""
+    """Where the results of these sources on this machine are."""
     package = Path(__file__).parents[1]
-    for room in ("", "engine", "kernels", "laboratory"):
-        yield from sorted((package / room).glob("*.py"))
+    sources = (path for room in ROOMS for path in sorted((package / room).glob("*.py")))
+    machine = platform.machine(), get_host_cpu_name(), numba.__version__, np.__version__
+    digest = hashlib.sha256(repr((*machine, hash_of_files(sources, package))).encode())
+    return kept_kernels() / f"element_tests_{digest.hexdigest()[:16]}"

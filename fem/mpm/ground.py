@@ -16,6 +16,7 @@ from fem.kernels import material_points as kernel
 from fem.mpm.grid import BackgroundGrid
 from fem.mpm.points import MaterialPoints, PointSoil
 from fem.settings import Sides
+from meshes.section.layering import middles
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
@@ -84,8 +85,7 @@ class PointGround:
         A skin of less than a quarter of a cell is none: half a point at most.
         """
         layering, liquefies = self.section.layering, [bool(s.liquefies_in) for s in self.section.strata]
-        left, right = self.section.extent
-        x = np.linspace(left, right, COLUMNS, endpoint=False) + 0.5 * (right - left) / COLUMNS
+        x = middles(*self.section.extent, COLUMNS)
         levels = layering.interfaces(x)
         wet = (levels[:, :-1] - levels[:, 1:] > layering.tolerance) & liquefies
         thickness = (levels[:, 0] - levels[np.arange(len(x)), wet.argmax(axis=1)])[wet.any(axis=1)]

@@ -15,6 +15,7 @@ from typing import Self
 
 import numpy as np
 
+from meshes.section.layering import middles
 from meshes.section.polyline import Line, level_at
 from meshes.section.stratum import Stratum
 from meshes.section.surcharge import SurfaceLoads
@@ -85,7 +86,7 @@ class CohesionField:
     def _verticals(self) -> tuple[np.ndarray, np.ndarray]:
         """x (m) of vertical lines over the section, and the elevations (n, k + 1) of its interfaces on them."""
         layers = self.water.layers
-        x = layers.x[0] + (layers.x[-1] - layers.x[0]) * (np.arange(COLUMNS) + 0.5) / COLUMNS
+        x = middles(layers.x[0], layers.x[-1], COLUMNS)
         return x, layers.interfaces(x)
 
     def _columns(self, stratum: int) -> tuple[np.ndarray, np.ndarray]:

@@ -129,6 +129,11 @@ class Layering:
         return without_collinear(points[distinct], self.tolerance)
 
 
+def middles(left: float, right: float, count: int) -> np.ndarray:
+    """x (count,) of the middles of so many columns of one width between ``left`` and ``right`` (m)."""
+    return left + (right - left) * (np.arange(count) + 0.5) / count
+
+
 def without_collinear(polygon: np.ndarray, tolerance: float) -> np.ndarray:
     """A closed polygon (n, 2) without the points that lie on the straight line between their neighbours.
 

@@ -4,9 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshes.section.layering import middles
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.section.water import FRESH
+
+COLUMNS = 200  # along the section
 
 
 @dataclass(frozen=True)
@@ -84,15 +87,10 @@ def outside(section: Section, x: float, depth: float) -> str:
 
 def reaches_water(section: Section, stratum: int) -> bool:
     """Whether any of a stratum lies below the water table, or below the piezometric level of its own."""
-    x = _columns(section)
+    x = middles(*section.given_extent, COLUMNS)
     levels = section.layering.interfaces(x)
     points = _level(section, stratum)
     if points is None:
         return False
     there = levels[:, stratum] > levels[:, stratum + 1]
     return bool(np.any(there & (levels[:, stratum + 1] < np.interp(x, *points.T) - 1e-9)))
-
-
-def _columns(section: Section, number: int = 200) -> np.ndarray:
-    left, right = section.given_extent
-    return left + (right - left) * (np.arange(number) + 0.5) / number

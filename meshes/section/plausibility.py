@@ -11,7 +11,7 @@ from meshes.section.cutting import BELOW_WATER, DividedStratum, divided_by_water
 from meshes.section.layering import Layering
 from meshes.section.model import Model
 from meshes.section.polyline import level_at
-from meshes.section.quantity import GRAVITY, NUMBER_AND_UNIT
+from meshes.section.quantity import COMMON_UNITS, GRAVITY, NUMBER_AND_UNIT
 from meshes.section.stratum import MISSING_DENSITY, Stratum
 from meshes.section.surcharge import Surcharge
 from meshes.section.water import Water
@@ -37,16 +37,8 @@ def within(value: float, limits: Range) -> bool:
     return none or limits.low * (1.0 - 1e-9) <= value / limits.si <= limits.high * (1.0 + 1e-9)
 
 
-SIZES: dict[str, float] = {
-    "Pa": 1.0,
-    "kPa": 1e3,
-    "MPa": 1e6,
-    "m": 1.0,
-    "km": 1e3,
-    "cm": 1e-2,
-    "mm": 1e-3,
-    "µm": 1e-6,
-}  # SI
+# Units of stress and length in SI.
+SIZES = {unit: size for unit, (si, size) in COMMON_UNITS.items() if si in ("Pa", "m")} | {"µm": 1e-6}
 UNUSUAL = ", or unusual = true at the head of the file if it is meant"
 
 

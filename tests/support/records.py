@@ -1,11 +1,32 @@
 """Random records, and files of every format written from them as the networks write theirs."""
 
 from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+import pytest
+
+from meshes.errors import InputError
+from workflow.earthquake.accelerogram import Accelerogram, read
 
 GRAVITY = 9.80665
+
+
+def read_text(text: str, name: str = "record.txt", **how: str) -> Accelerogram:
+    """The record in a file of this text."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / name
+        path.write_text(text, encoding="utf-8")
+        return read(path, **how)
+
+
+def refused(text: str, **how: str) -> str:
+    """Why a file of this text is no record."""
+    with pytest.raises(InputError) as caught:
+        read_text(text, **how)
+    return "\n".join(caught.value.problems)
 
 
 def motion(seed: int, count: int, step: float) -> np.ndarray:

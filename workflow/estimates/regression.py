@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshes.section.layering import middles
 from meshes.section.section import Section
 
 
@@ -47,7 +48,7 @@ def liquefied(section: Section, case: int, columns: int = 400) -> Liquefied | No
     """
     which = [k for k, stratum in enumerate(section.strata) if case in stratum.liquefies_in]
     left, right = section.extent
-    x = left + (right - left) * (np.arange(columns) + 0.5) / columns
+    x = middles(left, right, columns)
     levels = section.layering.interfaces(x)
     layers = levels[:, :-1] - levels[:, 1:]
     if not which:

@@ -12,7 +12,7 @@ import numpy as np
 from meshes.section.section import Section
 from meshes.section.tension_crack import TensionCrack
 from workflow.estimates.slice_methods import bishop_critical_kh, bishop_factor, spencer_critical_kh, spencer_factor
-from workflow.estimates.slices import LEFT, Slices, divide, pushed_by_crack
+from workflow.estimates.slices import LEFT, RIGHT, Slices, divide, pushed_by_crack
 
 ENDS, DEPTHS = 41, 16  # points of the ground, and circles through a pair of them, on the first grid
 SLICES, FINE_SLICES = 40, 200  # of a circle on the first grids, and on the last ones
@@ -22,6 +22,7 @@ CHUNK = 4000  # circles at a time, on the first grid
 STEEPEST = np.radians(80.0)  # of the base: steeper ones are in tension, which slices do not bear
 OUT, INTO = np.radians((30.0, 60.0))  # slopes at which a slip surface that ends below the ground is taken to it
 LEAST_DEPTH = 0.02  # of the height of the section: shallower circles are the infinite slope's
+FEWEST_POINTS = 3  # of a slip surface
 
 NO_CRACK = TensionCrack()
 
@@ -114,6 +115,25 @@ def surface_balance(
     z = np.minimum(np.interp(x, *line.T), section.layering.interfaces(x)[:, 0])
     slices = divide(section, x[None], z[None], towards, shaken=kh != 0.0, vertical=vertical)
     return _by_spencer(slices, kh)
+
+
+def least_balance(section: Section, line: np.ndarray, kh: float | None = 0.0, vertical: float = 0.0) -> float | None:
+    """The smaller of Spencer's factors of safety, or critical Kh, of a slip surface towards both sides.
+
+    Parameters
+    ----------
+    section, line, kh, vertical
+        As for `surface_balance`.
+
+    Returns
+    -------
+    float or None
+        None for a line of fewer than three points, and where forces and moments balance towards neither side.
+    """
+    if len(line) < FEWEST_POINTS:
+        return None
+    both = (surface_balance(section, line, side, kh, vertical) for side in (LEFT, RIGHT))
+    return min((value for value in both if value is not None), default=None)
 
 
 def _by_spencer(slices: Slices, kh: float | None) -> float | None:

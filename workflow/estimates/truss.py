@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshes.section.layering import middles
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
@@ -53,7 +54,7 @@ def truss_of(section: Section, case: int) -> Truss | None:
     """
     which = [k for k, stratum in enumerate(section.strata) if case in stratum.liquefies_in]
     left, right = section.given_extent
-    x = left + (right - left) * (np.arange(COLUMNS) + 0.5) / COLUMNS
+    x = middles(left, right, COLUMNS)
     levels = section.layering.interfaces(x)
     thick = levels[:, :-1] - levels[:, 1:]
     here = (thick[:, which] > 0.0).any(axis=1) if which else np.zeros(COLUMNS, dtype=bool)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from meshes.section.cutting import whole_soil
+from meshes.section.layering import middles
 from meshes.section.section import Section
 
 # A layer is thin below this share of the relief of the ground, and weak below this share of the strength of the weaker
@@ -28,8 +29,8 @@ def thin_weak_layers(section: Section) -> tuple[str, ...]:
         Names as in the file.
     """
     layers = section.layering
-    width = float(layers.x[-1] - layers.x[0]) / COLUMNS
-    x = layers.x[0] + width * (np.arange(COLUMNS) + 0.5)
+    left, right = section.extent
+    x, width = middles(left, right, COLUMNS), (right - left) / COLUMNS
     levels = layers.interfaces(x)
     soils = [whole_soil(stratum.name) for stratum in section.strata]
     relief = float(np.ptp(section.ground[:, 1]))

@@ -6,12 +6,9 @@ import numpy as np
 
 from meshes.section.cutting import shown_name
 from workflow.config import Config
-from workflow.estimates.slices import LEFT, RIGHT
-from workflow.estimates.slip_circles import surface_balance
+from workflow.estimates.slip_circles import least_balance
 from workflow.results.continuum import FactorOfSafety
 from workflow.results.slices import CirclePart, SlicesAnswer
-
-FEWEST_POINTS = 3  # of a slip surface
 
 
 def slices_sentences(answer: SlicesAnswer) -> Iterator[str]:
@@ -46,12 +43,4 @@ def _words(circle: CirclePart, digits: int) -> str:
 
 def factor_on_surface(config: Config, factor: FactorOfSafety) -> float | None:
     """Spencer's factor of safety on the slip surface of the elements, towards the side to which it slides."""
-    factors = [_by_spencer(config, factor.slip_surface, side, factor.kh) for side in ("left", "right")]
-    return min((value for value in factors if value is not None), default=None)
-
-
-def _by_spencer(config: Config, line: Sequence[tuple[float, float]], towards: str, kh: float | None) -> float | None:
-    if len(line) < FEWEST_POINTS:
-        return None
-    side = LEFT if towards == "left" else RIGHT
-    return surface_balance(config.section, np.array(line), side, kh, config.fem.vertical)
+    return least_balance(config.section, np.array(factor.slip_surface), factor.kh, config.fem.vertical)

@@ -11,6 +11,7 @@ from workflow.results.cases import CaseAnswer
 from workflow.results.disc_grids import case_name, frames
 from workflow.results.material_points import PointCase
 from workflow.run.store import Store
+from workflow.stages.liquefaction import first_equal
 
 POINTS = "mpm"  # the set of springs of material points, and the folder of their states
 
@@ -46,15 +47,11 @@ def case_pictures(
     config: Config, store: Store, springs: str, cases: Mapping[int, CaseAnswer | PointCase]
 ) -> list[CasePictures]:
     """The pictures of all cases of a set of springs; cases of the same answer slid alike, whatever their stiffness."""
-    groups: list[dict[int, CaseAnswer | PointCase]] = []
-    answers = {number: case.model_dump(exclude={"stiffness"}) for number, case in cases.items()}
-    for number, case in sorted(cases.items()):
-        alike = next((group for group in groups if answers[next(iter(group))] == answers[number]), None)
-        if alike is None:
-            groups.append({number: case})
-        else:
-            alike[number] = case
-    return [CasePictures(config, store, springs, group) for group in groups]
+    first = first_equal({n: cases[n].model_dump_json(exclude={"stiffness"}) for n in sorted(cases)})
+    groups: dict[int, dict[int, CaseAnswer | PointCase]] = {}
+    for number, one in first.items():
+        groups.setdefault(one, {})[number] = cases[number]
+    return [CasePictures(config, store, springs, group) for group in groups.values()]
 
 
 def drawn(wanted: CasePictures, _: Tell) -> None:

@@ -1,11 +1,13 @@
 """Strata that liquefy in each case, by settings, blow counts and earthquake."""
 
-from collections.abc import Collection
-from typing import Any
+from collections.abc import Collection, Hashable, Mapping
+from typing import Any, TypeVar
 
 from meshes.section.liquefies import Remains
 from workflow.config import Config
 from workflow.triggering.assessment import assess
+
+Item = TypeVar("Item", bound=Hashable)
 
 LOST = ("cohesion", "friction", "residual", "residual_strength")  # of a case, what it does to the strength of strata
 
@@ -25,6 +27,12 @@ def remaining(config: Config) -> dict[int, dict[int, Remains]]:
         n: {k: config.cases[n - 1].remains_of(config.section, k) for k in strata}
         for n, strata in liquefying(config).items()
     }
+
+
+def first_equal(keys: Mapping[Item, Hashable]) -> dict[Item, Item]:
+    """For every item the first one with the same key, which may be itself: only that one has to be computed."""
+    first: dict[Hashable, Item] = {}
+    return {item: first.setdefault(key, item) for item, key in keys.items()}
 
 
 def lowest_factors(config: Config) -> list[float | None]:

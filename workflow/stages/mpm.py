@@ -16,7 +16,7 @@ from workflow.results.answer import SectionLabel, line
 from workflow.results.material_points import WARNING, PointCase, PointSlidesAnswer
 from workflow.run.stage import Job, Stage, unless_it_liquefies
 from workflow.run.store import Store
-from workflow.stages.liquefaction import liquefying, remaining, taken
+from workflow.stages.liquefaction import first_equal, liquefying, remaining, taken
 from workflow.stages.slide import files, of_the_record
 
 if TYPE_CHECKING:
@@ -120,8 +120,7 @@ def _alike(config: Config, wanted: Sequence[int]) -> dict[int, int]:
     the other numbers of a case, so that both slides are the same.
     """
     remains = remaining(config)
-    strength = {n: (remains[n], config.cases[n - 1].volumetric_strain) for n in wanted}
-    return {n: next(first for first in wanted if strength[first] == strength[n]) for n in wanted}
+    return first_equal({n: (tuple(remains[n].items()), config.cases[n - 1].volumetric_strain) for n in wanted})
 
 
 def draw(job: Job) -> None:

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from meshes.section.section import Section
     from workflow.results.bearing import Bearing
 
-FEWEST_POINTS = 3  # of a slip surface
-
 
 def work(job: Job) -> None:
     """Factors of safety with peak and with residual strength; leaves fem/residual.json."""
@@ -77,17 +75,13 @@ def _along(
 ) -> AlongSurface | None:
     """Spencer's factors of safety along the slip surface that the elements have with peak strength."""
     from fem.search.slip_surface import slip_surface
-    from workflow.estimates.slices import LEFT, RIGHT
-    from workflow.estimates.slip_circles import surface_balance
+    from workflow.estimates.slip_circles import least_balance
 
     mechanism = peak.result.mechanism
     surface = slip_surface(peak.mesh, mechanism) if mechanism is not None else np.empty((0, 2))
-    if len(surface) < FEWEST_POINTS:
+    if not len(surface):
         return None
-    factors: list[float | None] = []
-    for ground in (section, softened):
-        both = [surface_balance(ground, surface, side, 0.0, vertical) for side in (LEFT, RIGHT)]
-        factors.append(min((value for value in both if value is not None), default=None))
+    factors = [least_balance(ground, surface, 0.0, vertical) for ground in (section, softened)]
     return AlongSurface(surface_m=line(surface), peak=factors[0], residual=factors[1])
 
 

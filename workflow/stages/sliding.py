@@ -15,7 +15,7 @@ from meshes.executor import Tell
 from workflow.config import Config
 from workflow.results.disc_grids import case_name, frame_file, frames, write_frame
 from workflow.run.store import Store
-from workflow.stages.liquefaction import liquefying
+from workflow.stages.liquefaction import first_equal, liquefying
 from workflow.stages.shaking import shaking_of
 
 ALONE = 0  # the number of the case without liquefaction, Kh alone
@@ -54,9 +54,8 @@ class PlannedSlide:
 
 
 def first_alike(config: Config, tasks: Sequence[PlannedSlide]) -> dict[PlannedSlide, PlannedSlide]:
-    """For every slide the first one with the same inputs, which may be itself: only that one has to be computed."""
-    first: dict[Hashable, PlannedSlide] = {}
-    return {each: first.setdefault(each.effect(config), each) for each in tasks}
+    """For every slide the first one with the same inputs."""
+    return first_equal({each: each.effect(config) for each in tasks})
 
 
 def task(config: Config, springs: str, number: int, start: DiscModel, ground: Ground) -> PlannedSlide:

@@ -1,31 +1,13 @@
 """Records as practitioners bring them come back as the plain table does; what cannot be read is called by its name."""
 
-from pathlib import Path
-from tempfile import TemporaryDirectory
-
 import numpy as np
 import pytest
 
-from meshes.errors import InputError
-from tests.support.records import CM, GRAVITY, motion
-from workflow.earthquake.accelerogram import Accelerogram, read
+from tests.support.records import CM, GRAVITY, motion, read_text, refused
 
 COUNT, STEP = 400, 0.01
 VALUES = motion(3, COUNT, STEP)
 TIME = STEP * np.arange(COUNT)
-
-
-def read_text(text: str, **how: str) -> Accelerogram:
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "record.txt"
-        path.write_text(text, encoding="utf-8")
-        return read(path, **how)
-
-
-def refused(text: str, **how: str) -> str:
-    with pytest.raises(InputError) as caught:
-        read_text(text, **how)
-    return "\n".join(caught.value.problems)
 
 
 def rows(form: str, *columns: np.ndarray) -> str:

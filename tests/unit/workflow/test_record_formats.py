@@ -1,7 +1,5 @@
 """Random records written in every format come back; what a file does not say is asked for, what is odd is told."""
 
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -9,27 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from meshes.errors import InputError
 from meshes.section.motion_units import motion_unit, time_unit
 from tests.support import records
-from tests.support.records import CM, GRAVITY, WRITERS, bhrc, columns, geonet, motion
+from tests.support.records import CM, GRAVITY, WRITERS, bhrc, columns, geonet, motion, read_text, refused
 from workflow.earthquake.acceleration import read as acceleration
-from workflow.earthquake.accelerogram import Accelerogram, read
 
 STEPS = st.sampled_from([0.005, 0.01, 0.02])
-
-
-def read_text(text: str, name: str = "record.txt", **how: str) -> Accelerogram:
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / name
-        path.write_text(text, encoding="utf-8")
-        return read(path, **how)
-
-
-def refused(text: str, **how: str) -> str:
-    with pytest.raises(InputError) as caught:
-        read_text(text, **how)
-    return "\n".join(caught.value.problems)
 
 
 @pytest.mark.parametrize("name", WRITERS)
