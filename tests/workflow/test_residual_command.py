@@ -8,6 +8,8 @@ import pytest
 import tomli_w
 
 from tests.support import command_line
+from workflow.results.bearing import Bearing, Stands
+from workflow.stages.residual import verdict_of
 
 CLAY = {"youngs_modulus": "30 MPa", "poissons_ratio": 0.45, "density": "18 kN/m^3", "friction_angle": "0 deg"}
 
@@ -90,3 +92,34 @@ def test_ground_without_residual_strength_is_told_so(tmp_path: Path, capsys: pyt
     path.write_text("\n".join(kept))
     assert command_line.run("residual", path, "--out", tmp_path / "run") == 2
     assert "no stratum has a residual strength" in " ".join(capsys.readouterr().err.split())
+
+
+@pytest.mark.parametrize(
+    ("factor", "stands", "verdict"),
+    [
+        (1.4, "stands", "stands"),
+        (1.4, "flows", "would continue"),
+        (0.9, "flows", "fails"),
+        (None, "flows", "undecided"),
+    ],
+)
+def test_nothing_is_said_of_a_peak_strength_that_was_not_found(
+    factor: float | None, stands: Stands, verdict: str
+) -> None:
+    everywhere = Bearing(
+        stands=stands, reason="", kc=None, kc_lower=None, kc_upper=None, factor=None, factor_lower=None,
+        factor_upper=None, notes=(),
+    )  # fmt: skip
+    assert verdict_of(factor, everywhere) == verdict
+
+
+@pytest.mark.slow
+def test_a_dilation_angle_that_is_taken_as_given_is_followed_along_a_path(tmp_path: Path) -> None:
+    """With flow = "section" there is no limit load, and the peak has the factor of its path, no mechanism."""
+    path = written(tmp_path, "5 kPa", cohesion="20 kPa", friction_angle="25 deg", dilation_angle="5 deg",
+                   residual_friction_angle="15 deg")  # fmt: skip
+    coarse = ("--set", "fem.flow=section", "--set", "mesh.max_cells=150")
+    assert command_line.run("residual", path, "--out", tmp_path / "run", "--quiet", *coarse) == 0
+    steps = json.loads((tmp_path / "run/fem/residual.json").read_text())["steps"]
+    assert steps["notes"] == []
+    assert steps["everywhere"]["factor_upper"] < 1.0 < steps["peak"]

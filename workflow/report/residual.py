@@ -15,6 +15,11 @@ def residual_verdict(steps: TwoSteps, _: Texts) -> str:
         return _("With residual strength wherever it has one the ground still stands without shaking.")
     if steps.verdict == "fails":
         return _("The ground does not stand without shaking even with its peak strength.")
+    if steps.verdict == "undecided":
+        return _(
+            "With its residual strength the ground does not stand without shaking; what it bears with peak strength "
+            "was not found."
+        )
     return _(
         "With its peak strength the ground stands without shaking, with its residual strength it does not: where it "
         "has slid before, or begins to, it continues."
@@ -35,7 +40,7 @@ def residual_details(steps: TwoSteps) -> Iterator[str]:
         yield f"With residual strength everywhere: {factors(steps.everywhere)}."
     if steps.everywhere.kc is not None:
         yield f"Critical Kh with residual strength: {steps.everywhere.kc:.3f} by elements."
-    for note in steps.everywhere.notes:
+    for note in (*steps.notes, *steps.everywhere.notes):
         yield f"Warning: {note}."
 
 

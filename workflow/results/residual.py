@@ -8,7 +8,7 @@ from fem.settings import Sides
 from workflow.results.answer import Answer, Line, Part, SectionLabel
 from workflow.results.bearing import Bearing
 
-Verdict = Literal["stands", "would continue", "fails"]
+Verdict = Literal["stands", "would continue", "fails", "undecided"]
 
 
 class SoftenedStratum(Part):
@@ -32,11 +32,13 @@ class TwoSteps(Part):
 
     strata: tuple[SoftenedStratum, ...]
     verdict: Verdict = Field(
-        description="stands: with residual strength, too; would continue: with peak strength alone"
+        description="stands: with residual strength, too; would continue: with peak strength alone; undecided: not "
+        "with residual strength, and peak strength has no answer"
     )
     peak: float | None = Field(description="factor of safety at Kh = 0 with peak strength, by finite elements")
     along: AlongSurface | None = Field(description="None where the elements have no slip surface")
     everywhere: Bearing = Field(description="of the ground with residual strength wherever there is one")
+    notes: tuple[str, ...] = Field(default=(), description="what could not be found with peak strength, and why")
 
 
 class ResidualAnswer(Answer):

@@ -37,7 +37,8 @@ def work(job: Job) -> None:
     mesh = stored_mesh(section, job.store)
     softened = section.with_strata([stratum.softened() for stratum in section.strata])
     job.progress("peak strength", None)
-    peak = _peak(config, mesh)
+    notes: list[str] = []
+    peak = _peak(config, mesh, notes)
     factor = None if peak is None else peak.result.factor
     job.progress("residual strength", None)
     everywhere = bearing_of(softened, config, mesh)
@@ -51,23 +52,38 @@ def work(job: Job) -> None:
             for stratum in softened.strata
             if stratum.softens
         ),
-        verdict=_verdict(factor, everywhere),
+        verdict=verdict_of(factor, everywhere),
         peak=factor,
         along=None if peak is None else _along(section, softened, peak, config.fem.vertical),
         everywhere=everywhere,
+        notes=tuple(notes),
     )
     ResidualAnswer(section=SectionLabel.of(section), sides=config.fem.sides, steps=steps).write(job.store)
 
 
-def _peak(config: Config, mesh: "QuadMesh") -> "AdaptiveResult[SafetyFactor] | None":
-    """The factor of safety of the section of the input at Kh = 0, and the mesh on which it was found."""
+def _peak(config: Config, mesh: "QuadMesh", notes: list[str]) -> "AdaptiveResult[SafetyFactor] | None":
+    """The factor of safety of the section of the input at Kh = 0, and the mesh on which it was found; None, and a note
+    of the reason, where there is none.
+    """
     from mpi4py import MPI
 
+    from fem.continuum.strength import is_associated
     from fem.search.adaptive import AdaptiveSearch
+    from fem.search.mesh_sequence import AdaptiveResult
+    from fem.search.strength_reduction import safety_factor
 
-    search = AdaptiveSearch(config.section, config.mesh, mesh, MPI.COMM_SELF)
-    found = tried("", [], lambda: search.safety(config.fem, 0.0))
-    return found if found is not None and found.result.verdict != "undecided" else None
+    section, fem = config.section, config.fem
+
+    def find() -> "AdaptiveResult[SafetyFactor]":
+        if is_associated(section.strata, fem.flow):
+            return AdaptiveSearch(section, config.mesh, mesh, MPI.COMM_SELF).safety(fem, 0.0)
+        return AdaptiveResult(safety_factor(section, mesh, fem, 0.0, MPI.COMM_SELF), mesh)
+
+    found = tried("finite elements, peak strength", notes, find)
+    if found is not None and found.result.verdict == "undecided":
+        notes.append(f"finite elements, peak strength: {found.result.reason}")
+        return None
+    return found
 
 
 def _along(
@@ -90,11 +106,13 @@ def _without_residual(config: Config) -> str:
     return "" if any(stratum.softens for stratum in config.section.strata) else "no stratum has a residual strength"
 
 
-def _verdict(factor: float | None, everywhere: "Bearing") -> Verdict:
+def verdict_of(factor: float | None, everywhere: "Bearing") -> Verdict:
     """What both factors mean."""
     if everywhere.stands == "stands":
         return "stands"
-    return "fails" if factor is not None and factor < 1.0 else "would continue"
+    if factor is None:
+        return "undecided"
+    return "fails" if factor < 1.0 else "would continue"
 
 
 STAGE = Stage(
