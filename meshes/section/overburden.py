@@ -19,8 +19,9 @@ class Overburden:
     Attributes
     ----------
     stratum : index of the stratum
-    total : vertical stress (Pa) of the ground above the point alone, without water that stands on the ground
+    total : vertical stress (Pa) of what shakes above the point, ground and surcharges, without water on the ground
     effective : vertical effective stress (Pa)
+    loads : what surcharges add to either (Pa): the share that shakes, and that under which the ground has consolidated
     below_water : whether the point lies below the water table, or below the piezometric level of its stratum
     """
 
@@ -28,6 +29,7 @@ class Overburden:
     total: float
     effective: float
     below_water: bool
+    loads: tuple[float, float] = (0.0, 0.0)
 
 
 def overburden(section: Section, x: float, depth: float) -> Overburden:
@@ -38,6 +40,9 @@ def overburden(section: Section, x: float, depth: float) -> Overburden:
     free water adds nothing to the shear stress that shaking brings, a_max σv r_d/g (Seed & Idriss 1971), and a cone is
     zeroed at the mudline. The pore pressure is that of the stratum, after a drawdown if there is one, or hydrostatic
     below a water table that is only drawn.
+
+    Surcharges spread with depth as on an elastic half-plane (`Surcharge.below`): the total stress has the share of
+    their mass that shakes, the effective stress the share under which the ground has consolidated.
 
     ``x`` in the section and ``depth`` (m) within it: see `outside`. Where a stratum has two densities it is the seismic
     one that holds all of its mass; strata are cut where water stands in them, with a density on either side.
@@ -60,7 +65,18 @@ def overburden(section: Section, x: float, depth: float) -> Overburden:
         pressure = float(field.at_rest(place, place, np.array([stratum]))[0])
         free_water = float(field.ponded(field.after, place, place)[0])
         below_water = below_water and pressure > 0.0
-    return Overburden(stratum, total, total + free_water - pressure, below_water)
+    shaken, drained = loads = _loads(section, x, here)
+    return Overburden(stratum, total + shaken, total + free_water - pressure + drained, below_water, loads)
+
+
+def _loads(section: Section, x: float, elevation: float) -> tuple[float, float]:
+    """What surcharges add to the total and to the effective stress (Pa) at a point: see `Overburden.loads`."""
+    shaken = drained = 0.0
+    for load in section.surcharges:
+        stands_on = float(np.interp(min(max(x, load.start), load.end), *section.ground.T))
+        stress = load.below(x, stands_on - elevation)
+        shaken, drained = shaken + load.seismic_share * stress, drained + load.consolidated * stress
+    return shaken, drained
 
 
 def water_level(section: Section, x: float, stratum: int | None = None) -> float | None:

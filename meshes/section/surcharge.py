@@ -62,6 +62,22 @@ class Surcharge(Model):
         first, last = self.pressure
         return np.where((near > self.start) & (near < self.end), first + share * (last - first), 0.0)
 
+    def below(self, x: float, depth: float) -> float:
+        """The vertical stress (Pa) that the load adds at x (m), ``depth`` (m) below the level that it stands on.
+
+        A strip load on an elastic half-plane (Flamant's line load 2 p z³/(π r⁴), integrated; Poulos & Davis 1974,
+        section 3.1): Δσ = (p(x) [θ + sin θ cos θ] + p' z [sin² θ])/π between the angles θ to either end, counted
+        from the vertical. Nothing above that level.
+        """
+        if depth <= 0.0:
+            return 0.0
+        first, last = self.pressure
+        slope = (last - first) / (self.end - self.start)
+        a, b = (np.arctan2(end - x, depth) for end in (self.start, self.end))
+        even = b - a + 0.5 * (np.sin(2.0 * b) - np.sin(2.0 * a))
+        uneven = np.sin(b) ** 2 - np.sin(a) ** 2
+        return float(((first + slope * (x - self.start)) * even + slope * depth * uneven) / np.pi)
+
 
 # Of the pressure of moving water on a wall, Westergaard 1933, Trans. ASCE 98, eq. 24 in its rounded form.
 WESTERGAARD = 7.0 / 8.0

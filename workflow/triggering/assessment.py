@@ -21,6 +21,7 @@ from workflow.triggering.potential import potential
 from workflow.triggering.settings import TriggeringSettings
 
 ABOVE_WATER = "above the water table"  # why a soil is not judged
+LEAST_LOAD = 0.01  # of the total stress: what surcharges add to it is told
 
 
 @dataclass(frozen=True)
@@ -179,13 +180,21 @@ def off_the_section(section: Section, settings: TriggeringSettings) -> list[str]
 
 
 def below_loads(section: Section, settings: TriggeringSettings) -> list[str]:
-    """A sentence where borings stand below surcharges, which the stresses of triggering do not count."""
-    loaded = [boring.name for boring in settings.borings
-              if any(load.start < boring.x < load.end for load in section.surcharges)]  # fmt: skip
+    """A sentence on the borings whose stresses the surcharges change, and how they count there."""
+    loaded = [boring.name for boring in settings.borings if section.surcharges and _feels_loads(section, boring)]
     if not loaded:
         return []
-    return [f"triggering, borings: {', '.join(loaded)}: surcharges there do not count in σv and σ'v of F_L, which are "
-            "those of the ground alone"]  # fmt: skip
+    return [
+        f"triggering, borings: {', '.join(loaded)}: surcharges there spread with depth as on an elastic half-plane; σv "
+        "of F_L has their seismic_share, σ'v and the normalised resistance their share consolidated, which is 1 of a "
+        "load under which sand has drained"
+    ]
+
+
+def _feels_loads(section: Section, boring: Boring) -> bool:
+    depths = [test.depth for test in (*boring.spt, *boring.cpt) if not outside(section, boring.x, test.depth)]
+    stresses = [overburden(section, boring.x, depth) for depth in depths]
+    return any(max(stress.loads) > LEAST_LOAD * stress.total for stress in stresses)
 
 
 def _outside(section: Section, boring: Boring) -> list[str]:

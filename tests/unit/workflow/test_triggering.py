@@ -293,18 +293,42 @@ def test_blow_counts_give_the_strengths_where_nothing_else_does(tables: dict[str
     assert not [line for line in config.notices if "nothing says what strength" in line]
 
 
-def test_borings_below_surcharges_are_told() -> None:
-    """σv and σ'v are those of the ground alone; a load beside the boring says nothing of it."""
+def test_surcharges_spread_into_the_stresses_of_triggering() -> None:
+    """A strip of 60 kPa, 4 m wide, adds 2/π (π/4 + 1/2) of it 2 m below its middle and half of it below its ends, near
+    the ground (Poulos & Davis 1974, section 3.1); wide loads add all of it, and loads far away nothing. What shakes is
+    in σv, what has consolidated the ground in σ'v."""
     data = bored()
-    loads = {"below": (10.0, 30.0), "beside": (40.0, 60.0)}
-    told = {
-        name: [
-            text
-            for text in analysed(
-                {**data, "surcharges": [{"from": ends[0], "to": ends[1], "pressure": "20 kPa"}]}
-            ).notices_of_slides
-            if "surcharges there do not count in σv and σ'v" in text
-        ]
+    bare = overburden(analysed(data).section, 20.0, 2.0)
+
+    def added(x: float, depth: float, **load: Any) -> tuple[float, float]:
+        loads = [{"from": 18.0, "to": 22.0, "pressure": "60 kPa", "consolidated": 0.5, **load}]
+        section = analysed({**data, "surcharges": loads}).section
+        here, without = overburden(section, x, depth), overburden(analysed(data).section, x, depth)
+        return here.total - without.total, here.effective - without.effective
+
+    middle = 60e3 * 2.0 / np.pi * (np.pi / 4.0 + 0.5)
+    assert added(20.0, 2.0) == pytest.approx((middle, 0.5 * middle))
+    assert added(20.0, 2.0, seismic_share=0.0, consolidated=1.0) == pytest.approx((0.0, middle))
+    assert added(22.0, 0.01)[0] == pytest.approx(30e3, rel=5e-3)
+    assert added(20.0, 2.0, **{"from": 0.0, "to": 40.0})[0] == pytest.approx(60e3, rel=1e-3)
+    rising = added(20.0, 2.0, pressure=["0 kPa", "60 kPa"])[0]
+    assert rising + added(20.0, 2.0, pressure=["60 kPa", "0 kPa"])[0] == pytest.approx(middle)
+    assert rising == pytest.approx(0.5 * middle)
+    assert bare.loads == (0.0, 0.0)
+
+
+def test_a_load_beside_the_boring_is_told_and_lowers_the_factor() -> None:
+    """Traffic on sand that has not consolidated under it shakes with the ground: F_L falls below it."""
+    data = bored()
+    loads = {"below": (10.0, 30.0), "far": (40.0, 50.0)}
+    configs = {
+        name: analysed({**data, "surcharges": [{"from": ends[0], "to": ends[1], "pressure": "40 kPa"}]})
         for name, ends in loads.items()
     }
-    assert (len(told["below"]), told["beside"]) == (1, [])
+    told = {
+        name: [text for text in config.notices_of_slides if "as on an elastic half-plane" in text]
+        for name, config in configs.items()
+    }
+    assert (len(told["below"]), told["far"]) == (1, [])
+    lowest = {name: min(s.lowest for s in assessment(c).strata if s.lowest) for name, c in configs.items()}
+    assert lowest["below"] < 0.9 * lowest["far"]
