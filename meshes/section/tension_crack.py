@@ -61,12 +61,24 @@ class TensionCrack(Model):
             "points have ground without tensile strength above their bottom, which bears more where it shears as it "
             "opens; discs have no cracks"
         )
+        yield from self._below_the_slope(section, self.bottom)
         torn = [s for s in section.strata if s.tension == 0.0 and s.has_cohesion]
         if self.water != "dry" and (any(s.friction_angle for s in torn) or section.water_pressure.flow is not None):
             yield (
                 "tension_crack, water: in ground with a friction angle, and where water flows, it presses on slip "
                 "circles alone; cracks of elements, strict bounds and material points have the pore pressure of the "
                 "ground there"
+            )
+
+    def _below_the_slope(self, section: Section, bottom: Line) -> Iterator[str]:
+        """A sentence where a crack is deeper than the highest slope of the section, whose toe then lies above it."""
+        line = section.ground
+        x = np.unique(np.concatenate([line[:, 0], section.elevations_of(bottom)[:, 0]]))
+        depth, height = self.depth(section, x[(x >= line[0, 0]) & (x <= line[-1, 0])]), np.ptp(line[:, 1])
+        if 0.0 < height < depth.max() * (1.0 - 1e-9):
+            yield (
+                f"tension_crack: cracks are {depth.max():.4g} m deep, in a section whose ground rises by {height:.4g} m: "
+                "they end below the toe; expected cracks shallower than the slope is high, mostly at most half of it"
             )
 
     @property
