@@ -20,6 +20,8 @@ LEAST = 100.0
 # The same where water flows, as the head of this share of the step of its grid: where a shore lies between two of its
 # points, the pressure at the ground beside it is off by so much.
 LEAST_OF_STEP = 0.1
+# Where water flows the pore pressure bends within a stratum: depths in it, as shares of its thickness.
+WITHIN_FLOW = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0)
 UPWARDS = np.array([[0.0, 1.0]])
 
 
@@ -71,20 +73,21 @@ def uplift(layers: Layering, strata: tuple[Stratum, ...], loads: SurfaceLoads) -
     """Where a pore pressure at rest exceeds the total vertical stress by most, None where it does nowhere.
 
     Both are linear within a stratum between breakpoints and the kinks of the water, so that the ends of these are
-    looked at. A surcharge counts by its weight on the ground above.
+    looked at; where water flows, at depths within the stratum too. A surcharge counts by its weight on the ground
+    above.
     """
     water = loads.water
     if not water.still:
         return None
-    x, least = np.union1d(layers.x, water.kinks), LEAST
+    x, least, shares = np.union1d(layers.x, water.kinks), LEAST, (0.0, 1.0)
     if water.flow is not None:
         grid = water.flow.grid.x
-        x = np.union1d(layers.x, grid)
+        x, shares = np.union1d(layers.x, grid), WITHIN_FLOW
         least = max(LEAST, LEAST_OF_STEP * water.unit_weight * float(np.diff(grid).max()))
     worst: Uplift | None = None
     spans, bare = [], False
-    for k, below in product(range(len(strata)), (0, 1)):
-        points, pressure, weight = _along(layers, loads, x, k, k + below)
+    for k, share in product(range(len(strata)), shares):
+        points, pressure, weight = _along(layers, loads, x, k, share)
         excess = np.where(pressure - weight > least, pressure - weight, 0.0)
         spans += [_positive(x[i : i + 2], (pressure - weight)[i]) for i in np.flatnonzero(excess.any(axis=1))]
         i, end = np.unravel_index(int(np.argmax(excess)), excess.shape)
@@ -92,7 +95,7 @@ def uplift(layers: Layering, strata: tuple[Stratum, ...], loads: SurfaceLoads) -
             at, elevation = points[i, end].tolist()
             u, total = float(pressure[i, end]), float(weight[i, end])
             worst = Uplift(strata[k].name, at, elevation, u, total, at, at, bare=False)
-        on_ground = points[..., 1] >= _along(layers, loads, x, 0, 0)[0][..., 1]
+        on_ground = points[..., 1] >= _along(layers, loads, x, 0, 0.0)[0][..., 1]
         bare = bare or bool(not strata[k].has_cohesion and (excess[on_ground] > 0.0).any())
     if worst is None:
         return None
@@ -100,14 +103,14 @@ def uplift(layers: Layering, strata: tuple[Stratum, ...], loads: SurfaceLoads) -
 
 
 def _along(
-    layers: Layering, loads: SurfaceLoads, x: np.ndarray, k: int, interface: int
+    layers: Layering, loads: SurfaceLoads, x: np.ndarray, k: int, share: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points (n, 2 ends, 2) of an interface of stratum k at both ends of the stretches between x (n + 1,), and pore
-    pressure and total vertical stress (n, 2) there; neither where the stratum has no thickness."""
+    """Points (n, 2 ends, 2) at a share of the thickness of stratum k at both ends of the stretches between x (n + 1,),
+    and pore pressure and total vertical stress (n, 2) there; neither where the stratum has no thickness."""
     middle = np.repeat(0.5 * (x[1:] + x[:-1]), 2)
     ends = np.column_stack([x[:-1], x[1:]]).ravel()
     elevations = layers.interfaces(ends, near=middle)
-    points = np.column_stack([ends, elevations[:, interface]])
+    points = np.column_stack([ends, (1.0 - share) * elevations[:, k] + share * elevations[:, k + 1]])
     near = np.column_stack([middle, points[:, 1]])
     water = loads.water
     pressure = water.at_rest(points, near, np.full(len(ends), k))

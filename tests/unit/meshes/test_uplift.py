@@ -103,3 +103,18 @@ def test_no_place_is_worse_than_the_one_that_is_told(bank: Section, level: float
     if ground.uplift is not None:
         wrong = x[excess > 100.0]
         assert np.all((wrong >= ground.uplift.start - 1e-6) & (wrong <= ground.uplift.end + 1e-6))
+
+
+@pytest.mark.parametrize(("head", "lifts"), [(4.0, False), (9.0, True)])
+def test_water_that_rises_behind_a_wall_lifts_sand_above_the_critical_gradient(head: float, lifts: bool) -> None:
+    """It rises beside a wall of depth d at a gradient of h / (π d) in deep ground (Harr 1962, section 5-6), and
+    lifts sand above γ'/γw, 1.04 at 20 kN/m³ (Terzaghi 1943, article 94), inside the ground, whose surface bears no pressure."""
+    sand = soil("Sand", density="20 kN/m^3", density_saturated=None, permeability="1e-4 m/s")
+    table = [[-20.0, head], [0.0, head], [0.0, 0.0], [20.0, 0.0]]
+    water = {"flow": True, "table": table, "cutoffs": [{"x": 0.0, "bottom": -2.0}]}
+    ground = {"surface": [[-20.0, 0.0], [20.0, 0.0]], "base": {"elevation": -15.0}}
+    found = section(sand, water=water, **ground).uplift
+    assert (found is not None) == lifts
+    if found is not None:
+        assert 0.0 <= found.start <= found.x < found.end < 2.0
+        assert -4.0 < found.elevation < 0.0
