@@ -108,7 +108,7 @@ def test_no_place_is_worse_than_the_one_that_is_told(bank: Section, level: float
 @pytest.mark.parametrize(("head", "lifts"), [(4.0, False), (9.0, True)])
 def test_water_that_rises_behind_a_wall_lifts_sand_above_the_critical_gradient(head: float, lifts: bool) -> None:
     """It rises beside a wall of depth d at a gradient of h / (π d) in deep ground (Harr 1962, section 5-6), and
-    lifts sand above γ'/γw, 1.04 at 20 kN/m³ (Terzaghi 1943, article 94), inside the ground, whose surface bears no pressure."""
+    lifts sand above γ'/γw, 1.04 at 20 kN/m³ (Terzaghi 1943, article 94): inside, as no pressure is on the ground."""
     sand = soil("Sand", density="20 kN/m^3", density_saturated=None, permeability="1e-4 m/s")
     table = [[-20.0, head], [0.0, head], [0.0, 0.0], [20.0, 0.0]]
     water = {"flow": True, "table": table, "cutoffs": [{"x": 0.0, "bottom": -2.0}]}
