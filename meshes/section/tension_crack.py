@@ -77,7 +77,7 @@ class TensionCrack(Model):
         depth, height = self.depth(section, x[(x >= line[0, 0]) & (x <= line[-1, 0])]), np.ptp(line[:, 1])
         if 0.0 < height < depth.max() * (1.0 - 1e-9):
             yield (
-                f"tension_crack: cracks are {depth.max():.4g} m deep, in a section whose ground rises by {height:.4g} m: they "
+                f"tension_crack: cracks are {depth.max():.4g} m deep, and the ground rises by {height:.4g} m: they "
                 "end below the toe; expected cracks shallower than the slope is high, mostly at most half of it"
             )
 

@@ -17,7 +17,7 @@ SLOPE: dict[str, Any] = {
 @pytest.mark.parametrize(
     ("bottom", "told"),
     [
-        ({"depth": 6.5}, "cracks are 6.5 m deep, in a section whose ground rises by 6 m"),
+        ({"depth": 6.5}, "cracks are 6.5 m deep, and the ground rises by 6 m"),
         ({"elevation": [[0.0, 2.0], [30.0, 2.0], [40.0, 7.0]]}, "cracks are 8 m deep"),
         ({"depth": 6.0}, ""),
         ({"elevation": 8.0}, ""),
