@@ -79,7 +79,7 @@ def uplift(layers: Layering, strata: tuple[Stratum, ...], loads: SurfaceLoads) -
     water = loads.water
     if not water.still:
         return None
-    x, least, shares = np.union1d(layers.x, water.kinks), LEAST, (0.0, 1.0)
+    x, least, shares = np.union1d(layers.x, water.kinks), LEAST, WITHIN_FLOW[:: len(WITHIN_FLOW) - 1]
     if water.flow is not None:
         grid = water.flow.grid.x
         x, shares = np.union1d(layers.x, grid), WITHIN_FLOW

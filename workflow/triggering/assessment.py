@@ -192,8 +192,8 @@ def below_loads(section: Section, settings: TriggeringSettings) -> list[str]:
 
 
 def _feels_loads(section: Section, boring: Boring) -> bool:
-    depths = [test.depth for test in (*boring.spt, *boring.cpt) if not outside(section, boring.x, test.depth)]
-    stresses = [overburden(section, boring.x, depth) for depth in depths]
+    depths = [*(test.depth for test in boring.spt), *(test.depth for test in boring.cpt)]
+    stresses = [overburden(section, boring.x, z) for z in depths if not outside(section, boring.x, z)]
     return any(max(stress.loads) > LEAST_LOAD * stress.total for stress in stresses)
 
 
