@@ -1,6 +1,7 @@
 """Borings from a CSV file: a line for each layer of each boring, with units in the values or in the heading."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -59,6 +60,15 @@ def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
     return BoringFile(kept, [*table.notices, *shares, *refusal_notices(kept)])
 
 
+def _unit_meant(weight: str) -> str:
+    """The heading that a unit weight without a unit asks for; empty where its size names no unit."""
+    number = float(weight) if re.fullmatch(r"\d+(?:\.\d+)?", weight) else math.nan
+    for unit, (least, most) in {"kN/m3": (10.0, 30.0), "t/m3": (1.0, 3.0)}.items():
+        if least <= number < most:
+            return f'; if it is in {unit}, call the column "unit_weight ({unit})"'
+    return ""
+
+
 def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table) -> Log | None:
     before = len(table.problems)
     layers, samples = [], []
@@ -71,7 +81,7 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table
             if weight:
                 DENSITY.read(weight)
         except ValueError as error:
-            table.problems.append(f"line {number}, unit_weight = {weight!r}: {error}")
+            table.problems.append(f"line {number}, unit_weight = {weight!r}: {error}{_unit_meant(weight)}")
         layers.append(LogLayer(cells.get("layer", ""), top, bottom, weight))
         middle = 0.5 * (top + bottom)
         if min(top, bottom) < 0.0:

@@ -1,10 +1,13 @@
 """A section made from borings, with the borings on it and their blow counts."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from meshes.borings.connect import Connected
@@ -23,7 +26,8 @@ def draw(connected: Connected, title: str, path: Path) -> None:
     bottoms = np.vstack([connected.bottoms[:-1], np.full(len(connected.x), deepest)])
     for k in range(len(connected.names)):
         axes.fill_between(connected.x, bottoms[k], tops[k], facecolor=soil_colour(k), edgecolor=INK, linewidth=0.6)
-    handles = [Patch(facecolor=soil_colour(k), label=name) for k, name in enumerate(connected.names)]
+    handles: list[Artist] = [Patch(facecolor=soil_colour(k), label=name) for k, name in enumerate(connected.names)]
+    handles += list(_signs(connected))
     for boring in connected.borings:
         log = boring.log
         axes.plot([boring.x, boring.x], [log.bottom, log.ground_level], color=INK, linewidth=2.0)
@@ -39,13 +43,21 @@ def draw(connected: Connected, title: str, path: Path) -> None:
         ground = float(np.interp(boring.x, connected.x, connected.ground))
         axes.plot([boring.x, boring.x], [ground - boring.log.cones[-1].depth, ground], "--", color=INK, linewidth=1.2)
         axes.annotate(boring.log.name, (boring.x, ground), (0, 4), textcoords="offset points", ha="center", fontsize=8)
-    cones = "; dashed: cones" if connected.soundings else ""
-    axes.set_title(
-        f"{title}: borings with N; triangles: water{cones}", fontsize=11, weight="bold", loc="left", parse_math=False
-    )
-    axes.set_xlabel("distance x (m)", fontsize=8)
+    axes.set_title(f"{title}: layers between borings", fontsize=11, weight="bold", loc="left", parse_math=False)
+    axes.set_xlabel("distance x (m); heights are exaggerated", fontsize=8)
     axes.set_ylabel("elevation (m)", fontsize=8)
     axes.tick_params(labelsize=8)
     axes.margins(x=0.03, y=0.08)
     figure.legend(handles=handles, loc="outside lower center", ncols=6, fontsize=7.5, frameon=False)
     save(figure, path)
+
+
+def _signs(connected: Connected) -> Iterator[Line2D]:
+    """What stands for blow counts, water and cones, as far as there are any."""
+    logs = [boring.log for boring in connected.borings]
+    if any(log.samples for log in logs):
+        yield Line2D([], [], color=INK, linewidth=2.0, marker="o", markersize=3, label="boring, with blow counts N")
+    if any(log.water_level is not None for log in logs):
+        yield Line2D([], [], color=WATER, marker="v", markersize=7, linestyle="none", label="water level in the boring")
+    if connected.soundings:
+        yield Line2D([], [], color=INK, linewidth=1.2, linestyle="--", label="cone penetration test")

@@ -3,7 +3,7 @@
 import textwrap
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -19,9 +19,12 @@ from meshes.section.cutting import soil_numbers, soil_of
 from meshes.section.section import Section
 from meshes.section.surcharge import Surcharge
 from workflow.figures.canvas import (
+    DPI,
     INK,
+    LEFT,
     LEGEND_CHARACTERS,
     LEGEND_ROWS,
+    RIGHT,
     WATER,
     WIDTH,
     Sheet,
@@ -35,7 +38,9 @@ if TYPE_CHECKING:
     import pyvista as pv
 
 HATCH = "...."
+SURVEYED = (0, (1, 3))  # dashes of the ends of the ground that was given
 LEAST_NUMBERED = 0.02  # of the height of a section: a number would not fit into a thinner stratum
+NUMBER_SIZE = 6.5  # points
 FOOT_CHARACTERS = 190
 ARROW = 0.03  # of the width: the largest surcharge
 
@@ -69,7 +74,8 @@ def draw_section(
     ``section``: the ground; ``path``: of the picture; ``title``: above it.
     """
     outline = section.outline()
-    room = np.array([0.0, above * np.ptp(outline[:, 1])])
+    points_per_metre = (RIGHT - LEFT) * WIDTH / DPI * 72.0 / np.ptp(outline[:, 0])
+    room = np.array([0.0, max(above * np.ptp(outline[:, 1]), 2.0 * NUMBER_SIZE / points_per_metre)])
     window = Window.around(np.vstack([outline, outline.max(axis=0) + room, room_for_loads(section)]))
     handles = _legend_of(section)
     handles += [
@@ -89,7 +95,7 @@ def draw_section(
         draw_loads(axes, section)
         if section.given_extent != section.extent:
             for x in section.given_extent:  # what lies beyond was not surveyed
-                axes.axvline(x, color=INK, linewidth=0.8, linestyle=(0, (1, 3)))
+                axes.axvline(x, color=INK, linewidth=0.8, linestyle=SURVEYED)
         water = section.water_points()
         if water is not None:
             _fill_water(axes, section, water)
@@ -184,19 +190,36 @@ def draw_loads(axes: Axes, section: Section) -> None:
 
 
 def _number_strata(axes: Axes, section: Section) -> None:
-    """The place of every stratum in it, where it is thickest: layers are told apart without colours, too."""
+    """The number of every stratum where it is thickest, so that layers are told apart without colours, too.
+
+    A number that is higher than its stratum would cover the lines of the stratum: it stands above the ground, at the
+    end of a line from the stratum.
+    """
     layers = section.layering
     at_left, at_right = layers.thickness()
     numbers = soil_numbers([stratum.name for stratum in section.strata])
+    points_per_metre = np.ptp(axes.transData.transform([(0.0, 0.0), (0.0, 1.0)])[:, 1]) * 72.0 / DPI
+    width, thin = float(layers.width.sum()), 0
+    style: dict[str, Any] = {"fontsize": NUMBER_SIZE, "color": INK, "ha": "center",
+                             "path_effects": [withStroke(linewidth=2.0, foreground="white")]}  # fmt: skip
     for k in range(len(section.strata)):
         thickness = 0.5 * (at_left[:, k] + at_right[:, k])
-        best = int(np.argmax(thickness * np.minimum(layers.width, 0.1 * layers.width.sum())))
+        best = int(np.argmax(thickness * np.minimum(layers.width, 0.1 * width)))
         if thickness[best] < LEAST_NUMBERED * np.ptp(section.outline()[:, 1]):
             continue
         x = 0.5 * (layers.x[best] + layers.x[best + 1])
         z = 0.25 * (layers.left[best, k : k + 2].sum() + layers.right[best, k : k + 2].sum())
-        halo = [withStroke(linewidth=2.0, foreground="white")]
-        axes.text(x, z, str(numbers[k] + 1), fontsize=6.5, color=INK, ha="center", va="center", path_effects=halo)
+        if thickness[best] * points_per_metre > 1.3 * NUMBER_SIZE:
+            axes.text(x, z, str(numbers[k] + 1), va="center", **style)
+            continue
+        ground = float(np.interp(x, *section.ground.T))
+        axes.annotate(
+            str(numbers[k] + 1), (x, z), (9.0 * thin, (ground - z) * points_per_metre + 4.0),
+            textcoords="offset points", va="bottom",
+            arrowprops={"arrowstyle": "-", "color": INK, "linewidth": 0.5, "shrinkA": 0.0, "shrinkB": 0.0}, **style,
+        )  # fmt: skip
+        axes.plot(x, z, marker=".", markersize=2.5, color=INK)
+        thin += 1
 
 
 def _fill_water(axes: Axes, section: Section, table: np.ndarray) -> None:
@@ -237,6 +260,8 @@ def _legend_of(section: Section, water: bool = True) -> list[Artist]:
         handles = [*handles[: room - 1], Patch(facecolor="none", label=more)]
     if water and section.water_points() is not None:
         handles.append(Line2D([], [], color=WATER, linewidth=1.4, linestyle=(0, (6, 3)), label="water table"))
+    if water and section.given_extent != section.extent:
+        handles.append(Line2D([], [], color=INK, linewidth=0.8, linestyle=SURVEYED, label="ends of the given ground"))
     if water and section.surcharges:
         label = "surcharge " + ", ".join(dict.fromkeys(map(pressure_of, section.surcharges)))
         handles.append(Line2D([], [], color=INK, marker=r"$\downarrow$", linestyle="none", label=label))

@@ -27,7 +27,8 @@ def draw(section: Section, answer: TriggeringAnswer, path: Path) -> None:
     rows = -(-len(names) // ABREAST)
     figure = Figure(figsize=(WIDTH / DPI, ROW * rows + 0.9), dpi=DPI, facecolor="white", layout="constrained")
     FigureCanvasAgg(figure)
-    title = f"{section.heading}: {answer.method}, {answer.motion.median_gal:.0f} gal"
+    magnitude = "" if answer.magnitude is None else f", M {answer.magnitude:g}"
+    title = f"{section.heading}: {answer.method}, {answer.motion.median_gal:.0f} gal{magnitude}"
     figure.suptitle(title, fontsize=11, weight="bold", color=INK, x=0.02, ha="left", parse_math=False)
     across = min(len(names), ABREAST)
     frames = figure.subplots(rows, 2 * across, sharey=False, squeeze=False, width_ratios=[1.0, 1.0] * across)
@@ -70,12 +71,12 @@ def _boring(
     most = MOST_RESISTANCE if cone else MOST_BLOWS
     values = [(test.qc_Pa or 0.0) / 1e6 if cone else test.N or 0.0 for test in tests]
     blows.plot(np.minimum(values, most), at, color=CONTINUUM, marker="" if cone else "o", markersize=3.5)
-    blows.set_xlim(0.0, most)
-    blows.set_xlabel("qc (MPa)" if cone else "N", fontsize=8, color=INK, parse_math=False)
+    blows.set_xlim(0.0, 1.05 * most)
+    blows.set_xlabel("cone resistance qc (MPa)" if cone else "blow count N", fontsize=8, color=INK, parse_math=False)
     blows.set_ylabel("depth (m)", fontsize=8, color=INK)
     potential = next(boring.potential for boring in answer.borings if boring.name == tests[0].boring)
     blows.set_title(f"{tests[0].boring}, x = {x:g} m", fontsize=8.5, loc="left", color=INK, parse_math=False)
-    factors.set_title(f"$P_L$ = {potential:.1f}", fontsize=8.5, loc="left", color=INK)
+    factors.set_title(f"index $P_L$ = {potential:.1f}", fontsize=8.5, loc="left", color=INK)
     for test in tests:
         if test.factor is not None:
             colour = CRITICAL if test.factor < 1.0 else CONTINUUM
@@ -83,7 +84,7 @@ def _boring(
             factors.plot(test.factor, test.depth_m, color=colour, marker="o", markersize=3.5)
     factors.axvline(1.0, color=INK, linewidth=0.9)
     factors.set_xlim(0.0, MOST_FACTOR + 0.1)
-    factors.set_xlabel("$F_L$", fontsize=8, color=INK)
+    factors.set_xlabel(f"$F_L$ (drawn up to {MOST_FACTOR:g})", fontsize=8, color=INK)
     factors.set_yticklabels([])
 
 

@@ -22,6 +22,7 @@ from workflow.triggering.settings import TriggeringSettings
 
 ABOVE_WATER = "above the water table"  # why a soil is not judged
 LEAST_LOAD = 0.01  # of the total stress: what surcharges add to it is told
+CLAY = 'clay by its strength, φ = 0, and its plasticity index is not known; liquefies_in = "triggered" has it judged'
 
 
 @dataclass(frozen=True)
@@ -117,7 +118,7 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
         pieces = _pieces(section, boring, [float(sample.depth) for sample in samples])
         for sample, (top, bottom, where) in zip(samples, pieces, strict=True):
             point = point_of(sample, where)
-            reason = relation.why_not(point) if where.below_water else ABOVE_WATER
+            reason = _why_not(section, sample, where) or relation.why_not(point)
             try:
                 resistance = None if reason else _found(relation, point, shaking, settings)
             except ValueError as error:
@@ -134,6 +135,16 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
         for name, tests_of_layer in layers.items()
     }
     return Assessment(motion, earthquake.magnitude, relation, tuple(tests), strata, potentials)
+
+
+def _why_not(section: Section, sample: Sample | Cone, where: Overburden) -> str:
+    """Why a test is not judged by any method: the ground is above the water, or clay; empty where it is judged."""
+    if not where.below_water:
+        return ABOVE_WATER
+    stratum = section.strata[where.stratum]
+    may_liquefy = stratum.liquefiable or stratum.liquefies_in.triggered
+    known = not isinstance(sample, Sample) or sample.plasticity is not None  # a cone has its soil behaviour index
+    return "" if stratum.friction_angle > 0.0 or may_liquefy or known else CLAY
 
 
 def _found(

@@ -94,6 +94,22 @@ def test_a_stratum_that_is_triggered_liquefies_in_all_cases_or_in_none() -> None
     assert again.section.strata == given.section.strata
 
 
+def test_clay_is_not_judged_by_its_blow_counts() -> None:
+    """Ground with φ = 0 that the section does not let liquefy is clay, unless its plasticity says that it is not."""
+    data = bored()
+    data["strata"][0] |= {"cohesion": "20 kPa", "friction_angle": 0, "liquefies_in": []}
+    clay = assessment(analysed(data))
+    assert (clay.strata[0].judged, clay.strata[0].liquefies) == (0, False)
+    assert "clay by its strength" in clay.strata[0].reason
+    assert clay.potentials["B-1"] == 0.0
+    for sample in data["triggering"]["borings"][0]["spt"]:
+        sample["plasticity"] = 3.0
+    assert assessment(analysed(data)).strata[0].judged > 0
+    data = bored()
+    data["strata"][0] |= {"cohesion": "20 kPa", "friction_angle": 0}  # it stays "triggered"
+    assert assessment(analysed(data)).strata[0].judged > 0
+
+
 def test_what_is_not_known_is_named() -> None:
     assert "earthquake: expected peak_acceleration" in told(lambda data: data["earthquake"].pop("peak_acceleration"))
     assert "earthquake, magnitude: missing" in told(lambda data: data["earthquake"].pop("magnitude"))
