@@ -271,9 +271,9 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
         drains = f"{100.0 * stratum.volumetric_strain:.1f} % of its volume drains away"
         if stratum.strain_potential > 0.0:
             drains = f"it shears by {100.0 * stratum.strain_potential:.0f} % before it resists, and {drains}"
-        keeps = (
-            f"keeps a residual strength of {', '.join(phrases)}" if phrases else "is outside all relations of residual strength"
-        )
+        keeps = "is outside all relations of residual strength"
+        if phrases:
+            keeps = f"keeps a residual strength of {', '.join(phrases)}"
         yield f"Where F_L is below 1, {shown_name(stratum.stratum)} {keeps}; {drains}."
     for boring in answer.borings:
         yield f"{boring.name}: liquefaction potential index P_L = {boring.potential:.1f}, risk {boring.risk}."
