@@ -29,6 +29,15 @@ GENERATED = {
     "validation/s13.md": s13,
     "validation/speed.md": speed,
 }
+# What links to them say.
+TITLES = {
+    "reference/keys.md": "Keys of a section file",
+    "reference/commands.md": "Commands",
+    "reference/python.md": "Python interface",
+    "validation/closed_forms.md": "Closed forms",
+    "validation/s13.md": "S-13",
+    "validation/speed.md": "Speed",
+}
 # Pages that are made, not written, and the folders of collections whose README becomes a page.
 MADE = {*GENERATED, *(f"validation/{name}.md" for name in COLLECTIONS)}
 LINK = re.compile(r"\]\(([^)\s#]+)(#[^)\s]*)?\)")
@@ -68,8 +77,8 @@ def gather() -> None:
                 text = text.replace(f"]({target}{'#' + anchor if anchor else ''})", f"]({place})")
             if leads_to.suffix == ".py" and leads_to.relative_to(TOP).parts[0] in PACKAGES:
                 modules.add(module_of(leads_to))
-        for made in GENERATED:  # which pages name, but do not link to: without the site there is no such file
-            text = text.replace(f"`{made}`", f"[{made}]({os.path.relpath(made, os.path.dirname(page) or '.')})")
+        for made, title in TITLES.items():  # pages name them and do not link to them: only the site has such files
+            text = text.replace(f"`{made}`", f"[{title}]({os.path.relpath(made, os.path.dirname(page) or '.')})")
         write(page, text)
     for page, make in GENERATED.items():
         write(page, make())

@@ -228,10 +228,12 @@ class Config(Tables):
         """The cases of the slide: those of [slide], then those that followed from blow counts, by their names."""
         return (*self.slide.cases, *self._derived_cases)
 
-    def called(self, case: int) -> str:
-        """Name of a case in pictures: its number, and its name if it has one."""
-        name = self.cases[case - 1].name if 0 < case <= len(self.cases) else ""
-        return f"case {case}, {name}" if name else f"case {case}"
+    def called(self, *numbers: int) -> str:
+        """Name of a case, or of several of one answer, in pictures: its number, and its name if it has one."""
+        names = {n: self.cases[n - 1].name if 0 < n <= len(self.cases) else "" for n in numbers}
+        if len(names) == 1:
+            return ", ".join(f"case {number}, {name}" if name else f"case {number}" for number, name in names.items())
+        return "cases " + ", ".join(f"{number} ({name})" if name else str(number) for number, name in names.items())
 
     @classmethod
     def tables(cls) -> list[str]:

@@ -172,8 +172,8 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
         if thick < 4.0 * ground.radius:
             notes.append(
                 f"stratum {shown_name(start.springs.layers[k].name)} liquefies and is {thick:.2g} m thick in discs, "
-                f"less than two discs: they do not resolve how far it slides, behind a bank too little; check it with "
-                f"discs of {thick / 4.0:.2g} m radius"
+                "less than two discs: discs do not resolve its slide, and give too little of it behind a bank; check "
+                f"it with discs of {thick / 4.0:.2g} m radius"
             )
     return notes
 

@@ -70,7 +70,7 @@ def test_from_the_file_to_what_liquefies(said: Ask) -> None:
     assert '"Loose sand" was not judged (above the water table).' in told
     assert '"Dense sand" does not liquefy' in told
     assert "below 1 in 0 % of it;" not in told
-    risks = dict(re.findall(r"(B-\d \w+): P_L = [\d.]+, risk ([a-z ]+)\.", told))
+    risks = dict(re.findall(r"(B-\d \w+): liquefaction potential index P_L = [\d.]+, risk ([a-z ]+)\.", told))
     assert risks == {"B-1 river": "very high", "B-2 crest": "high", "B-3 land": "very high"}
     told = said("run", "levee.toml", "--dry-run")
     assert "not run" in told

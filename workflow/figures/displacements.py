@@ -10,7 +10,7 @@ from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 from workflow.estimates.comparison import estimates, is_s13
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
 from workflow.figures.ground import foot
-from workflow.results.cases import CaseAnswer
+from workflow.results.cases import CaseAnswer, alike
 from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 
@@ -92,8 +92,8 @@ def slides(results: Results) -> Iterator[Row]:
     yield from _of_cases(results, cases, "discs", SLIDES)
     yield from _of_cases(results, results.mpm.cases if results.mpm is not None else {}, "material points", POINTS)
     printed = results.cases.sets.get("table2", {}) if results.cases is not None and first != "table2" else {}
-    for number, case in sorted(printed.items()):
-        yield Row(f"the paper's discs, {results.config.called(number)}", PRINTED, case.slide_max_m)
+    for numbers, case in alike(printed).items():
+        yield Row(f"the paper's discs, {results.config.called(*numbers)}", PRINTED, case.slide_max_m)
     if is_s13(results.config.section):
         for words, value in PAPER:
             yield Row(words, PAPERS, value)
@@ -114,8 +114,8 @@ def _of_cases(
     """The slide of each case by a method: at every place where something was measured, and at most."""
     observed = dict.fromkeys(row.x for row in results.config.report.observed if row.x is not None)
     places = [x for x in observed if all(case.slide_at(x) is not None for case in cases.values())]
-    for number, case in sorted(cases.items()):
-        name = f"{method}, {results.config.called(number)}"
+    for numbers, case in alike(cases).items():
+        name = f"{method}, {results.config.called(*numbers)}"
         for x in places:
             yield Row(f"{name}, at x = {x:g} m", look, case.slide_at(x))
         yield Row(f"{name}, at most" if places else name, look, case.slide_max_m)

@@ -7,6 +7,7 @@ from matplotlib.lines import Line2D
 
 from workflow.config import Config
 from workflow.figures.canvas import CONTINUUM, INK, Sheet
+from workflow.results.cases import alike
 from workflow.results.material_points import PointSlidesAnswer
 
 ROOM = 0.3  # of the height of the ground, above and below its surface in the picture
@@ -22,12 +23,13 @@ def seen_from_above(surface: np.ndarray, cell: float) -> np.ndarray:
 def profiles(config: Config, answer: PointSlidesAnswer, out: Path) -> None:
     """The surface of every case before and after its slide by the material point method, x and elevation in m."""
     title = f"{config.section.heading}: slides by the material point method, cells of {answer.cell_m:.2g} m"
-    sheet = Sheet(title, [0.16] * len(answer.cases), "", 1)
+    groups = alike(answer.cases)
+    sheet = Sheet(title, [0.16] * len(groups), "", 1)
     heights = np.concatenate([np.array(case.surface_before)[:, 1] for case in answer.cases.values()])
     margin = ROOM * (heights.max() - heights.min()) + answer.cell_m
-    for view, (number, case) in enumerate(sorted(answer.cases.items())):
-        last = view == len(answer.cases) - 1
-        name = f"{config.called(number)}: slides at most {case.slide_max_m:.2g} m; {case.reason}"
+    for view, (numbers, case) in enumerate(groups.items()):
+        last = view == len(groups) - 1
+        name = f"{config.called(*numbers)}: slides at most {case.slide_max_m:.2g} m; {case.reason}"
         axes = sheet.plot(view, "distance x (m)" if last else "", "elevation (m)", name)
         before, after = np.array(case.surface_before), seen_from_above(np.array(case.surface_after), answer.cell_m)
         axes.plot(*after.T, color=CONTINUUM, linewidth=1.3)

@@ -31,7 +31,7 @@ from workflow.figures.canvas import (
     soil_colours,
 )
 from workflow.figures.discs import BOUNDARY, FAR, NO_LINE, discs, draw_values, nice, window_of
-from workflow.results.cases import CaseAnswer, Profile
+from workflow.results.cases import CaseAnswer, Profile, alike
 from workflow.results.history import SlideHistory
 from workflow.results.material_points import PointCase
 
@@ -254,17 +254,17 @@ def profiles(config: Config, cases: Mapping[int, Profile], seeds: int, out: Path
 
     config: of the run; cases: profiles by number of the case; seeds: number of packings; out: the picture.
     """
+    groups = alike(cases)
     sheet = Sheet(
         f"{config.section.heading}: the surface on {seeds} random packings",
-        [0.16] * len(cases),
+        [0.16] * len(groups),
         "",
         1,
     )
-    for view, (number, profile) in enumerate(cases.items()):
-        axes = sheet.plot(
-            view, "distance x (m)" if view == len(cases) - 1 else "", "elevation (m)", config.called(number)
-        )
-        colour = _colour(number)
+    for view, (numbers, profile) in enumerate(groups.items()):
+        last = view == len(groups) - 1
+        axes = sheet.plot(view, "distance x (m)" if last else "", "elevation (m)", config.called(*numbers))
+        colour = _colour(numbers[0])
         axes.fill_between(profile.x, profile.after_low, profile.after_high, color=colour, alpha=0.25, linewidth=0)
         axes.plot(profile.x, profile.after, color=colour, linewidth=1.2)
         axes.plot(profile.x, profile.before, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))

@@ -215,7 +215,7 @@ def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "di
     fall, at, of = metre_range(lengths), _ends(places), of_cases(list(far))
     if by == "discs":
         yield (
-            f"the surface falls by {fall} at x = {at} m in {of}, far more than the mean settlements of the thirds of "
+            f"the surface falls by {fall} at x = {at} m in {of}, far more than the mean settlement of any third of "
             "the section: use this value for the settlement of a crest"
         )
     else:

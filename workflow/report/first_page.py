@@ -100,12 +100,13 @@ def _contradicted(results: Results, fem: FemAnswer, error: Accuracy, conditions:
     """
     if error.low >= CLOSE_BOUNDS * error.high:
         phrase = _(
-            "The section fails {way} at Kh = {low} to {high} {method}; the finite elements are {excess} % above "
-            "({conditions}).",
+            "The section fails {way} at Kh = {low} to {high} {method}; the finite elements give {kc}, which is "
+            "{excess} % more ({conditions}).",
             way=_way(results, fem, _),
             low=coefficient(error.low),
             high=coefficient(error.high),
             method=_(error.method),
+            kc=coefficient(fem.kc),
             excess=f"{100.0 * (fem.kc / error.high - 1.0):.1f}",
             conditions=conditions,
         )
@@ -181,7 +182,7 @@ def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Text
     if error is None or not fem.has_kc or error.low <= 0.0:
         return ""
     return _(
-        "one mesh, on which the critical Kh is off by at most {error} % {method}",
+        "found on one mesh, whose critical Kh is off by at most {error} % {method}",
         error=f"{100.0 * rounded_up(error.error(fem.kc) / error.low):g}",
         method=_(error.method),
     )
@@ -256,7 +257,7 @@ def _of_slides(results: Results, _: Texts) -> str:
             middle=f"{error.middle:.2g}",
         )
     return _(
-        "{span}: {held} of {cases} known slides were predicted within a factor of {factor} by {method}",
+        "{span} by the error of {method}: they predicted {held} of {cases} known slides within a factor of {factor}",
         span=span(error.interval(min(moved), max(moved))),
         held=error.held,
         cases=error.cases,
@@ -284,7 +285,9 @@ def conclusions(results: Results, _: Texts) -> Iterator[str]:
         yield residual_verdict(results.residual.steps, _)
     yield from _why_kh(results, _)
     if results.cases is not None and len([name for name, cases in results.cases.sets.items() if cases]) > 1:
-        yield _("The slides of the calibrated discs count; those with the springs of Table 2 are a comparison.")
+        yield _(
+            "The slides of the calibrated discs count; those of discs with the springs of the paper are a comparison."
+        )
     compared = [row for row in rows(results) if row.agrees is not None]
     off = [row for row in compared if not row.agrees]
     if off:

@@ -76,6 +76,11 @@ def of_cases(numbers: Sequence[int]) -> str:
     return f"case{'s' if len(numbers) > 1 else ''} {listed([str(number) for number in numbers])}"
 
 
+def joined(numbers: Sequence[int]) -> str:
+    """Numbers of cases in a cell of a table: 1, 2, 3."""
+    return ", ".join(map(str, numbers))
+
+
 def between(values: Sequence[float]) -> str:
     """The range of some coefficients, or the one where all come to the same: 0.23 to 0.25."""
     low, high = coefficient(min(values)), coefficient(max(values))

@@ -1,6 +1,7 @@
 """report.html: one page for screen and paper, with all its pictures."""
 
 import base64
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ from workflow.report.captions import collect
 from workflow.report.crests import holds_water
 from workflow.report.findings import lies_still, moved_lately, springs_of
 from workflow.report.labels import Labels, Notes
-from workflow.report.numbers import metres, number, scaled
+from workflow.report.numbers import joined, metres, number, scaled
 from workflow.report.paper import rows
 from workflow.report.player import films
 from workflow.report.residual import residual_details
@@ -35,6 +36,7 @@ from workflow.report.templates import templates
 from workflow.report.texts import Texts
 from workflow.report.uncertainty import sources_of_uncertainty
 from workflow.report.verdicts import interval_words, limit_words
+from workflow.results.cases import alike
 from workflow.results.results import Results
 from workflow.results.summary import Summary
 from workflow.run.log import machine, versions
@@ -61,7 +63,7 @@ def page(results: Results, summary: Summary) -> str:
     environment.filters["css"] = _css_text
     environment.filters |= {"number": number, "scaled": scaled, "metres": metres, "duration": duration}
     texts = Texts(results.config.report.language)
-    environment.globals["_"] = texts
+    environment.globals |= {"_": texts, "alike": alike, "joined": joined}
     template, content = environment.get_template("template.html.jinja"), _content(results, summary, texts)
     first, second = Labels(texts), Labels(texts)
     template.render(content, labels=first)
@@ -171,7 +173,12 @@ def _pictures(results: Results, texts: Texts) -> dict[str, list[Any]]:
     names = [name for entry in results.ends.values() for name in entry.pictures]
     names += [name for name in PICTURES if results.store.has(name)]
     by_part: dict[str, list[Any]] = {}
+    groups = {f"figures/case{numbers[0]}.png": numbers for numbers in alike(results.case_set()[1])}
+    again = {f"figures/case{number}.png" for numbers in groups.values() for number in numbers[1:]}
     for picture in collect(names, results.store.folder, results.config.figures.report_width, texts):
-        shown_before = picture.name == LAYERS and FRONT in names
+        shown_before = (picture.name == LAYERS and FRONT in names) or picture.name in again
+        if len(numbers := groups.get(picture.name, ())) > 1:
+            words = texts("Cases {cases}, calibrated discs: they slide alike.", cases=joined(numbers))
+            picture = replace(picture, caption=words)
         by_part.setdefault(picture.part if picture.main and not shown_before else "further", []).append(picture)
     return by_part

@@ -37,6 +37,11 @@ WRITTEN_OF_SOME = (
 )
 
 
+def _dilation(stratum: Stratum) -> str:
+    """The dilation angle in degrees; a dash where the section gives none, and the flow rule decides."""
+    return "–" if stratum.dilation_angle is None else f"{math.degrees(stratum.dilation_angle):.3g}"
+
+
 def strata_rows(section: Section) -> Iterator[list[str]]:
     """A row for every stratum: name, area, thickness, range of x, and its parameters."""
     layers = section.layering
@@ -56,7 +61,7 @@ def strata_rows(section: Section) -> Iterator[list[str]]:
                 dict.fromkeys(f"{d / 1e3:.4g}" for d in (stratum.density_ordinary, stratum.density_seismic))
             ),
             _cohesion(stratum) + (f", tension {stratum.tension / 1e3:.3g}" if stratum.tension is not None else ""),
-            f"{math.degrees(stratum.friction_angle):.3g}/{math.degrees(stratum.dilation):.3g}",
+            f"{math.degrees(stratum.friction_angle):.3g}/{_dilation(stratum)}",
         ]
 
 

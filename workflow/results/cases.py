@@ -1,7 +1,7 @@
 """dem/cases.json: how far each case of liquefaction slides."""
 
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, ClassVar, Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import Field
@@ -10,6 +10,8 @@ from workflow.results.answer import Answer, Line, Part
 
 if TYPE_CHECKING:
     from dem.slides.slide import Slide
+
+Answered = TypeVar("Answered", bound=Part)
 
 
 def _student(freedoms: int) -> float:
@@ -236,6 +238,25 @@ class RandomPackings(Part):
         if len(slides) < 2 or min(len(values) for values in slides) < 2:
             return None
         return sum(list(packing) == sorted(packing) for packing in zip(*slides, strict=True))
+
+
+def alike(cases: Mapping[int, Answered]) -> dict[tuple[int, ...], Answered]:
+    """Group cases of the same answer, whatever stiffness they leave, so that it is shown once.
+
+    Parameters
+    ----------
+    cases : mapping
+        An answer for every case, by the number of the case.
+
+    Returns
+    -------
+    dict
+        The numbers of the cases that have an answer, in order, and the answer of the first of them.
+    """
+    groups: dict[str, list[int]] = {}
+    for number in sorted(cases):
+        groups.setdefault(cases[number].model_dump_json(exclude={"stiffness"}), []).append(number)
+    return {tuple(numbers): cases[numbers[0]] for numbers in groups.values()}
 
 
 class CasesAnswer(Answer):

@@ -28,7 +28,7 @@ def test_a_factor_of_safety_is_in_the_headline_only_with_its_error() -> None:
     assert "with a factor of safety of 8.84" in alone.conclusion
     told = headlines(results(run, fem=answer, bounds=bounds(run, 0.2293, 0.2349)), Texts())[1]
     assert told.value == "8.84"
-    assert told.interval == "one mesh, on which the critical Kh is off by at most 3 % by strict bounds"
+    assert told.interval == "found on one mesh, whose critical Kh is off by at most 3 % by strict bounds"
     meshes = answer.model_copy(update={"safety_factors": (factor.model_copy(update={"rest": 0.01}),)})
     assert headlines(results(run, fem=meshes), Texts())[1].interval == "8.75 to 8.84 by the sequence of meshes"
 
@@ -36,7 +36,7 @@ def test_a_factor_of_safety_is_in_the_headline_only_with_its_error() -> None:
 @pytest.mark.parametrize(
     ("middle", "told"),
     [
-        (1.6, "0.3 to 3 m: 20 of 28 known slides were predicted within a factor of 3 by material points"),
+        (1.6, "0.3 to 3 m by the error of material points: they predicted 20 of 28 known slides within a factor of 3"),
         (9.0, "uncertain by a factor of 5: 20 of 30 known slides were predicted within it by discs, half of them "),
     ],
 )

@@ -13,11 +13,12 @@ from tests.support import SECTIONS, TOP, dem_fixture
 from tests.support.answers import bounds, fem, results, variant
 from tests.support.sections import slope
 from workflow.config import Config
+from workflow.figures.displacements import slides
 from workflow.report.console import run_lines
 from workflow.report.page import page
 from workflow.report.summary import summary
 from workflow.results.answer import SectionLabel
-from workflow.results.cases import CasesAnswer
+from workflow.results.cases import CasesAnswer, alike
 from workflow.results.continuum import VariantsAnswer
 from workflow.results.results import Results
 from workflow.results.slices import FacePart, FactorCircles, SlicesAnswer
@@ -97,6 +98,16 @@ def test_cases_stand_in_the_order_of_their_numbers_and_are_explained(s13: Config
     assert rows == [str(number) for number in range(1, 12)] * 2
     assert "4 Asd, 6 As1: stiffness 0.1" in text  # what liquefies in a case, and what is left of it
     assert text.index("4 Asd, 6 As1: stiffness") < text.index("largest slide</th>")
+
+
+def test_cases_that_slide_alike_are_shown_once(s13: Config) -> None:
+    """Whatever stiffness they leave: one row for cases 1 and 3, one for case 2, one bar in the picture of slides."""
+    first = dem_fixture.case(0.1, 2.0)
+    cases = {1: first, 2: dem_fixture.case(0.1, 3.0), 3: first.model_copy(update={"stiffness": 0.01})}
+    assert {numbers: case.slide_max_m for numbers, case in alike(cases).items()} == {(1, 3): 2.0, (2,): 3.0}
+    found = results(s13, cases=CasesAnswer(sets={"calibrated": cases}, random=None))
+    assert re.findall(r"<tr><td>([\d, ]+)</td><td class=\"n\"><b>", html(found)) == ["1, 3", "2"]
+    assert [row.words for row in slides(found)][:2] == ["discs, cases 1, 3", "discs, case 2"]
 
 
 def test_the_input_is_a_table_strata_first(s13: Config) -> None:

@@ -97,8 +97,8 @@ def test_every_warning_has_its_japanese() -> None:
 
 def test_a_warning_is_translated_with_its_numbers() -> None:
     told = (
-        "The surface falls by 6.1 to 6.9 m at x = 66 to 70 m in cases 1 and 2, far more than the mean settlements of "
-        "the thirds of the section."
+        "The surface falls by 6.1 to 6.9 m at x = 66 to 70 m in cases 1 and 2, far more than the mean settlement of "
+        "any third of the section."
     )
     assert Texts("ja").sentence(told) == (
         "ケース1、2で地表がx = 66~70 mにおいて6.1~6.9 m沈下し、1/3区間の平均沈下量を大きく上回る。"
