@@ -13,10 +13,10 @@ from fem.mpm.engine import MaterialPointEngine, Push
 from fem.mpm.ground import FAR, PointGround, with_free_sides
 from fem.mpm.points import UNLIMITED
 from fem.mpm.slide_record import PointSlide
-from fem.mpm.weak_edges import edge_strength
+from fem.mpm.weak_edges import edge_strength, thickness_over_width
 from fem.search.liquefied_ground import LEAST, UNDRAINED
 from meshes.section.liquefies import Remains
-from meshes.section.strain_potential import BEYOND, stress_at_potential
+from meshes.section.strain_potential import BEYOND, LARGEST_SHARE, stress_at_potential
 
 DAMPING = 0.7  # with which the ground comes to rest under its weight
 SETTLE, LONGEST_SETTLING = 0.5, 30.0  # s between two looks at that, and after which it is given up
@@ -180,6 +180,7 @@ class PointSlider:
         before = original(np.column_stack([points.properties[:, CHANGED], points.side]))
         height = original(points.state[:, kernel.VOLUME]) / (0.5 * self.ground.grid.cell)
         after, stratum = before.copy(), original(points.stratum)
+        potential, knee = np.zeros(len(stratum)), np.zeros(len(stratum))
         for k, kept in programme.remains.items():
             mine, soil = stratum == k, self.ground.section.strata[k]
             stress, consolidated = self.ground.effective[mine], self.ground.consolidated[mine]
@@ -191,25 +192,22 @@ class PointSlider:
             after[mine, STRENGTH], after[mine, SINE] = cohesion * np.cos(friction), np.sin(friction)
             after[mine, LIMIT] = UNLIMITED if friction == 0.0 else cohesion / np.tan(friction)
             if friction == 0.0 and kept.strain_potential > 0.0:
-                knee = stress_at_potential(np.maximum(stress, 1.0), cohesion)
-                stiff = np.minimum((cohesion - knee) / BEYOND, before[mine, SHEAR])
-                soft = np.minimum(knee / kept.strain_potential, stiff)
-                after[mine, SHEAR] = stiff
-                after[mine, BULK] += (stiff - before[mine, SHEAR]) / 3.0  # λ + G at the same bulk modulus λ + 2 G / 3
-                after[mine, SOFT], after[mine, KNEE], after[mine, VISCOUS] = soft, knee, CREEP * soft
-                before[mine, SOFT] = before[mine, SHEAR]
+                potential[mine] = kept.strain_potential
+                knee[mine] = stress_at_potential(np.maximum(stress, 1.0), cohesion)
         liquefies = np.where(np.isin(stratum, list(programme.remains)), stratum, -1)
-        self._weaken_edges(before, after, liquefies)
+        self._weaken_edges(before, after, liquefies, potential, knee)
+        self._soften(before, after, liquefies, potential, knee)
         pressure = UNDRAINED / (1.0 - UNDRAINED) * self.ground.effective * height * (liquefies >= 0)
         after[:, SIDE] = np.sign(before[:, SIDE]) * np.maximum(pressure, np.abs(before[:, SIDE]))
         self.began = {"before": before, "after": after, "liquefies": liquefies}
 
-    def _weaken_edges(self, before: np.ndarray, after: np.ndarray, liquefies: np.ndarray) -> None:
-        """Give the knot spans at the edges of liquefying layers the strength with which they slip there."""
-        original, points, stress = self.engine.original, self.ground.points, self.ground.effective
-        x, mass = self.ground.grid.level(original(points.x)), original(points.mass)
-        volume = original(points.state[:, kernel.VOLUME])
-        height = volume / (0.5 * self.ground.grid.cell)
+    def _weaken_edges(
+        self, before: np.ndarray, after: np.ndarray, liquefies: np.ndarray, potential: np.ndarray, knee: np.ndarray
+    ) -> None:
+        """Give the knot spans at the edges of liquefying layers the strength with which they slip there, and the law of
+        shear of a layer with a strain potential: ``potential`` (n,), ``knee`` (n,), the stress at it (Pa)."""
+        x, height, mass = self._columns()
+        stress = self.ground.effective
         strength = after[:, STRENGTH] + stress * after[:, SINE]
         edge = edge_strength(x, height, mass, liquefies, strength, self.ground.grid.cell)
         own = np.where(liquefies >= 0, after[:, STRENGTH], before[:, STRENGTH])[edge.points]
@@ -218,7 +216,39 @@ class PointSlider:
         near, donor = edge.points[less], edge.donors[less]
         after[np.ix_(near, [SINE, LIMIT])] = after[np.ix_(donor, [SINE, LIMIT])]
         after[near, STRENGTH] = np.maximum(edge.strength[less] - stress[near] * after[near, SINE], 0.0)
-        liquefies[near] = liquefies[donor]
+        strains = potential[edge.donors] > 0.0
+        liquefies[edge.points[less | strains]] = liquefies[edge.donors[less | strains]]
+        near, donor = edge.points[strains], edge.donors[strains]
+        potential[near] = potential[donor]
+        most = LARGEST_SHARE * np.minimum(edge.strength, own)[strains]
+        knee[near] = np.minimum(edge.demand[strains] * knee[donor], most)
+
+    def _soften(
+        self, before: np.ndarray, after: np.ndarray, liquefies: np.ndarray, potential: np.ndarray, knee: np.ndarray
+    ) -> None:
+        """Give points with a strain potential the two straight lines of their layer, over the width that shears."""
+        strains = np.flatnonzero(potential > 0.0)
+        if not len(strains):
+            return
+        x, height, mass = self._columns()
+        layer = np.where(potential > 0.0, liquefies, -1)
+        own = self.engine.original(self.ground.points.stratum) == layer
+        share = thickness_over_width(x, height, mass, layer, own, self.ground.grid.cell)[strains]
+        strength = after[strains, STRENGTH] + self.ground.effective[strains] * after[strains, SINE]
+        hard = before[strains, SHEAR]
+        stiff = np.minimum((strength - knee[strains]) / (BEYOND * share), hard)
+        soft = np.minimum(knee[strains] / (potential[strains] * share), stiff)
+        after[strains, SHEAR] = stiff
+        after[strains, BULK] += (stiff - hard) / 3.0  # λ + G at the same bulk modulus λ + 2 G / 3
+        after[strains, SOFT], after[strains, KNEE], after[strains, VISCOUS] = soft, knee[strains], CREEP * soft
+        before[strains, SOFT] = hard
+
+    def _columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Places on the grid (n, 2) of the points in the order in which they were made, their heights (m) in columns
+        half a cell wide, and their masses (kg/m)."""
+        original, points, grid = self.engine.original, self.ground.points, self.ground.grid
+        height = original(points.state[:, kernel.VOLUME]) / (0.5 * grid.cell)
+        return grid.level(original(points.x)), height, original(points.mass)
 
     def _under_way(self, programme: SlideProgramme, time: float) -> bool:
         """Whether some stratum is liquefying now."""

@@ -9,6 +9,16 @@ at its edge, and below it
 
 M the mass above (kg/m²), s_e and M_e at the edge. The shear stress that Kh and the slope ask for grows with M, so that
 these spans yield under the Kh under which a rigid block slips on the edge, wherever the edge lies on the grid.
+
+Sand that strains by its strain potential γ_max before it holds would do so over all spans that its hats cover, or not
+at all where stiff points in the same spans bear the shear. So these points have its law of shear, too: γ at the stress
+τ of the layer is γ at τ M(z) / M, and all strains are those of the layer times its thickness over the width that shears
+on the grid. The width W of a column of points p follows from its equilibrium: with φ_k the hat of knot k, h the cell,
+
+    Σ_l (Σ_p V_p g_p φ_k φ_l) γ_l = Σ_p V_p M_p φ_k,   W = h Σ_k γ_k,
+
+g_p = M_p of points that shear, and many times that of those that hold. Ground that shears alike everywhere has γ_k = 1.
+The crust then moves by the strain of the layer times its thickness in cells of any size.
 """
 
 from dataclasses import dataclass
@@ -16,6 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 
 BELOW = 2.0  # cells under a layer, down to which its strength reaches
+HOLDS = 1e4  # stiffness of ground that holds over that of ground that shears, where only their order counts
 STEEPEST = 1.0  # slope up to which edges in neighbouring columns are one edge
 
 
@@ -43,11 +54,14 @@ class EdgeStrength:
         Number of the point of a weak layer at whose edge each of them lies.
     strength : ndarray (k,)
         Strength of each (Pa).
+    demand : ndarray (k,)
+        Mass above each over that above its donor, as the shear stress by Kh and slope is (-).
     """
 
     points: np.ndarray
     donors: np.ndarray
     strength: np.ndarray
+    demand: np.ndarray
 
 
 def edge_strength(
@@ -77,11 +91,10 @@ def edge_strength(
     EdgeStrength
         Points of sound ground, in the order of their numbers.
     """
-    column, row = np.floor(2.0 * x[:, 0] / cell).astype(int), np.round(x[:, 1] / cell).astype(int)
+    column, row = _places(x, cell)
     above = np.zeros(len(x))
     edges: dict[int, list[_Edge]] = {}
-    order = np.lexsort((-x[:, 1], column))
-    for mine in np.split(order, np.flatnonzero(np.diff(column[order])) + 1):
+    for mine in _in_columns(x, column):
         above[mine] = np.cumsum(mass[mine]) - 0.5 * mass[mine]
         edges[int(column[mine[0]])] = _edges(mine, int(column[mine[0]]), x, height, mass, above, layer, strength)
     found: dict[int, tuple[float, int, float]] = {}
@@ -94,9 +107,79 @@ def edge_strength(
             if away < found.get(p, (np.inf,))[0]:
                 found[p] = away, edge.donor, scaled
     points = np.array(sorted(found), dtype=int)
-    return EdgeStrength(
-        points, np.array([found[p][1] for p in points], dtype=int), np.array([found[p][2] for p in points], dtype=float)
-    )
+    donors = np.array([found[p][1] for p in points], dtype=int)
+    strengths = np.array([found[p][2] for p in points], dtype=float)
+    return EdgeStrength(points, donors, strengths, above[points] / above[donors])
+
+
+def thickness_over_width(
+    x: np.ndarray, height: np.ndarray, mass: np.ndarray, layer: np.ndarray, own: np.ndarray, cell: float
+) -> np.ndarray:
+    """Thickness of a weak layer over the width of ground that shears in its place on the grid, column by column.
+
+    Parameters
+    ----------
+    x : ndarray (n, 2)
+        Places of all points on the grid (m), in columns half a cell apart.
+    height : ndarray (n,)
+        Height of each point's part of its column (m).
+    mass : ndarray (n,)
+        Mass of each point (kg/m).
+    layer : ndarray (n,) of int
+        Number of the weak layer whose law of shear each point has, -1 for ground that holds.
+    own : ndarray (n,) of bool
+        Whether the point is of that layer, and not at its edge.
+    cell : float
+        Side of a cell of the grid (m).
+
+    Returns
+    -------
+    ndarray (n,)
+        At most 1; 1 for ground that holds.
+    """
+    column, _ = _places(x, cell)
+    share = np.ones(len(x))
+    for mine in _in_columns(x, column):
+        weak = layer[mine] >= 0
+        if not weak.any():
+            continue
+        above = np.cumsum(mass[mine]) - 0.5 * mass[mine]
+        strain, width = _equilibrium(x[mine, 1] / cell, height[mine] / cell, above, weak)
+        moved = np.where(weak, height[mine] * strain, 0.0)
+        moved *= cell * width / moved.sum()
+        for k in np.unique(layer[mine][weak]):
+            of_layer = layer[mine] == k
+            thickness, sheared = height[mine][of_layer & own[mine]].sum(), moved[of_layer].sum()
+            if 0.0 < thickness < sheared:
+                share[mine[of_layer]] = thickness / sheared
+    return share
+
+
+def _equilibrium(z: np.ndarray, height: np.ndarray, above: np.ndarray, weak: np.ndarray) -> tuple[np.ndarray, float]:
+    """Shear strain (n,) of the points of a column, that of ground which shears freely being 1, and the width (cells).
+
+    ``z``, ``height`` (n,): places and heights (cells); ``above`` (n,): mass above; ``weak`` (n,): which of them shear.
+    """
+    knot = np.floor(z - 0.5).astype(int)  # below the point, which lies between knots and has a hat of each
+    first = knot.min()
+    hats = np.zeros((len(z), knot.max() - first + 2))
+    upper = z - 0.5 - knot
+    hats[np.arange(len(z)), knot - first], hats[np.arange(len(z)), knot - first + 1] = 1.0 - upper, upper
+    force = height * above
+    stiffness = hats.T @ (np.where(weak, force, HOLDS * force)[:, None] * hats)
+    strains = np.linalg.lstsq(stiffness, hats.T @ force, rcond=None)[0]
+    return hats @ strains, float(strains.sum())
+
+
+def _in_columns(x: np.ndarray, column: np.ndarray) -> list[np.ndarray]:
+    """Numbers of the points of each column, from the surface down."""
+    order = np.lexsort((-x[:, 1], column))
+    return np.split(order, np.flatnonzero(np.diff(column[order])) + 1)
+
+
+def _places(x: np.ndarray, cell: float) -> tuple[np.ndarray, np.ndarray]:
+    """Column of points, and row of nodes in whose knot span each of them lies."""
+    return np.floor(2.0 * x[:, 0] / cell).astype(int), np.round(x[:, 1] / cell).astype(int)
 
 
 def _edges(

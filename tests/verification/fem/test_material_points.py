@@ -304,11 +304,13 @@ def test_a_slope_slides_at_the_critical_kh_of_the_finite_elements(
 
 @pytest.mark.slow
 def test_s13_under_the_cycles_of_its_earthquake_keeps_its_energy() -> None:
-    """At the cells that are the default: 12 % were lost where every step smoothed what the grid cannot resolve."""
+    """12 % were lost where every step smoothed what the grid cannot resolve. In 1,500 cells and in the 3,000 that are
+    the default the slide is the same within 7 %; it was 1.19 and 0.85 m while thin layers strained over whole cells."""
     config = config_after_triggering(Config.load(SECTIONS / "s13.toml"))
-    slide = slide_of_points(config, 2)
-    assert abs(slide.energy_lost_share) < LOSS
-    assert 0.8 < slide.slide_max < 0.9
+    fine, coarse = (slide_of_points(config.with_settings("slide", mpm_cells=n), 2) for n in (3000, 1500))
+    assert abs(fine.energy_lost_share) < LOSS
+    assert 0.9 < fine.slide_max < 1.0
+    assert coarse.slide_max == pytest.approx(fine.slide_max, rel=0.07)
 
 
 @pytest.mark.slow
