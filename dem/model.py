@@ -340,7 +340,7 @@ class DiscModel(DiscState):
 
     @classmethod
     def load(cls, path: Path | str) -> "DiscModel":
-        """The model of a checkpoint. Raises OSError, KeyError or TypeError for a file that is none of this version."""
+        """The model of a checkpoint. Raises OSError, KeyError or TypeError for a file of another version."""
         arrays, plain = checkpoint.read(Path(path))
         arrays = {RENAMED.get(name, name): values for name, values in arrays.items()}
         series = Acceleration(*(arrays.pop(f"acceleration_{name}") for name in ("times", "x", "z")))

@@ -110,7 +110,7 @@ class DemSettings(Model):
 
     @property
     def ductility(self) -> float:
-        """The setting `growth`, or its default for the chosen model of the discs."""
+        """Displacement at which a test ends over the yield displacement: `growth`, or the default of the model."""
         return GROWTH[self.model] if self.growth is None else self.growth
 
     @property

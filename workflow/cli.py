@@ -338,7 +338,7 @@ def _of_stage(stage: str, words: str) -> None:
 
 _of_stage("triggering", "F_L at the blow counts of the borings, which strata liquefy, and P_L.")
 _of_stage("slices", "Slip circles by Bishop and Spencer, towards both sides: factor of safety and Kh.")
-_of_stage("residual", "Whether ground that fails continues with its residual strength: factor of safety and Kh.")
+_of_stage("residual", "Factor of safety with peak strength, then with residual strength, and its Kh.")
 _of_stage("liquefied", "Whether the ground still stands once layers have liquefied, and its Kh.")
 _of_stage("response", "Response of the layers to a record of the rock below, with depth, and k_max.")
 _of_stage("calibrate", "Calibrate the discs so that they fail at the Kh that the finite elements found.")

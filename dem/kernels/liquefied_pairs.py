@@ -256,7 +256,7 @@ def fetch_strength(block: int, wet: Liquefied) -> None:
 def press_pairs(
     block: int, wet: Liquefied, damping_time: float, kept: float, with_losses: bool
 ) -> tuple[float, float, float]:
-    """Forces and memory of a block, once `fetch_strength` has been there.
+    """Compute forces and memory of the pairs of a block, after `fetch_strength` has read their strength.
 
     Returns what its bonds took by slip and by dashpots since the last look, and the work of stand-ins at its end (J).
     damping_time: dashpot over stiffness of a bond (s); kept: share of its force that the spring in series with the

@@ -1,4 +1,4 @@
-"""Kernel: the shear stress that liquefied ground holds where discs are, against the strain since the last list.
+"""Kernel: the shear stress about each liquefied disc, and the shear strain since the last neighbour list.
 
 The stress about a disc is that of its pairs with their forces as they were last looked at (virial of Love 1927; half of
 each pair belongs to either disc), tension positive; the gradient of displacement is that of its neighbours by least

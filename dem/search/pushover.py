@@ -135,8 +135,8 @@ def pushover_critical_kh(
     if whole:
         search.verdict = "bracketed"
         search.reason = (
-            f"the largest Kh up to a displacement of {reach:.3g} m, {settings.ductility:g} times where the continuum "
-            f"yields{ended}"
+            f"it is the largest Kh up to a displacement of {reach:.3g} m, {settings.ductility:g} times the yield "
+            f"displacement of the finite elements{ended}"
         )
     if search.trials:
         kc, half, last = critical_point(search.trials)

@@ -191,8 +191,9 @@ def stress_of(
 
 
 def standard(program: ConeProgram, data: Assembled, magnified: float) -> tuple[Standard, np.ndarray]:
-    """The program for the interior-point method, forces ``magnified``, and the places of its rows among the others'.
+    """Write the program in the form of the interior-point method, and the order of its rows.
 
+    ``magnified`` is a factor on its forces.
     Cut-offs have a little room: where they meet bare edges they would force zero stress and leave no inside.
     """
     corners, sin = len(program.cohesion), np.sin(program.friction)

@@ -127,7 +127,7 @@ def interior_solution(
     start: Place | None = None,
     most_iterations: int = MOST_ITERATIONS,
 ) -> Iterate:
-    """The solution to a ``tolerance``, of a program whose costs are ``unit`` times as large as the multiplier.
+    """Solve a program to a ``tolerance``; its costs are ``unit`` times the multiplier of the loads.
 
     ``heed`` is called before each of at most ``most_iterations`` iterations. After a breakdown the best iterate that
     meets the equations is returned, if there is one. ``start`` is an iterate of the same mesh with another strength:

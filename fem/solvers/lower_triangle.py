@@ -45,7 +45,7 @@ class LowerTriangle:
         self._factors = Cholesky(pattern)
 
     def factorise(self) -> None:
-        """Factorise the ``entries``, with the least share of STIFFER on the diagonal that makes them positive definite.
+        """Factorise the ``entries``; the smallest share of STIFFER that makes them positive definite is added first.
 
         Raises NotPositiveDefiniteError if none does.
         """

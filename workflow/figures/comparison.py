@@ -76,6 +76,8 @@ def _curves(results: Results, name: str) -> bool:
             ("before", discs.before, {"color": PALE, "marker": "x", "linestyle": DOTTED}),
             ("after", discs.after, {"color": DISCS, "marker": "D", "linestyle": SOLID}),
         ):
+            if key == "before" and search.curve == discs.after.curve:
+                continue  # calibration changed nothing, and the other curve would cover it
             widest = max(widest, _discs(axes, search, look, soil))
             handles.append(Line2D([], [], **look, markersize=4, linewidth=1.2, label=f"discs, {key} calibration"))
         after = discs.after

@@ -68,7 +68,9 @@ def displacements(results: Results, name: str) -> bool:
 def _draw(axes: Axes, row: Row, at: int) -> None:
     """A point with its number beside it, an arrow where it lies off the axis, or the reason why there is none."""
     if row.value is None:
-        axes.annotate(row.why_not, (SMALLEST, at), (-2, -2), textcoords="offset points", fontsize=6.5, color=GREY)
+        axes.annotate(
+            row.why_not, (SMALLEST, at), (-2, -2), textcoords="offset points", fontsize=6.5, color=GREY, bbox=BLANK
+        )
         return
     colour, marker = row.look
     place = max(row.value, SMALLEST)
@@ -100,7 +102,7 @@ def slides(results: Results) -> Iterator[Row]:
 
 
 def _why_not(words: str) -> str:
-    """The reason within the words of an estimate that gives no displacement."""
+    """Find in the words of an estimate why it gives no displacement."""
     for sign in ("outside its range: ", "not computed: "):
         _, separator, reason = words.partition(sign)
         if separator:

@@ -117,10 +117,12 @@ class Views(NamedTuple):
 
 
 def _views(mesh: QuadMesh, state: State) -> Views:
-    window = Window.around(mesh.points)
     grid = unstructured(mesh)
     largest = float(np.hypot(*state.displacement.T).max())
-    stretch = nice_number(0.06 * (window.right - window.left) / largest) if largest > 0.0 else 1.0
+    stretch = nice_number(0.06 * float(np.ptp(mesh.points[:, 0])) / largest) if largest > 0.0 else 1.0
+    every = spread(mesh.points, Window.around(mesh.points), ARROWS)
+    tips = mesh.points[every] + stretch * state.displacement[every]
+    window = Window.around(np.vstack([mesh.points, tips]))
 
     def outline(plotter: pv.Plotter) -> None:
         plotter.add_mesh(grid, color="#efece4", lighting=False)
@@ -134,7 +136,6 @@ def _views(mesh: QuadMesh, state: State) -> Views:
             show_edges=len(mesh.cells) < 5000, edge_color="#8a8578", line_width=0.5,
         )  # fmt: skip
 
-    every = spread(mesh.points, window, ARROWS)
     return Views(render(window, outline), every, render(window, safety), stretch, largest, window)
 
 

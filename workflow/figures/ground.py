@@ -41,6 +41,7 @@ HATCH = "...."
 SURVEYED = (0, (1, 3))  # dashes of the ends of the ground that was given
 LEAST_NUMBERED = 0.02  # of the height of a section: a number would not fit into a thinner stratum
 NUMBER_SIZE = 6.5  # points
+BESIDE = 0.015  # of the width: from number to number above the ground
 FOOT_CHARACTERS = 190
 ARROW = 0.03  # of the width: the largest surcharge
 
@@ -207,14 +208,17 @@ def _number_strata(axes: Axes, section: Section) -> None:
         best = int(np.argmax(thickness * np.minimum(layers.width, 0.1 * width)))
         if thickness[best] < LEAST_NUMBERED * np.ptp(section.outline()[:, 1]):
             continue
-        x = 0.5 * (layers.x[best] + layers.x[best + 1])
-        z = 0.25 * (layers.left[best, k : k + 2].sum() + layers.right[best, k : k + 2].sum())
-        if thickness[best] * points_per_metre > 1.3 * NUMBER_SIZE:
+        fits = thickness[best] * points_per_metre > 1.3 * NUMBER_SIZE
+        beside = 0.0 if fits else (1 + thin) * BESIDE * width / layers.width[best]  # clear of the numbers that fit
+        share = min(0.5 + beside, 0.95)
+        x = layers.x[best] + share * layers.width[best]
+        z = float(0.5 * ((1.0 - share) * layers.left[best] + share * layers.right[best])[k : k + 2].sum())
+        if fits:
             axes.text(x, z, str(numbers[k] + 1), va="center", **style)
             continue
         ground = float(np.interp(x, *section.ground.T))
         axes.annotate(
-            str(numbers[k] + 1), (x, z), (9.0 * thin, (ground - z) * points_per_metre + 4.0),
+            str(numbers[k] + 1), (x, z), (0.0, (ground - z) * points_per_metre + 4.0),
             textcoords="offset points", va="bottom",
             arrowprops={"arrowstyle": "-", "color": INK, "linewidth": 0.5, "shrinkA": 0.0, "shrinkB": 0.0}, **style,
         )  # fmt: skip

@@ -62,7 +62,7 @@ def fem_sentences(answer: FemAnswer, section: Section, every: bool = True) -> It
     counts. An answer that is no failure at its limit load always tells why.
     """
     error = of_meshes(answer)
-    interval = f" By the sequence of meshes: {between([error.low, error.high])}." if error is not None else ""
+    interval = f" Range by the sequence of meshes: {between([error.low, error.high])}." if error is not None else ""
     how = ""
     if every or answer.ended not in ("plateau", "limit load"):
         most = f", at most {coefficient(answer.kc_upper)} on this mesh" if answer.kc_upper > answer.kc else ""

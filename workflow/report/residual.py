@@ -1,4 +1,4 @@
-"""Whether ground that fails continues with its residual strength, in sentences."""
+"""What peak and residual strength mean for the stability of the ground, in sentences."""
 
 from collections.abc import Iterator
 

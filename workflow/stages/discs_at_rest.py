@@ -44,7 +44,9 @@ class Discs:
 
 
 def discs_at_rest(section: Section, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
-    """Discs as some settings say. Raises InputError where they cannot be had, NotSettledError, DemError.
+    """Build the discs of a section and settle them under their weight, or read those that were kept.
+
+    Raises InputError where they cannot be had, NotSettledError, DemError.
 
     ``section``: the ground; ``store``: the folder of the run; ``dem``: settings; ``file``: in which the discs are kept;
     ``tell``: hears of every step.

@@ -117,7 +117,7 @@ def verdict_of(factor: float | None, everywhere: "Bearing") -> Verdict:
 
 STAGE = Stage(
     name="residual",
-    what="whether ground that fails continues with its residual strength",
+    what="factors of safety with peak strength and with residual strength",
     work=work,
     needs=("mesh",),
     reads=("fem",),

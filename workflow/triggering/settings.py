@@ -56,8 +56,8 @@ class TriggeringSettings(Model):
     )
     water_gathers: StrictBool = Field(
         default=True,
-        description="false if no tighter layer lies on what liquefies, below which water would gather: Idriss & "
-        "Boulanger (2008) then leave it more strength",
+        description="whether water gathers below a layer of low permeability on top of the liquefied one; false "
+        "where there is no such layer: Idriss & Boulanger (2008) then give a larger residual strength",
     )
     pore_pressure: StrictBool = Field(
         default=False,
