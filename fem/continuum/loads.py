@@ -1,5 +1,6 @@
 """Direction of the seismic load, and which strata can be analysed: for finite elements and limit analysis alike."""
 
+from collections.abc import Sequence
 from typing import Literal
 
 from fem.errors import UnstableError
@@ -40,6 +41,16 @@ def soils(section: Section) -> tuple[Stratum, ...]:
     if section.uplift is not None and section.uplift.bare:
         raise lifted(section.uplift)
     return section.strata
+
+
+def shaken_loose(strata: Sequence[Stratum]) -> str:
+    """What to look at where the excess pore pressure that shaking brings leaves no equilibrium; empty without any."""
+    ratios = {s.name: s.excess_pore_pressure_ratio for s in strata if s.excess_pore_pressure_ratio}
+    named = ", ".join(f'{ratio:g} in "{name}"' for name, ratio in ratios.items())
+    return named and (
+        f"check excess_pore_pressure_ratio, which is {named}; sand that liquefies keeps a residual strength: see "
+        "liquefies_in"
+    )
 
 
 def lifted(uplift: Uplift, reason: str = "there is no equilibrium") -> UnstableError:

@@ -45,6 +45,12 @@ def refuse_other_water(section: Section) -> None:
             f"and by {change.max() / 1e3:.1f} kPa at another; expected water that repeats with the ground, at the same "
             "depth at both sides, or still water above all of it"
         )
+    elif abs(change[-1]) > SAME and abs(change[-1] - water.unit_weight * (ends[0][0] - ends[1][0])) > SAME:
+        deep = [side[-1] / water.unit_weight for side in still]
+        problems.append(
+            f"the water is {deep[0]:.4g} m deep at the left side and {deep[1]:.4g} m at the right one; expected still "
+            "water above all of the ground, or none on it"
+        )
     elif water.moves and abs(change[-1]) > SAME:
         problems.append("westergaard = true needs water that is as deep at both sides")
     if np.abs(shaken[1] - shaken[0]).max() > SAME:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem.continuum.load_ends import with_held_ends
-from fem.continuum.loads import Direction, direction_of, lifted, push, soils
+from fem.continuum.loads import Direction, direction_of, lifted, push, shaken_loose, soils
 from fem.continuum.repetition import refuse_other_sides
 from fem.continuum.shallow_failure import ShallowFailure, failing_at_rest, shallow_failures, strengthened
 from fem.continuum.strength import davis_factor, flow_of, is_dilating_fully, tensile_strengths
@@ -36,7 +36,7 @@ from meshes.triangles import TriMesh, triangulate
 CELLS_IN_HEIGHT, CELLS_IN_LAYER = 5.0, 0.8
 # The first mesh has at most this share of the cells allowed.
 FIRST_SHARE = 0.15
-# Angle (rad) of triangles above which those where a smooth side meets the ground are halved.
+# Angle (rad) of triangles above which those where a smooth side meets the ground, or a surcharge ends, are halved.
 WIDE_CORNER = 0.5
 # Cells allowed where a rough upper bound will do; the first mesh has a share of it.
 COARSE_CELLS = 8000
@@ -204,6 +204,9 @@ def _unstable(section: Section, upper: float) -> UnstableError:
     if section.uplift is not None:
         return lifted(section.uplift, "the section fails under its own weight")
     most = f"its Kh is at most {upper:.3g}" if upper > -1.0 else "no horizontal force could hold it"
+    loose = shaken_loose(section.strata)
+    if loose:
+        return UnstableError(f"the section fails by the excess pore pressure of shaking and its weight: {most}", loose)
     return UnstableError(f"the section fails under its own weight: {most}; check strengths, densities")
 
 
@@ -228,7 +231,9 @@ def first_mesh(section: Section, max_cells: int, sides: Sides = "free-field") ->
 
     Triangles in a thin film of water are as long as others in its stratum, and as thin as the film. Where a smooth side
     meets the ground, several triangles do: bare sand under a seismic force has shear stress along the ground and none
-    along the side, and one triangle beside either may have no such stresses but at Kh = 0.
+    along the side, and one triangle beside either may have no such stresses but at Kh = 0. So do several at the ends of
+    surcharges: where two of them meet on straight ground, the symmetry of the stresses balances a step of the load only
+    along the edge that they share, and never one with a seismic part.
     """
     repeats = sides == "periodic"
     if repeats:
@@ -244,11 +249,13 @@ def first_mesh(section: Section, max_cells: int, sides: Sides = "free-field") ->
     sizes *= max(1.0, np.sqrt(expected / (FIRST_SHARE * max_cells)))
     named = {name: float(h) for name, h in zip(names, sizes, strict=True)}
     mesh = triangulate(section, float(sizes.max()), named, repeats)
-    if sides != "smooth":
+    fanned = [x for load in section.surcharges for x in (load.start, load.end)]
+    fanned += list(section.extent) if sides == "smooth" else []
+    if not fanned:
         return mesh
-    x, at_ends = mesh.points[:, 0], np.zeros(len(mesh.points), dtype=bool)
-    surface = np.unique(mesh.boundaries["surface"])
-    at_ends[surface] = (x[surface] == x.min()) | (x[surface] == x.max())
+    at_ends, surface = np.zeros(len(mesh.points), dtype=bool), np.unique(mesh.boundaries["surface"])
+    near = np.abs(mesh.points[surface, 0][:, None] - np.array(fanned)).min(axis=1)
+    at_ends[surface] = near <= layers.tolerance
     return fan_out(mesh, at_ends, WIDE_CORNER)[0]
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from fem.continuum.loads import lifted
+from fem.continuum.loads import lifted, shaken_loose
 from fem.continuum.strength import FlowSetting, davis_words, flow_of, is_associated, is_dilating_fully
 from fem.errors import UnstableError
 from fem.limit_load.limit_load import LimitLoadResult
@@ -312,7 +312,14 @@ class _Search:
             return error if self.section.uplift.words in error.reason else lifted(self.section.uplift, error.reason)
         factor = known or self.safety(settings, 0.0).result
         message, remedy = f"{error.reason}; its factor of safety is {factor.factor:.2f}", error.remedy
-        if factor.factor > 1.0 and settings.sides == "free-field":  # the factor is that between held sides
+        loose = shaken_loose(self.section.strata)
+        if factor.factor > 1.0 and loose:  # the factor is that before shaking
+            message = (
+                "the section fails at any Kh by the excess pore pressure of shaking, and stands before it: its "
+                f"factor of safety is {factor.factor:.2f} then"
+            )
+            remedy = loose
+        elif factor.factor > 1.0 and settings.sides == "free-field":  # the factor is that between held sides
             message = (
                 f"{error.reason} with the K0 stress on its free-field sides, and stands with its sides held: its "
                 f"factor of safety is {factor.factor:.2f} then"

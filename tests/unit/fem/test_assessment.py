@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from fem import kh_bounds
 from fem.errors import UnstableError
 from fem.search import assessment
 from fem.search.assessment import assess
-from fem.settings import FemSettings
+from fem.settings import BoundsSettings, FemSettings
 from meshes.executor import SERIAL
 from meshes.gmsh_model import generate
 from meshes.section.section import Section
@@ -100,6 +101,18 @@ def test_ground_that_only_its_free_field_sides_push_over_is_told_so():
     with pytest.raises(UnstableError, match=r"stands with its sides held: its factor of safety is 1\.\d\d then"):
         assessed(cut)
     assert assessed(cut, sides="smooth").critical.kc > 0.0
+
+
+def test_ground_that_excess_pore_pressure_lets_flow_is_told_so():
+    """Sand whose excess pore pressure ratio is 1 has next to no strength left in shaking. It was told that the ground
+    fails under its own weight, and that its factor of safety is above 1: the one before shaking."""
+    sand = {"cohesion": "0.1 kPa", "friction_angle": "35 deg", "excess_pore_pressure_ratio": 1.0}
+    loose = slope_with(**sand)
+    with pytest.raises(UnstableError, match=r"stands before it: its factor of safety is 1\.\d\d then") as told:
+        assessed(loose)
+    assert "excess_pore_pressure_ratio, which is 1 in" in str(told.value)
+    with pytest.raises(UnstableError, match="excess pore pressure of shaking and its weight"):
+        kh_bounds(loose, FemSettings(sides="fixed"), BoundsSettings(max_cells=400, davis=False))
 
 
 @pytest.mark.parametrize("soil", [{}, {"dilation_angle": "0 deg"}])

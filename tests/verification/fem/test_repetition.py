@@ -130,6 +130,16 @@ def test_water_that_repeats_with_the_ground_is_taken(changes: dict[str, Any]) ->
         refuse_other_water(endless(level, **changes))
 
 
+def test_a_shore_in_the_middle_of_what_repeats_is_refused() -> None:
+    """After a drawdown to mid-height the pore pressures at the sides differ by one constant, those of 1 m of water on
+    the lower side: the next slope below would begin under as much, and its shore would not be where this one's is."""
+    ground = section(
+        surface=[[0.0, 5.0], [20.0, 0.0]], base={"depth": DEPTH}, water={"table": 8.0, "after_drawdown": 1.0}
+    )
+    with pytest.raises(InputError, match="the water is 0 m deep at the left side and 1 m at the right one"):
+        refuse_other_water(ground)
+
+
 @pytest.mark.parametrize("level", [2.0, [[0.0, 4.0], [20.0, 0.0]], [[0.0, 8.0], [20.0, -2.0]]])
 def test_water_that_does_not_repeat_is_refused(level: Any) -> None:
     ground = endless(level)
