@@ -18,7 +18,8 @@ from workflow.stages import NAMES
 
 def small(folder: Path, **soil: Any) -> Path:
     """A slope that is computed in a second."""
-    data = {**slope(), "mesh": {"size": 3.0}, "fem": {"element": "bilinear", "kh": [], "accuracy": 0.0}}
+    quick = {"element": "bilinear", "kh": [], "accuracy": 0.0, "direction": "downhill"}
+    data = {**slope(), "mesh": {"size": 3.0}, "fem": quick}
     data["strata"] = [{**stratum, **soil} for stratum in data["strata"]]
     path = folder / "slope.toml"
     path.write_text(tomli_w.dumps(data))
@@ -136,7 +137,7 @@ def two(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     for sides in ("free-field", "fixed"):
         outs.append(folder / sides)
         only = [word for name in ("mesh", "fem", "report") for word in ("--only", name)]
-        more = (*only, "-q", "--set", f"fem.sides={sides}", "--set", "fem.direction=downhill")
+        more = (*only, "-q", "--set", f"fem.sides={sides}")
         assert run("run", path, "--out", outs[-1], *more) == 0
     return outs
 

@@ -25,7 +25,7 @@ def test_reduced_element_comes_from_above_to_within_2_percent_of_nc(phi):
     assert fine < 1.0125
 
 
-@pytest.mark.parametrize("phi", [pytest.param(30.0, marks=pytest.mark.slow), 35.0])
+@pytest.mark.parametrize("phi", [30.0, pytest.param(35.0, marks=pytest.mark.slow)])
 def test_surcharge_gives_nq_on_ground_without_cohesion(phi):
     """c = 0 under q is c = q tan φ without q, shifted (Caquot 1934): the same error as with Nc."""
     factor, outcome, path = footing("reduced", phi, 4, surcharge=True)
@@ -77,10 +77,15 @@ def test_reduced_element_goes_on_converging(phi):
 
 
 def test_quadratic_element_comes_to_within_2_percent_of_nc_where_the_volume_stays():
-    """Measured with 4, 8 cells: 3.0, 1.8 % (φ = 0); 12, 8 % (30°), for its 9 points ask too much of it there."""
+    """Measured with 4, 8 cells: 3.0, 1.8 %."""
     coarse, fine = (footing("quadratic", 0.0, cells)[0] / NC[0.0] for cells in (4, 8))
     assert 1.0 < fine < coarse < 1.032
     assert fine < 1.02
+
+
+@pytest.mark.slow
+def test_quadratic_element_is_too_stiff_where_the_ground_dilates():
+    """Measured with 4, 8 cells: 12, 8 % (30°), for its 9 points ask too much of it there."""
     assert 1.05 < footing("quadratic", 30.0, 4)[0] / NC[30.0] < 1.125
 
 
