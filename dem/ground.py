@@ -12,7 +12,7 @@ import numpy as np
 from dem.acceleration import Acceleration, tilted_gravity
 from dem.assembly import DiscMaterials
 from dem.model import DiscModel
-from dem.packing import ROW, Packing, lattice_box, random_packing, triangular_lattice
+from dem.packing import ROW, Packing, brought_back, lattice_box, random_packing, triangular_lattice
 from dem.settings import DemSettings
 from dem.springs import LayerSprings, from_strata, table2
 from dem.water import added_mass, buoyancy, excess, still_water
@@ -93,7 +93,10 @@ class Ground:
         """Acceleration (2, n) in m/s2, in the frame of the discs, by still water at the places where discs are by now;
         None without any, see `dem.water.buoyancy`.
         """
-        felt = None if self.section is None else buoyancy(self.section, self.to_section(model.x, model.z), model)
+        if self.section is None:
+            return None
+        places = brought_back(*self.to_section(model.x, model.z), self.section.extent[0], model.repeats)
+        felt = buoyancy(self.section, places, model)
         return None if felt is None else np.array(self._own(felt))
 
     def _own(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

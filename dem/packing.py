@@ -9,11 +9,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.kernels.neighbours import pairs_within
-from dem.kernels.period import ENDLESS
+from dem.kernels.period import ENDLESS, Period
+from dem.kernels.pushing_apart import clearance, deepest_in_pairs, spread_out
 from dem.model import DiscModel
 
 StratumAt = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -37,6 +37,8 @@ class Packing:
         Numbers of their layers, -1 for boundary discs.
     lines : (k, 6)
         Rigid lines, see DiscModel.
+    period : (length, rise) or None
+        Length (m) after which the ground repeats itself, and by how much it lies higher there (m).
     """
 
     x: np.ndarray
@@ -44,6 +46,7 @@ class Packing:
     radius: np.ndarray
     layer: np.ndarray
     lines: np.ndarray
+    period: tuple[float, float] | None = None
 
     @property
     def free(self) -> np.ndarray:
@@ -55,7 +58,8 @@ class Packing:
     ) -> DiscModel:
         """The packing as a model, see `DiscModel.create`."""
         geometry = DiscGeometry(self.x, self.z, self.radius, self.layer)
-        return DiscModel.create(geometry, materials, DiscBoundary(self.lines), gravity=gravity, skin=skin)
+        boundary = DiscBoundary(self.lines, period=self.period)
+        return DiscModel.create(geometry, materials, boundary, gravity=gravity, skin=skin)
 
 
 def lattice_box(columns: int, rows: int, radius: float) -> Packing:
@@ -129,6 +133,59 @@ def random_packing(
     Raises ValueError if the discs do not fit, saying how far they came; 2-D heaps jam at a porosity of 0.16 or so.
     """
     outline = _checked(outline)
+    x, z, sizes = _grown_discs(outline, outline, ENDLESS, (radius, spread, porosity), seed, sweeps)
+    return _surrounded(x, z, sizes, outline, stratum_at)
+
+
+def periodic_packing(
+    lower: np.ndarray,
+    upper: np.ndarray,
+    stratum_at: StratumAt,
+    radius: float,
+    *,
+    spread: float = 0.2,
+    porosity: float = 0.2,
+    seed: int = 0,
+    sweeps: int = 4000,
+) -> Packing:
+    """Discs of random size, as of `random_packing`, between two lines whose right ends continue at their left ends.
+
+    Nothing holds them: there are neither boundary discs nor rigid lines.
+    lower, upper: (n, 2) corners of the lines from left to right (m), between the same two x, and both as much lower at
+    one end; radius, spread, porosity, stratum_at, seed, sweeps: as of `random_packing`.
+    Raises ValueError if the discs do not fit, or if one line rises by more than the other from end to end.
+    """
+    length, rise = upper[-1] - upper[0]
+    if not np.allclose(lower[-1] - lower[0], (length, rise)):
+        raise ValueError("periodic ground rises from its left to its right side by as much at its base as at its top")
+    shift = np.array([length, rise])
+    walls = np.vstack([_thrice(lower, shift), _thrice(upper, shift)[::-1]])
+    outline = np.vstack([lower, upper[::-1]])
+    period = Period(float(length), float(rise))
+    x, z, sizes = _grown_discs(outline, walls, period, (radius, spread, porosity), seed, sweeps)
+    layer = _known_strata(x, z, stratum_at)
+    return Packing(x, z, sizes, layer, np.zeros((0, 6)), (float(length), float(rise)))
+
+
+def _thrice(line: np.ndarray, shift: np.ndarray) -> np.ndarray:
+    """A line with its images before and behind it."""
+    return np.vstack([line - shift, line[1:], line[1:] + shift])
+
+
+def _grown_discs(
+    outline: np.ndarray,
+    walls: np.ndarray,
+    period: Period,
+    grains: tuple[float, float, float],
+    seed: int,
+    sweeps: int,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places and radii of discs of random size in an outline, pushed apart until none overlaps by much.
+
+    outline, walls: polygons (m): where discs are strewn, and which they may not leave; they differ for periodic ground;
+    grains: mean radius (m), spread and porosity.
+    """
+    radius, spread, porosity = grains
     if not (0.0 <= spread < 1.0 and 0.0 < porosity < 1.0):
         raise ValueError(f"a spread of {spread} or a porosity of {porosity} cannot be: both lie between 0 and 1")
     rng = np.random.default_rng(seed)
@@ -140,13 +197,14 @@ def random_packing(
     sizes *= np.sqrt(room / np.sum(np.pi * sizes**2))
     x, z = _scatter(rng, outline, count)
     fixed = np.zeros(count, bool)
+    left = float(outline[:, 0].min())
     deepest = np.inf
     for sweep in range(0, sweeps, 10):
         grown = sizes * min(1.0, 0.5 + 1.25 * sweep / sweeps)
-        i, j = pairs_within(x, z, grown, fixed, 0.5 * radius, ENDLESS)
-        spread_out(x, z, grown, i, j, outline, 10)
-        deepest = float(np.max(grown[i] + grown[j] - np.hypot(x[j] - x[i], z[j] - z[i]), initial=0.0))
-        deepest = max(deepest, float(np.max(grown - clearance(x, z, outline))))
+        i, j = pairs_within(x, z, grown, fixed, 0.5 * radius, period)
+        spread_out(x, z, grown, i, j, walls, 10, period)
+        x, z = brought_back(x, z, left, period)
+        deepest = max(deepest_in_pairs(x, z, grown, i, j, period), float(np.max(grown - clearance(x, z, walls))))
         if grown[0] == sizes[0] and deepest <= OVERLAP * radius:
             break
     if deepest > OVERLAP * radius:
@@ -154,72 +212,15 @@ def random_packing(
             f"{count} discs for a porosity of {porosity:g} still overlap by {deepest / radius:.3g} of their mean "
             f"radius after {sweeps} sweeps, {OVERLAP:g} is allowed: ask for more voids, a wider spread, or more sweeps"
         )
-    return _surrounded(x, z, sizes, outline, stratum_at)
+    return x, z, sizes
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def nearest_edge(px: float, pz: float, outline: np.ndarray) -> tuple[float, float, float]:
-    """Distance of a point to the outline, positive inside, and the unit vector that leads inwards from there."""
-    n = len(outline)
-    best = np.inf
-    bx = bz = ex = ez = 0.0
-    inside = False
-    for k in range(n):
-        ax, az = outline[k]
-        cx, cz = outline[(k + 1) % n]
-        if (az > pz) != (cz > pz) and px < ax + (cx - ax) * (pz - az) / (cz - az):
-            inside = not inside
-        dx, dz = cx - ax, cz - az
-        share = min(1.0, max(0.0, ((px - ax) * dx + (pz - az) * dz) / (dx * dx + dz * dz)))
-        qx, qz = px - ax - share * dx, pz - az - share * dz
-        if qx * qx + qz * qz < best:
-            best, bx, bz, ex, ez = qx * qx + qz * qz, qx, qz, dx, dz
-    distance = np.sqrt(best)
-    if distance < 1e-12:
-        length = np.sqrt(ex * ex + ez * ez)
-        return 0.0, -ez / length, ex / length
-    sign = 1.0 if inside else -1.0
-    return sign * distance, sign * bx / distance, sign * bz / distance
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def spread_out(
-    x: np.ndarray, z: np.ndarray, radius: np.ndarray, i: np.ndarray, j: np.ndarray, outline: np.ndarray, sweeps: int
-) -> None:
-    """Pushes overlapping discs apart, and those too near the outline inwards.
-
-    x, z: places (m), changed here; radius: (m); i, j: pairs that may overlap; outline: (n, 2)
-    polygon (m); sweeps: how often.
-    """
-    for _ in range(sweeps):
-        for c in range(len(i)):
-            a, b = i[c], j[c]
-            dx, dz = x[b] - x[a], z[b] - z[a]
-            reach = radius[a] + radius[b]
-            square = dx * dx + dz * dz
-            if square >= reach * reach:
-                continue
-            distance = max(np.sqrt(square), 1e-9)
-            over = reach - distance
-            push = 0.5 * over / distance
-            x[a] -= push * dx
-            z[a] -= push * dz
-            x[b] += push * dx
-            z[b] += push * dz
-        for a in range(len(x)):
-            inside, nx, nz = nearest_edge(x[a], z[a], outline)
-            if inside < radius[a]:
-                x[a] += (radius[a] - inside) * nx
-                z[a] += (radius[a] - inside) * nz
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def clearance(x: np.ndarray, z: np.ndarray, outline: np.ndarray) -> np.ndarray:
-    """Distance of each point to the outline (m), negative outside."""
-    out = np.empty(len(x))
-    for a in range(len(x)):
-        out[a] = nearest_edge(x[a], z[a], outline)[0]
-    return out
+def brought_back(x: np.ndarray, z: np.ndarray, left: float, period: Period) -> tuple[np.ndarray, np.ndarray]:
+    """The images of places (m) in the period that begins at `left` (m); the places themselves if it is endless."""
+    if period.length == ENDLESS.length:
+        return x, z
+    times = np.floor((x - left) / period.length)
+    return x - times * period.length, z - times * period.rise
 
 
 def boundary(outline: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
@@ -267,12 +268,7 @@ def _turn(first: np.ndarray, second: np.ndarray) -> float:
 def _surrounded(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, outline: np.ndarray, stratum_at: StratumAt
 ) -> Packing:
-    layer = np.asarray(stratum_at(x, z), np.int32)
-    if (layer < 0).all():
-        raise ValueError("stratum_at gives no stratum for any disc inside the outline")
-    for a in np.flatnonzero(layer < 0):
-        known = np.flatnonzero(layer >= 0)
-        layer[a] = layer[known[np.argmin((x[known] - x[a]) ** 2 + (z[known] - z[a]) ** 2)]]
+    layer = _known_strata(x, z, stratum_at)
     mean = float(radius.mean())
     centres, lines = boundary(outline, mean)
     return Packing(
@@ -280,6 +276,17 @@ def _surrounded(
         np.concatenate([radius, np.full(len(centres), mean)]),
         np.concatenate([layer, np.full(len(centres), -1, np.int32)]), lines,
     )  # fmt: skip
+
+
+def _known_strata(x: np.ndarray, z: np.ndarray, stratum_at: StratumAt) -> np.ndarray:
+    """Strata of discs; of those that lie in none, that of the nearest disc which lies in one."""
+    layer = np.asarray(stratum_at(x, z), np.int32)
+    if (layer < 0).all():
+        raise ValueError("stratum_at gives no stratum for any disc inside the outline")
+    for a in np.flatnonzero(layer < 0):
+        known = np.flatnonzero(layer >= 0)
+        layer[a] = layer[known[np.argmin((x[known] - x[a]) ** 2 + (z[known] - z[a]) ** 2)]]
+    return layer
 
 
 def _area(outline: np.ndarray) -> float:

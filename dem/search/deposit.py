@@ -21,7 +21,7 @@ from dem.errors import DemError
 from dem.ground import Ground, in_stratum
 from dem.laboratory.patch import POROSITY, VOID_RATIO
 from dem.model import DiscModel
-from dem.packing import Packing, random_packing
+from dem.packing import Packing, brought_back, periodic_packing, random_packing
 from dem.search.equilibrium import calm_down, period, settle, shake, step_on
 from dem.search.levelling import levelled, misfit
 from dem.settings import DemSettings
@@ -70,7 +70,7 @@ class Deposit:
     settled: DiscModel
 
 
-def deposit(section: Section, settings: DemSettings, layers_of: LayersOf) -> Deposit:
+def deposit(section: Section, settings: DemSettings, layers_of: LayersOf, *, periodic: bool = False) -> Deposit:
     """Fill a section with soil discs, let them settle, and cut them to its surface.
 
     Parameters
@@ -81,6 +81,8 @@ def deposit(section: Section, settings: DemSettings, layers_of: LayersOf) -> Dep
         Radius, spread of the radii and packing of the discs.
     layers_of : callable
         Gives the springs of all strata for a mean radius (m) and a void ratio (-).
+    periodic : bool
+        Whether the ground continues at its right side with its left one; else it lies in a box.
 
     Returns
     -------
@@ -95,7 +97,7 @@ def deposit(section: Section, settings: DemSettings, layers_of: LayersOf) -> Dep
         If the ground does not come to rest.
     """
     radius = settings.mean_radius(section)
-    ground = _filled(section, settings, radius)
+    ground = _filled(section, settings, radius, periodic)
     layers = list(layers_of(radius, VOID_RATIO))
     settled = settle(ground, layers, settings, shaken=False)
     for done in range(ROUNDS + MORE):
@@ -143,10 +145,17 @@ def void_ratio(section: Section, packing: Packing) -> float:
 
 def cut(section: Section, settled: DiscModel, ground: Ground) -> Packing:
     """The discs where they lie now, without those above the surface."""
-    free = ~settled.fixed
-    level = np.interp(settled.x, *np.array(section.surface, float).T)
-    keep = ~free | (settled.z <= level - CUT * ground.radius)
-    return Packing(settled.x[keep], settled.z[keep], settled.radius[keep], settled.layer[keep], settled.lines)
+    packing = _packing_of(section, settled)
+    level = np.interp(packing.x, *section.ground.T)
+    keep = ~packing.free | (packing.z <= level - CUT * ground.radius)
+    x, z, size, layer = (values[keep] for values in (packing.x, packing.z, packing.radius, packing.layer))
+    return Packing(x, z, size, layer, packing.lines, packing.period)
+
+
+def _packing_of(section: Section, settled: DiscModel) -> Packing:
+    """The discs where they lie now; those of periodic ground within the section."""
+    x, z = brought_back(settled.x, settled.z, section.extent[0], settled.repeats)
+    return Packing(x, z, settled.radius, settled.layer, settled.lines, settled.period)
 
 
 def _in_strata(section: Section, packing: Packing) -> Packing:
@@ -158,41 +167,54 @@ def _in_strata(section: Section, packing: Packing) -> Packing:
 
 def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) -> Ground:
     """The ground that a checkpoint of settled soil discs stands for."""
-    packing = Packing(settled.x, settled.z, settled.radius, settled.layer, settled.lines)
+    packing = _packing_of(section, settled)
     radius = settings.mean_radius(section)
     return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)
 
 
-def _filled(section: Section, settings: DemSettings, radius: float) -> Ground:
+def _filled(section: Section, settings: DemSettings, radius: float, periodic: bool) -> Ground:
     """A random packing up to above the surface; strata stretched with it."""
     outline = section.outline()
     lift = SINKS * float(np.ptp(outline[:, 1])) + MARGIN * radius
-    surface = np.array(section.surface, float)
+    surface = section.ground
     on_top = np.abs(outline[:, 1] - np.interp(outline[:, 0], *surface.T)) < 1e-6
     base = outline[~on_top]
     base = base[np.argsort(base[:, 0], kind="stable")]
-    rim = RIM * radius
-    left, right = float(outline[:, 0].min()), float(outline[:, 0].max())
-    raised = outline + np.where(on_top, lift, -rim)[:, None] * np.array([0.0, 1.0])
-    raised[:, 0] += rim * ((outline[:, 0] > right - 1e-6) * 1.0 - (outline[:, 0] < left + 1e-6))
 
     def stratum_at(x: np.ndarray, z: np.ndarray) -> np.ndarray:
         low, high = np.interp(x, *base.T), np.interp(x, *surface.T)
         share = np.clip((z - low) / (high + lift - low), 0.0, 1.0)  # what lies in the rim is held, and of no stratum
         return in_stratum(section, x, low + share * (high - low))
 
+    up = np.array([0.0, 1.0])
+    lower, upper = base - RIM * radius * up, surface + lift * up
+    box = _raised(outline, on_top, lift, RIM * radius)
+    spread, seed = settings.spread, settings.seed
     last: ValueError | None = None
-    for more in LOOSER:
+    for porosity in POROSITY + np.array(LOOSER):
         try:
-            packing = random_packing(
-                raised, stratum_at, radius, spread=settings.spread, porosity=POROSITY + more, seed=settings.seed
+            packing = (
+                periodic_packing(lower, upper, stratum_at, radius, spread=spread, porosity=porosity, seed=seed)
+                if periodic
+                else random_packing(box, stratum_at, radius, spread=spread, porosity=porosity, seed=seed)
             )
         except ValueError as error:
             last = error
             continue
-        held = _held(packing, base, left, right)
+        held = _held(packing, base, *section.extent)
         return Ground(held, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)
     raise InputError(section.name, [f"dem: {last}"])
+
+
+def _raised(outline: np.ndarray, on_top: np.ndarray, lift: float, rim: float) -> np.ndarray:
+    """The outline of a box that is filled to above its surface, and to beyond its base and its sides (m).
+
+    on_top: mask (n,) of its corners that are on the surface; lift, rim: how far above and beyond (m).
+    """
+    left, right = float(outline[:, 0].min()), float(outline[:, 0].max())
+    raised = outline + np.where(on_top, lift, -rim)[:, None] * np.array([0.0, 1.0])
+    raised[:, 0] += rim * ((outline[:, 0] > right - 1e-6) * 1.0 - (outline[:, 0] < left + 1e-6))
+    return raised
 
 
 def _held(packing: Packing, base: np.ndarray, left: float, right: float) -> Packing:

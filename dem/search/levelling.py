@@ -43,15 +43,35 @@ def levelled(section: Section, packing: Packing, radius: float, spread: float) -
     discs = np.column_stack([packing.x, packing.z, packing.radius])
     held, discs = discs[~packing.free], discs[packing.free]
     discs = discs[_above(section, discs) <= STANDS_OUT * radius]
-    laid = _fillings(section, np.vstack([held, discs]), section.extent, radius, spread)
-    discs = _exchanged(section, held, np.vstack([discs, laid]), radius, spread)
+    left, right = section.extent
+    ends, around = (left, right), held
+    if packing.period is not None:
+        # as far from the sides that discs laid in at one do not reach those at the other
+        ends = left + (1.0 + spread) * radius, right - (1.0 + spread) * radius
+        around = np.vstack([held, _images(np.vstack([held, discs]), packing.period, (left, right), radius)])
+    laid = _fillings(section, np.vstack([around, discs]), ends, radius, spread)
+    discs = _exchanged(section, around, np.vstack([discs, laid]), ends, radius, spread)
     layer = np.append(np.full(len(held), -1, np.int32), np.zeros(len(discs), np.int32))
     x, z, size = np.vstack([held, discs]).T
-    return Packing(x.copy(), z.copy(), size.copy(), layer, packing.lines)
+    return Packing(x.copy(), z.copy(), size.copy(), layer, packing.lines, packing.period)
 
 
-def _exchanged(section: Section, held: np.ndarray, discs: np.ndarray, radius: float, spread: float) -> np.ndarray:
-    """The discs with one of each column that is off taken away and its room filled anew.
+def _images(discs: np.ndarray, period: tuple[float, float], extent: tuple[float, float], radius: float) -> np.ndarray:
+    """Images (n, 3) beyond each side of the discs of periodic ground that lie near the other one."""
+    shift = np.array([*period, 0.0])
+    near_left, near_right = discs[:, 0] < extent[0] + DEEP * radius, discs[:, 0] > extent[1] - DEEP * radius
+    return np.vstack([discs[near_left] + shift, discs[near_right] - shift])
+
+
+def _exchanged(
+    section: Section,
+    held: np.ndarray,
+    discs: np.ndarray,
+    allowed: tuple[float, float],
+    radius: float,
+    spread: float,
+) -> np.ndarray:
+    """The discs with one of each column that is off taken away and its room filled anew, between two ends (m).
 
     Taken is the one for which the column and those beside it come nearest to the surface; none if none is nearer.
     """
@@ -61,7 +81,7 @@ def _exchanged(section: Section, held: np.ndarray, discs: np.ndarray, radius: fl
     for column in np.flatnonzero(np.abs(above) > FAR * radius):
         sides = slice(max(0, column - 1), column + 2)
         begin, end = left + column * width, left + (column + 1) * width
-        ends = max(left, begin - width), min(right, end + width)
+        ends = max(allowed[0], begin - width), min(allowed[1], end + width)
         near, around = (
             np.flatnonzero((some[:, 0] > begin - 4.0 * width) & (some[:, 0] < end + 4.0 * width))
             for some in (discs, held)
@@ -156,4 +176,4 @@ def _above(section: Section, discs: np.ndarray) -> np.ndarray:
 
 
 def _level(section: Section, x: np.ndarray) -> np.ndarray:
-    return np.interp(x, *np.array(section.surface, float).T)
+    return np.interp(x, *section.ground.T)

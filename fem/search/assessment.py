@@ -90,7 +90,7 @@ def assess(
         return _Search(section, meshing, first, comm, listener, executor).assessed(settings)
 
 
-def box_between_fixed_sides(
+def critical_as_discs(
     section: Section,
     meshing: MeshSettings,
     first: QuadMesh,
@@ -98,23 +98,22 @@ def box_between_fixed_sides(
     comm: Any,
     listener: AssessmentListener,
 ) -> AdaptiveResult[CriticalResult]:
-    """The critical Kh between fixed sides in one direction, as discs are held, on meshes of its own; for failures
-    deeper than ``settings.least_depth`` below cohesionless faces.
+    """The critical Kh in one direction between the sides of the settings, on meshes of its own; for failures deeper
+    than ``settings.least_depth`` below cohesionless faces.
 
     By Davis's estimate in place of ψ = φ, where such ground stands: discs hardly dilate. Raises InputError,
     NoEquilibriumError, UnstableError.
     ``section``, ``meshing``, ``first``, ``comm``, ``listener``: as in ``assess``.
     """
-    flow = flow_of(section.strata, settings.flow)
-    fixed = settings.changed(flow=flow, sides="fixed", kh=())
+    held = settings.changed(flow=flow_of(section.strata, settings.flow), kh=())
     with one_more_thread(comm.size == 1) as executor:
         search = _Search(section, meshing, first, comm, listener, executor)
-        if search.dilates_more(fixed):
+        if search.dilates_more(held):
             try:
-                return search.between_fixed_sides(fixed.changed(flow="davis"))
+                return search.between_sides(held.changed(flow="davis"))
             except NoAnswerError:
                 pass
-        return search.between_fixed_sides(fixed)
+        return search.between_sides(held)
 
 
 def _together(
@@ -269,14 +268,14 @@ class _Search:
 
         return AdaptiveSearch(self.section, self.meshing, self.first, self.comm, told, self.executor)
 
-    def between_fixed_sides(self, fixed: FemSettings) -> AdaptiveResult[CriticalResult]:
-        """The answer between fixed sides, by the flow rule of the settings."""
+    def between_sides(self, held: FemSettings) -> AdaptiveResult[CriticalResult]:
+        """The answer between the sides and by the flow rule of the settings."""
         mesh, start = self.first, None
-        if is_associated(self.section.strata, fixed.flow):
-            limit = self.on_meshes("Kh, fixed sides").critical(fixed)
+        if is_associated(self.section.strata, held.flow):
+            limit = self.on_meshes(f"Kh, {held.sides} sides").critical(held)
             mesh, ground = limit.mesh, limit.result.ground
-            start = ground if fixed.element in ("auto", "reduced") else None
-        result = critical_coefficient(self.section, mesh, fixed, self.comm, self.told("fixed sides: Kh"), start)
+            start = ground if held.element in ("auto", "reduced") else None
+        result = critical_coefficient(self.section, mesh, held, self.comm, self.told(f"{held.sides} sides: Kh"), start)
         return AdaptiveResult(result, mesh)
 
     def safety(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor]:

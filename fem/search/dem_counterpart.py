@@ -1,4 +1,4 @@
-"""The FEM model with the boundary conditions of the DEM box: fixed sides, and non-associated flow with the given ψ.
+"""The FEM model with the sides of the discs, fixed or periodic, and non-associated flow with the given ψ.
 
 Davis's estimate weakens sand and leaves clay as it is, which moves the slip surface to where the sand is: that of
 S-13 between fixed sides lies 5 m from the one with ψ as given. Discs have the strength of the soil and dilate little.
@@ -23,8 +23,8 @@ from meshes.section.section import Section
 
 
 @dataclass(frozen=True)
-class RigidBoxPath:
-    """Equilibrium path and slip surface between fixed sides, with non-associated flow.
+class NonAssociatedPath:
+    """Equilibrium path and slip surface with non-associated flow.
 
     Attributes
     ----------
@@ -49,16 +49,16 @@ class RigidBoxPath:
     slip_surface: np.ndarray
 
 
-def rigid_box_path(
+def non_associated_path(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
-) -> RigidBoxPath:
-    """The non-associated path between fixed sides, in the direction of the ``settings``.
+) -> NonAssociatedPath:
+    """The non-associated path between the sides and in the direction of the ``settings``.
 
     ``section``: the ground; ``mesh``: cells of it; ``comm``: MPI communicator; ``listener`` is called after every step.
     Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
     """
     # fields are asked for beyond the path alone, so that it is not taken once more for some on its way
-    wish = settings.changed(flow="section", sides="fixed", kh=(LARGEST,))
+    wish = settings.changed(flow="section", kh=(LARGEST,))
     way: list[tuple[float, np.ndarray]] = []  # Kh and displacements (points, 2) in m
 
     def step(path: EquilibriumPath) -> None:
@@ -72,16 +72,17 @@ def rigid_box_path(
         last = next(state for state in reversed(result.states) if not state.past_equilibrium)
         yielding = next((moved for kh, moved in way if kh >= YIELDED * result.kc), way[-1][1])
         line = slip_surface(mesh, replace(last, displacement=last.displacement - yielding))
-    return RigidBoxPath(result.kc, result.upper, result.verdict, result.reason, result.steps, line)
+    return NonAssociatedPath(result.kc, result.upper, result.verdict, result.reason, result.steps, line)
 
 
-def associated_rigid_box_kc(
+def associated_kc(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
 ) -> float:
-    """The critical Kh between fixed sides with psi = phi: no ground that dilates less bears more (Radenkovic 1961).
+    """The critical Kh between the sides of the ``settings`` with psi = phi: no ground that dilates less bears more
+    (Radenkovic 1961).
 
-    ``section``, ``mesh``, ``settings``, ``comm``, ``listener``: as in ``rigid_box_path``.
+    ``section``, ``mesh``, ``settings``, ``comm``, ``listener``: as in ``non_associated_path``.
     Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
     """
-    wish = settings.changed(flow="associated", sides="fixed", kh=())
+    wish = settings.changed(flow="associated", kh=())
     return critical_coefficient(section, mesh, wish, comm, listener).upper

@@ -72,7 +72,7 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
     fem = FemAnswer.read(store)
     precompile(executor, lambda what: progress(what, None))
     searched, paper, layers = _searched(config, store, progress, executor)
-    discs = discs_at_rest(config.section, store, config.dem, SETTLED, lambda what: progress(what, None))
+    discs = discs_at_rest(config, store, config.dem, SETTLED, lambda what: progress(what, None))
     if searched.base.kc is None:
         none = slip_surfaces(config, store, NO_LINE, NO_LINE, fem)
         discs_answer(config, discs, searched, KeptStates(), none, discs.settled).write(store)
@@ -176,12 +176,12 @@ def _done(piece: Piece, tell: Tell) -> Any:
 
 def _at_rest(config: Config, store: Store, tell: Tell) -> None:
     """Leave the discs of the section at rest."""
-    discs_at_rest(config.section, store, config.dem, SETTLED, lambda what: tell((what, None)))
+    discs_at_rest(config, store, config.dem, SETTLED, lambda what: tell((what, None)))
 
 
 def _calibrated(config: Config, store: Store, tell: Tell, executor: Executor = SERIAL) -> Searched:
     """The discs of the section at rest, the Kh at which they fail, and the factor at which that is the continuum's."""
-    discs = discs_at_rest(config.section, store, config.dem, SETTLED, lambda what: tell((what, None)))
+    discs = discs_at_rest(config, store, config.dem, SETTLED, lambda what: tell((what, None)))
     continuum = continuum_for(config, store)
     soil, asked = config.dem.model == "soil", config.dem.parameter != "none"
     wanted = (PUSHES if soil else 1 + NARROWING + 2 * len(ONE_AT_A_TIME)) if asked else 1
@@ -221,7 +221,7 @@ def calibration_answer(
 def _paper(config: Config, store: Store, tell: Tell) -> Search:
     """The paper's own discs, as the paper used them, and the Kh at which they fail."""
     dem = config.dem.as_paper()
-    discs = discs_at_rest(config.section, store, dem, PAPER, lambda what: tell((f"the paper's discs: {what}", None)))
+    discs = discs_at_rest(config, store, dem, PAPER, lambda what: tell((f"the paper's discs: {what}", None)))
 
     def on_trial(trial: Trial) -> None:
         tell((f"the paper's discs: Kh = {trial.kh:.4f} {trial.verdict}", None))
@@ -233,7 +233,7 @@ def _paper(config: Config, store: Store, tell: Tell) -> Search:
 def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDiscs, Start]:
     """The answer on the paper's own discs, and their state at rest."""
     dem = config.dem.as_paper()
-    discs = discs_at_rest(config.section, store, dem, PAPER, lambda _: None)
+    discs = discs_at_rest(config, store, dem, PAPER, lambda _: None)
     answer = PaperDiscs(
         model=_model_answer(config, dem, discs, discs.settled),
         search=DiscSearch.taken(search, parameters=_parameters(dem, {})),

@@ -1,4 +1,4 @@
-"""FEM model that the DEM is calibrated to: sides of the DEM box, non-associated flow with the given ψ."""
+"""FEM model that the DEM is calibrated to: sides of the discs, non-associated flow with the given ψ."""
 
 from typing import TYPE_CHECKING
 
@@ -14,11 +14,12 @@ from workflow.results.continuum import FemAnswer, displacement_at
 from workflow.results.dem_counterpart import DemCounterpart
 from workflow.results.stored_mesh import stored_mesh
 from workflow.run.store import Store
+from workflow.stages.discs_at_rest import sides_of_discs
 
 if TYPE_CHECKING:
     from fem.path.equilibrium_path import EquilibriumPath
     from fem.path.plateau import PathListener
-    from fem.search.dem_counterpart import RigidBoxPath
+    from fem.search.dem_counterpart import NonAssociatedPath
 
 # Cells times factorisations of a path at most, a minute or so: in bare sand it may take many more.
 WORK = 1.2e6
@@ -47,22 +48,23 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
     """
     from mpi4py import MPI
 
-    from fem.search.dem_counterpart import associated_rigid_box_kc
+    from fem.search.dem_counterpart import associated_kc
 
     fem = FemAnswer.read(store)
     known = _in_the_box_of_discs(config, store, fem, tell) or DemCounterpart.of(fem)
-    if known.sides != "fixed" or known.flow == "section" or is_dilating_fully(config.section.strata):
+    held = sides_of_discs(config)
+    if known.sides != held or known.flow == "section" or is_dilating_fully(config.section.strata):
         return known
     mesh = stored_mesh(config.section, store)
     depth = known.deeper_than_m or config.fem.least_depth
-    settings = config.fem.changed(direction=fem.direction, least_depth=depth)
+    settings = config.fem.changed(direction=fem.direction, least_depth=depth, sides=held)
     davis = known.kc if known.flow == "davis" else 0.0
     path = _with_psi_as_given(config.section, mesh, settings, davis, tell)
     sharp = not isinstance(path, str) and path.upper <= path.kc + config.dem.tolerance
     most = known.kc_upper if isinstance(path, str) else path.upper
     if not sharp:
         try:
-            most = associated_rigid_box_kc(config.section, mesh, settings, MPI.COMM_SELF, _watch("ψ = φ", mesh, tell))
+            most = associated_kc(config.section, mesh, settings, MPI.COMM_SELF, _watch("ψ = φ", mesh, tell))
         except NoAnswerError as error:
             if isinstance(path, str):
                 path += f"; with ψ = φ there is no answer ({error.reason}): how much more it bears is not known"
@@ -79,26 +81,28 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
 
 
 def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tell) -> DemCounterpart | None:
-    """The answer between fixed sides, for failures at least as deep as discs can fail below cohesionless faces. None
-    where it is not asked for, is that of the stage `fem`, or does not exist.
+    """The answer between the sides of the discs, for failures at least as deep as discs can fail below cohesionless
+    faces. None where it is not asked for, is that of the stage `fem`, or does not exist.
     """
     from mpi4py import MPI
 
-    from fem.search.assessment import box_between_fixed_sides
+    from fem.search.assessment import critical_as_discs
     from fem.search.slip_surface import slip_surface
 
     dilates_more = fem.flow == "associated" and not is_dilating_fully(config.section.strata)
-    if not config.fem.rigid_box or (config.fem.sides == "fixed" and not dilates_more):
+    held = sides_of_discs(config)
+    if not config.fem.rigid_box or (config.fem.sides == held and not dilates_more):
         return None
     deep = DISCS_DEEP * config.dem.mean_radius(config.section)
     depth = deep if fem.shallow_failures and deep > config.fem.least_depth else None
-    settings = config.fem.changed(direction=fem.direction, least_depth=depth or config.fem.least_depth)
+    least = depth or config.fem.least_depth
+    settings = config.fem.changed(direction=fem.direction, least_depth=least, sides=held)
 
     def told(what: str, path: "EquilibriumPath | None") -> None:
         tell((f"the continuum: {what}" + (f" = {path.factor:.4f}" if path is not None else ""), None))
 
     try:
-        box = box_between_fixed_sides(
+        box = critical_as_discs(
             config.section, config.mesh, stored_mesh(config.section, store), settings, MPI.COMM_SELF, told
         )
     except NoAnswerError:
@@ -109,7 +113,7 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
     return DemCounterpart.taken(
         result,
         kc_upper=result.upper,
-        sides="fixed",
+        sides=held,
         deeper_than_m=depth,
         instead="",
         yielding_m=displacement_at(result.steps, result.kc, YIELDED),
@@ -120,14 +124,14 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
 
 def _with_psi_as_given(
     section: Section, mesh: QuadMesh, settings: FemSettings, davis: float, tell: Tell
-) -> "RigidBoxPath | str":
+) -> "NonAssociatedPath | str":
     """The path, or why Davis's estimate, which fails at Kh = ``davis``, has to stand in for it."""
     from mpi4py import MPI
 
-    from fem.search.dem_counterpart import rigid_box_path
+    from fem.search.dem_counterpart import non_associated_path
 
     try:
-        path = rigid_box_path(section, mesh, settings, MPI.COMM_SELF, _watch("ψ as given", mesh, tell))
+        path = non_associated_path(section, mesh, settings, MPI.COMM_SELF, _watch("ψ as given", mesh, tell))
     except NoAnswerError as error:
         return f"with ψ as given there is no answer: {error.reason}"
     if path.verdict == "no failure":

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from dem.ground import Ground, ground_of, springs_of
 from dem.laboratory.soil_layers import SoilLayer, soil_layers
@@ -43,15 +44,23 @@ class Discs:
     soil: tuple[SoilLayer, ...] = ()
 
 
-def discs_at_rest(section: Section, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
+def discs_at_rest(config: Config, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
     """Build the discs of a section and settle them under their weight, or read those that were kept.
 
     Raises InputError where they cannot be had, NotSettledError, DemError.
 
-    ``section``: the ground; ``store``: the folder of the run; ``dem``: settings; ``file``: in which the discs are kept;
-    ``tell``: hears of every step.
+    ``config``: of the section; ``store``: the folder of the run; ``dem``: settings; ``file``: in which the discs
+    are kept; ``tell``: hears of every step.
     """
-    return _soil(section, store, dem, file, tell) if dem.model == "soil" else _paper(section, store, dem, file, tell)
+    if dem.model == "paper":
+        return _paper(config.section, store, dem, file, tell)
+    return _soil(config.section, store, dem, file, tell, sides_of_discs(config) == "periodic")
+
+
+def sides_of_discs(config: Config) -> Literal["periodic", "fixed"]:
+    """Sides of the discs of a section: soil discs are periodic where the finite elements are, others lie in a box."""
+    repeat = config.fem.sides == "periodic" and config.dem.model == "soil"
+    return "periodic" if repeat else "fixed"
 
 
 def ground_for(section: Section, store: Store, dem: DemSettings, settled: DiscModel) -> Ground:
@@ -100,11 +109,15 @@ def continuum_for(config: Config, store: Store) -> Continuum:
     return Continuum(fem.kc, DemCounterpart.of(fem).yielding_m)
 
 
-def _soil(section: Section, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
+def _soil(
+    section: Section, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None], periodic: bool
+) -> Discs:
     soil = soil_layers(section)
     if not store.has(file):
         tell("soil discs are filled in, settle, are cut to the section and settle again")
-        laid = deposit(section, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
+        laid = deposit(
+            section, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil], periodic=periodic
+        )
         save(store, file, laid.settled)
     settled = DiscModel.load(store.folder / file)
     return Discs(ground_for(section, store, dem, settled), list(settled.springs.layers), settled, tuple(soil))

@@ -5,7 +5,8 @@ import pytest
 
 from dem.assembly import DiscMaterials
 from dem.engine.engine import Engine
-from dem.packing import Packing, clearance, lattice_box, random_packing, triangular_lattice
+from dem.kernels.pushing_apart import clearance
+from dem.packing import Packing, lattice_box, random_packing, triangular_lattice
 from dem.springs import from_strata
 from meshes.section.section import Section
 from tests.support import SECTIONS

@@ -20,7 +20,7 @@ from dem.slides.liquefaction import Slider
 from dem.slides.slide import Slide
 from dem.slides.slip import compare, slip_surface
 from dem.slides.surface import Surface
-from fem.search.dem_counterpart import rigid_box_path
+from fem.search.dem_counterpart import non_associated_path
 from meshes.executor import SERIAL
 from meshes.gmsh_model import generate
 from tests.support import SECTIONS
@@ -125,8 +125,8 @@ def test_discs_fail_where_the_continuum_does(
 ) -> None:
     """With fixed sides and psi as given. Three packings: 3.1, 3.0 and 1.8 m; from the slip surface of Davis's
     substitute, which weakens sand and leaves clay alone, 7.7, 8.6 and 6.2 m."""
-    wish = run.fem.model_copy(update={"direction": "downhill"})
-    continuum = rigid_box_path(run.section, generate(run.section, run.mesh), wish, MPI.COMM_SELF)
+    wish = run.fem.changed(direction="downhill", sides="fixed")
+    continuum = non_associated_path(run.section, generate(run.section, run.mesh), wish, MPI.COMM_SELF)
     assert continuum.kc == pytest.approx(KC, abs=0.002)
     surfaces = [slip_surface(pushed[1], ground.settled, ground.ground)]
     for seed in (1, 2):

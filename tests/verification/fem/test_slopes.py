@@ -12,7 +12,7 @@ from fem.continuum.fields import touched_sides
 from fem.limit_load.limit_load import at_rest, critical_limit_load
 from fem.search.adaptive import AdaptiveSearch
 from fem.search.critical import critical_coefficient, seismic_path
-from fem.search.dem_counterpart import associated_rigid_box_kc, rigid_box_path
+from fem.search.dem_counterpart import associated_kc, non_associated_path
 from fem.search.prescribed_surface import critical_above
 from fem.search.slip_surface import slip_surface
 from fem.settings import FemSettings
@@ -94,9 +94,9 @@ def test_clay_fails_between_fixed_sides_as_its_limit_load_says():
     0.02 m."""
     ground = strip(10.0, 3e4, 0.0, 0.0)
     mesh = generate(ground, MeshSettings(columns=16, rows=8))
-    wish = FemSettings(element="quadratic", sides="free-field", direction="downhill", kh=(0.1,))
-    found = rigid_box_path(ground, mesh, wish, MPI.COMM_SELF)
-    due = critical_limit_load(ground, mesh, wish.model_copy(update={"sides": "fixed"}), MPI.COMM_SELF)
+    wish = FemSettings(element="quadratic", sides="fixed", direction="downhill", kh=(0.1,))
+    found = non_associated_path(ground, mesh, wish, MPI.COMM_SELF)
+    due = critical_limit_load(ground, mesh, wish, MPI.COMM_SELF)
     assert found.verdict == "plateau"
     assert due.kc <= found.kc <= found.upper
     assert found.kc == pytest.approx(due.kc, rel=0.03)
@@ -104,7 +104,7 @@ def test_clay_fails_between_fixed_sides_as_its_limit_load_says():
     assert apart is not None
     assert apart.columns > 50
     assert apart.mean_distance_m < 0.1
-    assert associated_rigid_box_kc(ground, mesh, wish, MPI.COMM_SELF) == pytest.approx(due.kc, rel=0.03)
+    assert associated_kc(ground, mesh, wish, MPI.COMM_SELF) == pytest.approx(due.kc, rel=0.03)
 
 
 @pytest.mark.parametrize("element", ["bilinear", "quadratic"])

@@ -1,0 +1,91 @@
+"""Kernel: overlapping discs are pushed apart, and those too near the outline inwards."""
+
+import numpy as np
+from numba import njit
+
+from dem.kernels.period import Period, image
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def nearest_edge(px: float, pz: float, outline: np.ndarray) -> tuple[float, float, float]:
+    """Distance of a point to the outline, positive inside, and the unit vector that leads inwards from there."""
+    n = len(outline)
+    best = np.inf
+    bx = bz = ex = ez = 0.0
+    inside = False
+    for k in range(n):
+        ax, az = outline[k]
+        cx, cz = outline[(k + 1) % n]
+        if (az > pz) != (cz > pz) and px < ax + (cx - ax) * (pz - az) / (cz - az):
+            inside = not inside
+        dx, dz = cx - ax, cz - az
+        share = min(1.0, max(0.0, ((px - ax) * dx + (pz - az) * dz) / (dx * dx + dz * dz)))
+        qx, qz = px - ax - share * dx, pz - az - share * dz
+        if qx * qx + qz * qz < best:
+            best, bx, bz, ex, ez = qx * qx + qz * qz, qx, qz, dx, dz
+    distance = np.sqrt(best)
+    if distance < 1e-12:
+        length = np.sqrt(ex * ex + ez * ez)
+        return 0.0, -ez / length, ex / length
+    sign = 1.0 if inside else -1.0
+    return sign * distance, sign * bx / distance, sign * bz / distance
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def deepest_in_pairs(
+    x: np.ndarray, z: np.ndarray, radius: np.ndarray, i: np.ndarray, j: np.ndarray, period: Period
+) -> float:
+    """The largest overlap of pairs of discs (m); 0 if none overlap."""
+    deepest = 0.0
+    for c in range(len(i)):
+        a, b = i[c], j[c]
+        dx, dz = image(x[b] - x[a], z[b] - z[a], period)
+        deepest = max(deepest, radius[a] + radius[b] - np.hypot(dx, dz))
+    return deepest
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def spread_out(
+    x: np.ndarray,
+    z: np.ndarray,
+    radius: np.ndarray,
+    i: np.ndarray,
+    j: np.ndarray,
+    outline: np.ndarray,
+    sweeps: int,
+    period: Period,
+) -> None:
+    """Pushes overlapping discs apart, and those too near the outline inwards.
+
+    x, z: places (m), changed here; radius: (m); i, j: pairs that may overlap; outline: (n, 2)
+    polygon (m); sweeps: how often; period: of the ground, endless for a box.
+    """
+    for _ in range(sweeps):
+        for c in range(len(i)):
+            a, b = i[c], j[c]
+            dx, dz = image(x[b] - x[a], z[b] - z[a], period)
+            reach = radius[a] + radius[b]
+            square = dx * dx + dz * dz
+            if square >= reach * reach:
+                continue
+            distance = max(np.sqrt(square), 1e-9)
+            over = reach - distance
+            push = 0.5 * over / distance
+            x[a] -= push * dx
+            z[a] -= push * dz
+            x[b] += push * dx
+            z[b] += push * dz
+        for a in range(len(x)):
+            inside, nx, nz = nearest_edge(x[a], z[a], outline)
+            if inside < radius[a]:
+                x[a] += (radius[a] - inside) * nx
+                z[a] += (radius[a] - inside) * nz
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def clearance(x: np.ndarray, z: np.ndarray, outline: np.ndarray) -> np.ndarray:
+    """Distance of each point to the outline (m), negative outside."""
+    out = np.empty(len(x))
+    for a in range(len(x)):
+        out[a] = nearest_edge(x[a], z[a], outline)[0]
+    return out
