@@ -22,10 +22,12 @@ MOST_STRAIN = 0.02  # so that the strength is there before 5 %
 LOOSE, LOOSER = 0.95, 0.85  # of the median density of a layer: discs at a free surface, looser than that, take this
 SOFTEST = 1.2  # time between two looks at pairs times a bound on their highest frequency
 MOST_STEPS = 4  # between two looks: half a period of the fastest contacts, beyond which these resonate
-ADJUSTS = 20.0  # change of the strength of bonds by the strain, over what the stress held lacks: 1/e within 1/20
+ADJUSTS = 40.0  # change of the strength of bonds by the strain, over what the stress held lacks: 1/e within 1/40
 MOST_LACKING = 0.5  # of the strength asked for: ground that turns without strain does work against its bonds as well
 MOST_CHANGE = 0.1  # from list to list
-LEAST_FACTOR, MOST_FACTOR = 0.5, 2.0  # of the strength asked for: discs with few neighbours tell little
+# Of the strength asked for: discs with few neighbours tell little. Beside rough ground that does not liquefy,
+# pressure along lines of centres bears a third of the shear stress, and all of it about single discs.
+LEAST_FACTOR, MOST_FACTOR = 0.1, 2.0
 LEAST_STRENGTH = 1.0  # Pa
 SLIPS, FLOWS = 0.8, 0.9  # share of the strength of bonds: ground with less does not slip, with more all of it does
 NEEDED = 3  # columns of cells in a period

@@ -37,6 +37,7 @@ OFF = 0.5  # mean radii
 SINKS = 0.01  # of the section's height, in settling
 MARGIN = 2.0  # mean radii that the fill is higher still
 RIM = 2.4  # mean radii beyond base and sides that are filled as well, and held: discs on a row of equal ones slide
+DEEP_RIM = 6.0  # the same below the base of periodic ground, where no rigid line stops liquefied discs
 CUT = (
     0.35  # mean radii below the surface: discs whose centre is higher go, so that the tops are level with it on average
 )
@@ -187,7 +188,7 @@ def _filled(section: Section, settings: DemSettings, radius: float, periodic: bo
         return in_stratum(section, x, low + share * (high - low))
 
     up = np.array([0.0, 1.0])
-    lower, upper = base - RIM * radius * up, surface + lift * up
+    lower, upper = base - DEEP_RIM * radius * up, surface + lift * up
     box = _raised(outline, on_top, lift, RIM * radius)
     spread, seed = settings.spread, settings.seed
     last: ValueError | None = None

@@ -6,7 +6,7 @@ import pytest
 from dem.assembly import DiscMaterials
 from dem.engine.engine import Engine
 from dem.kernels.pushing_apart import clearance
-from dem.packing import Packing, lattice_box, random_packing, triangular_lattice
+from dem.packing import Packing, lattice_box, periodic_packing, random_packing, triangular_lattice
 from dem.springs import from_strata
 from meshes.section.section import Section
 from tests.support import SECTIONS
@@ -129,3 +129,22 @@ def test_both_packings_fit_a_section(name: str) -> None:
         assert np.array_equal(packing.layer[free], section.stratum_at(packing.x[free], packing.z[free]))
         model = packing.discs(DiscMaterials(layers), gravity=(0.0, -GRAVITY))
         Engine().run(model, steps=200)
+
+
+def test_periodic_packing_fits_to_itself_at_its_sides() -> None:
+    lower, upper = np.array([[0.0, 0.0], [20.0, -2.0]]), np.array([[0.0, 10.0], [8.0, 10.5], [20.0, 8.0]])
+    packing = periodic_packing(lower, upper, lambda x, _z: np.zeros(len(x), int), RADIUS, porosity=0.22, seed=4)
+    assert packing.period == (20.0, -2.0)
+    assert ((packing.x >= 0.0) & (packing.x < 20.0)).all()
+    shifted = (np.append(packing.x, packing.x + 20.0), np.append(packing.z, packing.z - 2.0))
+    both = Packing(*shifted, np.tile(packing.radius, 2), np.tile(packing.layer, 2), packing.lines)
+    x, z, radius = both.x, both.z, both.radius
+    apart = np.hypot(x[:, None] - x, z[:, None] - z) - radius[:, None] - radius
+    np.fill_diagonal(apart, 0.0)
+    assert apart.min() >= -0.0101 * RADIUS
+
+
+def test_periodic_packing_has_one_rise() -> None:
+    level, falls = np.array([[0.0, 0.0], [20.0, 0.0]]), np.array([[0.0, 10.0], [20.0, 8.0]])
+    with pytest.raises(ValueError, match="at its base as at its top"):
+        periodic_packing(level, falls, lambda x, _z: np.zeros(len(x), int), RADIUS)

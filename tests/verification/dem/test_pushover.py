@@ -99,7 +99,7 @@ def test_the_critical_kh_is_known_before_the_discs_have_failed() -> None:
         until_failed.kc_lower, until_failed.kc_upper, until_failed.curve
     )  # fmt: skip
     assert found.verdict == "bracketed"
-    assert found.reason.endswith("where the continuum yields")
+    assert found.reason.endswith("times the yield displacement of the finite elements")
     reach = SETTINGS.ductility * continuum.yielding
     assert reach < (pushed.x - model.x).mean() < 1.3 * reach < (furthest.x - model.x).mean()
 
