@@ -65,7 +65,7 @@ def test_an_embankment_with_a_weak_face_uphill_fails_there_first(
     """A dam whose steep face looks to the right, away from its lower toe: pushed to the left, downhill by its ends, it
     bears Kh = 0.250 in cells of 2 m, and 0.210 to the right. Liquefied sand lies below all of it. A third of the
     command's triangles bound it well enough."""
-    monkeypatch.setattr("workflow.stages.liquefied.CELLS", 800)
+    monkeypatch.setattr("workflow.stages.bearing.CELLS", 800)
     data = {
         "name": "dam",
         "surface": [[0.0, 5.0], [30.0, 5.0], [60.0, 15.0], [70.0, 15.0], [82.0, 5.2], [110.0, 5.2]],

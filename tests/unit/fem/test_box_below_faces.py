@@ -2,7 +2,7 @@
 
 from mpi4py import MPI
 
-from fem.search.assessment import assess, box_between_fixed_sides
+from fem.search.assessment import assess, critical_as_discs
 from meshes.gmsh_model import generate
 from tests.support.sections import layer
 from workflow.config import Config
@@ -19,10 +19,11 @@ def test_below_a_face_of_sand_the_box_bears_more() -> None:
     found = assess(given.section, given.mesh, mesh, given.fem, MPI.COMM_SELF, lambda *_: None)
     assert found.critical.shallow_failures
     assert found.critical.shallow_failures[0].kh < 0.1
-    deeper = given.fem.model_copy(update={"least_depth": 2.0})
+    held = given.fem.changed(sides="fixed")
+    deeper = held.changed(least_depth=2.0)
     box, deep_box = (
-        box_between_fixed_sides(given.section, given.mesh, mesh, fem, MPI.COMM_SELF, lambda *_: None).result
-        for fem in (given.fem, deeper)
+        critical_as_discs(given.section, given.mesh, mesh, fem, MPI.COMM_SELF, lambda *_: None).result
+        for fem in (held, deeper)
     )
     assert deep_box.kc > found.critical.shallow_failures[0].kh
     assert deep_box.kc >= box.kc - 0.01
