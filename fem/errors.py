@@ -9,11 +9,13 @@ class UnstableError(NoAnswerError):
     Attributes
     ----------
     reason : str
-        Why it fails, such as the share of its weight that it carries.
+        Why the ground fails, such as the share of its weight that is in equilibrium.
     remedy : str
-        What to try.
+        What the user can change.
     """
 
 
 class NoEquilibriumError(NoAnswerError):
-    """No state on the path is in equilibrium on the yield surface: whether the ground stands or fails is unknown."""
+    """Equilibrium with stresses inside the yield surface was not reached: whether the ground stands or fails is
+    unknown.
+    """

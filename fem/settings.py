@@ -35,10 +35,10 @@ LEVEL = 0.02
 def usual_sides(section: Section) -> Sides:
     """Default sides of a section file: "smooth" where the ground is level at both ends, else "free-field".
 
-    Level ground stands under any Kh below about tan φ' times its share of buoyant weight, if it continues. Free-field
-    sides, which bear the K0 stress and no more, let it slide out of the section at about half of that (0.15 in sand
-    below water), long before a slope in its middle may fail. Where the ground slopes at an end, smooth or fixed sides
-    would hold it back.
+    Level ground that continues beyond the section stands under any Kh below about tan φ' times buoyant over saturated
+    unit weight. Free-field sides resist with the K0 stress only. They let level ground slide out of the section at
+    about half of this Kh (0.15 in sand below water), long before a slope in the middle may fail. Where the ground
+    slopes at an end, smooth or fixed sides would support the slope.
 
     Parameters
     ----------
@@ -58,8 +58,8 @@ def usual_point_sides(section: Section) -> Sides | None:
 
     They are "smooth" where the higher end of the ground is level and the other one slopes.
 
-    A free-field side presses on as it did at rest, however far the ground has gone, and shoves level ground behind a
-    face along. Where the ground slopes at its higher end, it may move with the slope.
+    A free-field side keeps the pressure at rest however far the ground has moved, and pushes the level ground behind a
+    face downslope. Where the ground slopes at its higher end, the ground there may move with the slope.
 
     Parameters
     ----------

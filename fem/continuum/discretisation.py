@@ -22,15 +22,15 @@ class Discretisation:
     Attributes
     ----------
     comm : MPI communicator
-        Among which the mesh is distributed.
+        Processes among which the mesh is distributed.
     element : Element
         "bilinear", "quadratic" or "reduced".
     matrix : ndarray (nc, nq, 4, nd)
-        B (1/m), which gives the strain [xx, yy, zz, xy] with engineering shear.
+        Strain-displacement matrix B (1/m) of the strain [xx, yy, zz, xy] with engineering shear.
     hourglass : ndarray (nc or 0, nd, nd)
         Stiffness against hourglass strain, for a shear modulus of 1 (-).
     divergence : ndarray (nc, nq, nd)
-        Volumetric strain (1/m) as the shape functions give it, on which pore pressure works; ``matrix`` may have it
+        Volumetric strain (1/m) by the shape functions, on which pore pressure does work; the one in ``matrix`` may be
         smoothed.
     weights : ndarray (nc, nq)
         Areas (m²) of the quadrature points.
@@ -43,9 +43,9 @@ class Discretisation:
     global_dofs : ndarray (needed,)
         Global numbers of the displacement components this rank works with.
     cell : ndarray (nc,)
-        Numbers of the cells in the mesh as given.
+        Numbers of the cells in the undistributed mesh.
     corners : ndarray (nc, 4)
-        Numbers of their corners in the mesh as given.
+        Numbers of their corners in the undistributed mesh.
     stratum : ndarray (nc,)
         Numbers of their strata.
     node_points : ndarray (nodes of all ranks, 2)
@@ -89,11 +89,11 @@ def discretise(mesh: QuadMesh, element: Element, comm: Any) -> Discretisation:
 
     "bilinear" is the 4-node quadrilateral with 2 x 2 points whose volumetric strain is its mean over the cell (B-bar,
     Hughes 1980, the out-of-plane component included). "quadratic" is the 9-node one with 3 x 3 points whose volumetric
-    strain is linear over the cell, the displacement form of the Q2/P-1 pair; it has no free modes and does not lock as
-    long as the volume stays. Where the ground dilates, ψ > 0, it locks: the flow rule imposes more conditions at its
-    points than its nodes have degrees of freedom. "reduced" is the 9-node one with 2 x 2 points, which follows dilating
-    flow; its hourglass strain, which is zero at the points, is resisted by ``hourglass``. docs/theory/continuum.md has
-    them side by side.
+    strain is linear over the cell, the displacement form of the Q2/P-1 pair; it has no spurious modes and does not lock
+    where plastic flow keeps the volume. Where the ground dilates, ψ > 0, this element locks: the flow rule imposes more
+    conditions at its points than its nodes have degrees of freedom. "reduced" is the 9-node one with 2 x 2 points,
+    which follows dilating flow; its hourglass strain, which is zero at the points, is resisted by ``hourglass``.
+    docs/theory/continuum.md compares them.
     """
     degree = DEGREES[element]
     part = api.distribute(comm, mesh.points, mesh.cells, degree)
@@ -165,7 +165,7 @@ def _strain_matrix(
 
 
 def _modes(element: Element, gauss: np.ndarray, points: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Polynomials that the volumetric strain is fitted with, at the points (nc, nq, k): 1, and x and y if quadratic."""
+    """Polynomials to which the volumetric strain is fitted, at the points (nc, nq, k): 1, and x and y if quadratic."""
     modes = [np.ones_like(weights)]
     if element == "quadratic":
         place = np.einsum("qa,cai->cqi", api.tabulate(1, gauss)[0], points)

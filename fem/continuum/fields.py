@@ -24,11 +24,11 @@ class State:
     Attributes
     ----------
     label : str
-        What the state is.
+        Name of the state in legends and file names.
     kh : float
         Its seismic coefficient (-).
     displacement : ndarray (n, 2)
-        Since gravity (m).
+        Displacement since gravity (m).
     stress : ndarray (m, 4)
         Mean over the cell [xx, yy, zz, xy], tension positive (Pa).
     shear_strain, plastic_shear_strain : ndarray (m,)
@@ -37,9 +37,9 @@ class State:
         Mobilised share of strength: shear stress over shear strength on the worst plane, 1 at failure (-). The paper
         calls it the local safety factor.
     past_equilibrium : bool
-        Whether there is no equilibrium at ``kh`` and the last state of the path stands in its place.
+        Whether there is no equilibrium at ``kh``, so that the fields are those of the last state of the path.
     repeats : bool
-        Whether the section is one period of an endless row, whose sides move alike.
+        Whether the section is one period of an endless row of sections (periodic sides).
     """
 
     label: str

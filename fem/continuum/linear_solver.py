@@ -18,7 +18,7 @@ use_one_thread()
 
 
 class SingularMatrixError(ArithmeticError):
-    """The stiffness matrix could not be factorised: there is a mechanism, or a part that nothing holds."""
+    """The stiffness matrix could not be factorised: there is a mechanism, or a part of the mesh is not supported."""
 
 
 class Exchange:
@@ -71,8 +71,8 @@ class Exchange:
 class LinearSolver:
     """K x = b with rows and columns of the held components replaced by those of the unit matrix.
 
-    Components inside a cell are condensed statically, have no place in the matrix, and are found afterwards. The matrix
-    of associated flow is ``symmetric``, and positive definite but for rounding.
+    Components inside a cell are condensed statically: they are not in the matrix, and are computed after the others.
+    The matrix of associated flow is ``symmetric`` and, apart from rounding, positive definite.
     """
 
     def __init__(self, d: Discretisation, exchange: Exchange, symmetric: bool) -> None:
@@ -138,7 +138,9 @@ class CholmodMatrix:
 
     @staticmethod
     def suits(rows: np.ndarray) -> bool:
-        """Whether CHOLMOD is there, and no cell has a component twice, as one does that is as wide as its period."""
+        """Whether CHOLMOD is installed, and no cell has a component twice (as a cell has that is as wide as the
+        period).
+        """
         return not (np.diff(np.sort(rows, axis=1), axis=1) == 0).any() and cholmod.available()
 
     def __init__(self, rows: np.ndarray, size: int) -> None:
@@ -161,8 +163,9 @@ class CholmodMatrix:
 
 
 class _ByMumps:
-    """The matrix on any number of ranks, each with the rows that it owns; of a ``symmetric`` one a triangle is
-    factorised, in three quarters of the time."""
+    """The matrix on any number of ranks, each with the rows that it owns. Of a ``symmetric`` matrix only a triangle is
+    factorised, in three quarters of the time.
+    """
 
     def __init__(
         self, d: Discretisation, exchange: Exchange, rows: np.ndarray, own: np.ndarray, symmetric: bool

@@ -1,10 +1,11 @@
-"""Ends of surcharges on ground without cohesion, which bears nothing there: the ground just below them is strengthened.
+"""Ends of surcharges on ground without cohesion, which has no bearing capacity there: the ground just below is
+strengthened.
 
-Sand bears a strip load by its own weight alone, and nothing at the edge of one that ends beside bare ground (Terzaghi
-1943: γ B Nγ / 2 is left, the mean of a pressure that goes to zero at the edge). So no stress balances a pressure that
-ends in a step, whatever Kh is, and there is no strict lower bound. What yields is a heap of grains at the edge. As
-below cohesionless faces, the ground within the least depth of the end is given an apparent cohesion, with which it
-bears the load by itself; any failure is then one that cuts through it.
+The bearing capacity of sand below a strip load comes from its weight alone, and is zero at the edge of the load
+(Terzaghi 1943: γ B Nγ / 2 is the mean of a pressure that falls to zero at the edge). So no stress field balances a
+pressure that ends in a step, whatever Kh is, and there is no strict lower bound. Only a little sand at the edge yields.
+As below cohesionless faces, the ground within the least depth of the end is given an apparent cohesion, with which it
+carries the load; any failure then cuts through this ground.
 """
 
 from fem.continuum.shallow_failure import STRIP, strip_bottom
@@ -31,7 +32,7 @@ def with_held_ends(section: Section, least_depth: float) -> Section:
     Returns
     -------
     Section
-        The same one where no surcharge ends on bare ground without cohesion.
+        The strengthened section; ``section`` itself where no surcharge ends on bare ground without cohesion.
     """
     ends: dict[float, float] = {}
     for number, x, _ in section.surface_loads.bare_ends():
@@ -60,8 +61,8 @@ def with_held_ends(section: Section, least_depth: float) -> Section:
 
 
 def soil_of_strip(name: str) -> str:
-    """Name of the stratum that a strengthened strip was cut from, below a face or the end of a load; any other
-    stratum's own name.
+    """Name of the stratum that a strengthened strip was cut from, below a face or the end of a load; the unchanged name
+    of any other stratum.
     """
     for mark in (STRIP, BELOW_END):
         name = name.rpartition(mark)[0] or name

@@ -15,12 +15,14 @@ Direction = Literal["downhill", "uphill"]
 
 
 def push(section: Section, settings: FemSettings) -> int:
-    """Direction of the horizontal load: +1 to the right, -1 to the left; of both the one that is tried first."""
+    """Direction of the horizontal load: +1 to the right, -1 to the left; for "both" the direction that is computed
+    first.
+    """
     return sign_of(section, direction_of(settings))
 
 
 def direction_of(settings: FemSettings, turned: bool = False) -> Direction:
-    """The direction of the settings, downhill if both are asked for, or the opposite one (``turned``)."""
+    """The direction of the settings, "downhill" for "both", or the opposite direction (``turned``)."""
     return "uphill" if (settings.direction == "uphill") != turned else "downhill"
 
 
@@ -30,7 +32,9 @@ def sign_of(section: Section, direction: Direction) -> int:
 
 
 def soils(section: Section) -> tuple[Stratum, ...]:
-    """The strata; raises InputError for those without strength, UnstableError if water washes bare sand out."""
+    """The strata; raises InputError for strata without strength, UnstableError if pore water lifts sand without
+    cohesion.
+    """
     weak = [
         f"{key_in_file(section.strata, k)}: cohesion and friction angle are both 0; expected some strength"
         for k, s in enumerate(section.strata)
@@ -44,7 +48,7 @@ def soils(section: Section) -> tuple[Stratum, ...]:
 
 
 def shaken_loose(strata: Sequence[Stratum]) -> str:
-    """What to look at where the excess pore pressure that shaking brings leaves no equilibrium; empty without any."""
+    """What to check where excess pore pressure by shaking leaves no equilibrium; empty without excess pore pressure."""
     ratios = {s.name: s.excess_pore_pressure_ratio for s in strata if s.excess_pore_pressure_ratio}
     named = ", ".join(f'{ratio:g} in "{name}"' for name, ratio in ratios.items())
     return named and (

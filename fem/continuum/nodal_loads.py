@@ -1,9 +1,10 @@
 """Nodal forces of pore water, free water and surcharges.
 
 The pore pressure u is taken at the quadrature points, where it does work on the volumetric strain, so that the skeleton
-gets the forces of σ' = σ + u (tension positive) whether u jumps from stratum to stratum or not; on the ground still
-water presses with its own pressure. Where this pressure equals u, both together give buoyancy. (Were u bilinear between
-the corners of cells that the water table crosses, it would reach above the table, and wash out sand without cohesion.)
+gets the forces of σ' = σ + u (tension positive) whether u jumps from stratum to stratum or not. Free water loads the
+ground surface with its pressure. Where this pressure equals u, both together give buoyancy. (If u were bilinear between
+the corners of cells that the water table crosses, there would be pore pressure above the water table, and sand without
+cohesion would be lifted.)
 """
 
 from collections.abc import Callable
@@ -27,7 +28,7 @@ POINTS_ON_EDGE = 3
 
 
 def still_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | float:
-    """Nodal forces (dofs,) in N/m of pore pressure, water on the ground and surcharges, at rest; 0.0 without any."""
+    """Nodal forces (dofs,) in N/m at rest of pore pressure, water on the ground and surcharges; 0.0 without any."""
     load: np.ndarray | float = 0.0
     water, surface = section.water_pressure, section.surface_loads
     if water.present:
@@ -38,7 +39,7 @@ def still_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.nda
 
 
 def excess_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | None:
-    """Nodal forces (dofs,) in N/m of the pore pressure that shaking adds, None without any."""
+    """Nodal forces (dofs,) in N/m of the excess pore pressure by shaking, None without any."""
     if not any(s.excess_pore_pressure_ratio for s in section.strata):
         return None
     return pore_force(problem, mesh, section.water_pressure.shaken)

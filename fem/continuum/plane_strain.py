@@ -27,14 +27,14 @@ HOURGLASS_SHARE = 1e-5
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Some cells of a section with their accepted state, numbered by themselves.
+    """Some cells of a section with their accepted state, in a numbering of their own.
 
     Attributes
     ----------
     components : ndarray (k,)
         The displacement components of these cells among the owned ones.
     dofs : ndarray (nc, nd)
-        A cell's components among those k.
+        Numbers of the components of every cell among the k components of the part.
     matrix, weights, hourglass : ndarray
         As in ``Discretisation``; ``hourglass`` (nc, nd, nd) in Pa.
     stress : ndarray (points, 4)
@@ -66,7 +66,7 @@ class PlaneStrain:
     Attributes
     ----------
     strata : tuple of Stratum
-        The ground; ``material`` (points,) are numbers of these.
+        The strata; ``material`` (points,) holds their numbers.
     flow, form : FlowSetting, DavisForm
         The flow rule of the analysis, see ``strength.py``.
     strength : Strength
@@ -205,9 +205,9 @@ class PlaneStrain:
         return self.exchange.sum_to_owned(local)
 
     def internal_force(self, increment: np.ndarray, tangent: bool = True) -> np.ndarray:
-        """Nodal forces of the stress that a displacement increment from the accepted state leads to.
+        """Nodal forces of the stress after a displacement increment from the accepted state.
 
-        Keeps that stress, and its tangent if asked for, until the next call or ``accept``.
+        Keeps this stress, and with ``tangent`` its tangent stiffness, until the next call or ``accept``.
         """
         local = self.exchange.to_local(increment)
         assembly.strains(self.grid.matrix, self.grid.dofs, local, self._strain)
@@ -247,7 +247,7 @@ class PlaneStrain:
         return self._solver.solve(np.where(self.free, force, 0.0))
 
     def part(self, cells: np.ndarray) -> Part:
-        """Some of the cells, by their numbers on the one rank that there is."""
+        """Some of the cells, given by their numbers; on one rank only."""
         grid, points = self.grid, self.grid.points_per_cell
         mine = (cells[:, None] * points + np.arange(points)).ravel()
         components, dofs = np.unique(grid.global_dofs[grid.dofs[cells]], return_inverse=True)

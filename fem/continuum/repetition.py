@@ -1,9 +1,10 @@
-"""Sections with periodic sides: one period of a row of equal ones, each of them higher or lower than the one before.
+"""Sections with periodic sides: one period of an endless row of equal sections, each of them higher or lower than the
+one before.
 
-Weight, strength and effective stress repeat from period to period; so does the slope of the pore pressure, which is all
-of it that acts on the skeleton. The pore pressure itself need not: under still water each period that lies lower has
-more by γw times the difference in height. Along the sides that is a load on the section, -u n on either of them, for
-the effective stresses on periodic sides balance each other and total ones do not.
+Weight, strength and effective stress repeat from period to period. So does the gradient of the pore pressure, through
+which the water acts on the skeleton. The pore pressure itself need not repeat: under still water it is larger in a
+lower period, by γw times the difference in height. This is a load on the section, -u n on both sides, since the
+effective stresses on periodic sides balance each other and the total stresses do not.
 """
 
 import numpy as np
@@ -25,9 +26,9 @@ def refuse_other_sides(section: Section) -> None:
 
 def refuse_other_water(section: Section) -> None:
     """Raise InputError unless the water is periodic: pressures in and on the ground at the two sides may differ by one
-    constant, pressures that shaking adds must be equal.
+    constant, excess pore pressures by shaking must be equal.
 
-    Sections whose layers differ at the two sides are left to ``refuse_other_sides``.
+    Does nothing for sections whose layers differ at the two sides: ``refuse_other_sides`` refuses them.
     """
     water, layers = section.water_pressure, section.layering
     ends = layers.left[0], layers.right[-1]
@@ -60,8 +61,9 @@ def refuse_other_water(section: Section) -> None:
 
 
 def _along_side(section: Section, side: int, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pore pressure (n,) in Pa on the left (0) or right (1) side at both ends of the intervals between ``depths`` (m),
-    followed by the pressure of the water on the ground; and the pore pressure that shaking adds.
+    """Two arrays (n,) in Pa on the left (0) or right (1) side: the pore pressure at both ends of each interval between
+    ``depths`` (m), with the pressure of free water on the ground as last entry; and the excess pore pressure by
+    shaking.
     """
     water, layers = section.water_pressure, section.layering
     elevation = layers.left[0] if side == 0 else layers.right[-1]

@@ -1,9 +1,9 @@
 """Shallow failure of a cohesionless face: the Kh at which it fails, and the search for deeper failures.
 
 Sand without cohesion fails first at its inclined surface, in a layer of no thickness along the face. No mesh resolves
-this failure, and practitioners ask for the slope as a whole. So the Kh of the shallow failure is found in closed form,
-and where it governs, the ground down to ``least_depth`` below such a face is given an apparent cohesion with which it
-does not fail by itself; then any failure is one of the ground below, or cuts through it.
+this failure, and practitioners want to know the failure of the whole slope. So the Kh of the shallow failure is
+computed in closed form. Where it governs, the ground down to ``least_depth`` below such a face is given an apparent
+cohesion, with which it does not fail alone; any failure then lies below this ground, or cuts through it.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -36,8 +36,8 @@ ALIKE = 5e-4
 
 @dataclass(frozen=True)
 class ShallowFailure:
-    """A straight piece of the surface, falling in the direction of the push, of a stratum without cohesion, with one
-    kind of pore pressure below.
+    """A straight piece of the surface of a stratum without cohesion, inclined in the direction of the seismic force,
+    with the same pore pressure gradient along it.
 
     Attributes
     ----------
@@ -52,9 +52,9 @@ class ShallowFailure:
     ratio : float
         Weight less Kv and uplift over the seismic weight (-).
     seepage : float
-        Force of seepage in the direction of the push over the seismic weight (-).
+        Seepage force in the direction of the seismic force over the seismic weight (-).
     into_water : bool
-        Whether water begins below it within the least depth, and counts.
+        Whether the water table lies below the face within the least depth, and reduces its Kh.
     """
 
     stratum: str
@@ -67,15 +67,16 @@ class ShallowFailure:
     into_water: bool = False
 
     def continues_as(self, other: "ShallowFailure") -> bool:
-        """Whether the piece to its right is of the same kind."""
+        """Whether ``other``, the piece to the right, is the same kind of face."""
         here, there = ((face.angle, face.kh, face.ratio, face.seepage) for face in (self, other))
         joined = (self.end, self.stratum, self.into_water) == (other.start, other.stratum, other.into_water)
         return joined and bool(np.allclose(here, there, rtol=0.0, atol=SAME))
 
 
 class _Piece(NamedTuple):
-    """A stretch of ground from ``start`` to ``end`` (m) in an ``interval`` between breakpoints of the layers, of
-    stratum ``number``, of whose soil ``strata`` are: two where water cuts it."""
+    """A piece of the ground surface from ``start`` to ``end`` (m) in one ``interval`` between breakpoints of the
+    layers. Its stratum is ``number``; ``strata`` are the strata of this soil, two where the water table cuts it.
+    """
 
     start: float
     end: float
@@ -99,15 +100,15 @@ def shallow_failures(
     friction: Sequence[float] | np.ndarray | None = None,
     shaken: bool = True,
 ) -> list[ShallowFailure]:
-    """All cohesionless faces of a section from left to right; ``friction`` (rad) takes the place of the strata's φ.
+    """All cohesionless faces of a section from left to right; ``friction`` (rad) replaces the φ of the strata.
 
-    On a face inclined by β a layer of any thickness slides when weight γ - Kv γs and push Kh γs together make the angle
-    φ with its normal: Kh = (γ / γs - Kv) tan(φ - β), γ the ordinary and γs the seismic unit weight (the infinite slope
-    of Skempton & DeLory 1957 with a horizontal acceleration). The slope of the pore pressure just below the face is
-    taken off γ, and its part in the direction of the push off Kh γs; where water begins less than the least depth below
-    the face, the layer down to that counts, too, if it slides first. A face ends where its slope, its stratum or its
-    water change. A surcharge, or free water, holds the face below it: such faces are left out. The pore pressure that
-    shaking adds is there if the ground is ``shaken``.
+    On a face inclined by β a layer of any thickness slides when the resultant of weight γ - Kv γs and seismic force Kh
+    γs makes the angle φ with the normal of the face: Kh = (γ / γs - Kv) tan(φ - β), γ the ordinary and γs the seismic
+    unit weight (the infinite slope of Skempton & DeLory 1957 with a horizontal acceleration). The pore pressure
+    gradient just below the face reduces γ, and its component in the direction of the seismic force reduces Kh γs. Where
+    the water table lies less than the least depth below the face, the layer down to the least depth counts instead if
+    it slides first. A face ends where its slope, its stratum or its water change. Faces below a surcharge or free water
+    do not slide in this way and are left out. Excess pore pressure by shaking acts if the ground is ``shaken``.
     ``settings``: of the elements, with the direction of the seismic force and the least depth (m).
     """
     layers, sign = section.layering, push(section, settings)
@@ -141,18 +142,19 @@ def shallow_failures(
 def failing_at_rest(
     section: Section, settings: FemSettings, friction: Sequence[float] | np.ndarray | None = None
 ) -> list[ShallowFailure]:
-    """The cohesionless faces that fall against the seismic force and fail by their own weight, as where water leaves.
+    """The cohesionless faces inclined against the seismic force that fail by their weight alone, as where seepage
+    leaves the ground.
 
-    No stress balances them without a force, and they fail before the slope does in the direction of the force.
-    ``section``, ``settings``, ``friction``: as in ``shallow_failures``.
+    No stress field is in equilibrium there without a seismic force, and they fail before the slope fails in the
+    direction of the force. ``section``, ``settings``, ``friction``: as in ``shallow_failures``.
     """
     against = settings.changed(direction=direction_of(settings, turned=True))
     return [face for face in shallow_failures(section, against, friction) if face.kh < 0.0]
 
 
 def joined(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
-    """Shallow failures from left to right. Neighbouring faces of one stratum whose Kh agrees to the digits reported are
-    merged, dry or wet, and get the smallest Kh of them.
+    """Shallow failures from left to right. Neighbouring faces of one stratum, dry or wet, are merged if their Kh is
+    equal to the digits reported; the merged face has the smallest Kh.
 
     Parameters
     ----------
@@ -174,7 +176,7 @@ def joined(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
 
 
 def faces_at(section: Section, settings: FemSettings, kh: float) -> list[ShallowFailure]:
-    """The cohesionless faces that fall in the direction of the seismic force, or in any direction where Kh is 0."""
+    """The cohesionless faces inclined in the direction of the seismic force, or in any direction where Kh is 0."""
     directions = ("downhill", "uphill") if kh == 0.0 or settings.direction == "both" else (settings.direction,)
     wishes = [settings.changed(direction=direction) for direction in directions]
     return [face for wish in wishes for face in shallow_failures(section, wish, shaken=kh != 0.0)]
@@ -186,9 +188,9 @@ def least_rolling_factor(
     """The smallest factor of safety of the shallow failures of ``faces`` whose strata have ``friction`` (rad), None
     without any.
 
-    It is tan φ / tan(β + atan k) with k = Kh γs / (γ - Kv γs). Seepage out of the face adds to k by as much as it
-    reduces the Kh of the face.
-    ``section``: the ground; ``kh``: seismic coefficient, positive in the direction of the faces.
+    It is tan φ / tan(β + atan k) with k = Kh γs / (γ - Kv γs). Seepage out of the face increases k by the amount by
+    which it reduces the Kh of the face. ``section``: the ground; ``kh``: seismic coefficient, positive in the direction
+    of the faces.
     """
     factors = []
     for face in faces:
@@ -229,10 +231,12 @@ def _is_held(section: Section, piece: _Piece, shaken: bool) -> bool:
 
 
 def _forces(section: Section, piece: _Piece, settings: FemSettings, shaken: bool) -> Iterator[tuple[float, float]]:
-    """Weight less Kv and uplift, and force of seepage to the right, over the seismic weight, of the soil just below a
-    piece of ground, and of a layer that reaches into the water below, down to the least depth.
+    """Two forces over the seismic weight: weight less Kv and uplift, and the seepage force to the right. They are given
+    for the soil just below a piece of ground, and for the layer down to the least depth where this layer reaches into
+    water.
 
-    Between two of these depths the forces vary linearly, so that no depth between them slides before both do.
+    Between the two depths the forces vary linearly, so that no layer of a depth in between slides before one of these
+    two.
     """
     layers, water = section.layering, section.water_pressure
     bounds = layers.interfaces(np.array([piece.middle]))[0]
@@ -252,8 +256,8 @@ def _forces(section: Section, piece: _Piece, settings: FemSettings, shaken: bool
 def _sheets(
     section: Section, piece: _Piece, bounds: np.ndarray, least_depth: float
 ) -> Iterator[tuple[int, float, float]]:
-    """Stratum, top (m) and thickness (m) of the layers below a piece, down to the least depth. Where a film of water is
-    too thin to cut its stratum, the layer is divided at the water table here.
+    """Stratum, top (m) and thickness (m) of the layers below a piece, down to the least depth. Where the part above or
+    below the water table is too thin for the section to divide the stratum, the layer is divided here.
     """
     for k in range(piece.number, piece.number + piece.strata):
         top, lowest = float(bounds[k]), float(max(bounds[k + 1], bounds[0] - least_depth))
@@ -266,8 +270,9 @@ def _sheets(
 
 
 def _level(section: Section, piece: _Piece, k: int, top: float, lowest: float) -> float:
-    """Elevation (m) at which the pore pressure at rest begins between two others in stratum k; ``top`` where it is all
-    wet or all dry. Below it the pressure is linear."""
+    """Elevation (m) between ``lowest`` and ``top`` above which the pore pressure at rest in stratum k is zero; ``top``
+    where the stratum is all wet or all dry. Below this elevation the pressure is linear.
+    """
     x, water = piece.middle, section.water_pressure
     ends = np.array([[x, top], [x, lowest + 0.1 * (top - lowest)], [x, lowest]])
     above, inner, deep = water.at_rest(ends, ends, np.full(3, k))
@@ -283,12 +288,12 @@ def _steepness(layers: Layering, piece: _Piece) -> float:
 
 
 def strengthened(section: Section, faces: Sequence[ShallowFailure], settings: FemSettings) -> Section:
-    """The section with a stratum of its own for the ground down to the least depth below each of the faces.
+    """The section with an additional stratum for the ground down to the least depth below each of the faces.
 
     These strata have the soil of the face and an apparent cohesion, Δγ d sin 2β / (2 cos² φ) with Δγ = γ - Kv γs and d
-    the least depth, vertically: with it they carry Kh = (γ / γs - Kv) tan φ, at which the same sand would fail on level
-    ground. It goes to zero with the inclination; 0.5 m of dry sand of φ = 33° at 1:3 get 3.7 kPa. A stratum that is
-    nowhere thicker than the least depth gets this cohesion as a whole.
+    the least depth, vertically. With this cohesion they resist Kh = (γ / γs - Kv) tan φ, at which the same sand would
+    fail on level ground. The cohesion goes to zero with the inclination; 0.5 m of dry sand of φ = 33° at 1:3 get 3.7
+    kPa. A stratum that is nowhere thicker than the least depth gets this cohesion as a whole.
     """
     names = [stratum.name for stratum in section.strata]
     strata: list[Stratum] = []
@@ -301,7 +306,7 @@ def strengthened(section: Section, faces: Sequence[ShallowFailure], settings: Fe
 
 
 def without_strips(mesh: QuadMesh, section: Section) -> QuadMesh:
-    """A mesh of the ``section`` strengthened, with the strata that the section had before."""
+    """A mesh of the strengthened ``section``, with the stratum numbers of the section before it was strengthened."""
     names = [stratum.name for stratum in section.strata]
     stratum_of = [names.index(name if name in names else name.rpartition(STRIP)[0]) for name in mesh.strata]
     return replace(mesh, stratum=np.array(stratum_of)[mesh.stratum], strata=tuple(names))

@@ -1,4 +1,4 @@
-"""Nodal forces of the K0 stress on free-field sides (``side_stress.py``), of water there, too."""
+"""Nodal forces of the K0 stress (``side_stress.py``) and of the pore water on free-field sides."""
 
 import numpy as np
 

@@ -1,9 +1,9 @@
 """The K0 stress that stays on free-field sides: for finite elements and limit analysis alike.
 
 It grows with depth as it does without horizontal strain, ν / (1 - ν) of the weight of the column above, times a factor
-for each stratum that makes its resultant there the one of plane elasticity under weight with the sides held
-horizontally: where the ground slopes, one side takes more and the other less. It stays nearer to the plain K0 stress
-than to Rankine's active and passive ones.
+for each stratum. The factor makes the resultant in the stratum equal to the one of plane elasticity under weight with
+the sides held horizontally. Where the ground slopes, it is above 1 on one side and below 1 on the other. The stress is
+nearer to the plain K0 stress than to Rankine's active and passive stresses.
 """
 
 from collections.abc import Sequence
@@ -49,8 +49,9 @@ class SideStress:
 
 
 def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndarray) -> SideStress:
-    """The stress on the "left" or "right" side, of which ``resultants`` (strata,) in N/m, tension positive, are the
-    forces of plane elasticity in every stratum there."""
+    """The K0 stress on the "left" or "right" side; ``resultants`` (strata,) are the forces of plane elasticity in every
+    stratum there (N/m, tension positive).
+    """
     layers = section.layering
     elevation = layers.left[0] if side == "left" else layers.right[-1]
     effective = _vertical_stress(section, side, elevation)
@@ -96,7 +97,7 @@ def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.n
 
 
 def _ends(section: Section, side: str, elevation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Top and bottom (strata, 2, 2) of every stratum on a side, and points just inside beside them (m)."""
+    """Top and bottom (strata, 2, 2) of every stratum on a side, and points just inside the section next to them (m)."""
     x, layers = section.layering.x, len(elevation) - 1
     at, inside = (x[0], x[:2].mean()) if side == "left" else (x[-1], x[-2:].mean())
     ends = np.repeat(elevation, 2)[1:-1]

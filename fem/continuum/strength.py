@@ -1,14 +1,14 @@
 """Strength and flow rule with which the strata enter an analysis, and Davis's estimate where ψ < φ.
 
-Ground that dilates by less than its friction angle has no unique limit load: the normality rule does not hold, and what
-a path of equilibria rises to depends on how it is followed. Davis (1968, in Lee, Soil Mechanics: Selected Topics)
-noticed that along a velocity characteristic, where the ground strains at no change of length, such material has the
-strength
+Ground that dilates by less than its friction angle has no unique limit load: the normality rule does not hold, and the
+largest load of an equilibrium path depends on how the path is followed. Davis (1968, in Lee, Soil Mechanics: Selected
+Topics) noticed that along a velocity characteristic, where the ground strains at no change of length, such material has
+the strength
 
     τ = β (c + σ tan φ),    β = cos ψ cos φ / (1 - sin ψ sin φ)    (at most 1),
 
 and substitutes associated ground with c* = β c and tan φ* = β tan φ. Its limit load is unique, has strict bounds, and
-is never above that of ψ = φ. When the strength is divided by a factor λ, three forms are told apart (Tschuchnigg,
+is never above that of ψ = φ. When the strength is divided by a factor λ, there are three forms (Tschuchnigg,
 Schweiger & Sloan 2015, Géotechnique 65, 249; theory in Sysala et al. 2021):
 
     A   β of φ and ψ as given,
@@ -59,12 +59,12 @@ def davis_factor(friction: np.ndarray, dilation: np.ndarray) -> np.ndarray:
 
 
 def flow_of(strata: Sequence[Stratum], flow: FlowSetting) -> Flow:
-    """The flow rule that a setting asks for.
+    """The flow rule that a setting means for these strata.
 
     Parameters
     ----------
     strata : sequence of Stratum
-        The strata as they were given.
+        The strata, with the dilation angles of the section file.
     flow : {"auto", "davis", "associated", "section"}
         The setting. "auto" is "associated", ψ = φ, unless a dilation angle below φ is given for any of the strata: it
         is "davis" then, with ψ = 0 in those that have none.
@@ -86,7 +86,7 @@ def strength_of(strata: Sequence[Stratum], flow: FlowSetting, factor: float = 1.
     "section" takes ψ as given, but not above the reduced φ; "associated" sets ψ = φ; "davis" reduces c and tan φ in
     one of Davis's three forms and then sets ψ = φ; "auto" is one of these (``flow_of``). Flow at a tension cut-off is
     associated with all of them.
-    ``form``: "A", "B" or "C", one of Davis's forms.
+    ``form``: Davis's form, "A", "B" or "C".
     """
     flow = flow_of(strata, flow)
     cohesion = np.array([s.cohesion for s in strata]) / factor
@@ -126,5 +126,5 @@ def is_associated(strata: Sequence[Stratum], flow: FlowSetting) -> bool:
 
 
 def is_dilating_fully(strata: Sequence[Stratum]) -> bool:
-    """Whether ψ = φ in every stratum as given, so that there is nothing to substitute."""
+    """Whether the section file has ψ = φ in every stratum, so that Davis's estimate changes nothing."""
     return all(s.dilation == s.friction_angle for s in strata)

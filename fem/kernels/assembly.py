@@ -25,7 +25,7 @@ def strains(matrix: np.ndarray, dofs: np.ndarray, displacement: np.ndarray, out:
 def internal_forces(
     matrix: np.ndarray, weights: np.ndarray, dofs: np.ndarray, stress: np.ndarray, out: np.ndarray
 ) -> None:
-    """Nodal forces ∫ Bᵀσ dA (N/m), added into ``out`` after it is set to zero.
+    """Nodal forces ∫ Bᵀσ dA (N/m), written to ``out``.
 
     ``matrix``: B (nc, nq, 4, nd) (1/m); ``weights``: area of every point (nc, nq) (m²); ``dofs``: (nc, nd); ``stress``:
     (nc * nq, 4) in Pa, tension positive.

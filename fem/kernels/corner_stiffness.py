@@ -1,9 +1,10 @@
-"""Kernels: elimination of all that an interior-point method has at one corner of a cell.
+"""Kernels: elimination of the unknowns that an interior-point method has at one corner of a cell.
 
 At a corner the strain rate, q = [volume, difference, shear], and its conjugate multiplier m, minus the stress, obey q +
 C m = g with a compliance C of three rows. With friction it is U⁻¹ W² U⁻¹, U = diag(1, sin φ, sin φ), W² that of
-``corner_cones.py``; where φ = 0 the volume stays, but for a small compliance δ that refinement takes out of the answer,
-and the dissipation t is eliminated. A tension cut-off adds its own compliance, as springs in series.
+``corner_cones.py``; where φ = 0 the volume is constant, except for a small compliance δ whose effect iterative
+refinement removes, and the dissipation t is eliminated. A tension cut-off adds its own compliance, as springs in
+series.
 
 Rows and columns of the equations are in this order: [load, volume of clay, cones of corners, cones of cut-offs, single
 openings] and [velocities, t of clay, single openings, openings]. ``clay``, ``single`` and ``triple`` (k,) number the
@@ -109,7 +110,7 @@ def condense(
     """``g`` (k, 3) of the right-hand sides ``ry`` and ``rz``, and ``force`` C⁻¹ g (k, 3), which acts on the velocities.
 
     ``stiffness``: C⁻¹ of `stiffnesses`; ``square``: W² of the cones; ``lone``, ``sine``, ``clay``, ``single``,
-    ``triple``, ``torn_sine``: as in `stiffnesses`; ``velocities``, ``clays``: how many there are; ``openings``: the
+    ``triple``, ``torn_sine``: as in `stiffnesses`; ``velocities``, ``clays``: their numbers; ``openings``: the
     first column of openings in three ways.
     """
     corners, first = len(sine), 1 + clays
@@ -144,7 +145,8 @@ def expand(
     lone: np.ndarray, sine: np.ndarray, clay: np.ndarray, single: np.ndarray, triple: np.ndarray, torn_sine: float,
     velocities: int, clays: int, openings: int, dy: np.ndarray, dz: np.ndarray,
 ) -> None:  # fmt: skip
-    """All of ``dy`` beyond the velocities, and of ``dz`` but the load's, from the strain rates of the velocities.
+    """The entries of ``dy`` after the velocities, and those of ``dz`` except the load, from the strain rates of the
+    velocities.
 
     ``rates``: (k, [volume, difference, shear]); ``g``, ``ry``, ``rz``, ``stiffness``, ``square``, ``lone``, ``sine``,
     ``clay``, ``single``, ``triple``, ``torn_sine``, ``velocities``, ``clays``, ``openings``: as in `condense`.

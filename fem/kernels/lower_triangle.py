@@ -1,4 +1,4 @@
-"""Kernels: the lower triangle of a symmetric matrix that many small ones add up to."""
+"""Kernels: the lower triangle of a symmetric matrix that is the sum of many small matrices."""
 
 import numpy as np
 from numba import njit
@@ -9,7 +9,8 @@ def find_places(
     starts: np.ndarray, columns: np.ndarray, pointers: np.ndarray, indices: np.ndarray, first: np.ndarray,
     places: np.ndarray,
 ) -> None:  # fmt: skip
-    """Where the entries of small matrices, row by row of their lower triangles, lie among those of a sorted csc matrix.
+    """Places of the entries of small matrices, row by row of their lower triangles, among the entries of a sorted csc
+    matrix.
 
     Matrix k has the unknowns ``columns`` from ``starts[k]`` on, and its ``places`` begin at ``first[k]``; ``pointers``
     and ``indices`` are those of the csc matrix.

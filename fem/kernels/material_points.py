@@ -8,27 +8,28 @@ B-splines moves them. One step is (Hu et al. 2018, ACM Trans. Graph. 37, 150, eq
 
 d from the point to the node. α = 0 is the affine particle-in-cell transfer (APIC, Jiang et al. 2015), which smooths
 velocities in every step; α = 1 keeps what the grid cannot resolve (affine FLIP), C as well as v: the C of the grid
-alone would lose a share of its energy in every step. With S the way from the points to the grid and back, which keeps
-momentum, `take_off` serves to damp (I - S)^m (v, C), as Hammerquist & Nairn (2017, Comput. Methods Appl. Mech. Eng.
-318, 724) filter velocities: of a velocity that S returns but for a share ε it takes ε^m. Stress is Mohr-Coulomb without
-dilation: with t the radius and p the mean of Mohr's circle in the plane (compression positive) t <= c cos φ + p sin φ,
-the out-of-plane stress the intermediate one, returned at constant p (de Souza Neto, Perić & Owen 2008, sec. 8.2, with ψ
-= 0); a mean tension beyond the apex opens the ground, and a volume that has opened has to close before it presses
+alone would lose a share of its energy in every step. Let S be the transfer from the points to the grid and back, which
+conserves momentum. `take_off` serves to damp (I - S)^m (v, C), as Hammerquist & Nairn (2017, Comput. Methods Appl.
+Mech. Eng. 318, 724) filter velocities: a velocity of which S loses a share ε is reduced by ε^m. Stress is Mohr-Coulomb
+without dilation: with t the radius and p the mean of Mohr's circle in the plane (compression positive) t <= c cos φ + p
+sin φ, the out-of-plane stress the intermediate one, returned at constant p (de Souza Neto, Perić & Owen 2008, sec. 8.2,
+with ψ = 0); a mean tension beyond the apex opens a crack, and the crack has to close before the ground carries pressure
 again.
 
 Four isochoric points leave a knot span, which has two freedoms, no way to flow: it locks in volume (Mast et al. 2012,
-J. Comput. Phys. 231, 5351; Coombs et al. 2018, Comput. Methods Appl. Mech. Eng. 333, 1). So points of ground that flows
-without friction lose in each step a share ρ of what their mean stress p deviates by from that of their knot span,
+J. Comput. Phys. 231, 5351; Coombs et al. 2018, Comput. Methods Appl. Mech. Eng. 333, 1). So at points of ground that
+yields without friction the mean stress p approaches the one of their knot span by a share ρ of the difference in each
+step,
 
     p' = p + ρ (Σ V p / K) / (Σ V / K) - ρ p,   K of plane strain,
 
-which keeps the volume strain of the span, and its elastic energy can only fall: the fall counts as dissipated. It is
-the mean dilatation of those authors on the side of the stress, so that no strain is invented and none is lost. A step
-is about the time in which a wave crosses 0.7 of a cell, so ρ = 0.1 is a relaxation time of seven cells.
+which conserves the volumetric strain of the span. Its elastic energy can only decrease; the decrease counts as
+dissipated. It is the mean dilatation of those authors, applied to the stress, so that the total strain is unchanged. A
+step is about the time in which a wave crosses 0.7 of a cell, so ρ = 0.1 is a relaxation time of seven cells.
 
-Rows of nodes may dip, so that layers lie along the cells: node (i, j) is at (i h, j h + s i h), s the slope of a row.
-Splines, d and C are those of (x, z - s x), where cells are squares; with J = [[1, 0], [-s, 1]] the gradient of the
-velocity is C J, and σ Jᵀ stands for σ above.
+Rows of nodes may be inclined, so that layers are parallel to them: node (i, j) is at (i h, j h + s i h), s the slope of
+a row. Splines, d and C are those of (x, z - s x), where cells are squares; with J = [[1, 0], [-s, 1]] the gradient of
+the velocity is C J, and σ Jᵀ stands for σ above.
 
 Stress is positive in tension, Pa, [xx, zz, xz]; lengths m, masses kg/m, z upwards. Points are sorted by stripes of
 columns; stripes of even number never write to the same node, nor do those of odd number, so that every sum has one
@@ -92,8 +93,8 @@ def scatter(
     ``properties`` (n, PROPERTIES); ``heavy`` (n,): weight over seismic mass; ``cell``: size of a cell (m);
     ``slope``: dz/dx of the rows of nodes; ``periodic``: whether the sides move alike;
     ``push`` (m/s²): horizontal acceleration of the whole mass by shaking; ``gravity_x``, ``gravity_z`` (m/s²) act on
-    ``heavy`` times the mass; ``side`` (N/m): horizontal force on points beside a free-field side, a quarter of a cell
-    from them, where nodes are held vertically; 0 elsewhere.
+    ``heavy`` times the mass; ``side`` (N/m): horizontal force on points next to a free-field side, a quarter of a cell
+    away, where nodes are held vertically; 0 elsewhere.
     """
     inverse, columns = 1.0 / cell, grid.shape[0]
     stiff = 4.0 * inverse * inverse
@@ -143,8 +144,8 @@ def move_grid(
 
     ``grid`` (nx, nz, NODE): see `scatter`; ``uplift`` (nx, nz, 2): force of pore water on a volume of ground, minus its
     pressure gradient (N/m³); ``held`` (nx, nz): FREE, HELD or WALL; ``dt``: time step (s); ``damping``: local non-
-    viscous damping of the forces (Cundall 1987), 0 for none. Fills ``velocity`` (m/s) and ``gained`` (nx, 2), the
-    kinetic energy (J/m) that forces gave the nodes, and the part of it by pore water.
+    viscous damping of the forces (Cundall 1987), 0 for none. Fills ``velocity`` (m/s) and ``gained`` (nx, 2): the
+    kinetic energy (J/m) by all forces on the nodes, and the part of it by pore water.
     """
     for i in range(first, last):
         energy = buoyed = 0.0
@@ -260,7 +261,7 @@ def gather(
     """Move the points of some stripes with the grid, and update their stress.
 
     ``velocity`` (nx, nz, 4): of the nodes, see `move_grid`; ``properties`` (n, PROPERTIES); ``dt``: time step (s);
-    ``keep``: share α, 0 or 1, of what the grid cannot resolve of its velocity that a point keeps;
+    ``keep``: share α, 0 or 1, of the part of its velocity that a point keeps although the grid cannot resolve it;
     ``sums`` (stripes, 2) take energies (J/m). ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``,
     ``state``, ``side``, ``cell``, ``slope``, ``periodic``, ``push``, ``gravity_x``, ``gravity_z``: as in `scatter`.
     """
@@ -336,7 +337,7 @@ def take_off(
     stripes: Integers, offsets: Integers, velocity: Floats, cell: float, slope: float, periodic: bool, x: Floats,
     v: Floats, affine: Floats,
 ) -> None:  # fmt: skip
-    """Take off the velocities of some stripes' points what the grid returns of them: (I - S) (v, C).
+    """Subtract from the velocities of the points of some stripes the part that the grid resolves: (I - S) (v, C).
 
     ``velocity`` (nx, nz, 4): of the nodes; ``v`` (n, 2), ``affine`` (n, 4) are changed; ``stripes``, ``offsets``,
     ``x``, ``cell``, ``slope``, ``periodic``: as in `scatter`.

@@ -33,7 +33,7 @@ def table(
     dilation: ArrayLike,
     tension: ArrayLike = np.nan,
 ) -> Floats:
-    """Constants of m materials, as `update` wants them: shape (m, COLUMNS).
+    """Constants of m materials for `update`: shape (m, COLUMNS).
 
     Arguments are numbers or arrays of shape (m,): ``young`` modulus (Pa), ``poisson`` ratio in [0, 0.5), ``cohesion``
     (Pa), ``friction`` angle in [0, pi/2) and ``dilation`` angle in [0, friction] (rad), ``tension``: tensile strength
@@ -125,7 +125,7 @@ def update(
     region: NDArray[np.int8] | None = None,
     threads: int = 1,
 ) -> None:
-    """Stress after a strain increment at n points; the optional arrays are filled where given.
+    """Stress after a strain increment at n points; optional arrays that are not None are filled.
 
     strain_increment (n, 4)            its zz need not be zero, since B-bar averages it over a cell
     stress_old (n, 4)                  Pa; may be the same array as `stress`
@@ -174,7 +174,7 @@ def update(
 
 
 def _in_chunks(work: Callable[[int, int], None], n: int, threads: int) -> None:
-    """Do the work for n points in ranges, one for each thread; a range is given by its first point and its end."""
+    """Do the ``work`` for n points in ranges, one for each thread; it takes the first point of a range and its end."""
     chunks = max(1, min(threads, n // SMALLEST_CHUNK))
     first, *others = itertools.pairwise(n * k // chunks for k in range(chunks + 1))
     futures = [_pool(len(others)).submit(work, *bounds) for bounds in others]
@@ -225,8 +225,8 @@ def mobilised_strength(stress: Floats, material: Integers, table: Floats) -> Flo
 
         t / sqrt(A^2 - t^2 tan^2 phi).
 
-    It is infinite where a plane has no strength left (A <= t tan phi), as anywhere beyond the apex. At the
-    apex, with neither shear nor strength, it is 1. The tension cut-off has no part in it.
+    It is infinite where a plane has no strength (A <= t tan phi), as anywhere beyond the apex. At the apex, with
+    neither shear nor strength, it is 1. The tension cut-off is disregarded.
     """
     s, t = _circle(stress)
     rows = table[material]

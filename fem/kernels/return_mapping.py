@@ -1,8 +1,8 @@
 """Return of a trial stress to the Mohr-Coulomb surface with tension cut-off, and its consistent tangent.
 
 The return is done in principal stresses, where the surface is made of planes, so that every return has a
-closed form and needs no iteration. Signs, components and units are those of `mohr_coulomb`, which is the way
-in. With principal stresses s1 >= s2 >= s3, cohesion c, friction angle phi and dilation angle psi,
+closed form and needs no iteration. Signs, components and units are those of `mohr_coulomb`, from which this module is
+called. With principal stresses s1 >= s2 >= s3, cohesion c, friction angle phi and dilation angle psi,
 
     f = (1 + sin phi) s1 - (1 - sin phi) s3 - 2 c cos phi <= 0,     with flow along dg/ds,
     g = (1 + sin psi) s1 - (1 - sin psi) s3,
@@ -21,8 +21,8 @@ is s = x - D m f(x)/(n D m); that to a line of direction a through s0 is s = s0 
 where b is normal to the flow of both planes (Clausen, Damkilde & Andersen 2006, Int. J. Numer. Meth. Engng
 66, 1036; 2007, Computers & Structures 85, 1795). The edge is the one met first as the plastic multiplier
 grows (Sysala, Cermak & Ligursky 2017, ZAMM 97, 1502). With psi = 0 the flow keeps the mean stress, so that a
-trial whose mean stress is beyond c cot phi reaches no plane: it goes to the apex, as does what falls behind
-it with psi > 0.
+trial whose mean stress is beyond c cot phi reaches no plane: it goes to the apex, as does with psi > 0 a trial stress
+beyond the apex.
 """
 
 import math

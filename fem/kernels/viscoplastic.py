@@ -1,4 +1,4 @@
-"""Kernel: a small overstress, so that a plastic flow that is not associated has one answer to a step.
+"""Kernel: a small overstress, which makes the solution of a step with non-associated flow unique.
 
 With the inviscid stress s_p of the step and the elastic one s_e, Duvaut & Lions' model integrated by backward Euler is
 
@@ -22,7 +22,7 @@ def add_overstress(
     tangent: np.ndarray,
     plastic_strain_increment: np.ndarray,
 ) -> None:
-    """Mix the elastic answer into the inviscid one, in place; ``b``: the share of the elastic one.
+    """Mix the elastic stress into the inviscid one, in place; ``b``: the weight of the elastic stress.
 
     ``strain_increment``, ``stress_old``, ``stress`` and ``plastic_strain_increment`` are (n, 4), ``tangent`` is
     (n, 4, 4) or empty, ``material`` (n,) points into ``elastic`` (materials, 4, 4).

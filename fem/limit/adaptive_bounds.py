@@ -1,4 +1,4 @@
-"""Both bounds on a sequence of meshes, each refined where the one before leaves a gap between the bounds."""
+"""Both bounds on a sequence of meshes, each refined where the bounds on the mesh before differ."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -43,7 +43,7 @@ class BoundSearch:
     Attributes
     ----------
     bracket : Bracket
-        The best bounds so far, and why the search has ended, if it has.
+        The best bounds so far, and why the search has ended; no reason while it continues.
     """
 
     def __init__(self, mesh: TriMesh, body: RigidPlasticBody, limits: Limits) -> None:
@@ -97,7 +97,7 @@ class BoundSearch:
         )
 
     def _finer(self, problem: LimitProblem, low: LowerBound, high: UpperBound) -> TriMesh:
-        """The mesh refined where the bounds of the last one are apart."""
+        """The mesh refined where the bounds on the last mesh differ."""
         indicator = refinement_indicator(problem, low, high)
         growth = self._limits.growth(self.bracket, len(indicator))
         mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
@@ -112,7 +112,8 @@ def share_of_lower_bound(low: LowerBound, high: UpperBound) -> float:
 def proven_lower_bound(
     problem: LimitProblem, most_work: float = math.inf, start: Warm | None = None
 ) -> tuple[LowerBound, list[str], StressField | None]:
-    """The stress field, the reason if it failed, and its strict bound if it passes the check.
+    """The stress field of the solver, the reason if there is no bound, and the field with its strict bound if it passes
+    the check.
 
     After ``most_work`` (s of the reference machine) the solver ends with what it has; ``start`` is where it begins.
     """
@@ -133,12 +134,13 @@ def proven_lower_bound(
 def proven_upper_bound(
     problem: LimitProblem, most_work: float = math.inf, start: Warm | None = None
 ) -> tuple[UpperBound, list[str], Mechanism | None]:
-    """The mechanism that was found, what went wrong, and the same as a strict bound if it passes its check.
+    """The mechanism of the solver, the reason if there is no bound, and the mechanism with its strict bound if it
+    passes the check.
 
     After ``most_work`` (s of the reference machine) the solver ends with what it has; ``start`` is where it begins.
 
-    Ground of φ > 45° in a corner between held sides cannot strain, and the solver may find no mechanism there: such
-    ground is held.
+    Ground of φ > 45° in a corner between held sides cannot strain, and the solver may find no mechanism there: this
+    ground is held as a rigid body.
     """
 
     place = start
@@ -174,10 +176,10 @@ def _first_that_holds(
 ) -> tuple[F, C | None, list[str]]:
     """The first of a few attempts that passes its check; None for the check if none passes.
 
-    The solver meets equations and margins nearly, and what corrects the equations may lead beyond the yield surface or
-    against the flow rule. The next attempt keeps away from these, corner by corner, by some times what the last one
-    fell short of its margin. There is no next attempt after a solver that ended early: its shortfall comes from
-    unfinished iterations, and a margin as large would leave no stress.
+    The solver fulfils equations and margins only approximately, and the correction of the equations may lead beyond the
+    yield surface or violate the flow rule. At every corner, the next attempt has a margin of a few times the shortfall
+    of the last attempt. There is no next attempt if the solver ended early: then the shortfall comes from unfinished
+    iterations, and a margin of this size would leave no admissible stress.
     """
     notes: list[str] = []
     bound, check = attempt(0.0, most_work)
@@ -212,7 +214,7 @@ def gap_shares(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.n
     """Contribution of every cell (m,) to the gap: its dissipation less the work of the lower bound's stress on its
     strain.
 
-    None is negative, but for rounding, and they add up to upper less lower bound (Ciria, Peraire & Bonet 2008).
+    Apart from rounding none is negative, and their sum is upper less lower bound (Ciria, Peraire & Bonet 2008).
     """
     if high.solution.none:
         return problem.mesh.areas
@@ -225,11 +227,11 @@ def gap_shares(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.n
 
 
 def refinement_indicator(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.ndarray:
-    """Refinement indicator (m,) of every cell: its share of the gap, and its share of the yield work of the lower
+    """Refinement indicator (m,) of every cell: its share of the gap plus its share of the yield work of the lower
     bound.
 
-    Yield work may be far from the mechanism of the upper bound: too coarse a stress field at one corner can keep the
-    lower bound down, or leave none.
+    Yield work may be far from the mechanism of the upper bound: a stress field that is too coarse at one corner can
+    reduce the lower bound, or leave no lower bound.
     """
     shares = gap_shares(problem, low, high)
     shares = shares / max(shares.sum(), 1e-300)
@@ -239,9 +241,10 @@ def refinement_indicator(problem: LimitProblem, low: LowerBound, high: UpperBoun
 
 
 def singular_points(problem: LimitProblem, low: LowerBound) -> np.ndarray:
-    """Points (n,), as a mask, at which the stress would turn faster than the cells that meet there can follow.
+    """Points (n,), as a mask, around which the principal directions rotate more from cell to cell than the cells can
+    follow.
 
-    The edge of a footing is one: its few cells keep the lower bound down, however small they are.
+    The edge of a footing is such a point: its few cells reduce the lower bound, however small they are.
     """
     points = problem.mesh.cells.ravel()
     work = np.bincount(points, weights=low.yield_work.ravel(), minlength=len(problem.mesh.points))

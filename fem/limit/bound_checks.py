@@ -1,9 +1,10 @@
-"""Whether an answer is a strict bound: its conditions checked from the answer alone, without the solver's matrices.
+"""Check that an answer is a strict bound: its conditions are computed from the answer alone, without the matrices of
+the solver.
 
 A stress field is statically admissible, and its multiplier a lower bound, if it is in equilibrium, its tractions are
-continuous and those that are given, and no point is beyond the yield surface. Velocities are kinematically admissible,
-and dissipation less dead work over live work is an upper bound, if they are continuous, zero where held, and obey the
-associated flow rule. All numbers are dimensionless, over the units of the problem.
+continuous and equal to the prescribed ones, and no point is beyond the yield surface. Velocities are kinematically
+admissible, and dissipation less dead work over live work is an upper bound, if they are continuous, zero where held,
+and obey the associated flow rule. All numbers are dimensionless, over the units of the problem.
 """
 
 from dataclasses import dataclass
@@ -30,7 +31,8 @@ class StressCheck:
     imbalance : float
         Largest unbalanced body force of a cell, times the root of its area, over the largest stress.
     traction_jump : float
-        Largest jump of the traction across an edge, or from the given one on the outline, over the largest stress.
+        Largest jump of the traction across an edge, or difference from the prescribed traction on the outline, over the
+        largest stress.
     yield_slack : float
         Smallest distance of a corner's stress to the yield surface, negative beyond it, over the unit of stress.
     tension_slack : float
@@ -116,7 +118,7 @@ def tension_slack(problem: LimitProblem, stress: np.ndarray) -> np.ndarray:
 
 
 def check_stress(problem: LimitProblem, stress: np.ndarray, multiplier: float) -> StressCheck:
-    """Equilibrium, tractions and yield of a stress field (m, 3 corners, 3) that is to carry a load multiplier."""
+    """Equilibrium, tractions and yield of a stress field (m, 3 corners, 3) under the loads at a load multiplier."""
     mesh, outline = problem.mesh, problem.outline
     scale = max(float(np.abs(stress).max()), 1.0)
     # The slopes of the stress from its differences along two sides.
@@ -177,8 +179,8 @@ def _unit_normals(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray) ->
 def corner_rates(problem: LimitProblem, velocity: np.ndarray) -> np.ndarray:
     """Strain rates (m, 3 corners, [xx, yy, engineering xy]) of velocities (m, 6, 2), by differences along the sides.
 
-    On a side from a corner, the velocity is quadratic: its slope there is -3 v + 4 v(middle) - v(end). Where that is no
-    more than the last bits of the velocities, as at a corner between held sides, the ground does not strain.
+    On a side from a corner, the velocity is quadratic: its slope there is -3 v + 4 v(middle) - v(end). Where this slope
+    is as small as rounding errors of the velocities, as at a corner between held sides, the strain rate is zero.
     """
     points = problem.mesh.points[problem.mesh.cells]
     none = LAST_BITS * np.abs(velocity).max(axis=(1, 2))[:, None, None]
@@ -224,8 +226,8 @@ def _with_cut_off(
 ) -> np.ndarray:
     """Dissipation (n, 3) per area of rates with volume >= sin φ shear, ``strength`` = c cos φ, and a cut-off T (n,).
 
-    The largest work of a stress with R <= c cos φ - σm sin φ and R <= T - σm, R the radius of Mohr's circle and σm its
-    middle: that of σm = T, or that of σm = (T - c cos φ) / (1 - sin φ), where the two lines meet.
+    The largest work of a stress with R <= c cos φ - σm sin φ and R <= T - σm, where R is the radius of Mohr's circle
+    and σm its centre. It is the work at σm = T, or at σm = (T - c cos φ) / (1 - sin φ), where the two lines meet.
     """
     limit = tension[:, None]
     both = (limit * (volume - sin * shear) + strength * (shear - volume)) / (1.0 - sin)

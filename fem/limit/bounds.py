@@ -1,8 +1,8 @@
 """Strict lower and upper bound of the critical seismic coefficient of a section, by limit analysis.
 
-The flow rule is associated, ψ = φ; the upper bound holds for every smaller ψ, too (Radenkovic 1961). Where ψ < φ, the
-substitute of Davis (1968) has c and tan φ times cos ψ cos φ / (1 - sin ψ sin φ), and associated flow: its bounds
-are as strict, and judge the finite elements with that substitute.
+The flow rule is associated, ψ = φ; the upper bound holds for every smaller ψ, too (Radenkovic 1961). Where ψ < φ,
+Davis's estimate (1968) has c and tan φ times cos ψ cos φ / (1 - sin ψ sin φ), and associated flow: its bounds are
+strict, too, and check the finite elements with Davis's estimate.
 """
 
 from collections.abc import Sequence
@@ -52,18 +52,18 @@ class KhBounds(SmallerKhBounds):
     Attributes
     ----------
     shallow_failures : tuple of ShallowFailure
-        Cohesionless faces that fail by themselves at a smaller Kh than the bounds are for. Where there is one, the
-        ground below all such faces was strengthened down to the least depth, as it is in the finite elements, and the
-        bounds are those of the slope as a whole: strict for the ground so strengthened. Without any they are strict for
-        the ground as it is given.
+        Cohesionless faces whose shallow failure has a smaller Kh than the bounds. Where there is one, the ground below
+        all these faces is strengthened down to the least depth, as in the finite elements, and the bounds are strict
+        for this strengthened ground: they are bounds of the whole slope. Without shallow failures they are strict for
+        the ground of the section file.
     shallow : float or None
-        An upper bound of Kh of the ground as it is given, where that is below the bounds and the Kh of all
-        ``shallow_failures``: ground above the least depth slips where faces of unlike water or slope meet, or water
-        comes out of one; it was strengthened, too. None elsewhere.
+        An upper bound of Kh of the ground without strengthening, where it is below the bounds and below the Kh of all
+        ``shallow_failures``: ground above the least depth slips where faces of different water or slope meet, or where
+        water seeps out of a face. This ground is strengthened, too. None elsewhere.
     section : Section
-        What was analysed: the section, or that with its faces strengthened, for the direction that fails first.
+        The section that was analysed, with its faces strengthened if any are, for the direction that fails first.
     substitute : SmallerKhBounds or None
-        Bounds of Davis's estimate, where ψ < φ and it was asked for; from the last meshes of those for ψ = φ.
+        Bounds of Davis's estimate where ψ < φ and the settings request them; computed on the last meshes for ψ = φ.
     """
 
     shallow_failures: tuple[ShallowFailure, ...] = ()
@@ -76,9 +76,9 @@ class KhBounds(SmallerKhBounds):
 class DirectionGround:
     """The ground to be analysed for one direction of the seismic force.
 
-    ``shallow_failures`` are the faces that may fail at a smaller Kh than the slope as a whole, ``as_given`` an upper
-    bound of the section as it is given on coarse triangles (inf without such faces), ``section`` the ground with its
-    faces strengthened if there are any.
+    ``shallow_failures`` are the faces that may fail at a smaller Kh than the whole slope. ``as_given`` is an upper
+    bound, on coarse triangles, of the section without strengthening (inf if there are no such faces). ``section`` is
+    the ground with these faces strengthened.
     """
 
     fem: FemSettings
@@ -91,10 +91,11 @@ class DirectionGround:
     def of(cls, section: Section, fem: FemSettings, max_cells: int) -> "DirectionGround":
         """The ground for the direction of the settings.
 
-        Faces are compared with an upper bound on one coarse mesh of the section with all its faces strengthened, so
-        that they may be a few too many, and none is missing. Those that fall against the force and fail by their own
-        weight are strengthened in any case: no stress balances them. A mechanism of the section as it is given is no
-        comparison: where faces of unlike water meet, it may be shallow, too. Raises what ``first_mesh`` raises.
+        The Kh of each face is compared with an upper bound on one coarse mesh of the section with all its faces
+        strengthened. This bound is rather too large, so that a few faces too many may be listed, but none is missing.
+        Faces inclined against the force that fail by their weight are strengthened in any case: no stress field is in
+        equilibrium there. The section without strengthening is not used for the comparison: where faces of different
+        water meet, its mechanism may be shallow, too. Raises what ``first_mesh`` raises.
         """
         faces, always = shallow_failures(section, fem), failing_at_rest(section, fem)
         whole = strengthened(section, faces + always, fem)
@@ -106,8 +107,9 @@ class DirectionGround:
         return cls(fem, max_cells, (*govern, *always), _coarse_upper_bound(section, fem), ground)
 
     def search(self, limits: Limits, after: BoundSearch | None = None) -> DirectionSearch:
-        """The search for bounds; ``after`` another one of stronger ground for Davis's estimate, on its last mesh if
-        the work left allows that."""
+        """The search for bounds. For Davis's estimate, ``after`` is the search for ψ = φ, on whose last mesh this one
+        begins if the work left allows that.
+        """
         ground = as_analysed(self.section, self.fem)
         if after is not None and 2.0 * after.bracket.meshes[-1].work < limits.seconds:
             mesh = after.bracket.mesh
@@ -130,7 +132,7 @@ def kh_bounds(
     fem : FemSettings
         Sides, directions and vertical coefficient.
     settings : BoundsSettings
-        Gap, number of triangles and time at which the search ends.
+        Gap, number of triangles and work at which the search ends.
     observer : callable, optional
         Called with the bounds on every mesh.
 
@@ -143,9 +145,9 @@ def kh_bounds(
     InputError
         If the section lacks what the analysis needs, or its sides are periodic and differ.
     UnstableError
-        If it is proven to fail at every Kh.
+        If the section is proven to fail at every Kh.
     BadMeshError
-        If there are no triangles.
+        If the section cannot be divided into triangles.
     """
     strata = soils(section)
     if all(s.density_seismic == 0.0 for s in strata):
@@ -195,12 +197,14 @@ def kh_bounds(
 
 
 def directions_of(fem: FemSettings) -> tuple[Direction, ...]:
-    """The directions of the seismic force that are asked for."""
+    """The directions of the seismic force that the settings request."""
     return ("downhill", "uphill") if fem.direction == "both" else (fem.direction,)
 
 
 def _unstable(section: Section, upper: float) -> UnstableError:
-    """The error for ground whose Kh is below zero; a number below -1 has no meaning and is not named."""
+    """The error for ground whose critical Kh is below zero. A number below -1 has no meaning and is left out of the
+    message.
+    """
     if section.uplift is not None:
         return lifted(section.uplift, "the section fails under its own weight")
     most = f"its Kh is at most {upper:.3g}" if upper > -1.0 else "no horizontal force could hold it"
@@ -211,8 +215,9 @@ def _unstable(section: Section, upper: float) -> UnstableError:
 
 
 def as_analysed(section: Section, fem: FemSettings) -> Section:
-    """The section with ends of loads on bare sand held, and cut at films of water and where a strength begins to
-    grow, as triangles need it."""
+    """The section with strengthened ends of loads on bare sand. Strata are also divided at the water table where a part
+    is too thin for elements, and at elevations where a strength begins to increase.
+    """
     return cut_at_least_strength(with_held_ends(section, fem.least_depth).cut_at_films)
 
 
@@ -226,14 +231,15 @@ def _coarse_upper_bound(section: Section, fem: FemSettings) -> float:
 
 
 def first_mesh(section: Section, max_cells: int, sides: Sides = "free-field") -> TriMesh:
-    """Triangles about as large as the layers are thick, fewer where that would be too many; with the same edges on both
-    ``sides`` where these are periodic; raises InputError if these differ.
+    """Triangles about as large as the layers are thick, larger where there would be too many of them. Periodic
+    ``sides`` have the same edges; raises InputError if their layers differ.
 
-    Triangles in a thin film of water are as long as others in its stratum, and as thin as the film. Where a smooth side
-    meets the ground, several triangles do: bare sand under a seismic force has shear stress along the ground and none
-    along the side, and one triangle beside either may have no such stresses but at Kh = 0. So do several at the ends of
-    surcharges: where two of them meet on straight ground, the symmetry of the stresses balances a step of the load only
-    along the edge that they share, and never one with a seismic part.
+    Where the water table divides a stratum, triangles of a thin part are as thin as this part and as long as other
+    triangles of the stratum. Several triangles meet at the point where a smooth side reaches the ground surface: under
+    a seismic force bare sand has shear stress along the surface and none along the side, and a single triangle at this
+    point has an admissible stress at Kh = 0 only. Several triangles also meet at the ends of surcharges: with two of
+    them on straight ground, the symmetric stresses balance a step of the load only along their common edge, and never a
+    step with a seismic part.
     """
     repeats = sides == "periodic"
     if repeats:
@@ -262,10 +268,10 @@ def first_mesh(section: Section, max_cells: int, sides: Sides = "free-field") ->
 def body_of(
     section: Section, mesh: TriMesh, fem: FemSettings, davis: bool = False, shaken: bool = True, held: bool = False
 ) -> RigidPlasticBody:
-    """The section, or its substitute of Davis, as a problem of limit analysis whose multiplier is Kh.
+    """The section, with its own strength or by Davis's estimate, as a problem of limit analysis whose multiplier is Kh.
 
-    The pore pressure that shaking adds is there if the ground is ``shaken``. Smooth sides have no normal velocity and
-    no shear traction. Free-field sides carry the K0 stress and move horizontally; ``held``, they are smooth.
+    Excess pore pressure by shaking acts if the ground is ``shaken``. Smooth sides have no normal velocity and no shear
+    traction. Free-field sides carry the K0 stress and move horizontally; if ``held``, they are smooth.
     ``mesh``: triangles of the section; ``fem``: sides and direction of the seismic force; ``davis``: whether strengths
     are those of Davis's estimate.
     """
@@ -303,7 +309,7 @@ def _pore_pressure(water: WaterPressure, shaken: bool) -> Pressure:
 
 
 def _varying(section: Section, davis: bool) -> CornerCohesion:
-    """The cohesion at corners of triangles, or its substitute of Davis."""
+    """The cohesion at corners of triangles, reduced by Davis's factor if ``davis``."""
     field = section.cohesion_field
     factor = davis_factors(section.strata) if davis else np.ones(len(section.strata))
 
@@ -334,8 +340,9 @@ def _pressing(stress: SideStress, outwards: float) -> Traction:
 
 
 def strengths(strata: Sequence[Stratum], davis: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Cohesion (Pa), of those where it varies what is constant in it, and friction angle (rad) of the strata, reduced
-    by Davis's factor if asked for."""
+    """Cohesion (Pa) and friction angle (rad) of the strata, reduced by Davis's factor if ``davis``; where the cohesion
+    varies, its constant part.
+    """
     cohesion = np.array([s.cohesion for s in strata])
     friction = np.array([s.friction_angle for s in strata])
     if not davis:
@@ -345,6 +352,6 @@ def strengths(strata: Sequence[Stratum], davis: bool = False) -> tuple[np.ndarra
 
 
 def davis_factors(strata: Sequence[Stratum]) -> np.ndarray:
-    """Davis's β (strata,) of the strata as they are given."""
+    """Davis's β (strata,) for the dilation angles of the strata."""
     friction = np.array([s.friction_angle for s in strata])
     return davis_factor(friction, np.array([s.dilation for s in strata]))

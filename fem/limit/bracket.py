@@ -37,13 +37,13 @@ class StressField:
     Attributes
     ----------
     problem : LimitProblem
-        The problem it belongs to.
+        The problem that the stress belongs to.
     multiplier : float
-        The load multiplier that it carries: a strict lower bound.
+        The load multiplier with which the stress is in equilibrium: a strict lower bound.
     stress : ndarray (m, 3 corners, [xx, yy, xy])
         The stress at the corners of every cell.
     check : StressCheck
-        How well it meets its conditions.
+        How well the stress fulfils its conditions.
     """
 
     problem: LimitProblem
@@ -59,13 +59,13 @@ class Mechanism:
     Attributes
     ----------
     problem : LimitProblem
-        The problem they belong to.
+        The problem that the velocities belong to.
     multiplier : float
-        The load multiplier at which they dissipate what the loads do: a strict upper bound.
+        The load multiplier at which the dissipation is equal to the work of the loads: a strict upper bound.
     velocity : ndarray (m, 6 nodes, 2)
         Velocities of every cell at its corners, then at the middles of its edges.
     check : VelocityCheck
-        How well they meet their conditions.
+        How well the velocities fulfil their conditions.
     """
 
     problem: LimitProblem
@@ -90,13 +90,14 @@ class MeshBounds:
     lower, upper : float or None
         The strict bounds of the load multiplier, None where there is none.
     notes : tuple of str
-        What went wrong.
+        Why a bound is missing.
     work : float
-        Work of both programs in seconds of the reference machine, counted and not measured (``cone_program.py``).
+        Work of both programs in seconds of the reference machine, computed from the iterations, not measured
+        (``cone_program.py``).
     failed : tuple of BoundSide
         The bounds that are missing because the solver ended early, or its answer did not pass the check.
     fallback : tuple of BoundSide
-        The bounds that Clarabel found after the interior-point method of our own had broken down.
+        The bounds that Clarabel found after the built-in interior-point method had broken down.
     """
 
     cells: int
@@ -125,7 +126,7 @@ class Bracket:
     ended : EndReason or None
         Why there is no finer mesh; None while the search continues.
     open_at : tuple of float or None
-        Where the gap is widest, (x, y) in m, if the search ended before it was closed.
+        Where the bounds differ most, (x, y) in m, if the search ended before the gap was small enough.
     """
 
     stress: StressField | None
@@ -155,21 +156,23 @@ class Bracket:
 
 @dataclass(frozen=True)
 class Limits:
-    """When to stop.
+    """Limits at which the search for bounds ends.
 
     Attributes
     ----------
     gap : float
-        Gap between the bounds that is small enough, as a share of their mean, or of ``least`` where that is smaller.
+        Gap between the bounds that is small enough, as a share of their mean, or of ``least`` where the mean is
+        smaller.
     max_cells : int
         Triangles of the last mesh, at most.
     seconds : float
         Work for all meshes, in seconds of the reference machine. A further mesh is begun if it is likely to be solved
-        within this work. Work is counted, not measured: the same input takes the same meshes on a loaded machine.
+        within this work. Work is computed from the iterations, not measured, so that the same input has the same meshes
+        on a busy machine.
     enough : float
         An upper bound below this number needs no improvement.
     least : float
-        The gap is a share of the multiplier, or of this number where the multiplier is smaller; for Kh ``LEAST_KH``.
+        Smallest multiplier of which the gap is a share; for Kh ``LEAST_KH``.
     """
 
     gap: float
@@ -179,21 +182,22 @@ class Limits:
     least: float = 0.0
 
     def open(self, lower: float, upper: float) -> float:
-        """The gap of two bounds over the gap asked for; inf where one is missing."""
+        """The gap of two bounds over the required gap; inf where a bound is missing."""
         if not (np.isfinite(lower) and np.isfinite(upper)):
             return np.inf
         return (upper - lower) / max(self.gap * max(0.5 * (abs(upper) + abs(lower)), self.least), 1e-12)
 
     def growth(self, bracket: Bracket, cells: int) -> float:
-        """How many times as many cells the next mesh has: as many as should close the gap, if one step can do that.
+        """Ratio of the numbers of cells of the next mesh and the last one: large enough to close the gap, if one step
+        can do that.
 
-        The gap goes with one over the number of cells, or a little faster.
+        The gap is about proportional to one over the number of cells, or falls a little faster.
         """
         needed = AIM_BEYOND * self.open(bracket.lower, bracket.upper)
         return min(max(needed, LEAST_GROWTH) if needed <= MOST_GROWTH else GROWTH, self.max_cells / cells)
 
     def reached(self, bracket: Bracket, cells: int, others: float = 0.0) -> EndReason | None:
-        """The limit that ends the search, in words; ``others`` is the work of other searches under the same limits."""
+        """The name of the limit that ends the search; ``others``: work of other searches under the same limits."""
         if self.open(bracket.lower, bracket.upper) <= 1.0:
             return "gap"
         if bracket.upper < self.enough:
@@ -209,13 +213,13 @@ class Limits:
 
 
 def _fails(meshes: Sequence[MeshBounds]) -> bool:
-    """Whether the solver ended early at the same bound on all of the last meshes."""
+    """Whether the solver ended early at the same bound on each of the last few meshes."""
     last = [set(mesh.failed) for mesh in meshes[-FAILED_MESHES:]]
     return len(last) == FAILED_MESHES and bool(set.intersection(*last))
 
 
 def _stalled(meshes: Sequence[MeshBounds]) -> bool:
-    """Whether the last two refinements did next to nothing for the gap, or could not prove a bound."""
+    """Whether the last two refinements hardly reduced the gap, or did not prove a bound."""
     if len(meshes) < 3 + STALLED_MESHES:
         return False
     best = []

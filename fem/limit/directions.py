@@ -1,7 +1,7 @@
-"""Bounds of Kh with the seismic force to either side: the smaller Kh counts, and both are kept.
+"""Bounds of Kh with the seismic force to either side: the smaller Kh counts, and the bounds of both are stored.
 
-The two directions share the work that is allowed: the next mesh is always made for the direction whose lower bound is
-the smaller one, until the bounds of the smaller Kh are as close as was asked. For the other direction it is only shown
+The two directions share the allowed work: the next mesh is always made for the direction whose lower bound is the
+smaller one, until the bounds of the smaller Kh are within the required gap. For the other direction it is only proven
 that its critical Kh is larger.
 """
 
@@ -34,7 +34,7 @@ class DirectionBounds(Bracket):
     towards : SectionSide
         The same direction as a side of the section.
     leaves : tuple of SectionSide
-        Sides at which the mechanism leaves the section, where that was cut off.
+        Sides of the section through which the mechanism leaves it.
     """
 
     direction: Direction = "downhill"
@@ -44,15 +44,15 @@ class DirectionBounds(Bracket):
 
 @dataclass(frozen=True, eq=False)
 class SmallerKhBounds(Bracket):
-    """Bounds of the smaller Kh of the directions that were asked for; they hold for every one that counts.
+    """Bounds of the smallest Kh over the requested directions that count.
 
-    A force uphill whose mechanism leaves the section through a side does not count where one downhill was looked at,
-    as in the finite elements: the side is where the section was cut off.
+    As in the finite elements, the uphill direction does not count if its mechanism leaves the section through a side
+    and the downhill direction was analysed: the side is where the section was cut off.
 
     Attributes
     ----------
     directions : tuple of DirectionBounds
-        Each of them, the one that fails first in front.
+        The bounds of every direction; the one that fails first is the first.
     """
 
     directions: tuple[DirectionBounds, ...] = ()
@@ -126,7 +126,7 @@ def counting_of(directions: Sequence[DirectionBounds]) -> list[DirectionBounds]:
 def search_all(
     searches: Sequence[DirectionSearch], limits: Limits, observer: KhObserver | None = None
 ) -> SmallerKhBounds:
-    """Bounds of the smaller Kh of all ``searches``, which have these ``limits`` in common."""
+    """Bounds of the smallest Kh of all ``searches``, which share the work of ``limits``."""
     while True:
         for search in searches:
             if not search.bracket.meshes:

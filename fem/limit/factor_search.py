@@ -1,4 +1,4 @@
-"""The search for the factor of safety with the seismic force to one side, by bounds of what weakened ground bears."""
+"""The search for the factor of safety in one direction, by bounds of the critical Kh of weakened ground."""
 
 import math
 from collections.abc import Sequence
@@ -61,7 +61,7 @@ WORK_OF_A_MESH = 1.5
 
 
 class FactorSearch:
-    """The factor of safety under a seismic force to one side (``sign`` 1: the side of ``fem``) of ``sign`` x ``kh``."""
+    """The factor of safety at ``kh`` with the force to one side (``sign`` 1: the side of ``fem``)."""
 
     def __init__(
         self,
@@ -75,7 +75,7 @@ class FactorSearch:
     ) -> None:
         """Search in ``section`` with ``mesh``, settings of the elements ``fem`` and of the bounds ``settings``.
 
-        ``sign``: 1 for a seismic force to the side of ``fem``, -1 for the other; ``start``: Kh and first factor;
+        ``sign``: 1 for a seismic force to the side of ``fem``, -1 for the other side; ``start``: Kh and first factor;
         ``work``: budget of the search.
         """
         body = body_of(section, mesh, fem, shaken=start.kh != 0.0, held=start.held)
@@ -107,10 +107,10 @@ class FactorSearch:
             self.refine()
 
     def confirms(self, other: "FactorSearch") -> bool:
-        """Whether the lower bound of the other direction is proven for this one, too, on triangles as fine as allowed.
+        """Whether the lower bound of the ``other`` direction is proven for this one, too, on the finest triangles.
 
-        Far fewer triangles than in the other direction mostly suffice. Where the bound is not proven, the factor of
-        this direction is searched for, on triangles refined for its own mechanism.
+        Mostly this needs far fewer triangles than the other direction. Where the bound is not proven, the factor of
+        this direction is searched for, on triangles refined for its mechanism.
         """
         if other.both_ways:
             self.lower = other.lower
@@ -133,7 +133,7 @@ class FactorSearch:
 
     @property
     def is_enough(self) -> bool:
-        """Whether a bound is all that was asked for."""
+        """Whether one of the bounds is already sufficient (see ``Start``)."""
         return self.lower >= self.enough or self.upper < self.slips
 
     @property
@@ -180,7 +180,7 @@ class FactorSearch:
         return math.log(bound) if bound > 0.0 else -math.inf
 
     def measure(self, factor: float, lower: bool = True, upper: bool = True) -> Trial:
-        """Find bounds for ground weakened by a factor, and narrow the bracket by what they prove."""
+        """Find bounds for ground weakened by a factor, and narrow the bracket of the factor with them."""
         lower = lower and factor < self.unborne_from
         before = self.work.spent
         problem = self.problem(factor)
@@ -229,12 +229,12 @@ class FactorSearch:
         self.failures[side] = self.failures[side] + 1 if unproven and not (solution.none or solution.out_of_work) else 0
 
     def place(self, side: BoundSide, factor: float) -> Warm | None:
-        """A solution to start from: that of the trial with about the same factor."""
+        """The solution of the last trial as a start if its factor is near."""
         last, place = self.places.get(side, (factor, None))
         return place if abs(math.log(factor / last)) < NEAR else None
 
     def settle(self) -> None:
-        """Trials on this mesh until the factor is close."""
+        """Try factors on this mesh until the bracket is small."""
         last = self.regauged(self.measure(self.factor))
         safe, unsafe = 0.0, math.inf
         for _ in range(TRIALS):
@@ -253,8 +253,8 @@ class FactorSearch:
             last = trial
 
     def regauged(self, trial: Trial) -> Trial:
-        """A trial with bounds of Kh; with bounds of the share of all loads where Kh decides nothing: a mechanism fails
-        only beyond the given Kh, but no stress balances the weight, as below a footing.
+        """A trial with bounds of Kh, or with bounds of the share of all loads where those of Kh decide nothing: no
+        mechanism fails below the given Kh, but no stress field balances the weight, as below a footing.
         """
         fails_late = trial.upper is not None and self.over(trial.upper) > 0.0
         if self.gauge == "loads" or not (trial.unborne and fails_late):
@@ -269,7 +269,7 @@ class FactorSearch:
         return loaded
 
     def middle(self, trial: Trial) -> float:
-        """The mean of the excesses of both bounds, or the only one; -inf without any."""
+        """The mean excess of both bounds, or the excess of the only one; -inf without any."""
         values = [self.over(bound) for bound in (trial.lower, trial.upper) if bound is not None]
         return sum(values) / len(values) if values else -math.inf
 
@@ -293,7 +293,7 @@ class FactorSearch:
                     return
 
     def step(self, over: float) -> float:
-        """The ratio of the next factor to the present one, whose bound exceeds the required one by ``over``."""
+        """The ratio of the next factor to the present one, whose bound exceeds the required bound by ``over``."""
         if self.slope is None:
             ahead = (2.0 if self.gauge == "kh" else 1.0) * over
             ahead = math.copysign(max(abs(ahead), 0.05), ahead)
@@ -304,8 +304,8 @@ class FactorSearch:
     def prove_both(self, finally_: bool) -> None:
         """Prove the upper bound, which costs less, then the lower one.
 
-        On the last triangles (``finally_``) as closely as the gap asks; on others where little is proven yet, since the
-        solver may fail on finer ones, or where the upper bound decides.
+        On the last triangles (``finally_``) to the required gap; on earlier ones only where little is proven yet, since
+        the solver may fail on finer ones, or where the upper bound decides.
         """
         sides: tuple[tuple[BoundSide, float], ...] = (("upper", 1.0), ("lower", -1.0))
         for side, sense in sides:
@@ -316,9 +316,10 @@ class FactorSearch:
                 self.prove(side, sense, finally_)
 
     def prove(self, side: BoundSide, sense: float, finally_: bool = True) -> None:
-        """Prove a bound by trials a little to the safe side of the estimated factor until they prove no more; the lower
-        one, which takes most of the work, until the gap is closed. Where there is no estimate, bisect; where no stress
-        has balanced the loads yet, go down, on triangles that are not the last ones (``finally_``) once.
+        """Prove a bound by trials a little to the safe side of the estimated factor until no better bound is proven;
+        for the lower bound, which takes most of the work, until the gap is small enough. Without an estimate, bisect.
+        Where no stress has balanced the loads yet, reduce the factor; on triangles that are not the last ones
+        (``finally_``) only once.
         """
         last = self.trials[-1].factor
         for times in range(1, PROOFS + 1):
@@ -354,8 +355,9 @@ class FactorSearch:
         return sorted(point for point in points if abs(point[1]) < FAR)
 
     def refine(self) -> None:
-        """Finer triangles where the bounds of the last trial are apart: as many as should close the gap, if one step
-        can do that; the margins stay."""
+        """Finer triangles where the bounds of the last trial differ: enough of them to close the gap, if one step can
+        do that. The margins are unchanged.
+        """
         problem, low, high = self.seen
         indicator = refinement_indicator(problem, low, high)
         mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)

@@ -1,4 +1,4 @@
-"""Trials of a factor of safety, where they begin, and the work that they take."""
+"""Trials of a factor of safety, their starting points, and the work that they take."""
 
 import math
 from dataclasses import dataclass
@@ -10,10 +10,10 @@ Gauge = Literal["kh", "loads"]
 
 @dataclass(frozen=True)
 class Trial:
-    """Bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None where nothing was.
+    """Bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None where no bound was proven.
 
-    They bound Kh, or the share of all loads that is carried (inf where friction alone carries any load); ``unborne``:
-    no stress balances the weight at any Kh. ``work`` is counted, in seconds of the reference machine.
+    They bound Kh, or the share of all loads that the ground resists (inf where friction alone resists any load);
+    ``unborne``: no stress balances the weight at any Kh. ``work`` is in seconds of the reference machine.
     """
 
     factor: float
@@ -27,8 +27,9 @@ class Trial:
 
 @dataclass(frozen=True)
 class Start:
-    """The Kh given, the factor to begin with, whether sides are held, and bounds that are enough: a lower one, or an
-    upper one that is below ``slips``."""
+    """The given Kh, the factor to begin with, whether sides are held, and the bounds that are sufficient: a lower
+    bound, or an upper bound that is below ``slips``.
+    """
 
     kh: float
     factor: float
@@ -50,7 +51,7 @@ class FactorWork:
         return max(self.allowed - self.spent, 0.0)
 
     def allows(self, more: float) -> bool:
-        """Whether at least so much work is left."""
+        """Whether at least ``more`` work is left."""
         enough = 0.0 < self.left >= more
         self.ran_out = self.ran_out or not enough
         return enough

@@ -17,14 +17,14 @@ from meshes.triangles import TriMesh
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Ends of edges of the outline: k points, each of them seen from one cell.
+    """Ends of edges of the outline: k points, each of them belonging to one cell.
 
     Attributes
     ----------
     points : ndarray (k, 2)
         The points in m.
     near : ndarray (k, 2)
-        The middle of the edge that each is an end of, in m.
+        The middle of the edge of each point, in m.
     stratum : ndarray (k,)
         The strata of the cells.
     normal : ndarray (k, 2)
@@ -52,15 +52,16 @@ class Side:
     Attributes
     ----------
     held : str
-        Components of the velocity that are zero: "", "x", "y" or "xy". The traction of these is a reaction, and free.
+        Components of the velocity that are zero: "", "x", "y" or "xy". In these components the traction is an unknown
+        reaction.
     dead : Traction or None
         Traction in the other components that does not depend on the multiplier; None for zero.
     live : Traction or None
-        Traction in the other components that the multiplier acts on; None for zero.
+        Traction in the other components that is multiplied by the load multiplier; None for zero.
     pressure : Outside or None
-        Pressure of the water outside, which acts beside the dead traction; None for zero.
+        Pressure of the water outside, which acts in addition to the dead traction; None for zero.
     periodic : bool
-        Whether it is joined to another side: velocities on the two are equal, effective tractions opposite.
+        Whether the side is joined to the opposite side: velocities on the two are equal, effective tractions opposite.
     """
 
     held: str = ""
@@ -83,7 +84,7 @@ class RigidPlasticBody:
     dead_force : ndarray (strata, 2)
         Body force in N/m³ that does not depend on the multiplier.
     live_force : ndarray (strata, 2)
-        Body force in N/m³ that the multiplier acts on.
+        Body force in N/m³ that is multiplied by the load multiplier.
     sides : mapping of str to Side
         The boundary condition on every boundary of the mesh, by its name.
     pore_pressure : Pressure or None
@@ -92,7 +93,8 @@ class RigidPlasticBody:
     varying : CornerCohesion or None
         Cohesion at the corners of cells where it varies, in place of ``cohesion``; None where it is constant.
     tension : ndarray (strata,) or None
-        Tension cut-off: the largest major principal stress, in Pa, inf where the cone alone ends it; None for none.
+        Tension cut-off: the largest major principal stress, in Pa; inf for strata, and None for sections, without
+        cut-off.
     """
 
     cohesion: np.ndarray
@@ -107,7 +109,7 @@ class RigidPlasticBody:
 
 @dataclass(frozen=True)
 class Units:
-    """What makes the problem dimensionless.
+    """Units in which the problem is dimensionless.
 
     Attributes
     ----------
@@ -137,13 +139,13 @@ class Outline:
     cells : ndarray (k,)
         The cell inside each edge.
     held : ndarray (k, 2) of bool
-        Which components of the velocity are zero, of whose traction nothing is given.
+        Which components of the velocity are zero, so that their traction is unknown.
     periodic : ndarray (k,) of bool
-        Edges of which no traction is given, since they are one with others.
+        Edges without prescribed traction, since they are joined to edges of the opposite side.
     dead : ndarray (k, 2 ends, 2)
         Traction at both ends that does not depend on the multiplier.
     live : ndarray (k, 2 ends, 2)
-        Traction at both ends that the multiplier acts on.
+        Traction at both ends that is multiplied by the load multiplier.
     """
 
     edges: np.ndarray
@@ -156,12 +158,12 @@ class Outline:
 
     @property
     def reacts(self) -> np.ndarray:
-        """Components (k, 2) of the traction, as a mask, that are not given."""
+        """Components (k, 2) of the traction, as a mask, that are not prescribed."""
         return self.held | self.periodic[:, None]
 
     @property
     def loaded(self) -> np.ndarray:
-        """Ends of edges (k, 2), as a mask, on which there is a traction, or may be one since none is given."""
+        """Ends of edges (k, 2), as a mask, with a prescribed traction other than zero or an unknown one."""
         return (self.reacts[:, None, :] | (self.dead != 0.0) | (self.live != 0.0)).any(axis=2)
 
 
@@ -178,15 +180,15 @@ class LimitProblem:
     cohesion : ndarray (m, 3)
         Cohesion at the corners of every cell over the unit of stress; linear in between, nowhere above the true one.
     cohesion_above : ndarray (m, 3)
-        The same, nowhere below the true one: what dissipates in upper bounds.
+        The same, nowhere below the true one; it is the cohesion of upper bounds.
     friction : ndarray (m,)
         Friction angle of every cell in rad.
     tension : ndarray (m,)
-        Largest major principal stress of every cell over the unit of stress, inf where the cone is all there is.
+        Largest major principal stress of every cell over the unit of stress, inf without a tension cut-off.
     dead_force : ndarray (m, 2)
         Body force on the skeleton that does not depend on the multiplier, over unit of stress / unit of length.
     live_force : ndarray (m, 2)
-        Body force that the multiplier acts on, in the same unit.
+        Body force that is multiplied by the load multiplier, in the same unit.
     outline : Outline
         The edges of the boundary.
     jumps : EdgeJumps
@@ -239,8 +241,9 @@ def units_of(mesh: TriMesh, body: RigidPlasticBody) -> Units:
 
 
 def corner_cohesion(mesh: TriMesh, body: RigidPlasticBody, above: bool = True) -> np.ndarray:
-    """Cohesion (m, 3) at the corners of every cell (Pa); linear in between, it is nowhere below the true one, or
-    nowhere above it."""
+    """Cohesion (m, 3) in Pa at the corners of every cell. Linear in between, it is nowhere below the true cohesion if
+    ``above``, else nowhere above it.
+    """
     if body.varying is not None:
         return body.varying(mesh, above)
     return np.repeat(body.cohesion[mesh.stratum][:, None], 3, axis=1)
@@ -284,10 +287,11 @@ def _tension(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
 
 
 def with_all_loads_live(problem: LimitProblem, multiplier: float) -> LimitProblem:
-    """The problem whose multiplier acts on all loads; above 1 the ground bears ``multiplier`` times the live load.
+    """The problem whose multiplier acts on all loads; where it is above 1 the ground resists ``multiplier`` times the
+    live load.
 
-    Forces by jumps of the pore pressure are among these loads. Without any load there is an admissible stress, so that
-    by convexity every share of the loads up to the largest one is carried.
+    Forces by jumps of the pore pressure are among these loads. Without load there is an admissible stress, so that by
+    convexity the ground resists every share of the loads up to the largest one.
     """
     outline, jumps = problem.outline, problem.jumps
     return replace(
@@ -311,7 +315,7 @@ def bare_corners(problem: LimitProblem) -> np.ndarray:
 
 
 def _on_skeleton(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
-    """Body force (m, 2) in N/m³ on the skeleton: the dead force less the slope of the pore pressure."""
+    """Body force (m, 2) in N/m³ on the skeleton: the dead force less the gradient of the pore pressure."""
     force = body.dead_force[mesh.stratum]
     if body.pore_pressure is None:
         return force
@@ -319,7 +323,9 @@ def _on_skeleton(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
 
 
 def corner_cells(mesh: TriMesh) -> np.ndarray:
-    """Cells (m,), as a mask, with two edges on the outline, whose conditions leave stress or velocity no freedom."""
+    """Cells (m,), as a mask, with two edges on the outline, so that the boundary conditions determine their stress or
+    velocity.
+    """
     return (mesh.edge_cells[:, 1] < 0)[mesh.cell_edges].sum(axis=1) >= 2
 
 

@@ -1,8 +1,8 @@
 """Lower bound: a stress field that is linear in every triangle, in equilibrium and nowhere beyond the yield surface.
 
-Every triangle has three corner stresses of its own (Sloan 1988); the stress may jump from triangle to triangle, the
-traction across an edge may not. Mohr-Coulomb holds at the corners as a cone (Makrodimopoulos & Martin 2006; Lyamin &
-Sloan 2002 for its smooth forms) and therefore, being convex, everywhere in between.
+Every triangle has three corner stresses (Sloan 1988); the stress may jump from triangle to triangle, the traction on
+their common edge may not. Mohr-Coulomb holds at the corners as a cone (Makrodimopoulos & Martin 2006; Lyamin & Sloan
+2002 for its smooth forms) and therefore, being convex, everywhere in between.
 """
 
 import math
@@ -36,18 +36,18 @@ class LowerBound:
     Attributes
     ----------
     multiplier : float
-        The load multiplier that it carries.
+        The load multiplier with which the stress is in equilibrium.
     stress : ndarray (m, 3 corners, [xx, yy, xy])
         The stress at the corners of every cell.
     yield_work : ndarray (m, 3)
         Work of the stress at every corner on the dual strain rates, the multipliers of the equilibrium equations. It is
-        large where the yield surface keeps the load multiplier down; that of a cell with one corner that can have no
-        stress counts as that corner's. Where no stress balances the dead load, it is the
-        size of the rates at which the dead load fails.
+        large where the yield surface limits the load multiplier. If one corner of a cell can have no stress, the work
+        of the cell is assigned to this corner. Where no stress balances the dead load, it is the magnitude of the
+        strain rates at which the dead load fails.
     shortfall : ndarray (m, 3)
-        How much nearer to the yield surface the stress at every corner is than was asked for.
+        Required less actual distance of the stress at every corner to the yield surface.
     solution : cone_program.Solution
-        What the solver left.
+        The solution of the cone program.
     """
 
     multiplier: float
@@ -63,12 +63,13 @@ def lower_bound(
     most_work: float = math.inf,
     start: cone_program.Warm | None = None,
 ) -> LowerBound:
-    """The stress field with the largest load multiplier, its equations met to rounding after the solver.
+    """The stress field with the largest load multiplier, corrected after the solver so that it fulfils the equations to
+    rounding.
 
     ``more_margin`` (m, 3), as ``LowerBound.shortfall``, is a distance to the yield surface beyond the usual margin.
     After ``most_work`` (s of the reference machine) the solver ends with what it has; ``start`` is where it begins.
 
-    Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
+    ``fem.limit.bound_checks`` checks whether its multiplier is a strict bound.
     ``problem``: triangles, strength and loads.
     """
     balance, dead, live, points = equations(problem)
@@ -124,9 +125,9 @@ def _all_round(stresses: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 
 def equations(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.ndarray, np.ndarray]:
-    """A, b0, b1 of A σ = b0 + λ b1: equilibrium of the cells, then tractions of the edges, times a length each.
+    """A, b0, b1 of A σ = b0 + λ b1: equilibrium of the cells, then tractions of the edges, each times a length.
 
-    The last array has the point at which an equation of tractions holds, -1 for one of equilibrium.
+    The last array has the number of the point of an equation of tractions, -1 for an equation of equilibrium.
     """
     rows = [_balance(problem), _continuity(problem), _boundary(problem), _repetition(problem)]
     matrices, dead, live, points = zip(*rows, strict=True)
@@ -135,10 +136,11 @@ def equations(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.
 
 
 def points_of_equations(matrix: sparse.csr_matrix, points: np.ndarray, corner_points: np.ndarray) -> np.ndarray:
-    """The point of every equation, -1 for none, where the equilibrium of a cell with one stress holds at its corner.
+    """The point of every equation, -1 for none. For the equilibrium of a cell with only one corner stress it is this
+    corner.
 
-    The other two corners of such a cell lie at a bare surface of ground without cohesion. The equilibrium of several
-    of them around a point, as in the tip of a wedge of sand, depends on the tractions there.
+    The other two corners of such a cell lie at a bare surface of ground without cohesion. The equilibrium equations of
+    several such cells around a point, as in the tip of a wedge of sand, depend on the tractions there.
     ``matrix``: of the stresses of corners whose points are ``corner_points`` (k,); ``points``: of tractions alone.
     """
     rows = np.flatnonzero((points < 0) & (np.diff(matrix.indptr) > 0))
@@ -155,10 +157,10 @@ def independent_equations(
 ) -> tuple[sparse.csr_matrix, np.ndarray, np.ndarray]:
     """A, b0, b1 of linearly independent equations with the same solutions, found point by point.
 
-    Equations at a point depend on each other where edges go on straight through it, and at corners without stress. The
-    dual velocities of dependent equations are not unique and could grow without end, and with them the solver's
-    tolerance. Where edges go on almost straight, equations are all but dependent: they are made orthonormal.
-    ``matrix``: A; ``dead``, ``live``: b0 and b1; ``points``: of every equation, as ``points_of_equations`` has them.
+    Equations at a point are linearly dependent where edges run straight through it, and at corners without stress. The
+    dual velocities of dependent equations are not unique and could grow without limit, and with them the tolerance of
+    the solver. Where edges run almost straight, equations are nearly dependent: they are made orthonormal.
+    ``matrix``: A; ``dead``, ``live``: b0 and b1; ``points``: of every equation, as by ``points_of_equations``.
     """
     at_point = np.flatnonzero(points >= 0)
     at_point = at_point[np.argsort(points[at_point], kind="stable")]
@@ -229,7 +231,9 @@ def _balance(problem: LimitProblem) -> Equations:
 
 
 def _continuity(problem: LimitProblem) -> Equations:
-    """Tractions on both sides of inner edges, equal but for the ``EdgeJumps``, at both ends, times half its length."""
+    """Tractions at both ends of inner edges, equal on both sides except for the ``EdgeJumps``, times half the length of
+    the edge.
+    """
     mesh = problem.mesh
     inner = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
     ends = mesh.edges[inner]
@@ -244,7 +248,9 @@ def _continuity(problem: LimitProblem) -> Equations:
 
 
 def _boundary(problem: LimitProblem) -> Equations:
-    """The given traction at both ends of the edges of the outline, where it is not held, times half their length."""
+    """The prescribed traction at both ends of the edges of the outline, in components that are not held, times half
+    their length.
+    """
     outline = problem.outline
     normal = _normals(problem, outline.cells, outline.ends)
     wanted = np.repeat(~outline.reacts[:, None, :], 2, axis=1).ravel()
@@ -255,8 +261,7 @@ def _boundary(problem: LimitProblem) -> Equations:
 
 
 def _repetition(problem: LimitProblem) -> Equations:
-    """Tractions on the sides of a section that repeats, opposite at both ends of edges that are one, times half their
-    length."""
+    """Tractions on periodic sides, opposite at both ends of edges that are joined, times half their length."""
     mesh = problem.mesh
     parts = []
     for ends in mesh.matched:
@@ -276,7 +281,7 @@ def _normals(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray) -> np.n
 
 
 def _tractions(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray, normal: np.ndarray) -> sparse.csr_matrix:
-    """From the stresses to the tractions of cells on edges, rows edge by edge: both ends, x and y."""
+    """The matrix from the stresses to the tractions of cells on edges; rows edge by edge: both ends, x and y."""
     corner = np.argmax(problem.mesh.cells[cells][:, None, :] == ends[:, :, None], axis=2)
     first = 9 * cells[:, None] + 3 * corner
     rows = 4 * np.arange(len(cells))[:, None] + [0, 2]

@@ -1,9 +1,9 @@
 """Points whose conditions force zero stress, or zero strain rate.
 
-Several cells meet at a point, each with a stress and a strain rate of its own there, and the conditions that tie them
-to each other and to the boundary concern that point alone. Some leave only zero. Rounding would turn the zero into a
-small violation of the yield surface or the flow rule, and an interior-point solver would find no interior: such points
-are found beforehand, and zero is prescribed there.
+Several cells meet at a point, and each has its own stress and strain rate there. Conditions at the point link them to
+each other and to the boundary; some of these conditions leave only zero stress or zero strain rate. Rounding would turn
+the zero into a small violation of the yield surface or the flow rule, and an interior-point solver would find no
+interior. Such points are therefore searched for beforehand, and zero is prescribed there.
 """
 
 from collections.abc import Iterator
@@ -34,7 +34,7 @@ UNSTRAINED = 0.02
 
 
 def fans(problem: LimitProblem, points: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """For every point, the cells that meet there, and which of their corners is the point."""
+    """For every point, the cells that meet there, and the number of the point among the corners of each."""
     cells = problem.mesh.cells
     wanted = np.zeros(len(problem.mesh.points), dtype=bool)
     wanted[points] = True
@@ -46,13 +46,12 @@ def fans(problem: LimitProblem, points: np.ndarray) -> Iterator[tuple[int, np.nd
 
 
 def stress_free_corners(problem: LimitProblem) -> np.ndarray:
-    """Corners (m, 3), as a mask, of cells without cohesion, or at crests without tension, that can have no stress,
-    because a bare surface is near.
+    """Corners (m, 3), as a mask, at which the stress must be zero because a bare surface is near: corners of cells
+    without cohesion, or at crests without tension.
 
-    Tractions are continuous across the edges that meet at a point, and zero on a bare one. Where this leaves a
-    cell no stress inside its cone |radius of Mohr's circle| <= sin φ |mean stress|, it leaves zero stress; where the
-    cone has no inside, as for clay whose strength is zero there, the stress is zero wherever an isotropic pressure is
-    excluded.
+    Tractions are continuous across the edges that meet at a point, and zero on a bare one. Where this leaves a cell no
+    stress inside its cone |radius of Mohr's circle| <= sin φ |mean stress|, its stress is zero. Where the cone has no
+    interior, as for clay whose strength is zero there, the stress is zero wherever an isotropic pressure is excluded.
     """
     outline, mesh = problem.outline, problem.mesh
     round_corners = pressed_all_round(problem)
@@ -86,14 +85,15 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
 
 
 def pressed_all_round(problem: LimitProblem) -> np.ndarray:
-    """Corners (m, 3), as a mask, of ground without cohesion and friction there, such as clay whose strength goes with
-    σ'v where σ'v is zero: it bears an isotropic pressure only.
+    """Corners (m, 3), as a mask, of ground without cohesion and friction there, such as clay whose strength is
+    proportional to σ'v where σ'v is zero: only an isotropic pressure is admissible.
     """
     return (problem.cohesion <= NO_COHESION) & (problem.friction[:, None] == 0.0)
 
 
 def _crests(problem: LimitProblem) -> np.ndarray:
-    """Corners (m, 3), as a mask, of cells that bear no tension at points where bare surfaces meet at less than 180°.
+    """Corners (m, 3), as a mask, of cells without tensile strength at points where bare surfaces meet at less than
+    180°.
 
     A compression there would push the point out, since neither face carries traction.
     """
@@ -108,7 +108,9 @@ def _crests(problem: LimitProblem) -> np.ndarray:
 def _traction_equations(
     problem: LimitProblem, point: int, cells: np.ndarray, place: np.ndarray, given: np.ndarray
 ) -> np.ndarray:
-    """Tractions at a point, from the stresses of its cells: those continuous across inner edges, and given zeros."""
+    """Equations of the tractions at a point from the stresses of its cells: continuity across inner edges, and zeros
+    that are prescribed.
+    """
     mesh, outline = problem.mesh, problem.outline
     rows = []
     for edge in np.unique(mesh.cell_edges[cells]):
@@ -144,9 +146,9 @@ def _outside_cone(stresses: np.ndarray, friction: float) -> bool:
 def unstrained_points(problem: LimitProblem) -> np.ndarray:
     """Points (n,), as a mask, on held boundaries where the flow rule lets no cell strain.
 
-    Such are corners between two held edges, where φ is larger than half of their angle, and contacts with ground that
-    cannot dilate on a straight one. There the velocity gradient of a cell follows from the derivatives of the velocity
-    along its edges, of which the held ones have none.
+    Such points are corners between two held edges, where φ is larger than half of their angle, and points of a straight
+    held edge where ground that cannot dilate begins. There the velocity gradient of a cell follows from the derivatives
+    of the velocity along its edges, which are zero on held edges.
     """
     mesh, outline = problem.mesh, problem.outline
     held = np.zeros((len(mesh.edges), 2), dtype=bool)

@@ -1,13 +1,14 @@
 """Strict lower and upper bound of the factor of safety of a section at a given Kh, by limit analysis.
 
 The factor divides c and tan φ of all strata (Zienkiewicz, Humpheson & Lewis 1975); the flow rule is associated. For a
-trial factor F, limit analysis bounds the Kh that the ground so weakened carries. Where a stress carries more than the
-Kh given, and another one more than that Kh the other way, the two carry every Kh between them, for yield surfaces are
-convex: F is a lower bound. Where a mechanism fails at less than the Kh given, either way, F is an upper bound. The
-bounds of Kh fall as F rises, smoothly, so that F is found by a few secants on coarse triangles, then on finer ones.
+trial factor F, limit analysis bounds the critical Kh of the weakened ground. F is a lower bound if one stress field is
+in equilibrium with more than the given Kh, and another one with more than this Kh in the opposite direction: since
+yield surfaces are convex, the ground then resists every Kh in between. F is an upper bound if a mechanism in either
+direction fails at less than the given Kh. The bounds of Kh fall smoothly as F rises, so that F is found by a few secant
+steps on coarse triangles, then on finer ones.
 
-Where the weight or a surcharge causes failure, as below a footing, no Kh balances it: there the share of all loads that
-the ground carries is bounded in place of Kh, and F is a lower bound where that share is at least 1.
+Where the weight or a surcharge causes failure, as below a footing, no Kh is in equilibrium: there the share of all
+loads that the ground resists is bounded in place of Kh, and F is a lower bound if this share is at least 1.
 """
 
 import math
@@ -33,13 +34,15 @@ FactorEnd = Literal["gap", "range", "triangles", "time", "solver"]
 
 @dataclass(frozen=True)
 class SafetyBounds:
-    """Factors of safety: ``lower`` is carried, ``upper`` fails; 0 and inf where none was proven.
+    """Bounds of the factor of safety: the ground stands at ``lower`` and fails at ``upper``; 0 and inf where no bound
+    was proven.
 
-    ``shallow_failure`` is that at which a cohesionless face fails, or shallow ground slips where two of them
-    meet, if below ``upper``; the ground down to the least depth below such faces was then strengthened, as in the
-    finite elements, and the bounds are of the slope as a whole: strict for the ground so strengthened. Without it they
-    are strict for the ground as it is given, but for ends of loads on bare sand (``load_ends.py``). ``direction`` is
-    that of the seismic force with which it fails, None without any; ``ended`` says why the bounds are not closer.
+    ``shallow_failure`` is the factor at which a cohesionless face fails, or shallow ground slips where two faces meet,
+    if it is below ``upper``. The ground down to the least depth below such faces is then strengthened, as in the finite
+    elements, and the bounds are strict for this strengthened ground: they are bounds of the whole slope. Without a
+    shallow failure they are strict for the ground of the section file, except at ends of loads on bare sand
+    (``load_ends.py``). ``direction`` is the direction of the seismic force at failure, None without force; ``ended``
+    says why the bounds are not closer.
     """
 
     kh: float
@@ -67,9 +70,10 @@ def safety_bounds(
 ) -> SafetyBounds:
     """Lower and upper bound of the factor of safety at ``kh``.
 
-    ``held`` sides move up and down alone, as in strength reduction without shaking, where others bear the K0 stress.
-    ``guess`` is the first factor tried; a poor one costs time only. Both directions of the push are looked at, within
-    the work that the ``settings`` allow, at factors from SMALLEST to LARGEST. Raises InputError as ``kh_bounds`` does,
+    ``held`` sides move only vertically, as in strength reduction without shaking; others carry the K0 stress.
+    ``guess`` is the first factor tried; a poor one costs time only. Both directions of the seismic force are analysed,
+    within the work that the ``settings`` allow, at factors from SMALLEST to LARGEST. Raises InputError as ``kh_bounds``
+    does,
     BadMeshError if there are no triangles.
     ``section``: the ground; ``fem``: settings of the elements, of which sides and direction matter here.
     """
@@ -103,7 +107,7 @@ def safety_bounds(
 
 @dataclass(frozen=True)
 class _Coarse:
-    """Upper bounds of a section on coarse triangles, with the push to either side."""
+    """Upper bounds of a section on coarse triangles, with the seismic force to either side."""
 
     searches: tuple[FactorSearch, FactorSearch]
 
@@ -116,8 +120,9 @@ class _Coarse:
         return False
 
     def least_failing(self, factor: float) -> float:
-        """``factor`` itself, or a smaller one at which a mechanism fails: shallow ground slips before the face fails,
-        where faces of unlike water or slope meet."""
+        """``factor`` itself, or a smaller one at which a mechanism fails: where faces of different water or slope meet,
+        shallow ground slips before the face fails.
+        """
         if not self.fails_at(factor):
             return factor
         stands, fails = 0.5 * factor, factor
@@ -137,7 +142,7 @@ def _coarse(section: Section, fem: FemSettings, settings: BoundsSettings, start:
 def _bounds_of(
     section: Section, fem: FemSettings, settings: BoundsSettings, start: Start, work: FactorWork
 ) -> SafetyBounds:
-    """The bounds of a section as it stands, its faces strengthened or not."""
+    """The bounds of a section whose faces are already strengthened, if any have to be."""
     section = as_analysed(section, fem)
 
     def search(mesh: TriMesh, sign: int, start: Start) -> FactorSearch:

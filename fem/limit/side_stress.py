@@ -18,7 +18,9 @@ ENOUGH_CELLS = 3000
 
 
 def side_stresses(section: Section, mesh: TriMesh) -> dict[str, SideStress]:
-    """The stress on the "left" and the "right" side, ``side_stress.py``, with the resultants of triangles."""
+    """The K0 stress on the "left" and the "right" side (see ``fem/continuum/side_stress.py``), with the resultants of
+    plane elasticity on triangles.
+    """
     while len(mesh.cells) < ENOUGH_CELLS:
         mesh, _ = bisect(mesh, np.arange(len(mesh.cells)))
     stress = _elastic_stress(section, mesh)
@@ -38,7 +40,9 @@ def _resultants(mesh: TriMesh, stress: np.ndarray, side: str, strata: int) -> np
 
 
 def _elastic_stress(section: Section, mesh: TriMesh) -> np.ndarray:
-    """Horizontal effective stress (Pa) at the corners (m, 3) at rest, quadratic triangles, sides held horizontally."""
+    """Horizontal effective stress (Pa) at rest at the corners (m, 3), by elastic quadratic triangles with sides held
+    horizontally.
+    """
     nodes = mesh.six_nodes
     count = int(nodes.max()) + 1
     young = np.array([s.youngs_modulus for s in section.strata])

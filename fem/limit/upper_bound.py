@@ -39,14 +39,14 @@ class UpperBound:
     Attributes
     ----------
     multiplier : float
-        Dissipation less the work of the dead load, where that of the live load is 1, as the solver has it.
+        Dissipation less the work of the dead load where the work of the live load is 1, by the solver.
     velocity : ndarray (m, 6 nodes, 2)
         Velocities of every cell at its corners, then at the middles of its edges.
     shortfall : ndarray (m, 3)
-        How much nearer every corner is to breaking the flow rule than was asked for, as a velocity: volumetric rate
-        less sin φ times the shear rate, times the root of a third of the area.
+        Required less actual distance of every corner to the limit of the flow rule, as a velocity: volumetric rate less
+        sin φ times the shear rate, times the root of a third of the area.
     solution : cone_program.Solution
-        What the solver left.
+        The solution of the cone program.
     """
 
     multiplier: float
@@ -62,13 +62,14 @@ def upper_bound(
     most_work: float = math.inf,
     start: cone_program.Warm | None = None,
 ) -> UpperBound:
-    """The mechanism with the smallest load multiplier, its equations met to rounding after the solver.
+    """The mechanism with the smallest load multiplier, corrected after the solver so that it fulfils the equations to
+    rounding.
 
     ``more_margin`` (m, 3), as ``UpperBound.shortfall``, is a distance to the limit of the flow rule beyond the usual
-    margin. Cells of ``rigid`` (m,), a mask, are held: the bound stays one, if a larger one. After ``most_work`` (s of
-    the reference machine) the solver ends with what it has; ``start`` is where it begins.
+    margin. Cells of ``rigid`` (m,), a mask, are held: the result is still an upper bound, though a larger one. After
+    ``most_work`` (s of the reference machine) the solver ends with what it has; ``start`` is where it begins.
 
-    Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
+    ``fem.limit.bound_checks`` checks whether its multiplier is a strict bound.
     ``problem``: triangles, strength and loads.
     """
     nodes, moves, dead, live = nodes_and_loads(problem)
@@ -113,10 +114,10 @@ def upper_bound(
 
 
 def free_velocities(problem: LimitProblem, moves: np.ndarray) -> sparse.csr_matrix:
-    """From the free velocities to all (2 n,), of which ``moves`` (2 n,) are not held.
+    """The matrix from the free velocities to all velocities (2 n,); ``moves`` (2 n,) marks those that are not held.
 
-    On an edge from a point that cannot strain the velocity v has no slope there: 4 v(middle) = 3 v(point) + v(end).
-    The sides of a section that repeats move alike.
+    On an edge from a point that cannot strain the velocity v has no slope at this point: 4 v(middle) = 3 v(point) +
+    v(end). Periodic sides have equal velocities.
     """
     mesh = problem.mesh
     left, right = mesh.matched
@@ -143,10 +144,10 @@ def free_velocities(problem: LimitProblem, moves: np.ndarray) -> sparse.csr_matr
 
 
 def _corrected(program: cone_program.ConeProgram, rates: np.ndarray, dilates: np.ndarray) -> np.ndarray:
-    """Velocities whose volume stays where φ = 0 and no cut-off lets it open, and whose live load does work of 1.
+    """Velocities without volume change where φ = 0 and no tension cut-off acts, and with a work of the live load of 1.
 
-    The correction may violate the flow rule at the corners (k,) of ``dilates``: these are corrected in turn by half
-    their margin, with the rule linearised, until none violates it.
+    The correction may violate the flow rule at the corners (k,) of ``dilates``: they are then corrected by half their
+    margin, with the linearised rule, until none violates it.
     """
     clay = np.flatnonzero(~dilates)
     volume = program.strain[3 * clay] + program.strain[3 * clay + 1]
@@ -168,7 +169,7 @@ def _corrected(program: cone_program.ConeProgram, rates: np.ndarray, dilates: np
 
 
 def _flow_slack(program: cone_program.ConeProgram, rates: np.ndarray) -> tuple[np.ndarray, sparse.csr_matrix]:
-    """Volumetric rate less sin φ times the shear rate at every corner (k,), and its slope with the rates (k, n)."""
+    """Volumetric rate less sin φ times the shear rate at every corner (k,), and its derivative by the rates (k, n)."""
     xx, yy, xy = (program.strain @ rates).reshape(-1, 3).T
     sin, shear = np.sin(program.friction), np.hypot(xx - yy, xy)
     across, along = (np.divide(part, shear, out=np.zeros(len(sin)), where=shear > 0.0) for part in (xx - yy, xy))
@@ -214,9 +215,11 @@ def add_edge_loads(loads: np.ndarray, mesh: TriMesh, nodes: np.ndarray, traction
 
 
 def strain_rates(mesh: TriMesh, nodes: np.ndarray) -> sparse.csr_matrix:
-    """From the velocities (2 n,) to the strain rates at the corners (9 m,), [xx, yy, engineering xy] corner by corner.
+    """The matrix from the velocities (2 n,) to the strain rates at the corners (9 m,), [xx, yy, engineering xy] corner
+    by corner.
 
-    At corner k the gradient of a shape is (4 δ_ik - 1) ∇L_i for corner i, and 4 ∇L_j for the middle of the edge kj.
+    At corner k the gradient of the shape function is (4 δ_ik - 1) ∇L_i for corner i, and 4 ∇L_j for the middle of the
+    edge kj.
     """
     cells = len(nodes)
     gradient = mesh.gradients

@@ -1,10 +1,11 @@
-"""The limit load of discretised ground by finite element limit analysis: the largest multiplier of a load for
-which stresses at the quadrature points balance the nodal forces within the yield surface.
+"""The limit load of discretised ground by finite element limit analysis: the largest load multiplier for which stresses
+at the quadrature points, within the yield surface, are in equilibrium with the nodal forces.
 
 By the duality of limit analysis (Krabbenhoft & Damkilde 2003, Int. J. Numer. Meth. Engng 56, 165; the program is that
-of ``cone_program.py``) it is also the smallest multiplier at which a velocity field of the same elements dissipates
-what the loads do. It is the load that a path of associated flow tends to, with neither steps nor elastic strains, in
-some twenty factorisations; and no bound, since between the points nothing is asked for.
+of ``cone_program.py``) it is also the smallest multiplier at which the dissipation of a velocity field of the same
+elements equals the work of the loads. It is the limit of an equilibrium path with associated flow, computed without
+steps and elastic strains in some twenty factorisations. It is no bound, since the yield condition is required at the
+quadrature points only.
 """
 
 from collections.abc import Callable
@@ -43,14 +44,14 @@ class ConicLimitLoad:
     Attributes
     ----------
     multiplier : float
-        The load multiplier (-); infinite where in no mechanism the load does work.
+        The load multiplier (-); infinite if the load does no work in any mechanism.
     mechanism : State or None
-        Stresses at the limit load, and in the place of displacement and strain the velocities of the mechanism, the
-        largest of which is 1 m/s, and its strain rates; None without a mechanism.
+        Stresses at the limit load; its displacements are the velocities of the mechanism, scaled to a largest velocity
+        of 1 m/s, and its strains the strain rates. None without a mechanism.
     bracket : (float, float)
-        Between which multipliers the solver stopped; ``multiplier`` is their middle.
+        Lower and upper multiplier at which the solver stopped; ``multiplier`` is their mean.
     start : Warm or None
-        Where the solver may begin for the same elements and loads with another strength.
+        Starting point of the solver for the same elements and loads with another strength.
     """
 
     multiplier: float
@@ -133,8 +134,9 @@ class Discretised:
         least: float = 1.0,
     ) -> "tuple[Discretised, cone_program.Solution]":
         """Solve the program, and return the solution with the problem in the unit of stress that was used. Where the
-        solver is unsure, or finds no stress, which rounding of the forces can cause, it tries again in a larger unit of
-        stress; the first time from ``start``. ``least``: the multiplier that the gap is a share of where it is smaller.
+        solver is not certain, or finds no stress, which rounding of the forces can cause, it tries again with a larger
+        unit of stress. Only the first attempt begins at ``start``. ``least``: smallest multiplier of which the gap is a
+        share.
         """
         found = []
         for ground, place in ((self, start), (replace(self, unit=LARGER * self.unit), None)):
@@ -149,8 +151,8 @@ class Discretised:
         return self.unit * solution.stress
 
     def mechanism(self, problem: "PlaneStrain", mesh: QuadMesh, solution: cone_program.Solution, kh: float) -> State:
-        """The fields of a ``solution`` on ``mesh`` at ``kh``, with the share of the strength that ``problem`` has
-        now.
+        """The fields of a ``solution`` on ``mesh`` at ``kh``; the mobilised share is that of the present strength of
+        ``problem``.
         """
         points = self.cells.weights.shape
         rates = (self.strain @ solution.rates).reshape(*points, 3) / self.weight[..., None]
@@ -170,13 +172,13 @@ def conic_limit_load(
     live: np.ndarray,
     start: cone_program.Warm | None = None,
 ) -> ConicLimitLoad:
-    """The largest λ at which the nodal forces ``dead`` + λ ``live``, both (dofs,) in N/m, are borne.
+    """The largest λ at which the ground resists the nodal forces ``dead`` + λ ``live``, both (dofs,) in N/m.
 
-    The flow is associated, the element "reduced"; initial stress and stiffness have no part in it. All ranks get the
-    answer of the first. Raises UnstableError if no stress balances the forces, NoAnswerError if the solver leaves no
-    answer.
-    ``problem``: the elements of ``mesh``, with their strength and the components that are held; ``start``: that of
-    another limit load, which saves half of the work where mesh, held components and loads are the same.
+    The flow is associated, the element "reduced"; the result does not depend on initial stress and stiffness. All ranks
+    get the answer of the first. Raises UnstableError if no stress balances the forces, NoAnswerError if the solver
+    leaves no answer.
+    ``problem``: the elements of ``mesh``, with their strength and the components that are held; ``start``: the
+    ``start`` of another limit load with the same mesh, held components and loads, which saves half of the work.
     """
     ground = gathered(problem, mesh, dead, live)
     starts: list[cone_program.Warm | None] = [None]  # those of other ranks are not sent
@@ -207,7 +209,7 @@ def computed_by_first_rank(problem: "PlaneStrain", find: Callable[[], A]) -> A:
 
 
 def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Discretised:
-    """The elements of all ranks under nodal forces (dofs,), for the first rank; others are left with their own."""
+    """The elements of all ranks under nodal forces (dofs,), gathered on the first rank; other ranks keep their own."""
     grid = problem.grid
     material = problem.material.reshape(grid.weights.shape)
     local_cells = _Cells(
@@ -228,7 +230,7 @@ def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Dis
 def _limit(
     problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised, start: cone_program.Warm | None
 ) -> tuple[ConicLimitLoad, cone_program.Warm | None]:
-    """The limit load, and where others may begin; raises as ``conic_limit_load`` does."""
+    """The limit load, and the starting point for others; raises as ``conic_limit_load`` does."""
     ratio = float(np.abs(ground.load(0)).sum() / np.abs(ground.load(1)).sum())  # both loads as large as one
     ground, solution = ground.solved(
         lambda own: own.program(problem.strength, own.load(0), ratio * own.load(1)), start, LEAST_KH / ratio
@@ -265,8 +267,8 @@ class _Fields:
 
 
 def _state(mesh: QuadMesh, cells: _Cells, kh: float, fields: _Fields) -> State:
-    """The mechanism as fields of the mesh; the limit load leaves the stress out of plane open: the mean stress is
-    taken.
+    """The mechanism as fields of the mesh; limit analysis does not determine the out-of-plane stress: it is set to the
+    mean stress.
     """
     share = cells.weights / cells.weights.sum(axis=1, keepdims=True)
     shear = np.hypot(fields.rates[..., 0] - fields.rates[..., 1], fields.rates[..., 2])

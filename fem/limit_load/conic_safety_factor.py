@@ -1,19 +1,20 @@
 """The factor of safety of discretised ground by finite element limit analysis: the divisor of the strength at which
 nodal forces are just resisted.
 
-At a trial factor F the question is how much of its strength the ground can still do without: the largest λ for which
-stresses at the quadrature points balance the forces within
+At a trial factor F the reserve of strength is computed: the largest λ for which stresses at the quadrature points are
+in equilibrium with the forces within
 
-    |s| <= R(F, σm) - λ S,    R = c cos φ - sin φ σm,    S = -∂R/∂ln F at a σm known before,
+    |s| <= R(F, σm) - λ S,    R = c cos φ - sin φ σm,    S = -∂R/∂ln F at a σm of the step before,
 
-s and σm being deviator and mean of the stress in the plane, c and φ those at F. That is one cone program
-(``cone_program.py``), which always has an answer: enough strength bears any load. F is too small where λ > 0, too
-large where λ < 0, and since S is nearly what ln F takes off the strength, λ is nearly what ln F lacks. By the envelope
-theorem λ falls with ln F by the mean of -∂R/∂ln F at the stress found, weighted by the shear rates of the mechanism,
-and by what opens at a tension cut-off T, for -∂T/∂ln F = T; what Newton's method makes of that is the share λ' of the
-strength that ground over F can do without. As strength goes with 1/F, or nearly, ln F lacks -ln(1 - λ'), with which
-the factor is found in one to three programs, whatever fails: a slope to one side, an embankment that spreads to both,
-or the ground below a footing, where no Kh would tell by how much.
+s and σm being deviator and mean of the stress in the plane, c and φ those at F. This is one cone program
+(``cone_program.py``). It always has a solution, since enough strength resists any load. F is too small if λ > 0 and too
+large if λ < 0. S is about the derivative of the strength by -ln F, so that λ is about the missing change of ln F. By
+the envelope theorem the derivative of λ by -ln F is the mean of -∂R/∂ln F at the computed stress, weighted by the shear
+rates of the mechanism, plus a term of the opening at a tension cut-off T, where -∂T/∂ln F = T. Newton's method with
+this derivative gives the share λ' of the strength that is not needed at F. As the strength is about proportional to
+1/F, the correction of ln F is -ln(1 - λ'). With it the factor is found in one to three programs for every kind of
+failure: a slope to one side, an embankment that spreads to both sides, or the ground below a footing, for which no Kh
+could measure the reserve.
 """
 
 import math
@@ -63,9 +64,9 @@ class FactorStart:
     mean : ndarray (points,)
         Mean stress in the plane in Pa, tension positive.
     resisted : float
-        What the mechanism dissipates at the factor, by the yield condition without tension cut-offs.
+        Dissipation of the mechanism at the factor, by the yield condition without tension cut-offs.
     place : Warm or None
-        Where the solver may begin.
+        Starting point of the solver.
     """
 
     log_factor: float
@@ -75,18 +76,19 @@ class FactorStart:
     place: cone_program.Warm | None
 
     def __reduce__(self) -> tuple:
-        """It is None in another process, since a ``place`` is an address in memory."""
+        """Pickle it as None, since a ``place`` is an address in the memory of this process."""
         return _none, ()
 
 
 def _none() -> None:
-    """Nothing."""
+    """None, in place of a start that was pickled."""
 
 
 @dataclass(frozen=True, eq=False)
 class ConicSafetyFactor:
-    """The divisor of c and tan φ at which ground fails, its mechanism, and where a search for another may begin, None
-    on ranks other than the first."""
+    """The divisor of c and tan φ at which ground fails, its mechanism, and the start of a search for another factor
+    (None on ranks other than the first).
+    """
 
     factor: float
     mechanism: State
@@ -101,10 +103,11 @@ def conic_safety_factor(
     guess: float = 1.0,
     start: FactorStart | None = None,
 ) -> ConicSafetyFactor:
-    """The divisor of c and tan φ at which nodal forces (dofs,) in N/m are just borne, and the mechanism.
+    """The divisor of c and tan φ at which the ground just resists nodal forces (dofs,) in N/m, and the mechanism.
 
     ``problem``: the elements of ``mesh``; ``forces``: nodal forces (N/m); ``guess``: factor at which the search begins;
-    ``kh`` labels the mechanism; ``start``: that of the factor by another flow rule, in place of the guess. The flow is
+    ``kh`` labels the mechanism; ``start``: the start from the factor by another flow rule, which replaces the guess.
+    The flow is
     associated, the element "reduced". The strength of the ``problem`` is
     divided by the factor afterwards. Raises UnstableError if the factor is below 1/20, NoAnswerError if it is above 20
     or the solver leaves no answer.
@@ -159,7 +162,7 @@ class _Search:
         self.last = (start.log_factor, start.place) if start is not None else (math.inf, None)
 
     def find(self, guess: float, kh: float) -> tuple[float, State, FactorStart]:
-        """The factor, its mechanism, and where a search by another flow rule may begin."""
+        """The factor, its mechanism, and the start of a search by another flow rule."""
         low, high, at = -math.inf, math.inf, math.log(guess) if self.start is None else self.ahead(self.start)
         for _ in range(TRIALS):
             if at < -math.log(LARGEST_FACTOR):

@@ -1,8 +1,8 @@
 """Ground under its weight, and the critical Kh of its mesh by finite element limit analysis.
 
-It can be asked more than once: with another flow rule, or between other sides. Loads and side stresses stay the same,
-so that answers differ by the flow rule or the sides alone: on one mesh the limit load by Davis's estimate, with less
-strength, is never above that with ψ = φ.
+The limit load of one mesh can be computed repeatedly, with another flow rule or other sides. Loads and side stresses
+stay the same, so that the results differ only by the flow rule or the sides: the limit load by Davis's estimate, with
+less strength, is never above that with ψ = φ.
 """
 
 from copy import copy
@@ -29,7 +29,7 @@ from meshes.section.section import Section
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """The section at rest, and the limit load of the seismic force to one side.
+    """The ground at rest, and the limit load of the seismic force to one side.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Ground:
     weight : ndarray (dofs,)
         Nodal forces of its weight (N/m).
     constant : ndarray (dofs,)
-        Nodal forces that stay (N/m).
+        Nodal forces that are constant (N/m).
     gravity : EquilibriumPath or None
         The path under gravity.
     faces : list of ShallowFailure
@@ -68,19 +68,19 @@ class LimitLoadResult:
     Attributes
     ----------
     kc : float
-        The limit load (-); ``kh_limit`` where it is larger than that.
+        The limit load (-); ``kh_limit`` where the limit load is larger.
     verdict : PathVerdict
         "plateau" or "no failure".
     flow : Flow
         The flow rule: "davis" or "associated".
     direction : Direction
-        Where the ground is pushed.
+        Direction of the seismic force.
     reason : str
         The verdict in words.
     mechanism : State or None
         The mechanism; None without a limit load.
     shallow_failures : list of ShallowFailure
-        Cohesionless faces that fail before.
+        Cohesionless faces that fail at a smaller Kh.
     ground : Ground
         The ground, with the loads.
     """
@@ -101,14 +101,14 @@ class LimitLoadResult:
 
     @property
     def upper(self) -> float:
-        """The limit load of the mesh, which ``kc`` is (-)."""
+        """The limit load of the mesh, equal to ``kc`` (-)."""
         return self.kc
 
 
 def critical_limit_load(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[ShallowFailure] | None = None
 ) -> LimitLoadResult:
-    """The limit load for a push in the one direction of ``settings``, with the "reduced" element whatever they say.
+    """The limit load of the seismic force in the direction of ``settings``, always with the "reduced" element.
 
     ``faces`` as in ``pushed``. Raises InputError, UnstableError, NoAnswerError if the solver leaves no answer.
     ``section``: the ground; ``mesh``: cells of it; ``comm``: MPI communicator.
@@ -120,8 +120,8 @@ def critical_limit_load(
 
 
 def asked_again(result: LimitLoadResult, section: Section, mesh: QuadMesh, settings: FemSettings) -> LimitLoadResult:
-    """The limit load of the ground of ``result``, found with other settings, by the flow rule and between the sides of
-    ``settings``.
+    """The limit load by the flow rule and between the sides of ``settings``, of the ground of ``result``, which has
+    other settings.
 
     ``section``: the ground; ``mesh``: cells of it, the same as before.
     Raises NoAnswerError if the solver leaves no answer.
@@ -137,11 +137,12 @@ def asked_again(result: LimitLoadResult, section: Section, mesh: QuadMesh, setti
 
 
 def in_order(weak: LimitLoadResult, strong: LimitLoadResult) -> tuple[LimitLoadResult, LimitLoadResult]:
-    """Two limit loads of one mesh under one load, of which ground has nowhere more strength in the first.
+    """Two limit loads of one mesh under one load, where the strength of the first is nowhere larger than that of the
+    second.
 
-    What the first bears, the second bears as well (lower bound theorem). So the bracket of the first is cut off at the
-    upper end of the second's, and that of the second at the lower end of the first's: their middles are then in this
-    order, too.
+    The second ground resists every load that the first one resists (lower bound theorem). So the bracket of the first
+    is cut off at the upper end of the second bracket, and the second at the lower end of the first: then their means
+    are in this order, too.
     """
     low, high = weak.ground.limit, strong.ground.limit
     if low is None or high is None:
@@ -153,7 +154,7 @@ def in_order(weak: LimitLoadResult, strong: LimitLoadResult) -> tuple[LimitLoadR
 
 
 def _between(result: LimitLoadResult, lower: float, upper: float) -> LimitLoadResult:
-    """The limit load as the middle of a bracket; unchanged where the bracket is the solver's own."""
+    """The limit load as the mean of a bracket; unchanged where the bracket is that of the solver."""
     limit = result.ground.limit
     if limit is None or limit.bracket == (lower, upper) or result.verdict != "plateau":
         return result
@@ -178,11 +179,11 @@ def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Groun
 def pushed(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[ShallowFailure] | None = None
 ) -> Ground:
-    """The ground with ``faces`` strengthened, and the limit load of the seismic force if it is unique; at rest if it is
-    not. Where faces are not given, all cohesionless faces are strengthened if any of them fails before the ground below
-    does, as in the bounds: where a layer thins out, its neighbour may reach the face in the mesh. Without a limit load,
-    the faces that fail under their own weight are strengthened, those that fall against the force among them. Raises
-    InputError, UnstableError.
+    """The ground with ``faces`` strengthened, and the limit load of the seismic force if it is unique; else the ground
+    at rest. Without ``faces``, all cohesionless faces are strengthened if any of them fails at a smaller Kh than the
+    ground below, as in the bounds: where a layer thins out, its neighbour may reach the face in the mesh. Where there
+    is no limit load, the faces that fail under their weight are strengthened, also those inclined against the force.
+    Raises InputError, UnstableError.
     ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
     if faces is not None:
@@ -231,10 +232,12 @@ def _pushed(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, 
 
 
 def cohesionless_faces(section: Section, settings: FemSettings) -> list[ShallowFailure]:
-    """The cohesionless faces that fall in the direction of the push, with the strength of the analysis."""
+    """The cohesionless faces inclined in the direction of the seismic force, with the strength of the analysis."""
     return shallow_failures(section, settings, strength_of(section.strata, settings.flow).friction)
 
 
 def faces_failing_at_rest(section: Section, settings: FemSettings) -> list[ShallowFailure]:
-    """The cohesionless faces that fall against the push and fail by their own weight, with that strength."""
+    """The cohesionless faces inclined against the seismic force that fail by their weight alone, with the strength of
+    the analysis.
+    """
     return failing_at_rest(section, settings, strength_of(section.strata, settings.flow).friction)

@@ -1,8 +1,8 @@
 """Material point method: the continuum in large displacement, a second opinion on how far the ground slides.
 
 `ground_of` makes material points of a section, `MaterialPointEngine` moves them on a background grid, and `PointSlider`
-takes them through shaking and liquefaction until the surface is at rest. For problems without a section, such as a
-column that is let go, build `MaterialPoints` and a `BackgroundGrid` by hand.
+takes them through shaking and liquefaction until the surface is at rest. For problems without a section, such as the
+collapse of a column, build `MaterialPoints` and a `BackgroundGrid` directly.
 """
 
 from fem.mpm.engine import MaterialPointEnergy, MaterialPointEngine

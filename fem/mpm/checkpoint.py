@@ -14,7 +14,7 @@ LISTS = ("times", "slide", "settlement")
 
 
 def keep(path: Path, engine: MaterialPointEngine, slide: PointSlide, **more: np.ndarray) -> None:
-    """Leave the engine, the slide so far, and ``more`` in a file. Raises OSError if it cannot be written."""
+    """Write the engine, the slide so far, and ``more`` arrays to a file. Raises OSError if it cannot be written."""
     data = {ENGINE + name: array for name, array in engine.as_it_is().items()}
     data |= {SLIDE + name: np.array(getattr(slide, name)) for name in (*LISTS, "before")}
     data |= {SLIDE + "ended": np.array([slide.reason, slide.stopped_by or "", "rest" if slide.settled else ""])}
@@ -23,7 +23,7 @@ def keep(path: Path, engine: MaterialPointEngine, slide: PointSlide, **more: np.
 
 
 def resume(path: Path, engine: MaterialPointEngine, slide: PointSlide) -> dict[str, np.ndarray] | None:
-    """Restore engine and slide from a file; returns its other arrays, or None where there is no such file."""
+    """Restore engine and slide from a file; returns the other arrays of the file, or None if it does not exist."""
     if not path.exists():
         return None
     try:

@@ -1,4 +1,4 @@
-"""The engine of the material points: takes them forward in time, on any number of threads with the same bits."""
+"""The engine of the material points: integrates their motion in time, on any number of threads with the same bits."""
 
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -32,9 +32,9 @@ class MaterialPointEnergy:
     external : float
         Work of weight, shaking and pore water.
     dissipated : float
-        What shear, opening and drainage dissipated.
+        Energy dissipated by shear, opening and drainage.
     kinetic_gained : float
-        What forces gave to the nodes as kinetic energy.
+        Kinetic energy that the nodes gained by forces.
     kinetic, elastic : float
         Energies of the points now.
     kinetic_began, elastic_began : float
@@ -58,8 +58,8 @@ class MaterialPointEnergy:
 
     @property
     def transfer_loss(self) -> float:
-        """Energy lost between points and grid (J/m): kinetic energy that forces gave to the nodes and the points did
-        not get.
+        """Energy lost between points and grid (J/m): kinetic energy that the nodes gained by forces and that did not
+        reach the points.
         """
         return self.kinetic_gained + self.kinetic_began - self.kinetic
 
@@ -78,14 +78,14 @@ class MaterialPointEnergy:
 
 
 class MaterialPointEngine:
-    """Takes points forward on a grid.
+    """Integrates the motion of points on a grid.
 
     Parameters
     ----------
     points : MaterialPoints
         The ground; its arrays are changed.
     grid : BackgroundGrid
-        Where it moves.
+        The grid on which the points move.
     gravity : tuple of float
         Acceleration by weight (m/s²), x and z.
     threads : int
@@ -152,13 +152,13 @@ class MaterialPointEngine:
                 self._sort()
 
     def original(self, values: np.ndarray) -> np.ndarray:
-        """Values (n, ...) of the points in the order in which they were handed over."""
+        """Values (n, ...) of the points in their original order, before the engine sorted them."""
         out = np.empty_like(values)
         out[self.order] = values
         return out
 
     def begin_again(self) -> None:
-        """Count time and energies from here."""
+        """Set time and energies to zero."""
         self.time, self.steps, self._filtered = 0.0, 0, (0.0, 0)
         self._gained[:], self._sums[:] = 0.0, 0.0
         self._began = self.points.kinetic(self.grid.cell), self.points.elastic()
@@ -168,14 +168,14 @@ class MaterialPointEngine:
         self._sums[0, kernel.DISSIPATED] += energy
 
     def as_it_is(self) -> dict[str, np.ndarray]:
-        """The state of the engine as arrays by name, for `go_on_from`."""
+        """The state of the engine as a mapping of names to arrays, for `go_on_from`."""
         state = {name: getattr(self.points, name) for name in ARRAYS}
         state |= {"order": self.order, "gained": self._gained, "sums": self._sums, "offsets": self._offsets}
         clock = np.array([self.time, self.steps, *self._filtered, *self._began])
         return state | {"sorted_at": self._sorted_at, "clock": clock}
 
     def go_on_from(self, state: Mapping[str, np.ndarray]) -> None:
-        """Take over the state of another engine of the same ground (`as_it_is`)."""
+        """Restore a state that `as_it_is` of an engine of the same ground returned."""
         for name in ARRAYS:
             getattr(self.points, name)[:] = state[name]
         self.order, self._offsets, self._sorted_at = state["order"], state["offsets"], state["sorted_at"]

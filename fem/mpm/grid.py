@@ -1,4 +1,4 @@
-"""The background grid on which the points move for a step: its cells, and what is held."""
+"""The background grid of the material points: its cells, and its held nodes."""
 
 from dataclasses import dataclass
 
@@ -9,20 +9,20 @@ from fem.kernels import material_points as kernel
 
 @dataclass(frozen=True, eq=False)
 class BackgroundGrid:
-    """A grid of cells from x = 0, z = 0 on, squares but for rows of nodes that dip.
+    """A grid of cells that begins at x = 0, z = 0; the cells are squares unless rows of nodes are inclined.
 
     Attributes
     ----------
     cell : float
         Side of a cell (m).
     held : ndarray (nx, nz)
-        What is held at each node: `FREE`, `HELD` or `WALL` of `fem.kernels.material_points`.
+        Boundary condition of each node: `FREE`, `HELD` or `WALL` of `fem.kernels.material_points`.
     uplift : ndarray (nx, nz, 2)
         Minus the gradient of the pore pressure (N/m³).
     periodic : bool
         Whether the right side continues at the left one.
     slope : float
-        dz/dx of its rows of nodes, which lie along layers that dip.
+        dz/dx of its rows of nodes, which are parallel to inclined layers.
     """
 
     cell: float
@@ -33,8 +33,8 @@ class BackgroundGrid:
 
     @classmethod
     def empty(cls, cell: float, columns: int, rows: int, periodic: bool = False, floor: int = 3) -> "BackgroundGrid":
-        """A grid without water whose lowest rows of nodes, ``floor`` of them, are at rest; so are its sides, three
-        columns each, unless it is periodic.
+        """A grid without water whose lowest ``floor`` rows of nodes are held, and three columns at either side unless
+        it is periodic.
         ``cell``: side of a cell (m); ``columns``, ``rows``: numbers of nodes.
         """
         held = np.full((columns, rows), kernel.FREE, dtype=np.int8)
@@ -50,10 +50,12 @@ class BackgroundGrid:
 
     @property
     def stretch(self) -> float:
-        """How much shorter cells are than their side where they are shortest: the norm of [[1, 0], [-slope, 1]] (-)."""
+        """Side of a cell over its shortest extent: the norm of [[1, 0], [-slope, 1]] (-)."""
         half = 0.5 * abs(self.slope)
         return float(half + np.sqrt(1.0 + half**2))
 
     def level(self, x: np.ndarray) -> np.ndarray:
-        """Places (n, 2) in m, with heights above the row of nodes through the origin: there, cells are squares."""
+        """Places (n, 2) in m in coordinates where cells are squares: x, and the height above the inclined row of nodes
+        through the origin.
+        """
         return np.column_stack([x[:, 0], x[:, 1] - self.slope * x[:, 0]])

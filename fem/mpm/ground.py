@@ -1,11 +1,12 @@
 """A section as material points on a grid: their places, their boundary conditions, and their initial stress.
 
-Around the section lie a few cells of rigid ground: below its base, so that the base is rough, and beyond its sides, as
-in the rigid box of the discs, unless these are smooth: then level ground continues beyond, which holds the ground up to
-its surface, and on which whatever slides over the end moves on. Where the sides are free-field, the rigid ground beside
-them is taken away once the ground is at rest: its pressure stays as a force on the points beside it, which are held
-vertically. Coordinates of points and grid are those of the section less an `offset`. Rows of nodes dip as layers that
-liquefy do: a shear band across the cells of a level grid takes 1 to 3 % more strength, which halves slides near yield.
+A few cells of rigid ground surround the section: below its base, so that the base is rough, and beyond its sides, as in
+the rigid box of the discs. Beyond smooth sides the rigid ground is as high as the surface at the end of the section,
+and ground that slides over the end moves on it. Where the sides are free-field, the rigid ground beyond them is removed
+once the ground is at rest: its pressure continues to act as a force on the points next to the side, which are held
+vertically. Coordinates of points and grid are those of the section less an `offset`. Rows of nodes are parallel to
+layers that liquefy: a shear band across the cells of a horizontal grid has 1 to 3 % more strength, which halves slides
+near yield.
 """
 
 from dataclasses import dataclass, replace
@@ -53,15 +54,16 @@ class PointGround:
     offset : ndarray (2,)
         Place in the section of the grid's origin (m).
     surface : ndarray (k,)
-        Numbers of the points that are the surface, from left to right, in the order of ``points`` as they are here.
+        Numbers in ``points`` of the points at the surface, from left to right.
     effective : ndarray (n,)
         Vertical effective stress of each point before the earthquake (Pa), compression positive.
     consolidated : ndarray (n,)
-        The same with that share alone of surcharges to which the ground has consolidated: residual strength is over it.
+        The same, with only the share of surcharges to which the ground has consolidated: residual strength ratios refer
+        to it.
     softened : tuple of str
-        Strata that had to be made less stiff, see ``FASTEST``.
+        Strata whose stiffness was reduced, see ``FASTEST``.
     sides : Sides
-        What the sides do.
+        Boundary condition of the sides.
     room : float
         Length (m) of floor beyond each free-field or smooth side, on which ground that leaves the section moves; 0 for
         others.
@@ -80,9 +82,9 @@ class PointGround:
 
     @property
     def crust(self) -> float:
-        """Median thickness (m) of what lies on the uppermost stratum that liquefies; inf where nothing does.
+        """Median thickness (m) of the ground above the uppermost stratum that liquefies; inf if no stratum liquefies.
 
-        A skin of less than a quarter of a cell is none: half a point at most.
+        Places where it is thinner than a quarter of a cell, half a point at most, are disregarded.
         """
         layering, liquefies = self.section.layering, [bool(s.liquefies_in) for s in self.section.strata]
         x = middles(*self.section.extent, COLUMNS)
@@ -94,13 +96,13 @@ class PointGround:
 
 
 def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGround:
-    """The section as points, four to a cell, on about so many cells.
+    """The section as points, four to a cell, on about ``cells`` cells.
 
-    Columns of points are filled from the base to the surface layer by layer, so that every layer has its own area and
-    the surface is where it is. Stress is that of the column above, K0 = ν / (1 - ν); it is not yet in equilibrium.
-    Sides are rigid and rough, and become free-field ones by `with_free_sides` where ``sides`` are so. Smooth sides hold
-    nodes horizontally up to the surface. Periodic sides are treated as free-field unless both sides have the same
-    layers, at the same or at another height.
+    Columns of points are filled from the base to the surface layer by layer, so that the area of every layer and the
+    surface are exact. Stress follows from the weight of the column above, with K0 = ν / (1 - ν); it is not yet in
+    equilibrium. Sides are rigid and rough; `with_free_sides` makes them free-field where ``sides`` are.
+    Smooth sides hold nodes horizontally up to the surface. Periodic sides are treated as free-field unless both sides
+    have the same layers, at the same or at another height.
     """
     left, right = section.extent
     width, ends = right - left, (section.layering.left[0], section.layering.right[-1])
@@ -138,9 +140,10 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
 
 
 def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
-    """The ground at rest without the rigid ground beside it, whose pressure stays as forces on the points next to it.
+    """The ground at rest without the rigid ground beyond its sides, whose pressure becomes a force on the points next
+    to the sides.
 
-    ``order`` (n,) has the numbers, in the order in which they were made, of the points as they lie now.
+    ``order`` (n,): original numbers of the points in their present order.
     """
     section, cell = ground.section, ground.grid.cell
     points, (left, right) = ground.points.some(np.argsort(order)), section.extent
@@ -177,10 +180,10 @@ def _dip(section: Section) -> float:
 
 
 def _columns(section: Section, spacing: float, margin: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Columns of points: their x, and tops, bottoms and owners (columns, layers) of what lies in each; m.
+    """Columns of points: x (m), and tops (m), bottoms (m) and strata (columns, layers) of the layers in each.
 
-    The last layer is the rigid ground below the base (owner -1). It continues for ``margin`` cells beyond the sides,
-    and the ground above it for ``BORDER`` of them.
+    The last layer is the rigid ground below the base (stratum -1). It continues for ``margin`` cells beyond the sides;
+    the ground above it for ``BORDER`` cells.
     """
     left, right = section.extent
     extra = 2 * margin
@@ -198,7 +201,7 @@ def _columns(section: Section, spacing: float, margin: int) -> tuple[np.ndarray,
 def _fill(
     x: np.ndarray, top: np.ndarray, bottom: np.ndarray, owner: np.ndarray, spacing: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Places (n, 2), areas (n,) and owners (n,) of the points of columns, and which of them are the highest of their
+    """Places (n, 2), areas (n,) and strata (n,) of the points of columns, and the numbers of the highest point of each
     column.
     """
     places, volumes, owners, is_top = [], [], [], []
@@ -218,8 +221,9 @@ def _fill(
 
 
 def _effective(section: Section, places: np.ndarray, owners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Vertical effective stress (n,) of the column above each point (Pa), with all of the surcharges and with the share
-    to which the ground has consolidated; below the base those at the base."""
+    """Vertical effective stress (n,) of the column above each point (Pa): with all of the surcharges, and with the
+    share to which the ground has consolidated. Points below the base have the stresses at the base.
+    """
     left, right = section.extent
     tiny = 1e-9 * (right - left)
     at = np.column_stack([np.clip(places[:, 0], left + tiny, right - tiny), places[:, 1]])
@@ -244,7 +248,7 @@ def _load(section: Section, points: MaterialPoints, places: np.ndarray, surface:
 def _soil(
     section: Section, places: np.ndarray, owners: np.ndarray, inside: np.ndarray
 ) -> tuple[PointSoil, tuple[str, ...]]:
-    """Soil of the points; rigid ground has stiffness and weight of the stratum beside it, or of the lowest one."""
+    """Soil of the points; rigid ground has stiffness and weight of the adjacent stratum, or of the lowest one."""
     strata = section.strata
     k = np.where(owners < 0, len(strata) - 1, owners)
 
@@ -269,7 +273,7 @@ def _soil(
 def _grid(
     section: Section, cell: float, slope: float, shape: tuple[int, int], offset: np.ndarray, sides: Sides
 ) -> BackgroundGrid:
-    """Nodes well inside the rigid ground are held; pore water works by its gradient."""
+    """The grid of a section: nodes well inside the rigid ground are held; pore water acts by its pressure gradient."""
     left, right = section.extent
     x = offset[0] + cell * np.arange(shape[0])
     z = offset[1] + cell * np.arange(shape[1]) + slope * (x - offset[0])[:, None]
@@ -293,9 +297,9 @@ def _grid(
 
 
 def _uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Minus the gradient of the pressure of the water (N/m³) at nodes, ``x`` (nx,), ``z`` (nx, nz), over a cell.
+    """Minus the gradient over a cell of the water pressure (N/m³) at nodes, ``x`` (nx,), ``z`` (nx, nz).
 
-    Above the ground it is that of the water that stands there, so that ground that has slid into it is borne by it.
+    Above the ground it is the gradient of the free water, so that ground that has slid into the water is buoyant.
     """
     shape = z.shape
     if not section.water_pressure.present:
@@ -311,7 +315,7 @@ def _uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray) -> np.n
 
 
 def _pressure(section: Section, points: np.ndarray) -> np.ndarray:
-    """Pressure of the water (n,) in the ground and above it (Pa); beyond sides and base as it is there."""
+    """Water pressure (n,) in the ground and above it (Pa); beyond sides and base it is that at the side or the base."""
     left, right = section.extent
     water, tiny = section.water_pressure, 1e-9 * (right - left)
     at = np.column_stack([np.clip(points[:, 0], left + tiny, right - tiny), points[:, 1]])

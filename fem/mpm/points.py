@@ -26,9 +26,9 @@ class PointSoil:
     cohesion, friction : float or ndarray
         Mohr-Coulomb strength (Pa, rad); flow is without dilation.
     tension : float or ndarray
-        Largest mean tension (Pa); inf for none but the apex of the cone, c cot φ.
+        Largest mean tension (Pa); with inf only the apex of the cone, c cot φ, limits it.
     weight_ratio : float or ndarray
-        Density that gravity acts on over ``density`` (-); below 1 where buoyancy is in the density.
+        Density on which gravity acts over ``density`` (-); below 1 where the former includes buoyancy.
     """
 
     density: float | np.ndarray
@@ -49,7 +49,7 @@ class MaterialPoints:
     x, v : ndarray (n, 2)
         Place (m) and velocity (m/s).
     affine : ndarray (n, 4)
-        Velocity gradient [xx, xz, zx, zz] of a point's own field (1/s).
+        Velocity gradient [xx, xz, zx, zz] of the affine field of a point (1/s).
     stress : ndarray (n, 3)
         Effective stress [xx, zz, xz] (Pa).
     state : ndarray (n, 6)
@@ -62,7 +62,7 @@ class MaterialPoints:
     stratum : ndarray (n,)
         Number of the stratum, -1 for rigid ground around the section.
     side : ndarray (n,)
-        Force (N/m) that presses horizontally on the points beside a free-field side, 0 elsewhere.
+        Horizontal force (N/m) on the points next to a free-field side, 0 elsewhere.
     """
 
     x: np.ndarray
@@ -133,7 +133,9 @@ class MaterialPoints:
         self.properties[where, kernel.LIMIT] = np.minimum(np.minimum(limit, apex), UNLIMITED)
 
     def scale_shear(self, where: np.ndarray, factor: float) -> None:
-        """Multiply the shear of points ``where``, but for its viscous part, by a factor; their mean stress stays."""
+        """Multiply the shear stress of points ``where``, without its viscous part, by a factor; the mean stress is
+        unchanged.
+        """
         late = self.state[where, kernel.VISCOUS_HALF], self.state[where, kernel.VISCOUS_CROSS]
         xx, zz, xz = self.stress[where].T
         half, mean = late[0] + factor * (0.5 * (xx - zz) - late[0]), 0.5 * (xx + zz)
@@ -156,7 +158,7 @@ class MaterialPoints:
         return float(np.sqrt(modulus * self.state[:, kernel.VOLUME] / self.mass).max())
 
     def kinetic(self, cell: float) -> float:
-        """Kinetic energy (J/m), that of the affine fields among it, on cells of this size (m)."""
+        """Kinetic energy (J/m), including that of the affine fields, on cells of size ``cell`` (m)."""
         own = (self.v**2).sum(axis=1) + 0.25 * cell**2 * (self.affine**2).sum(axis=1)
         return float(0.5 * np.sum(self.mass * own))
 

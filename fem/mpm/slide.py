@@ -1,4 +1,4 @@
-"""A slide of material points: at rest, shaken, liquefied, and on until the surface no longer moves."""
+"""A slide of material points: from rest through shaking and liquefaction until the surface no longer moves."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -47,22 +47,22 @@ class SlideProgramme:
     Attributes
     ----------
     push : callable
-        Acceleration that the ground feels (m/s²) at times (n,) in s, positive downslope.
+        Horizontal acceleration that acts on the mass of the ground (m/s²) at times (n,) in s, positive downslope.
     starts : dict of int to float
         When each liquefying stratum begins to liquefy, by its number.
     remains : dict of int to Remains
-        What each of them keeps.
+        What each liquefied stratum keeps of its strength and stiffness.
     onset : float
         Duration of the liquefaction of a stratum (s).
     calm : float
-        From when on the ground may come to rest.
+        Time from which the ground may come to rest (s).
     duration : float
-        Time at which the computation ends.
+        Time at which the computation ends (s).
     still : float
-        The surface is at rest if its mean place moves by less (m), or by less than 0.2 % of the slide,
+        The surface is at rest if its mean place moves by less than this length (m), or by less than 0.2 % of the slide,
         from one window of 5 s to the next, twice in a row.
     drained : float
-        Volume that drains away over the onset (-).
+        Volumetric strain by drainage during the onset (-).
     """
 
     push: Push
@@ -81,7 +81,7 @@ class PointSlider:
     Parameters
     ----------
     ground : PointGround
-        The section as points; they are changed.
+        The section as points; the slide changes them.
     downslope : int
         +1 if the slide's positive direction is to the right, -1 if to the left.
     threads : int
@@ -94,11 +94,11 @@ class PointSlider:
         self.began: dict[str, np.ndarray] = {}
 
     def settle(self) -> float:
-        """Bring the ground to equilibrium under its weight; how far its surface moved (m). Displacements are counted
-        from there.
+        """Bring the ground to equilibrium under its weight, and return the largest movement of its surface (m).
+        Displacements are counted from this state.
 
-        Free-field sides are rigid meanwhile, and press from then on as they did; the ground comes to rest once more.
-        Raises FloatingPointError where it has no equilibrium within ``LONGEST_SETTLING``.
+        Free-field sides are rigid at first; then their pressure is kept as a constant force, and the ground comes to
+        rest once more. Raises FloatingPointError where it has no equilibrium within ``LONGEST_SETTLING``.
         """
         self._come_to_rest()
         points = self.ground.points
@@ -115,7 +115,7 @@ class PointSlider:
         return far
 
     def _come_to_rest(self) -> None:
-        """Go on with damping until nothing moves; raises FloatingPointError as `settle` does."""
+        """Continue with damping until the ground is at rest; raises FloatingPointError as `settle` does."""
         points, moved = self.ground.points, np.inf
         while moved >= STILL:
             if self.engine.time > LONGEST_SETTLING:
@@ -134,9 +134,10 @@ class PointSlider:
         decay: float = DECAYS[0],
         checkpoint: Path | None = None,
     ) -> PointSlide:
-        """Go on until the surface is at rest or the time is over; ``on_look`` is told the time and the slide.
+        """Continue until the surface is at rest or the time is over; ``on_look`` is called with the time and the slide.
 
-        ``decay`` (1/s) is that of velocities which the grid cannot resolve, see ``DECAYS``. ``checkpoint`` is a file
+        ``decay`` (1/s): rate at which velocities that the grid cannot resolve are lost, see ``DECAYS``. ``checkpoint``
+        is a file
         from which a stopped slide continues.
         ``programme``: what shakes the ground, and when strata liquefy.
         """
@@ -174,8 +175,9 @@ class PointSlider:
         return slide
 
     def _remember(self, programme: SlideProgramme) -> None:
-        """Keep strength and shear stiffness of every point before and after liquefaction, and with which stratum it
-        liquefies (-1: with none)."""
+        """Store strength and shear stiffness of every point before and after liquefaction, and the number of the
+        stratum with which it liquefies (-1 for none).
+        """
         points, original = self.ground.points, self.engine.original
         before = original(np.column_stack([points.properties[:, CHANGED], points.side]))
         height = original(points.state[:, kernel.VOLUME]) / (0.5 * self.ground.grid.cell)
@@ -204,8 +206,10 @@ class PointSlider:
     def _weaken_edges(
         self, before: np.ndarray, after: np.ndarray, liquefies: np.ndarray, potential: np.ndarray, knee: np.ndarray
     ) -> None:
-        """Give the knot spans at the edges of liquefying layers the strength with which they slip there, and the law of
-        shear of a layer with a strain potential: ``potential`` (n,), ``knee`` (n,), the stress at it (Pa)."""
+        """Give the points in knot spans at the edges of liquefying layers the strength for slip at the edge, and the
+        stress-strain law of a layer with a strain potential: ``potential`` (n,) and ``knee`` (n,), the stress (Pa) at
+        this strain.
+        """
         x, height, mass = self._columns()
         stress = self.ground.effective
         strength = after[:, STRENGTH] + stress * after[:, SINE]
@@ -226,7 +230,9 @@ class PointSlider:
     def _soften(
         self, before: np.ndarray, after: np.ndarray, liquefies: np.ndarray, potential: np.ndarray, knee: np.ndarray
     ) -> None:
-        """Give points with a strain potential the two straight lines of their layer, over the width that shears."""
+        """Give points with a strain potential the bilinear stress-strain law of their layer, scaled to the width that
+        shears.
+        """
         strains = np.flatnonzero(potential > 0.0)
         if not len(strains):
             return
@@ -251,7 +257,7 @@ class PointSlider:
         return grid.level(original(points.x)), height, original(points.mass)
 
     def _under_way(self, programme: SlideProgramme, time: float) -> bool:
-        """Whether some stratum is liquefying now."""
+        """Whether a stratum is liquefying at this time."""
         return any(-1e-9 <= time - start < programme.onset for start in programme.starts.values())
 
     def _liquefy(self, programme: SlideProgramme, shares: dict[int, float]) -> None:
@@ -287,7 +293,9 @@ class PointSlider:
         slide.settlement.append(self._smoothed(-moved[:, 1]))
 
     def _smoothed(self, values: np.ndarray) -> np.ndarray:
-        """Running median over ``SMOOTH`` of the surface: single points that roll ahead are no slide."""
+        """Running median over a length of ``SMOOTH`` along the surface: single points that roll ahead do not count as a
+        slide.
+        """
         half = max(1, round(0.5 * SMOOTH / (0.5 * self.ground.grid.cell)))
         padded = np.pad(values, half, mode="edge")
         return np.median(np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1), axis=1)
@@ -298,8 +306,9 @@ class PointSlider:
         return self.engine.original(self.ground.points.x)[self.ground.surface] + self.ground.offset + top
 
     def _side_reached(self) -> str | None:
-        """The side against which the slide has piled up: ground that moved lies within two cells of it, or of the end
-        of the floor beyond it."""
+        """The side at which the slide is stopped: ground that moved lies within two cells of this side, or of the end
+        of the floor beyond it.
+        """
         points, grid = self.ground.points, self.ground.grid
         if grid.periodic:
             return None
@@ -313,7 +322,7 @@ class PointSlider:
 
 
 def _share(since: float, onset: float) -> float:
-    """The degree of liquefaction (0 to 1) at a time ``since`` its onset (s), in steps."""
+    """The degree of liquefaction (0 to 1), rounded to steps, at a time ``since`` its onset (s)."""
     if since < -1e-9:
         return 0.0
     return 1.0 if onset == 0.0 else min(1.0, (since + onset / ONSET_STEPS) / onset)

@@ -1,4 +1,4 @@
-"""A slide of material points as it went."""
+"""Record of a slide of material points over time."""
 
 from dataclasses import dataclass, field
 
@@ -10,14 +10,14 @@ STILL_SHARE = 2e-3  # of the slide: what it moves less by in a window is no move
 
 @dataclass
 class PointSlide:
-    """A slide as it went; lengths in m, downslope and down positive.
+    """Record of a slide over time; lengths in m, positive downslope and down.
 
     Attributes
     ----------
     times : list of float
-        Of the looks (s).
+        Times of the record (s).
     slide, settlement : list of ndarray (k,)
-        Movement of the surface at each look, from left to right, smoothed.
+        Smoothed displacement of the surface at each time, from left to right.
     settled : bool
         Whether the surface came to rest.
     reason : str
@@ -27,9 +27,10 @@ class PointSlide:
     transfer_loss_share : float
         Energy lost between points and grid over the energy turned over (-).
     energy_lost_share : float
-        All energy that is neither dissipated by the ground nor in it, over the same (-).
+        All energy that the ground neither dissipated nor stores, over the energy turned over (-).
     stopped_by : str or None
-        "left" or "right", the side that the slide ran up against, or out of where it is free-field.
+        "left" or "right": the side at which the slide was stopped, or at which it left the section if the side is
+        free-field.
     cell : float
         Side of a cell of the grid (m).
     """
@@ -52,16 +53,17 @@ class PointSlide:
         return float(self.slide[-1].max()) if self.slide else 0.0
 
     def at_rest(self, still: float, calm: float) -> bool:
-        """Whether the mean place of the surface in each of the last windows is that in the window before.
+        """Whether the mean place of the surface is the same in each of the last windows of time as in the window
+        before.
 
-        Ground under Kh swings about where it has come to lie, and little damps that.
+        Ground under a constant Kh oscillates about its final place with little damping.
 
         Parameters
         ----------
         still : float
-            What may lie between two means (m); or `STILL_SHARE` of the slide, if that is more.
+            Largest difference of two means (m); or `STILL_SHARE` of the slide, if that is larger.
         calm : float
-            From when on the ground may come to rest (s).
+            Time from which the ground may come to rest (s).
         """
         times = np.array(self.times)
         if times[-1] - max(calm, times[0]) < WINDOWS * WINDOW - 1e-9:

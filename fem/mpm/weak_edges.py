@@ -1,24 +1,25 @@
-"""Strength of the knot spans at the edges of a weak layer, so that it slips where its edge is in the ground.
+"""Strength of the knot spans at the edges of a weak layer, so that the layer slips at its edge.
 
-The strain rate of quadratic splines is a sum of hats two knot spans wide. A hat that reaches into ground which holds
-cannot shear, so that a shear band at the edge of a weak layer would lie 1 to 2 cells inside it, where it takes a larger
-Kh. Hence knot spans whose node lies less than a cell above the layer, or up to two below it, have the layer's strength
-at its edge, and below it
+The strain rate of quadratic splines is a sum of hat functions two knot spans wide. A hat function that reaches into
+strong ground cannot shear, so that a shear band at the edge of a weak layer would lie 1 to 2 cells inside the layer,
+where failure needs a larger Kh. Hence knot spans whose node lies less than a cell above the layer, or up to two cells
+below it, have the strength of the layer at its edge, and below the layer
 
     s(z) = s_e M(z) / M_e,
 
-M the mass above (kg/m²), s_e and M_e at the edge. The shear stress that Kh and the slope ask for grows with M, so that
-these spans yield under the Kh under which a rigid block slips on the edge, wherever the edge lies on the grid.
+with the mass above M (kg/m²), and s_e and M_e at the edge. The shear stress by Kh and the slope is proportional to M,
+so that these spans yield at the Kh at which a rigid block slips on the edge, wherever the edge lies on the grid.
 
-Sand that strains by its strain potential γ_max before it holds would do so over all spans that its hats cover, or not
-at all where stiff points in the same spans bear the shear. So these points have its law of shear, too: γ at the stress
-τ of the layer is γ at τ M(z) / M, and all strains are those of the layer times its thickness over the width that shears
-on the grid. The width W of a column of points p follows from its equilibrium: with φ_k the hat of knot k, h the cell,
+Sand that strains by its strain potential γ_max before it regains strength would strain over all spans of its hat
+functions, or not at all where stiff points in the same spans carry the shear. So these points have the stress-strain
+law of the layer, too: their γ at τ M(z) / M is the γ of the layer at τ, and all strains are scaled by the thickness of
+the layer over the width that shears on the grid. The width W of a column of points p follows from its equilibrium: with
+φ_k the hat of knot k, h the cell,
 
     Σ_l (Σ_p V_p g_p φ_k φ_l) γ_l = Σ_p V_p M_p φ_k,   W = h Σ_k γ_k,
 
-g_p = M_p of points that shear, and many times that of those that hold. Ground that shears alike everywhere has γ_k = 1.
-The crust then moves by the strain of the layer times its thickness in cells of any size.
+with g_p = M_p at points that shear, and many times M_p at points that do not. Uniformly sheared ground has γ_k = 1. The
+crust then moves by the strain of the layer times its thickness, for cells of any size.
 """
 
 from dataclasses import dataclass
@@ -51,11 +52,11 @@ class EdgeStrength:
     points : ndarray (k,) of int
         Numbers of the points.
     donors : ndarray (k,) of int
-        Number of the point of a weak layer at whose edge each of them lies.
+        Number of the weak point (donor) at the edge of whose layer each point lies.
     strength : ndarray (k,)
         Strength of each (Pa).
     demand : ndarray (k,)
-        Mass above each over that above its donor, as the shear stress by Kh and slope is (-).
+        Mass above each point over the mass above its donor, which is the ratio of their shear stresses (-).
     """
 
     points: np.ndarray
@@ -69,7 +70,7 @@ def edge_strength(
 ) -> EdgeStrength:
     """Strength of points in the knot spans at the upper and lower edges of weak layers.
 
-    Ground at the end of a layer, such as a quay wall, keeps its strength.
+    Ground at the horizontal end of a layer, such as a quay wall, keeps its strength.
 
     Parameters
     ----------
@@ -126,16 +127,16 @@ def thickness_over_width(
     mass : ndarray (n,)
         Mass of each point (kg/m).
     layer : ndarray (n,) of int
-        Number of the weak layer whose law of shear each point has, -1 for ground that holds.
+        Number of the weak layer whose stress-strain law each point has, -1 for sound ground.
     own : ndarray (n,) of bool
-        Whether the point is of that layer, and not at its edge.
+        Whether the point belongs to the layer itself, and not to the ground at its edge.
     cell : float
         Side of a cell of the grid (m).
 
     Returns
     -------
     ndarray (n,)
-        At most 1; 1 for ground that holds.
+        Ratio of thickness to width, at most 1; 1 for sound ground.
     """
     column, _ = _places(x, cell)
     share = np.ones(len(x))
@@ -156,9 +157,11 @@ def thickness_over_width(
 
 
 def _equilibrium(z: np.ndarray, height: np.ndarray, above: np.ndarray, weak: np.ndarray) -> tuple[np.ndarray, float]:
-    """Shear strain (n,) of the points of a column, that of ground which shears freely being 1, and the width (cells).
+    """Shear strain (n,) of the points of a column, in units of the strain of freely shearing ground, and the width that
+    shears (cells).
 
-    ``z``, ``height`` (n,): places and heights (cells); ``above`` (n,): mass above; ``weak`` (n,): which of them shear.
+    ``z``, ``height`` (n,): places and heights (cells); ``above`` (n,): mass above; ``weak`` (n,): mask of the points
+    that shear.
     """
     knot = np.floor(z - 0.5).astype(int)  # below the point, which lies between knots and has a hat of each
     first = knot.min()
@@ -186,7 +189,7 @@ def _edges(
     mine: np.ndarray, column: int, x: np.ndarray, height: np.ndarray, mass: np.ndarray, above: np.ndarray,
     layer: np.ndarray, strength: np.ndarray,
 ) -> list[_Edge]:  # fmt: skip
-    """The edges in a column of points, which are listed from the surface down."""
+    """The edges of weak layers in a column of points; ``mine`` numbers its points from the surface down."""
     edges = []
     for k in np.flatnonzero(np.diff(layer[mine])):
         for at, after, inwards in ((k, k + 1, -1), (k + 1, k, 1)):
@@ -205,9 +208,9 @@ def _edges(
 
 
 def _rows(edge: _Edge, edges: dict[int, list[_Edge]], layer: np.ndarray, cell: float) -> tuple[int, int]:
-    """First and last row of nodes in whose knot spans the ground beside an edge has the strength of the layer.
+    """First and last row of nodes in whose knot spans the ground at an edge has the strength of the layer.
 
-    Of an edge that dips, the highest and the lowest place over the three columns of nodes about it count.
+    For an inclined edge they follow from its highest and lowest place over the three nearest columns of nodes.
     """
     node = (edge.column + 1) // 2
     heights = [edge.z]

@@ -1,1 +1,1 @@
-"""Equilibrium paths: gravity first, then a load that is an unknown, followed by Newton with arc length."""
+"""Equilibrium paths: gravity first, then a load whose multiplier is an unknown, by Newton's method with arc length."""

@@ -1,7 +1,8 @@
-"""A path of equilibria, followed step by step with steps that adapt, and with relaxation of the overstress.
+"""A path of equilibria with adaptive steps and relaxation of the overstress.
 
-Where the flow is not associated, every step is given a small overstress (``fem/kernels/viscoplastic.py``) so that it
-has one answer; relaxation then lets the overstress decay, after which the forces have to balance on the yield surface.
+Where the flow is not associated, every step has a small overstress (``fem/kernels/viscoplastic.py``), which makes its
+solution unique. Relaxation then lets the overstress decay, after which stresses on the yield surface have to be in
+equilibrium.
 """
 
 from dataclasses import dataclass, field, replace
@@ -16,7 +17,7 @@ from fem.path.path_step import PathStep
 
 @dataclass(frozen=True)
 class PathSettings:
-    """How a path is followed. Lengths are arc lengths, see ``EquilibriumPath``.
+    """Step sizes and relaxation of a path. Lengths are arc lengths, see ``EquilibriumPath``.
 
     Attributes
     ----------
@@ -25,7 +26,7 @@ class PathSettings:
     first, largest, smallest : float
         First, largest and smallest step (-).
     growth, shrink : float
-        What a step is multiplied by after one that needed at most ``few``, or more than ``many`` iterations (-).
+        Factors of the step size after a step with at most ``few``, or more than ``many``, iterations (-).
     few, many : int
         Iterations of Newton's method.
     relaxation : float
@@ -33,11 +34,12 @@ class PathSettings:
     relaxation_span : float
         Length of a relaxation over ``relaxation`` (-).
     most_relaxations : int
-        How often relaxation is repeated until the forces balance without overstress.
+        Largest number of relaxations until equilibrium without overstress.
     relaxed_tolerance : float
-        Norm of the force then unbalanced, over that of the weight (-).
+        Norm of the unbalanced force after relaxation, over that of the weight (-).
     reductions : tuple of float
-        Shares by which the multiplier is lowered, one after the other, until a state relaxes (-).
+        Shares by which the multiplier is reduced, one after the other, until a state is in equilibrium without
+        overstress (-).
     most_steps : int
         Steps after which the path ends.
     """
@@ -67,13 +69,13 @@ class EquilibriumPath:
     problem : PlaneStrain
         The ground, with the state of equilibrium last accepted.
     loading : Loading
-        What the multiplier acts on.
+        The load, or strength, that the multiplier scales.
     control : ndarray (dofs,)
-        a of the control displacement a·u (m).
+        Vector a of the control displacement a·u (m).
     reference : float
         Displacement (m) that is one unit of arc length.
     scale : float
-        Force (N/m) over which residuals are taken.
+        Force (N/m) by which residuals are divided.
     settings : PathSettings
         How the path is followed.
     beta : float
@@ -85,7 +87,7 @@ class EquilibriumPath:
     displacement : float
         Control displacement so far (m).
     steps : list of PathStep
-        The record.
+        The record of every step.
     solves : int
         Linear systems factorised so far.
     reason : str
@@ -135,9 +137,9 @@ class EquilibriumPath:
     def relax(self) -> bool:
         """Let the overstress decay; True if the state without overstress is in equilibrium.
 
-        Where the multiplier acts on a load, the control displacement is kept and the multiplier falls. Where it acts on
-        the strength, elastic ground does not respond to it, so that the multiplier is prescribed, as high as the ground
-        stands.
+        Where the multiplier scales a load, the control displacement is constant and the multiplier falls. Where it
+        scales the strength, elastic ground does not respond to it: then the multiplier is prescribed, and reduced until
+        the ground is in equilibrium.
         """
         if self.settings.relaxation <= 0.0:
             return True
@@ -146,9 +148,9 @@ class EquilibriumPath:
         return self._relax(Constraint(self.control / self.reference, 0.0, 0.0))
 
     def reach(self, factor: float) -> bool:
-        """Go to a given multiplier and relax there; False, and nothing accepted, if no equilibrium is found. The first
-        guess is the last increment scaled with the multiplier, which saves a quarter of the iterations; after a
-        relaxation there is none.
+        """Go to a given multiplier and relax there; False, with the state unchanged, if no equilibrium is found. The
+        first guess is the last increment scaled with the multiplier, which saves a quarter of the iterations; after a
+        relaxation it is zero.
         """
         increment = np.zeros_like(self.control)
         if self._last is not None and self._last[2] > 0.0:
@@ -169,7 +171,7 @@ class EquilibriumPath:
     def _relax(self, constraint: Constraint | None) -> bool:
         """Relax until the forces balance without overstress; False if they do not.
 
-        The multiplier stays unless a ``constraint`` keeps the displacement instead.
+        The multiplier is constant unless a ``constraint`` prescribes the displacement instead.
         """
         for _ in range(self.settings.most_relaxations):
             self.problem.overstress = 1.0 / (1.0 + self.settings.relaxation_span)

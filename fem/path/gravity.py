@@ -40,14 +40,14 @@ LEVELS, LEAST_LEVEL = 512, 1e-3
 
 
 def element_for(section: Section, settings: FemSettings) -> Element:
-    """The element as set, or the one that suits the flow rule; docs/theory/continuum.md says why."""
+    """The element of the settings; by default the one that suits the flow rule (docs/theory/continuum.md)."""
     if settings.element != "auto":
         return settings.element
     return "reduced" if is_associated(section.strata, settings.flow) else "quadratic"
 
 
 def path_settings(problem: PlaneStrain, settings: FemSettings) -> PathSettings:
-    """How paths of this ground are followed: in long steps and without overstress where its flow is associated."""
+    """Settings of paths of this ground: long steps and no overstress where its flow is associated."""
     newton = NewtonSettings(tolerance=settings.tolerance)
     if problem.associated:
         return PathSettings(newton=newton, largest=LARGEST_ASSOCIATED)
@@ -66,10 +66,9 @@ def gravity_equilibrium(
     """The section in equilibrium under its weight, the nodal forces (N/m) that act on it, and the path that led there.
 
     Under gravity the sides are held horizontally (K0); sides that are released afterwards keep their reactions as
-    forces. Periodic sides are so from the start and have no reactions: such a section is one period of a row of equal
-    ones (``repetition.py``). Displacement and strain are counted from here. ``faces`` as in ``under_weight``;
-    ``strength_factor`` divides cohesion and tan φ. The pore pressure that shaking adds is there if the ground is
-    ``shaken``. Raises InputError, UnstableError.
+    forces. Periodic sides are periodic from the start and have no reactions (``repetition.py``). Displacement and
+    strain are then set to zero. ``faces`` as in ``under_weight``; ``strength_factor`` divides cohesion and tan φ.
+    Excess pore pressure by shaking acts if the ground is ``shaken``. Raises InputError, UnstableError.
     ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
     problem, weight = under_weight(section, mesh, settings, comm, faces)
@@ -96,11 +95,11 @@ def at_the_sides(
     faces: Sequence[ShallowFailure] = (),
     shaken: bool = True,
 ) -> tuple[PlaneStrain, np.ndarray, np.ndarray]:
-    """The section without stress, with the sides of the search for Kh; nodal forces (N/m) of its weight, and all
-    constant forces.
+    """The section without stress, with the sides of the search for Kh; the nodal forces (N/m) of its weight; and all
+    constant nodal forces.
 
-    On free-field sides the K0 stress is that of ``side_stress.py``, as in the bounds. The pore pressure that shaking
-    adds is there if the ground is ``shaken``. Raises InputError.
+    On free-field sides the K0 stress is that of ``side_stress.py``, as in the bounds. Excess pore pressure by shaking
+    acts if the ground is ``shaken``. Raises InputError.
     ``section``, ``mesh``, ``settings``, ``comm``, ``faces``: as in ``gravity_equilibrium``.
     """
     problem, weight = under_weight(section, mesh, settings, comm, faces)
@@ -118,10 +117,10 @@ def at_the_sides(
 def bring_to_rest(
     problem: PlaneStrain, weight: np.ndarray, constant: np.ndarray, settings: FemSettings
 ) -> EquilibriumPath:
-    """Load the unstressed ground by its weight with held sides, then by the other constant forces; returns the path of
-    the former.
+    """Load the unstressed ground by its weight with held sides, then by the other constant forces; returns the path
+    under the weight.
 
-    Displacement and strain are counted from there. Raises UnstableError.
+    Displacement and strain are then set to zero. Raises UnstableError.
     ``problem``: the elements; ``weight``, ``constant``: nodal forces of gravity alone, and all constant ones (N/m);
     ``settings``: of the elements.
     """
@@ -138,14 +137,14 @@ def bring_to_rest(
 
 
 def _begin_here(problem: PlaneStrain) -> None:
-    """Count displacement and strain from here."""
+    """Set displacement and strain to zero."""
     problem.displacement[:] = 0.0
     problem.plastic_strain[:] = 0.0
     problem.strain[:] = 0.0
 
 
 def sides_held(settings: FemSettings) -> dict[str, str]:
-    """The displacement components that are held on boundaries once the weight is borne."""
+    """The displacement components that are held on boundaries after loading by the weight."""
     held = HELD_AT_SIDES[settings.sides]
     return {"base": "xy", "left": held, "right": held}
 
@@ -182,7 +181,7 @@ def under_weight(
 
 
 def lift_of(problem: PlaneStrain, settings: FemSettings) -> np.ndarray:
-    """Nodal forces (N/m) of the vertical seismic coefficient."""
+    """Nodal forces (N/m) of the vertical inertia by the vertical seismic coefficient."""
     return problem.body_force([s.density_seismic for s in problem.strata], (0.0, settings.vertical * GRAVITY))
 
 
@@ -228,10 +227,11 @@ def _lay_levels(first: int, section: Section, problem: PlaneStrain) -> None:
 
 
 def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, settings: FemSettings) -> EquilibriumPath:
-    """Apply a whole load (N/m) on top of ``constant`` forces, in one step if Newton's method can, along a path if not.
+    """Apply a whole load (N/m) in addition to ``constant`` forces, in one step if Newton's method converges, along a
+    path if not.
 
-    Where the flow is associated one step finds equilibrium if there is any. Raises UnstableError if the ground does not
-    carry the load.
+    Where the flow is associated one step finds equilibrium if there is any. Raises UnstableError if the ground fails
+    under the load.
     ``problem``: the elements; ``settings``: tolerance and steps.
     """
     norm, dot = problem.exchange.norm, problem.exchange.dot

@@ -1,7 +1,7 @@
-"""The path to a limit load that is known: Kh rises from level to level, and every level is brought to equilibrium.
+"""The path to a known limit load: Kh rises from level to level, and every level is brought to equilibrium.
 
-Of an associated flow the equilibrium under a given Kh is the lowest place of a convex potential, which Newton's method
-finds from anywhere (``newton.py``): the levels need not lie close to each other, however soft the ground.
+With associated flow the equilibrium under a given Kh is the minimum of a convex potential, which Newton's method finds
+from any start (``newton.py``): the load steps may be large, however soft the ground.
 """
 
 from collections.abc import Sequence
@@ -28,9 +28,9 @@ def climb(
     wanted: Sequence[float],
     listener: PathListener | None = None,
 ) -> tuple[LimitLoad, list[State]]:
-    """Raise Kh to the limit load that is ``known``, at most to ``limit``; the answer, and the fields at those of the
+    """Raise Kh to the ``known`` limit load, at most to ``limit``; returns the answer, and the fields at those of the
     ``wanted`` Kh that were reached.
-    ``path``: ready to start; ``mesh``: that of the path; ``listener`` is called after every step.
+    ``path``: the path at its start; ``mesh``: the mesh of the path; ``listener``: called after every step.
     """
     asked = {kh for kh in wanted if 0.0 < kh <= min(known, limit)}
     sure = limit if known > limit else SURE * known

@@ -4,7 +4,7 @@ The path of equilibria is parametrised by its arc length l, which grows whatever
 
     a·u / reference + β λ = l,
 
-with the control displacement a·u (m), work-conjugate to the load, and a reference displacement (m).
+with the control displacement a·u (m), which is work-conjugate to the load, and a reference displacement (m).
 """
 
 from dataclasses import dataclass
@@ -26,16 +26,16 @@ DESCENTS, SHORT = 120, 0.5
 
 @dataclass(frozen=True)
 class NewtonSettings:
-    """When Newton's method has converged and when it is given up.
+    """Criteria of convergence of Newton's method, and limits of its iterations.
 
     Attributes
     ----------
     tolerance : float
         Norm of the unbalanced force over that of the weight (-) at which a state is in equilibrium.
     iterations : int
-        Most iterations of a step.
+        Largest number of iterations of a step.
     line_search : int
-        How often a correction is halved that does not make the unbalanced force smaller.
+        Largest number of halvings of a correction that does not reduce the unbalanced force.
     """
 
     tolerance: float = 1e-6
@@ -86,7 +86,7 @@ class StrengthReduction:
         return self.constant - problem.internal_force(increment)
 
     def derivative(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
-        """By a finite difference; leaves the tangent of the problem as it was."""
+        """Derivative by a finite difference; the tangent of the problem is unchanged."""
         problem.use_strength(multiplier + self.difference)
         weaker = problem.internal_force(increment, tangent=False)
         problem.use_strength(multiplier)
@@ -114,7 +114,7 @@ class Constraint:
 
 @dataclass(frozen=True)
 class NewtonResult:
-    """How Newton's method ended.
+    """Result of Newton's method.
 
     Attributes
     ----------
@@ -162,9 +162,9 @@ def find_equilibrium(
     """Find the displacement increment of equilibrium and, under a ``constraint``, the load multiplier.
 
     Starts from the increment ``first`` (m) and ``multiplier``, which fulfil the constraint; without a constraint the
-    multiplier is given. ``scale`` (N/m) makes the residual dimensionless. With the tangent stiffness K, K a = r and
+    multiplier is constant. ``scale`` (N/m) makes the residual dimensionless. With the tangent stiffness K, K a = r and
     K b = dr/dλ, the correction is a + dλ b (block elimination, Batoz & Dhatt 1979, eq. 12). Associated flow under a
-    given multiplier has a convex potential, and Newton's method with a search along it gets there from anywhere.
+    given multiplier has a convex potential, and Newton's method with a line search converges from any start.
     ``problem``: the elements; ``loading``: forces at a load multiplier; ``settings``: tolerance and iterations.
     """
     if constraint is None and problem.associated:
@@ -206,11 +206,11 @@ def find_equilibrium(
 def _lowest(
     problem: PlaneStrain, loading: Loading, multiplier: float, first: np.ndarray, scale: float, settings: NewtonSettings
 ) -> NewtonResult:
-    """Find equilibrium under a given ``multiplier`` as the lowest place of the potential of associated flow.
+    """Find equilibrium under a given ``multiplier`` as the minimum of the potential of associated flow.
 
-    The unbalanced force is its slope with the sign turned (the potential of an increment, Ortiz & Stainier 1999): every
-    correction goes downhill, though the unbalanced force may grow on the way. Where a correction has to be short, the
-    cells that make it so are solved by themselves (on one rank).
+    The unbalanced force is the negative gradient of this potential (Ortiz & Stainier 1999): every correction reduces
+    the potential, though the unbalanced force may grow on the way. Where the line search shortens a correction, the
+    cells that cause this are solved separately (on one rank).
     """
     increment, iteration = first, 0
     residual, norm = residual_of(problem, loading, increment, multiplier, scale)

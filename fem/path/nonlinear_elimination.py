@@ -1,9 +1,9 @@
 """Nonlinear elimination: the few cells whose forces are far from balance are solved first, with the others held.
 
-Where sand without cohesion bears hardly any stress, at a toe under water or under a crest, a few cells change between
-yield and tension from one correction to the next and make every correction of the whole section a short one. Newton's
-method needs a fifth of its corrections if the same potential is first minimised over these cells alone (nonlinear
-elimination: Lanzkron, Rose & Wilkes 1996, SIAM J. Sci. Comput. 17, 538).
+Where the stress in sand without cohesion is very small, at a toe under water or under a crest, a few cells change
+between yield and tension from one correction to the next, and every correction of the whole section becomes short.
+Newton's method needs a fifth of the corrections if the same potential is first minimised over these cells alone
+(nonlinear elimination: Lanzkron, Rose & Wilkes 1996, SIAM J. Sci. Comput. 17, 538).
 
 Stress is positive in tension; Pa, m, N per metre out of plane.
 """
@@ -24,7 +24,7 @@ CORRECTIONS, ALIKE = 20, 0.3
 
 
 class LocalSubproblem:
-    """Cells around the nodes whose forces are the least balanced, and the displacement components that move in them.
+    """Cells around the nodes with the largest unbalanced forces, and the displacement components that are free in them.
 
     For one rank, associated flow and no overstress. ``unbalanced`` is the force of the last ``internal_force`` of the
     ``problem``, (dofs,) in N/m.
@@ -46,8 +46,9 @@ class LocalSubproblem:
         self._outside = float(np.abs(unbalanced[~inside]).max(initial=0.0))
 
     def at_rest(self, increment: np.ndarray, unbalanced: np.ndarray) -> np.ndarray:
-        """The displacement ``increment`` (dofs,) since the accepted state, solved in the subproblem until about as near
-        to balance as the ground around it; unchanged if the subproblem cannot be solved."""
+        """The displacement ``increment`` (dofs,) since the accepted state, with the subproblem solved until its
+        unbalanced force is about as small as in the ground around it; unchanged if the subproblem has no solution.
+        """
         moving, moved = self.moving, increment[self.part.components]
         dofs = self.part.dofs
         matrix = CholmodMatrix(dofs, len(moved)) if CholmodMatrix.suits(dofs) else None
@@ -106,7 +107,7 @@ def _elements(part: Part, tangent: np.ndarray, moves: np.ndarray) -> np.ndarray:
 
 
 def _factors(part: Part, elements: np.ndarray, number: np.ndarray) -> SuperLU:
-    """Factors of the stiffness of the moving components, ``number`` (components,) of which is not negative.
+    """Factors of the stiffness of the free components: those whose ``number`` (components,) is not negative.
 
     Raises RuntimeError if it is singular.
     """

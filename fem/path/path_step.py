@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class PathStep:
-    """A step of the path, for the record.
+    """The record of one step of an equilibrium path.
 
     Attributes
     ----------
@@ -22,11 +22,11 @@ class PathStep:
     plastic_share : float
         Share of the quadrature points at yield (-).
     cutbacks : int
-        How often the step was halved before it converged.
+        Number of halvings of the step before it converged.
     at_rest : bool
         Whether the overstress was relaxed in this step instead of the load raised.
     balanced : bool
-        Whether after that the forces balanced without overstress.
+        Whether there was equilibrium without overstress after the relaxation.
     """
 
     length: float

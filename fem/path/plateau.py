@@ -1,4 +1,4 @@
-"""The limit load of a path of equilibria: the rule that ends the path, and the verdict on what it has shown."""
+"""The limit load of a path of equilibria: the rule that ends the path, and the verdict."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ PathListener = Callable[[EquilibriumPath], None]
 
 
 class StopReason(NamedTuple):
-    """Why a path is over."""
+    """Why a path has ended: verdict, reason and remedy."""
 
     verdict: PathVerdict
     reason: str
@@ -31,22 +31,22 @@ class PlateauRule:
     Attributes
     ----------
     growth : float
-        Relative growth of the multiplier over the second half of the displacement, below which it is a plateau.
+        Relative growth of the multiplier over the second half of the displacement, below which the path has a plateau.
     earliest : float
         Ductility from which the rule holds.
     latest : float
         Ductility at which the path ends in any case.
     fall : float
-        Relative fall of the multiplier below its largest that makes a peak of a plateau.
+        Relative fall of the multiplier below its maximum from which the verdict is "peak" and not "plateau".
     tolerated_growth : float
         Growth that still counts as a plateau where the path ends at ``latest``.
     shortfall : float
-        If the largest multiplier in equilibrium without overstress is lower than the largest of the path by this
-        share, equilibrium is looked for anew just below the latter.
+        If the largest multiplier in equilibrium without overstress is lower than the maximum of the path by more than
+        this share, equilibrium is searched for again just below this maximum.
     first_relaxation : float
         Ductility at which the overstress is first relaxed.
     next_relaxation : float
-        Ratio of the ductilities of one relaxation and the one before.
+        Ratio of the ductilities at one relaxation and at the one before.
     """
 
     growth: float = 0.01
@@ -61,19 +61,19 @@ class PlateauRule:
 
 @dataclass(frozen=True)
 class LimitLoad:
-    """The answer of a path.
+    """The limit load found by an equilibrium path.
 
     Attributes
     ----------
     held : float
         Largest load multiplier found in equilibrium (-).
     upper : float
-        The limit load, if it is known; else the largest multiplier of the path, or its extrapolation to twice the
-        displacement (-).
+        The limit load if it is known beforehand; else the largest multiplier of the path, or its extrapolation to twice
+        the displacement (-).
     verdict : PathVerdict
-        "plateau", "peak" (it fell afterwards), "no failure" (up to the limit) or "undecided".
+        "plateau", "peak" (the load falls after a maximum), "no failure" (up to the limit) or "undecided".
     reason, remedy : str
-        Why, and what to do if the verdict is none.
+        The reason of the verdict, and what to change if it is "undecided".
     """
 
     held: float
@@ -92,9 +92,10 @@ def find_limit_load(
 ) -> LimitLoad:
     """Follow a path until the load multiplier no longer grows or passes ``limit``.
 
-    Where there is overstress only relaxed states count as held. Raises NoEquilibriumError if there is none that does.
-    ``path``: ready to start; ``ductility``: displacement over the elastic one (-); ``rule``: when the path is level;
-    ``listener`` is called after every step.
+    Where there is overstress, only relaxed states count as in equilibrium. Raises NoEquilibriumError if there is no
+    such state.
+    ``path``: the path at its start; ``ductility``: displacement over the elastic one (-); ``rule``: when the path ends;
+    ``listener``: called after every step.
     """
     held, next_relaxation = -np.inf, rule.first_relaxation
     highest, summit = path.factor, path.mark()
@@ -128,8 +129,8 @@ def find_limit_load(
 
 
 def _held_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) -> float:
-    """The multiplier in equilibrium without overstress at the peak of a path or a little below; the path is not
-    changed. Relaxed states along the path are too far apart to find this value, and lower beyond a peak.
+    """The multiplier in equilibrium without overstress at the peak of a path or a little below it; the path is not
+    changed. The relaxed states along the path are too far apart to find this value, and beyond a peak they are lower.
     """
     end, steps, held = path.mark(), list(path.steps), -np.inf
     for less in path.settings.reductions:
@@ -143,7 +144,7 @@ def _held_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) 
 
 
 def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], float], rule: PlateauRule) -> StopReason:
-    """Why a path stopped for want of a further step: a plateau if its load hardly rose any more."""
+    """Why a path ended where no further step converged: a plateau if its load hardly rose any more."""
     growth = growth_per_doubling(path)
     if path.steps and ductility(path) >= rule.earliest and 0.0 <= growth < rule.growth:
         reason = f"it changed by {100 * growth:.1f} % while the displacement doubled, after which {path.reason}"
@@ -152,7 +153,7 @@ def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], fl
 
 
 def _stop_reason(path: EquilibriumPath, ductility: float, limit: float, rule: PlateauRule) -> StopReason | None:
-    """Verdict, reason and remedy if the path is over."""
+    """Verdict, reason and remedy if the path has ended; None if it continues."""
     growth = growth_per_doubling(path)
     moving = [step.factor for step in path.steps if not step.at_rest]  # relaxed states lie below these, peak or not
     highest, last = max(moving), moving[-1]

@@ -1,4 +1,4 @@
-"""The critical seismic coefficient, and factors of safety, on meshes made anew for the mechanism.
+"""The critical seismic coefficient, and factors of safety, on meshes that are adapted to the mechanism.
 
 On each mesh of the sequence (``mesh_sequence.py``) the limit load follows from limit analysis
 (``conic_limit_load.py``), in a tenth of the time of a path.
@@ -44,10 +44,10 @@ FAILS_BY_ITSELF = "the ground fails under its own weight"
 
 
 def is_adapted(section: Section, meshing: MeshSettings, first: QuadMesh, settings: FemSettings) -> bool:
-    """Whether meshes are made for the mechanism.
+    """Whether meshes are adapted to the mechanism.
 
-    They are not where no accuracy is asked for; where the flow is not associated, whose answer no mesh makes unique;
-    where columns and rows, or the mesh itself, were given.
+    They are not adapted where the settings require no accuracy; where the flow is not associated, so that the limit
+    load is not unique; and where columns and rows, or the mesh itself, are given.
     ``section``: the ground; ``meshing``: settings of meshes; ``first``: the mesh to begin with; ``settings``: of the
     elements.
     """
@@ -64,14 +64,14 @@ def next_mesh(
     strong: Section | None = None,
     repeats: bool = False,
 ) -> QuadMesh:
-    """A mesh of about so many ``cells`` for a mechanism of plastic shear ``strain`` (len(mesh.cells),).
+    """A mesh of about ``cells`` cells that is refined along a mechanism; ``strain`` (len(mesh.cells),) is its plastic
+    shear strain.
 
-    Where a mapped mesh was asked for, that one with more columns and rows where the mechanism is; else a free one. Cell
+    With the setting of a mapped mesh, columns and rows are added where the mechanism is; else the mesh is free. Cell
     sizes follow the shear displacement across the cells of the last mesh, which along a shear band does not depend on
     their width; shear strains would draw all new cells to the narrowest ones. They follow the strips of the ``strong``
-    section, too, which has its cohesionless faces strengthened: a cell with half of its points in a strip would be
-    neither strengthened nor as given. Sides that are periodic (``repeats``) get the same points. Raises what
-    ``adapted`` does.
+    section, too, whose cohesionless faces are strengthened: a cell with half of its points in a strip would be neither
+    strengthened nor unchanged. Sides that are periodic (``repeats``) get the same points. Raises what ``adapted`` does.
     ``section``: the ground; ``meshing``: settings of meshes; ``mesh``: the last mesh.
     """
     if meshing.method == "mapped":
@@ -100,15 +100,15 @@ class AdaptiveSearch:
     section : Section
         The ground.
     meshing : MeshSettings
-        How it is meshed.
+        Settings of its meshes.
     first : QuadMesh
         The initial mesh; the only one where meshes are not adapted.
     comm : communicator
-        Of the ranks.
+        MPI communicator of the ranks.
     tell : callable
-        Called with a message before each step.
+        Function that is called with a message before each step.
     executor : Executor
-        Looks for both directions side by side.
+        Computes both directions concurrently.
     """
 
     section: Section
@@ -121,8 +121,8 @@ class AdaptiveSearch:
     def critical(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult]:
         """The critical Kh, in the direction in which it is smaller.
 
-        A seismic force upslope whose mechanism leaves through a side counts only if it is the only one, as in
-        ``critical_coefficient``. Raises what ``critical_limit_load`` does on the first mesh.
+        A seismic force upslope whose mechanism leaves the section through a side counts only if no other direction is
+        analysed, as in ``critical_coefficient``. Raises what ``critical_limit_load`` does on the first mesh.
         """
         if settings.direction != "both":
             return self._towards(settings.direction, settings, nothing)
@@ -166,14 +166,15 @@ class AdaptiveSearch:
         return next_mesh(self.section, self.meshing, mesh, strain, cells, strong, repeats)
 
     def _most_cells(self, settings: FemSettings) -> int:
-        """Cells of the finest mesh; 0 where none is made."""
+        """Largest number of cells; 0 where meshes are not adapted."""
         return settings.max_cells if is_adapted(self.section, self.meshing, self.first, settings) else 0
 
     def beside(self, base: AdaptiveResult[LimitLoadResult], other: FemSettings) -> AdaptiveResult[LimitLoadResult]:
         """The limit load with ``other`` settings under the same forces, on the mesh of ``base``.
 
-        Where that mesh does not resolve the mechanism, a mesh of as many cells is made that does, and the smaller limit
-        load counts; both are in the sequence. Raises NoAnswerError if the solver leaves none on the mesh of ``base``.
+        Where this mesh does not resolve the mechanism, another mesh of as many cells is made that does, and the smaller
+        limit load counts; both are in the sequence. Raises NoAnswerError if the solver has no answer on the mesh of
+        ``base``.
         """
         self.tell(f"limit load of {len(base.mesh.cells)} cells")
         same = asked_again(base.result, self.section, base.mesh, other)
@@ -195,11 +196,11 @@ class AdaptiveSearch:
     def beside_full_dilation(
         self, base: AdaptiveResult[LimitLoadResult], settings: FemSettings
     ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult]]:
-        """``base``, and the answer with ψ = φ beside it.
+        """``base``, and the answer with ψ = φ for comparison.
 
-        On one mesh the limit load by Davis's estimate is not above that with ψ = φ. Where the mesh for ψ = φ gives less
-        than that of ``base``, the mesh of ``base`` was the poorer one, and its limit load is found again on the other
-        mesh. Raises what `beside` does.
+        On one mesh the limit load by Davis's estimate is not above that with ψ = φ. Where the limit load on the mesh
+        for ψ = φ is below that of ``base``, the mesh of ``base`` is poorer, and its limit load is computed again on the
+        other mesh. Raises what `beside` does.
         """
         full = settings.changed(flow="associated")
         beside = self.beside(base, full)
@@ -218,10 +219,10 @@ class AdaptiveSearch:
     def davis_beside(
         self, base: AdaptiveResult[LimitLoadResult], settings: FemSettings
     ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult]]:
-        """``base``, which is with ψ = φ, and Davis's estimate of the critical Kh beside it; 0 where the ground fails
-        without any.
+        """``base``, whose flow has ψ = φ, and Davis's estimate of the critical Kh for comparison; 0 where such ground
+        fails without a seismic force.
 
-        On the mesh of ``base`` it is not above ``base``. Raises what `beside` does but for UnstableError.
+        On the mesh of ``base`` the estimate is not above ``base``. Raises what `beside` does except UnstableError.
         """
         try:
             beside = self.beside(base, settings.changed(flow="davis"))
@@ -253,9 +254,10 @@ class AdaptiveSearch:
         )
 
     def safety_beside(self, base: AdaptiveResult[SafetyFactor], other: FemSettings, kh: float) -> float:
-        """The factor of safety by the flow rule of ``other`` settings on the mesh of ``base``; where that does not
-        resolve the mechanism, on one of as many cells that does, if it is less there. Davis's estimate is no more than
-        that with ψ = φ, which bears all that lower strength bears.
+        """The factor of safety by the flow rule of ``other`` settings on the mesh of ``base``. Where this mesh does not
+        resolve the mechanism, another mesh of as many cells is made that does, and the smaller factor counts. Davis's
+        estimate is not above the factor with ψ = φ, since ground of higher strength resists every load that weaker
+        ground resists.
 
         Raises what ``limit_load_safety_factor`` does.
         """
@@ -274,8 +276,8 @@ class AdaptiveSearch:
         return (max if other.flow == "associated" else min)(factor, base.result.factor)
 
     def _rough_faces(self, first: QuadMesh, settings: FemSettings) -> list[ShallowFailure] | None:
-        """The cohesionless faces to strengthen on a ``first`` mesh of many cells, as found on a coarse mesh; None where
-        the first mesh itself has to show them, by one more limit load.
+        """The cohesionless faces to strengthen on a ``first`` mesh of many cells, determined on a coarse mesh; None
+        where they have to be determined on the first mesh, by one more limit load.
         """
         rough = self._rough_mesh(first)
         try:
@@ -305,15 +307,13 @@ class AdaptiveSearch:
 def ordered(
     weak: AdaptiveResult[LimitLoadResult], strong: AdaptiveResult[LimitLoadResult]
 ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult]]:
-    """Davis's estimate and the limit load with ψ = φ on one mesh, put into the order that is proven for them
-    (`in_order`).
-    """
+    """Davis's estimate and the limit load with ψ = φ on one mesh, in their proven order (`in_order`)."""
     low, high = in_order(weak.result, strong.result)
     return _with_last(weak, low), _with_last(strong, high)
 
 
 def _with_last(base: AdaptiveResult[LimitLoadResult], result: LimitLoadResult) -> AdaptiveResult[LimitLoadResult]:
-    """The answer with another ``result`` of its last mesh."""
+    """The answer with the result on its last mesh replaced by ``result``."""
     return replace(base, result=result, rounds=[*base.rounds[:-1], replace(base.rounds[-1], value=result.kc)])
 
 

@@ -44,20 +44,20 @@ class Assessment:
     critical : CriticalResult
         The critical Kh, with the path to it.
     mesh : QuadMesh
-        The mesh that it was found on.
+        The mesh of the critical Kh.
     adapted : AdaptiveResult or None
-        The limit loads of the meshes that led to this one; None where the flow is not associated.
+        The limit loads of the sequence of meshes that ends with ``mesh``; None where the flow is not associated.
     opposite : AdaptiveResult or None
-        The opposite direction, where both were asked for.
+        The result for the opposite direction, where both directions were analysed.
     associated : AdaptiveResult or None
-        The same direction with ψ = φ, on meshes of its own; None where that is what ``critical`` is.
+        The result for the same direction with ψ = φ, on its own meshes; None where ``critical`` has ψ = φ.
     davis : AdaptiveResult or None
-        Davis's estimate for the same direction, 0 where such ground fails by itself; None where ``critical`` is by it
-        or by a path, or where ψ = φ is given.
+        Davis's estimate for the same direction, 0 where such ground fails under its weight; None where ``critical`` is
+        Davis's estimate or follows from a path, or where the section file has ψ = φ.
     safety : list of AdaptiveResult
-        Factors of safety at the Kh asked for, the first without shaking, each on meshes of its own.
+        Factors of safety at the Kh of the settings, the first one without shaking, each on its own meshes.
     warnings : list of ResultWarning
-        What contradicts the answer or is to be known.
+        Warnings: contradictions and notes on the answer.
     """
 
     critical: CriticalResult
@@ -78,10 +78,10 @@ def assess(
     comm: Any,
     listener: AssessmentListener,
 ) -> Assessment:
-    """Find the critical Kh and what it is compared with, beginning with a ``first`` mesh.
+    """Find the critical Kh and the answers that it is compared with, beginning with a ``first`` mesh.
 
     ``section``: the ground; ``meshing``: settings of meshes; ``settings``: of the elements; ``comm``: MPI communicator;
-    ``listener``: hears of meshes and steps.
+    ``listener``: called with every mesh and step.
     Raises InputError, NoEquilibriumError, and UnstableError with the factor of safety if the ground fails under its
     weight.
     """
@@ -98,11 +98,11 @@ def critical_as_discs(
     comm: Any,
     listener: AssessmentListener,
 ) -> AdaptiveResult[CriticalResult]:
-    """The critical Kh in one direction between the sides of the settings, on meshes of its own; for failures deeper
-    than ``settings.least_depth`` below cohesionless faces.
+    """The critical Kh in one direction with the sides of the settings, on its own meshes; for failures deeper than
+    ``settings.least_depth`` below cohesionless faces.
 
-    By Davis's estimate in place of ψ = φ, where such ground stands: discs hardly dilate. Raises InputError,
-    NoEquilibriumError, UnstableError.
+    It follows from Davis's estimate instead of ψ = φ where the ground then stands under its weight: discs hardly
+    dilate. Raises InputError, NoEquilibriumError, UnstableError.
     ``section``, ``meshing``, ``first``, ``comm``, ``listener``: as in ``assess``.
     """
     held = settings.changed(flow=flow_of(section.strata, settings.flow), kh=())
@@ -173,10 +173,10 @@ class _Search:
     def with_limit_loads(
         self, adapted: AdaptiveResult[LimitLoadResult], settings: FemSettings, safety: list[Safety] | None
     ) -> Assessment:
-        """The answers that limit loads are compared with, factors of ``safety`` begun or not; raises UnstableError.
+        """The answers that limit loads are compared with; ``safety``: factors whose computation has begun, if any;
+        raises UnstableError.
 
-        With Davis's estimate, the path starts before it is known whether the mesh for ψ = φ is better, which it hardly
-        ever is.
+        With Davis's estimate, the path starts before it is known whether the mesh for ψ = φ is better, which is rare.
         """
         one_way = settings.changed(direction=adapted.result.direction)
         safety = self.begin_safety(one_way) if safety is None else safety
@@ -193,7 +193,7 @@ class _Search:
         return critical_coefficient(self.section, limit.mesh, settings, self.comm, self.told("Kh"), start)
 
     def by_path(self, settings: FemSettings, safety: list[Safety] | None) -> Assessment:
-        """The results by equilibrium paths alone; raises UnstableError."""
+        """The results from equilibrium paths alone; raises UnstableError."""
         mesh, beside = self.first, None
         critical = critical_coefficient(self.section, mesh, settings, self.comm, self.told("Kh"))
         one_way = settings.changed(direction=critical.direction)
@@ -204,7 +204,7 @@ class _Search:
         return _together(critical, mesh, None, opposite, beside, safety)
 
     def begin_safety(self, settings: FemSettings) -> list[Safety]:
-        """Start the searches for the factors of safety that are asked for."""
+        """Start the searches for the factors of safety of the settings."""
         return [self.executor.submit(partial(self.or_warning, settings, kh)) for kh in settings.safety_factor_at]
 
     def told(self, what: str) -> Callable[[EquilibriumPath], None]:
@@ -216,7 +216,7 @@ class _Search:
         return settings.flow != "associated" and not is_dilating_fully(self.section.strata)
 
     def dilates_more(self, settings: FemSettings) -> bool:
-        """Whether the flow rule lets the ground dilate by more than ψ as given, or 0."""
+        """Whether the flow rule has a larger dilation angle than the section file (0 where it gives none)."""
         return settings.flow == "associated" and not is_dilating_fully(self.section.strata)
 
     def limit_loads(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult] | None:
@@ -235,8 +235,8 @@ class _Search:
     def beside_limit_loads(
         self, adapted: AdaptiveResult[LimitLoadResult], settings: FemSettings
     ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult] | None]:
-        """The limit loads ``adapted``, and those by the other flow rule: ψ = φ, or Davis's estimate where ψ = φ is the
-        flow; None without any, or where ψ = φ in all strata.
+        """The limit loads ``adapted``, and those by the other flow rule: ψ = φ, or Davis's estimate where the flow rule
+        is ψ = φ; None without limit loads, or where the section file has ψ = φ in all strata.
         """
         try:
             if self.dilates_more(settings):
@@ -250,8 +250,8 @@ class _Search:
             return adapted, None
 
     def by_other_flow(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult] | None:
-        """The limit load by the other flow rule, where the flow rule itself has an equilibrium path only; None where
-        Davis's estimate has no answer.
+        """The limit load by the other flow rule, where the flow rule of the settings has only an equilibrium path; None
+        where Davis's estimate has no answer.
         """
         if not self.dilates_more(settings):
             return self.on_meshes("Kh with ψ = φ").critical(settings.changed(flow="associated"))
@@ -261,7 +261,7 @@ class _Search:
             return None
 
     def on_meshes(self, what: str = "") -> AdaptiveSearch:
-        """A search on adapted meshes whose messages begin with ``what`` is searched for."""
+        """A search on adapted meshes; ``what`` names the searched quantity at the beginning of its messages."""
 
         def told(words: str) -> None:
             self.tell(f"{what}: {words}" if what else words, None)
@@ -269,7 +269,7 @@ class _Search:
         return AdaptiveSearch(self.section, self.meshing, self.first, self.comm, told, self.executor)
 
     def between_sides(self, held: FemSettings) -> AdaptiveResult[CriticalResult]:
-        """The answer between the sides and by the flow rule of the settings."""
+        """The answer with the sides and the flow rule of the settings."""
         mesh, start = self.first, None
         if is_associated(self.section.strata, held.flow):
             limit = self.on_meshes(f"Kh, {held.sides} sides").critical(held)
@@ -305,8 +305,9 @@ class _Search:
         return replace(adapted, result=replace(adapted.result, beside=beside))
 
     def fails(self, settings: FemSettings, error: UnstableError, known: SafetyFactor | None = None) -> UnstableError:
-        """The error with the factor of safety added, ``known`` or to be found, by both flow rules where ψ < φ. Where
-        pore pressure exceeds the weight above it, the factor against uplift is added instead."""
+        """The error with the factor of safety added, by both flow rules where ψ < φ; ``known`` is this factor if it is
+        already computed. Where pore pressure exceeds the weight above it, the factor against uplift is added instead.
+        """
         if self.section.uplift is not None:
             return error if self.section.uplift.words in error.reason else lifted(self.section.uplift, error.reason)
         factor = known or self.safety(settings, 0.0).result

@@ -1,6 +1,6 @@
-"""Checks of an answer: each returns warnings of what contradicts it or makes it uncertain, with a remedy.
+"""Checks of an answer: each returns warnings of contradictions and uncertainties, with remedies.
 
-A check is a function of answers that have been found. It computes nothing anew.
+A check compares answers that are already computed. It computes no new answer.
 """
 
 from collections.abc import Iterator
@@ -41,7 +41,7 @@ def warnings_of(
 
 
 def of_uplift(uplift: Uplift | None) -> Iterator[ResultWarning]:
-    """Pore pressure above the total vertical stress: nothing but the strength of the ground holds it down."""
+    """Pore pressure above the total vertical stress: only the strength of the ground resists uplift."""
     if uplift is not None:
         yield ResultWarning(
             f"{uplift.words[0].upper()}{uplift.words[1:]}.",
@@ -50,7 +50,7 @@ def of_uplift(uplift: Uplift | None) -> Iterator[ResultWarning]:
 
 
 def of_verdict(verdict: "PathVerdict", reason: str, remedy: str) -> Iterator[ResultWarning]:
-    """A path that ended before it had shown a limit load."""
+    """A warning of a path that ended before it reached a limit load."""
     if verdict == "undecided":
         yield ResultWarning(f"The path ended before a limit load was found: {reason}.", remedy)
 
@@ -58,7 +58,9 @@ def of_verdict(verdict: "PathVerdict", reason: str, remedy: str) -> Iterator[Res
 def of_dilation(
     result: "CriticalResult", associated: "LimitLoadResult | CriticalResult | None"
 ) -> Iterator[ResultWarning]:
-    """Ground that dilates less cannot bear more: no limit load is above that of ψ = φ (Radenkovic 1961)."""
+    """A contradiction if the critical Kh is above that with ψ = φ: ground that dilates less cannot resist more
+    (Radenkovic 1961).
+    """
     if associated is None or associated.direction != result.direction:
         return
     if result.kc > (1.0 + SAME_MESH) * associated.kc:
@@ -69,7 +71,7 @@ def of_dilation(
 
 
 def of_base(mesh: QuadMesh, mechanism: State, verdict: "PathVerdict") -> Iterator[ResultWarning]:
-    """A mechanism along the base of the section."""
+    """A warning of a mechanism along the base of the section."""
     if verdict in ("plateau", "peak") and touches_base(mesh, mechanism):
         yield ResultWarning(
             "The slip surface runs along the base of the section: ground below it might fail with less.",
@@ -79,13 +81,13 @@ def of_base(mesh: QuadMesh, mechanism: State, verdict: "PathVerdict") -> Iterato
 
 
 def touches_base(mesh: QuadMesh, mechanism: State) -> bool:
-    """Whether cells at the base strain by a good part of the largest shear strain."""
+    """Whether cells at the base strain by a large share of the largest shear strain."""
     at_base = np.isin(mesh.cells, np.unique(mesh.boundaries["base"])).sum(axis=1) >= 2
     return bool(at_base.any() and mechanism.shear_strain[at_base].max() > AT_BASE * mechanism.shear_strain.max())
 
 
 def of_cells(mesh: QuadMesh) -> Iterator[ResultWarning]:
-    """Cells with a narrow corner, in which displacements are poor."""
+    """A warning of cells with a narrow corner, in which displacements are inaccurate."""
     narrowest = np.abs(corner_angles(mesh.points, mesh.cells)).min(axis=1)
     count = int(np.count_nonzero(narrowest < NARROW))
     if count:

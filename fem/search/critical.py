@@ -1,7 +1,7 @@
 """The critical seismic coefficient of a section: gravity first, then the horizontal load with Kh as an unknown.
 
-Gravity acts on the ordinary density, Kh g on the seismic one. The control displacement, prescribed step by step, is
-the one work-conjugate to the horizontal load: the mean horizontal displacement weighted by the seismic mass (m).
+Gravity acts on the ordinary density, Kh g on the seismic density. The control displacement, prescribed step by step, is
+work-conjugate to the horizontal load: the mean horizontal displacement weighted by the seismic mass (m).
 """
 
 from dataclasses import dataclass, replace
@@ -38,7 +38,7 @@ ASSOCIATED_RULE = PlateauRule(growth=0.002, latest=60.0)
 
 @dataclass(frozen=True)
 class CriticalResult:
-    """The critical seismic coefficient, how good it is, and how it was found.
+    """The critical seismic coefficient, its accuracy, and the path to it.
 
     Attributes
     ----------
@@ -57,15 +57,15 @@ class CriticalResult:
     flow : Flow
         The flow rule: "davis", "associated" or "section".
     direction : Direction
-        Where the ground is pushed, "downhill" or "uphill" by the ends of its surface.
+        Direction of the seismic force, "downhill" or "uphill" by the ends of the surface.
     sign : int
-        +1 if that is to the right, -1 if to the left.
+        +1 if this direction is to the right, -1 if to the left.
     reason, remedy : str
-        Why the path ended, and what to do if it has no answer.
+        Why the path ended, and what to change if it has no answer.
     steps : list of PathStep
-        The path: Kh over the mean horizontal displacement.
+        Steps of the path: Kh over the mean horizontal displacement.
     states : list of State
-        The fields at the Kh asked for, and at the end of the path.
+        The fields at the Kh of the settings, and at the end of the path.
     solves : int
         Linear systems factorised.
     gravity_iterations : int
@@ -73,11 +73,11 @@ class CriticalResult:
     gravity_plastic_share : float
         Share of the quadrature points that yield under gravity (-).
     shallow_failures : list of ShallowFailure
-        Cohesionless faces that fail before; the ground below was searched for deeper failures.
+        Cohesionless faces that fail at a smaller Kh; ``kc`` is that of a deeper failure.
     limit_mechanism : State or None
         The mechanism by finite element limit analysis.
     other : CriticalResult or None
-        The answer for the opposite direction, where both were asked for.
+        The answer for the opposite direction, where both directions were analysed.
     """
 
     kc: float
@@ -122,8 +122,8 @@ def critical_coefficient(
 ) -> CriticalResult:
     """Find the critical seismic coefficient of a meshed section, in the direction in which it is smaller.
 
-    A mechanism under a seismic force upslope that leaves the section through a side counts only if there is no other:
-    what fails there is ground that only the K0 stress on the side holds, and no slope.
+    If the seismic force upslope has a mechanism that leaves the section through a side, this direction counts only if
+    no other is analysed: there no slope fails, but ground that only the K0 stress on the side supports.
 
     Parameters
     ----------
@@ -132,13 +132,13 @@ def critical_coefficient(
     mesh : QuadMesh
         Its mesh.
     settings : FemSettings
-        Sides, direction, flow rule and how far Kh is followed.
+        Sides, direction, flow rule and largest Kh of the path.
     comm : MPI.Comm
         The communicator of the finite elements.
     listener : callable, optional
         Called with every converged step of the path.
     ground : Ground, optional
-        What the path starts from, if it is known for the one direction of the settings.
+        The ground at rest from which the path starts, if it is known for the direction of the settings.
 
     Returns
     -------
@@ -149,9 +149,9 @@ def critical_coefficient(
     InputError
         If the section lacks what the analysis needs.
     UnstableError
-        If it fails under its own weight.
+        If the section fails under its own weight.
     NoEquilibriumError
-        If no state on the path balances.
+        If no state on the path is in equilibrium.
     """
 
     def towards(direction: Direction, most: float) -> CriticalResult:
@@ -175,7 +175,7 @@ def _towards(
     listener: PathListener | None,
     ground: Ground | None,
 ) -> CriticalResult:
-    """The critical seismic coefficient for a push in the one direction of the ``settings``."""
+    """The critical seismic coefficient in the one direction of the ``settings``."""
     sign = push(section, settings)
     ground = ground or pushed(section, mesh, settings, comm)
     while True:
@@ -240,7 +240,7 @@ def _followed(
 
 
 def _wanted(settings: FemSettings, kc: float) -> list[float]:
-    """The Kh up to ``kc`` whose fields are kept."""
+    """The Kh up to ``kc`` whose fields are stored."""
     return [kh for kh in settings.kh or tuple(float(f"{share * kc:.3g}") for share in FRACTIONS) if kh <= kc]
 
 
@@ -271,9 +271,9 @@ def states_at(path: EquilibriumPath, mesh: QuadMesh, wanted: list[float]) -> lis
 def seismic_path(
     problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, sign: int, settings: FemSettings
 ) -> EquilibriumPath:
-    """The path of rising Kh, ready to start; displacement is positive in the direction of the ``load`` of Kh = 1.
+    """The path of rising Kh at its start; displacement is positive in the direction of the ``load`` of Kh = 1.
 
-    ``problem``: the elements at rest; ``constant``: nodal forces that stay (N/m); ``sign``: 1 towards the right, -1
+    ``problem``: the elements at rest; ``constant``: constant nodal forces (N/m); ``sign``: 1 towards the right, -1
     towards the left; ``settings``: of the elements.
     Raises InputError if no stratum has a seismic density.
     """

@@ -1,8 +1,8 @@
 """The FEM model with the sides of the discs, fixed or periodic, and non-associated flow with the given ψ.
 
-Davis's estimate weakens sand and leaves clay as it is, which moves the slip surface to where the sand is: that of
-S-13 between fixed sides lies 5 m from the one with ψ as given. Discs have the strength of the soil and dilate little.
-So the slip surface of the discs is compared with that of the non-associated path.
+Davis's estimate weakens sand but not clay, which moves the slip surface towards the sand: in S-13 between fixed sides
+it lies 5 m from the slip surface with the given ψ. Discs have the strength of the soil and dilate little. So their slip
+surface is compared with that of the non-associated path.
 """
 
 from dataclasses import dataclass, replace
@@ -31,14 +31,13 @@ class NonAssociatedPath:
     kc, upper : float
         Largest Kh at which an equilibrium was found, and its upper limit on this mesh (-).
     verdict : PathVerdict
-        As that of a path.
+        The verdict on the path.
     reason : str
         Why the path ended.
     steps : list of PathStep
         The path: Kh over the mean horizontal displacement.
     slip_surface : (k, 2)
-        Points [x, elevation] (m) between what moves once the ground has yielded and what does not; empty where nothing
-        fails.
+        Points [x, elevation] (m) of the line between moving ground and ground at rest; empty without failure.
     """
 
     kc: float
@@ -78,7 +77,7 @@ def non_associated_path(
 def associated_kc(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
 ) -> float:
-    """The critical Kh between the sides of the ``settings`` with psi = phi: no ground that dilates less bears more
+    """The critical Kh between the sides of the ``settings`` with ψ = φ: ground that dilates less does not resist more
     (Radenkovic 1961).
 
     ``section``, ``mesh``, ``settings``, ``comm``, ``listener``: as in ``non_associated_path``.

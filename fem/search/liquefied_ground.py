@@ -1,4 +1,6 @@
-"""The ground once strata have liquefied: they keep a residual strength without friction, and no stiffness in volume."""
+"""The ground after liquefaction: liquefied strata have a residual strength without friction, and hardly change their
+volume.
+"""
 
 import math
 from collections.abc import Mapping
@@ -44,8 +46,7 @@ def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Secti
 
 
 def weight_borne(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any) -> float:
-    """The multiple of its weight that the ground of a mesh bears between held sides (limit load); below 1 the ground
-    flows.
+    """The multiple of its weight that the ground resists between held sides (limit load of a mesh); below 1 it flows.
 
     The flow is associated. Raises what ``conic_limit_load`` does.
     ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.

@@ -1,8 +1,8 @@
 """A sequence of meshes adapted to the mechanism, until the discretisation error of the answer is small.
 
-Plastic shear goes through a band as narrow as the cells allow, and the answer is too large in proportion to the width
-of that band, which halves when twice the cells are spent along it: error ~ 1 / cells. Two meshes give the error that is
-left on the last one (Richardson 1911).
+Plastic shear is concentrated in a band that is as narrow as the cells allow. The error of the answer is proportional to
+the width of the band, which halves when the number of cells along it is doubled: error ~ 1 / cells. Two meshes give the
+remaining error of the last one (Richardson 1911).
 """
 
 import math
@@ -51,7 +51,7 @@ class MeshRound:
     change : float
         Difference from the mesh before as a share of ``value``; infinite for the first.
     rest : float
-        Estimated error that is left, as a share of ``value``, by this mesh and the one before; infinite for the first.
+        Estimated remaining error as a share of ``value``, from this mesh and the one before; infinite for the first.
     """
 
     cells: int
@@ -61,7 +61,7 @@ class MeshRound:
 
 
 class MeshResult(Protocol):
-    """Result on a mesh: a number, its mechanism, and why there is no better one."""
+    """Result on a mesh: a number, its mechanism, and the reason if there is no answer."""
 
     @property
     def value(self) -> float: ...
@@ -89,11 +89,11 @@ class AdaptiveResult(Generic[F]):
     rounds : list of MeshRound
         The sequence, coarsest first.
     converged : bool
-        Whether what is left of the error is within the accuracy that was asked for.
+        Whether the remaining error is within the required accuracy.
     reason : str
         Why there was no further mesh.
     other : AdaptiveResult or None
-        The same for the opposite direction, where both were asked for.
+        The result for the opposite direction, where both directions were analysed.
     """
 
     result: F
@@ -124,7 +124,7 @@ class AdaptiveResult(Generic[F]):
         return len(self.rounds) < 2 or (own is not None and self._band(other) <= ALIKE * self._band(own))
 
     def _band(self, mechanism: State) -> float:
-        """Mean size (m) of the cells that a mechanism shears through, by how much it shears them."""
+        """Mean size (m) of the cells, weighted by the shear displacement of a mechanism across them."""
         area = areas(self.mesh.points, self.mesh.cells)
         shear = area * mechanism.plastic_shear_strain
         return float(shear @ np.sqrt(area)) / max(float(shear.sum()), 1e-300)
@@ -136,24 +136,25 @@ def left_of_error(before: MeshRound, cells: int, value: float) -> float:
 
 
 def nothing() -> float:
-    """The Kh of a direction that is not analysed: infinite."""
+    """Infinity, as the Kh of a direction that is not analysed."""
     return math.inf
 
 
 @dataclass(frozen=True)
 class Wish:
-    """When to stop making meshes.
+    """Criteria that end the sequence of meshes.
 
     Attributes
     ----------
     accuracy : float
-        What may be left of the error, as a share of the answer (-).
+        Largest remaining error, as a share of the answer (-).
     max_cells : int
         Cells of the finest mesh.
     other : callable
-        Returns the Kh (-) of the other direction: meshes end where this direction is sure to bear more.
+        Function that returns the Kh (-) of the other direction: the sequence ends once this direction certainly has a
+        larger critical Kh.
     least : float
-        The accuracy is a share of the answer, or of this number where the answer is smaller (-).
+        Smallest answer of which the accuracy is a share (-).
     """
 
     accuracy: float
@@ -162,7 +163,7 @@ class Wish:
     least: float = 0.0
 
     def is_met(self, last: MeshRound) -> bool:
-        """Whether what is left of the error of a mesh is within the accuracy."""
+        """Whether the remaining error of a mesh is within the accuracy."""
         size = max(abs(last.value), SMALLEST_KH)
         return last.rest * size <= self.accuracy * max(size, self.least)
 
@@ -173,12 +174,13 @@ def solve_adaptively(
     solve: Callable[[QuadMesh], F],
     wish: Wish,
 ) -> AdaptiveResult[F]:
-    """Solve on ``first``, then on meshes ``remade`` for the plastic shear strain of the last answer, of so many cells.
+    """Solve on ``first``, then on meshes that ``remade`` returns for the plastic shear strain of the last answer and a
+    number of cells.
 
-    Ends when what is left of the error is within the accuracy, when the cells are used up, or when there is no answer
-    on the next mesh; then the last answer counts. Every rank makes the same mesh. Raises what ``solve`` raises on the
-    first mesh.
-    ``wish``: accuracy and the most cells.
+    The sequence ends when the remaining error is within the accuracy, when the largest number of cells is reached, or
+    when the next mesh has no answer; then the last answer counts. Every rank makes the same mesh. Raises what ``solve``
+    raises on the first mesh.
+    ``wish``: accuracy and largest number of cells.
     """
     mesh, result = first, solve(first)
     rounds = [MeshRound(len(mesh.cells), result.value, math.inf, math.inf)]
@@ -206,7 +208,7 @@ def solve_adaptively(
 
 
 def _reason_to_stop(rounds: list[MeshRound], result: MeshResult, wanted: int, wish: Wish) -> str:
-    """Why no further mesh, of ``wanted`` cells, is made; empty if one is."""
+    """Why no further mesh of ``wanted`` cells is made; empty if one is made."""
     last = rounds[-1]
     if wish.is_met(last):
         return f"the last mesh changed it by {100 * last.change:.1f} % and about {100 * last.rest:.1f} % are left"

@@ -1,4 +1,4 @@
-"""Quality of a given line as slip surface: the critical Kh if the ground can fail no deeper than the line.
+"""Quality of a given line as slip surface: the critical Kh of ground that can fail only above the line.
 
 Two mechanisms that need almost the same Kh may lie far apart. Two results are therefore compared by this Kh, too, and
 not by the distance of their slip surfaces alone.
@@ -23,9 +23,9 @@ class GivenSurface:
     Attributes
     ----------
     kc : float
-        Without restriction (-).
+        Critical Kh without restriction (-).
     kc_above : float
-        With the ground below the line held (-); infinite where no mechanism is left.
+        Critical Kh with the ground below the line held (-); infinite where no mechanism is possible.
     """
 
     kc: float
@@ -33,7 +33,7 @@ class GivenSurface:
 
     @property
     def excess(self) -> float:
-        """By which share the ground bears more Kh if it may not fail below the line (-)."""
+        """Relative increase of the critical Kh if the ground cannot fail below the line (-)."""
         return self.kc_above / self.kc - 1.0
 
 

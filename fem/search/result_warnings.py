@@ -17,11 +17,11 @@ class ResultWarning:
     Attributes
     ----------
     what : str
-        What was seen, in a sentence with its numbers.
+        The observation, in a sentence with its numbers.
     remedy : str
-        What to do.
+        What the user can change.
     contradiction : bool
-        Whether it makes the answer doubtful; otherwise it is something to know.
+        Whether it contradicts the answer; if not, it is a note.
     """
 
     what: str
@@ -31,7 +31,7 @@ class ResultWarning:
 
 @dataclass(frozen=True)
 class Computed:
-    """The critical Kh found in another way.
+    """A critical Kh that was computed in another way, for comparison.
 
     Attributes
     ----------
@@ -40,9 +40,10 @@ class Computed:
     kc : float
         Critical Kh (-).
     decisive : bool
-        Whether a difference makes the answer doubtful: a finer mesh does, a poorer element does not.
+        Whether a difference contradicts the answer: for a finer mesh it does, for a poorer element it does not.
     without : float or None
-        Critical Kh without the change, where both were found on another mesh than the answer; None for that of it.
+        Critical Kh without the change, where both were computed on another mesh than the answer; None if it is the
+        answer itself.
     """
 
     what: str
@@ -54,10 +55,11 @@ class Computed:
 def of_bounds(
     kc: float, lower: float | None, upper: float | None, same_flow: bool, what: str = "critical Kh"
 ) -> Iterator[ResultWarning]:
-    """Compare ``what``, a critical Kh or a factor, with strict bounds of its own flow rule (``same_flow``) or of ψ = φ.
+    """Compare ``what``, a critical Kh or a factor of safety, with strict bounds of the same flow rule (``same_flow``)
+    or of ψ = φ.
 
-    Only the upper bound of ψ = φ counts for a smaller ψ: ground that dilates less resists no more. A difference that a
-    mesh may leave (`NOTABLE`) is something to know, a larger one a contradiction.
+    Only the upper bound of ψ = φ counts for a smaller ψ: ground that dilates less resists no more. A difference within
+    the error of a mesh (`NOTABLE`) is a note, a larger one a contradiction.
     ``kc``: the value that is checked; ``lower``, ``upper``: the bounds, None where there is none.
     """
     whose = "" if same_flow else " with ψ = φ, which no smaller ψ can exceed"
@@ -77,7 +79,7 @@ def of_bounds(
 
 
 def of_others(kc: float, others: Iterable[Computed]) -> Iterator[ResultWarning]:
-    """The same thing computed in another way, by another mesh or element, that changes the critical Kh notably."""
+    """Warnings of notable differences to ``others``: the critical Kh by another mesh or element."""
     for other in others:
         without = other.without or kc
         change = other.kc / without - 1.0

@@ -1,8 +1,8 @@
 """The factor of safety at a given seismic coefficient by strength reduction: the divisor of cohesion and tan φ at which
 the ground fails (Zienkiewicz, Humpheson & Lewis 1975).
 
-For associated flow it follows from limit analysis (``conic_safety_factor.py``); otherwise it is an unknown along a path
-of equilibria.
+For associated flow it follows from limit analysis (``conic_safety_factor.py``), otherwise from a path of equilibria
+along which it is an unknown.
 """
 
 from dataclasses import dataclass, replace
@@ -60,18 +60,18 @@ class SafetyFactor:
     verdict : PathVerdict
         "plateau", "peak", "no failure" or "undecided".
     reason, remedy : str
-        Why the path ended, and what to do if it has no answer.
+        Why the path ended, and what to change if it has no answer.
     steps : list of PathStep
-        The path: the factor over the control displacement.
+        Steps of the path: the factor over the control displacement.
     shallow_failure : float or None
         The factor at which a cohesionless face fails, if there is one (-).
     mechanism : State or None
-        The mechanism, where limit analysis found the factor.
+        The mechanism, where the factor follows from limit analysis.
     beside : float or None
-        The factor by the other flow rule (-): Davis's estimate where ψ = φ is the flow, that of ψ = φ where Davis's
-        estimate is; None where both are the same, or where it was not computed.
+        The factor by the other flow rule (-): Davis's estimate if ``factor`` has ψ = φ, the factor with ψ = φ if
+        ``factor`` is Davis's estimate; None where both are the same, or where it was not computed.
     start : FactorStart or None
-        Where the search for the factor by the other flow rule may begin on the same mesh.
+        Start of the search for the factor by the other flow rule on the same mesh.
     """
 
     kh: float
@@ -104,8 +104,7 @@ def limit_load_safety_factor(
     """The factor of safety of a meshed section under its weight and ``kh``, for flow that is associated.
 
     The search begins at ``guess``, such as the factor of a coarser mesh, or at the ``start`` of the factor by another
-    flow rule on this mesh. Faces, sides and errors are those of
-    ``safety_factor``.
+    flow rule on this mesh. Strengthened faces, sides and errors are those of ``safety_factor``.
     ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
     settings = settings.changed(element="reduced")
@@ -136,9 +135,9 @@ def safety_factor(
     """Find the factor of safety of a meshed section under its weight and a seismic coefficient.
 
     With associated flow it follows from the limit load, else from strength reduction along a path. Ground that does not
-    stand is first made stronger, so that factors below 1 are found, too. Without shaking, sides that are not periodic
-    are held horizontally, as is usual in strength reduction: the K0 stress on them as a force could fail weakened
-    ground there before the slope.
+    stand is first strengthened, so that factors below 1 are found, too. Without shaking, sides that are not periodic
+    are held horizontally, as is usual in strength reduction: under the K0 stress as a force, weakened ground could fail
+    at a side before the slope.
 
     Parameters
     ----------
@@ -164,9 +163,9 @@ def safety_factor(
     InputError
         As `critical_coefficient` does.
     UnstableError
-        If even 20 times the strength is not enough.
+        If the section fails even with 20 times its strength.
     NoEquilibriumError
-        If no state on the path balances.
+        If no state on the path is in equilibrium.
     """
     if is_associated(section.strata, settings.flow):
         try:

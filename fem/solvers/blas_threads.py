@@ -1,4 +1,4 @@
-"""BLAS, through which NumPy, SciPy and MUMPS do their dense algebra."""
+"""Threads of BLAS, the library of dense linear algebra of NumPy, SciPy and MUMPS."""
 
 from threadpoolctl import ThreadpoolController
 
@@ -6,19 +6,21 @@ from meshes.executor import SERIAL, Executor, OneThread
 
 
 def use_one_thread() -> None:
-    """Let every BLAS that is loaded compute with one thread: with more, sums come in another order and have other bits.
+    """Let every loaded BLAS compute with one thread: with more threads the order of sums, and so their last bits, would
+    change.
 
-    The matrices here are too small to gain by more.
+    The matrices here are too small to gain from more threads.
     """
     ThreadpoolController().limit(limits=1, user_api="blas")
 
 
 def bears_threads() -> bool:
-    """Whether several threads may call BLAS at once: OpenBLAS without threads of its own (Debian's
-    ``libopenblas0-serial``) shares its work space among them and returns wrong results then."""
+    """Whether several threads may call BLAS concurrently. OpenBLAS built without threads (Debian's
+    ``libopenblas0-serial``) returns wrong results then, since the callers share its work space.
+    """
     return all(library.get("threading_layer") != "disabled" for library in ThreadpoolController().info())
 
 
 def one_more_thread(wanted: bool = True) -> Executor:
-    """An executor with one more thread, where it is wanted and BLAS is thread-safe."""
+    """An executor with one more thread, if it is ``wanted`` and BLAS is thread-safe."""
     return OneThread() if wanted and bears_threads() else SERIAL

@@ -1,9 +1,9 @@
 """Supernodal Cholesky factors by CHOLMOD (Chen, Davis, Hager & Rajamanickam 2008), which comes with PETSc on Debian.
 
-The library is called through ctypes, so that neither MPI nor a compiler is needed, and Python's lock is free while it
-factorises. Its table of settings has another layout in every version: the entries that are changed are found by the
-defaults around them. ``available`` is false where the library is missing, is of an unknown version or fails its first
-equations.
+The library is called through ctypes, so that neither MPI nor a compiler is needed, and Python's global lock is released
+during a factorisation. The layout of its settings differs from version to version: the entries to be changed are
+identified by the default values around them. ``available`` is false if the library is missing, its version is unknown,
+or its solution of a test system is wrong.
 """
 
 import ctypes
@@ -73,7 +73,7 @@ class Cholesky:
     Parameters
     ----------
     pattern : csc matrix (n, n)
-        The lower triangle, rows of each column sorted; values are those of the calls.
+        Pattern of the lower triangle, rows of each column sorted; its values are not used.
     """
 
     def __init__(self, pattern: sparse.csc_matrix) -> None:
@@ -129,7 +129,7 @@ class Cholesky:
 
 @cache
 def available() -> bool:
-    """Whether CHOLMOD is there, and solves equations whose solution is known."""
+    """Whether CHOLMOD is installed, and solves equations whose solution is known."""
     try:
         size = 400
         matrix = sparse.diags([-1.0, 4.0, -1.0], [-20, 0, 20], shape=(size, size))
@@ -146,7 +146,7 @@ def available() -> bool:
 
 @cache
 def _library() -> ctypes.CDLL:
-    """The library, with the types of its functions; raises OSError if there is none of a known version."""
+    """The library, with the types of its functions; raises OSError if it is missing or its version is unknown."""
     for name in (*NAMES, *(str(Path(sys.prefix) / "lib" / name) for name in NAMES)):
         try:
             library = ctypes.CDLL(name)
@@ -199,6 +199,6 @@ def _new_settings(library: ctypes.CDLL) -> ctypes.Array:
 
 
 def _forbid_threads(library: ctypes.CDLL) -> None:
-    """Let OpenMP start no threads from this one: CHOLMOD would start four for each of its small dense matrices."""
+    """Keep OpenMP from starting threads here: CHOLMOD would start four for each of its small dense matrices."""
     if hasattr(library, "omp_set_max_active_levels"):
         library.omp_set_max_active_levels(0)

@@ -1,4 +1,4 @@
-"""The data of the second-order cone programs of ``cone_program.py``, and their matrices as solvers want them."""
+"""The data of the second-order cone programs of ``cone_program.py``, and their matrices in the form of the solvers."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,28 +20,28 @@ class ConeProgram:
     Attributes
     ----------
     strain : sparse matrix (3 k, n)
-        G, from velocities to strain rates [xx, yy, engineering xy], corner by corner.
+        The matrix G from velocities to strain rates [xx, yy, engineering xy], corner by corner.
     cohesion, friction : ndarray (k,)
         c over the unit of stress and φ in rad.
     weight : ndarray (k,)
-        w, the share of the area that a corner stands for.
+        Weight w: the share of the area that belongs to a corner.
     dead, live : ndarray (n,)
-        b0 and b1, work of the loads on a unit velocity.
+        Vectors b0 and b1: work of the dead and the live load on a unit velocity.
     stress_margin : ndarray (k,) or float
-        Distance that the stress keeps from the yield surface, so that rounding does not lead beyond it; not from the
-        cut-off, below which there may be no room.
+        Distance of the stress to the yield surface, so that rounding does not lead beyond it. There is no such distance
+        to the tension cut-off, below which there may be no room.
     strain_margin : ndarray (k,) or float
-        Where φ > 0, volumetric strain rate that is kept beyond that of the flow rule, for the same reason.
+        Where φ > 0, volumetric strain rate in excess of that of the flow rule, for the same reason.
     strain_share : float
         The same as a share of the shear rate.
     tension : ndarray (k,) or float
         Tension cut-off over the unit of stress, inf for none.
     bare : ndarray (k,) of bool
-        Corners on a bare surface, where one principal stress is zero by balance: there the cut-off is one of the other,
-        which is all of the trace.
+        Corners on a bare surface, where equilibrium makes one principal stress zero: there the cut-off limits the other
+        one, which is equal to the trace.
     softening : ndarray (k,) or None
-        s > 0 where λ is asked of the strength and of no load: the right-hand side of the yield condition less λ s. Then
-        b1 is zero, and the dual has Σ w s |(εxx - εyy, εxy)| = 1 in place of b1·x = 1.
+        Vector s > 0 if λ reduces the strength and multiplies no load: the right-hand side of the yield condition is
+        reduced by λ s. Then b1 is zero, and the dual has Σ w s |(εxx - εyy, εxy)| = 1 in place of b1·x = 1.
     """
 
     strain: sparse.csr_matrix
@@ -67,8 +67,10 @@ class ConeProgram:
 
 @dataclass(frozen=True, eq=False)
 class Assembled:
-    """min cost·y with matrix y + s = offset and s in the ``cones``: y are the rates, for each corner of φ = 0 its
-    dissipation over c, and how torn corners open. ``shear`` and ``torn`` make those of the ``Solution`` from y."""
+    """min cost·y with matrix y + s = offset and s in the ``cones``. The unknowns y are the velocities, the dissipation
+    over c at each corner of φ = 0, and the opening rates at torn corners. ``shear`` and ``torn`` compute the values of
+    the ``Solution`` from y.
+    """
 
     cost: np.ndarray
     matrix: sparse.csr_matrix
@@ -79,7 +81,7 @@ class Assembled:
 
 
 def assembled(program: ConeProgram, clay: np.ndarray) -> Assembled:
-    """The second problem as the solver wants it; ``clay`` are the numbers of the corners of φ = 0."""
+    """The second (dual) problem in the form of the solver; ``clay`` are the numbers of the corners of φ = 0."""
     corners = len(program.cohesion)
     sin, cos = np.sin(program.friction), np.cos(program.friction)
     steeper = sin * (1.0 + program.strain_share)
@@ -108,7 +110,9 @@ def assembled(program: ConeProgram, clay: np.ndarray) -> Assembled:
 
 
 def _shear_of(program: ConeProgram, across: sparse.csr_matrix, clay: np.ndarray) -> sparse.csr_matrix:
-    """From the unknowns to the weighted shear rates (k,): volume over sin φ, or the unknown of a corner of φ = 0."""
+    """The matrix from the unknowns to the weighted shear rates (k,): volumetric rate over sin φ, or the unknown of a
+    corner of φ = 0.
+    """
     corners, sin = len(program.cohesion), np.sin(program.friction)
     of_volume = sparse.diags(np.divide(program.weight, sin, out=np.zeros(corners), where=sin > 0.0)) @ across
     own = (clay, len(program.live) + np.arange(len(clay)))
@@ -118,7 +122,7 @@ def _shear_of(program: ConeProgram, across: sparse.csr_matrix, clay: np.ndarray)
 def _tension_of(program: ConeProgram) -> np.ndarray:
     """Dissipation of a corner (k,) per volume of opening: weight times T; 0 for no cut-off.
 
-    On a bare surface, half of it: the stress that T ends is the whole trace there, twice the mean.
+    On a bare surface it is half of this: there T limits the whole trace, which is twice the mean stress.
     """
     torn = program.torn
     tension = np.zeros(len(program.cohesion))
@@ -128,7 +132,8 @@ def _tension_of(program: ConeProgram) -> np.ndarray:
 
 
 def _opening(program: ConeProgram) -> tuple[sparse.csr_matrix, sparse.csr_matrix, np.ndarray, list]:
-    """How torn corners open: strain rates (3 k, p) of p unknowns, and a matrix, offset and cones that these lie in.
+    """Opening of torn corners: strain rates (3 k, p) of p unknowns, and the matrix, offset and cones that constrain
+    these unknowns.
 
     Each corner has three unknowns, a strain rate whose volumetric part is at least its shear part; on a bare surface it
     has one, half of the volumetric part.
@@ -152,14 +157,16 @@ def _opening(program: ConeProgram) -> tuple[sparse.csr_matrix, sparse.csr_matrix
 
 
 def _volumetric(corners: int) -> sparse.csr_matrix:
-    """From strain rates (3 k,) to their volumetric part (k,)."""
+    """The matrix from strain rates (3 k,) to their volumetric part (k,)."""
     rows = np.repeat(np.arange(corners), 2)
     columns = (3 * np.arange(corners)[:, None] + [0, 1]).ravel()
     return sparse.csr_matrix((np.ones(2 * corners), (rows, columns)), shape=(corners, 3 * corners))
 
 
 def _cone_map(sin: np.ndarray) -> sparse.csr_matrix:
-    """From strain rates (3 k,) to what lies in a cone: [volume, sin φ (xx - yy), sin φ xy], or [0, xx - yy, xy]."""
+    """The matrix from strain rates (3 k,) to vectors in cones: [volume, sin φ (xx - yy), sin φ xy], or [0, xx - yy,
+    xy].
+    """
     corners = len(sin)
     first = 3 * np.arange(corners)
     much = np.where(sin > 0.0, sin, 1.0)
@@ -173,7 +180,7 @@ def _cone_map(sin: np.ndarray) -> sparse.csr_matrix:
 def stress_of(
     program: ConeProgram, multiplier: float, pressure: np.ndarray, z: np.ndarray, clay: np.ndarray
 ) -> np.ndarray:
-    """The stress (k, 3) that belongs to the multipliers of the cones and of the volume of clay.
+    """The stress (k, 3) from the multipliers of the cones and of the volume of clay.
 
     ``program``: the cone program; ``multiplier``: load multiplier; ``pressure``: multipliers of the volume of clay;
     ``z`` (k, 3): multipliers of the cones; ``clay``: mask or numbers of corners with φ = 0.
@@ -194,7 +201,8 @@ def standard(program: ConeProgram, data: Assembled, magnified: float) -> tuple[S
     """Write the program in the form of the interior-point method, and the order of its rows.
 
     ``magnified`` is a factor on its forces.
-    Cut-offs have a little room: where they meet bare edges they would force zero stress and leave no inside.
+    Tension cut-offs are relaxed a little: where they meet bare edges they would force zero stress and leave no
+    interior.
     """
     corners, sin = len(program.cohesion), np.sin(program.friction)
     clay = np.flatnonzero(sin == 0.0)
@@ -217,7 +225,7 @@ def standard(program: ConeProgram, data: Assembled, magnified: float) -> tuple[S
 
 
 def _numbers(corners: int, those: np.ndarray) -> np.ndarray:
-    """The index of every corner (k,) within ``those``, -1 for others."""
+    """The index of every corner (k,) within ``those``, -1 for corners that are not among them."""
     numbers = np.full(corners, -1)
     numbers[those] = np.arange(len(those))
     return numbers

@@ -1,18 +1,20 @@
 """The second-order cone program behind both bounds, and its solution by Clarabel (Goulart & Chen 2024).
 
-Both bounds are one problem, seen from two sides. Stresses at corners k, [xx, yy, xy], balance the loads,
+Both bounds are dual to each other. In the first problem stresses at corners k, [xx, yy, xy], are in equilibrium with
+the loads,
 
     max λ  such that  Gᵀ σ = b0 + λ b1,  |((σxx - σyy)/2, σxy)| <= c cos φ - sin φ (σxx + σyy)/2,
 
-and its dual works with rates x and strain rates ε = G x, [xx, yy, engineering xy],
+and its dual has velocities x and strain rates ε = G x, [xx, yy, engineering xy],
 
     min D(ε) - b0·x  such that  b1·x = 1,  εxx + εyy >= sin φ |(εxx - εyy, εxy)|,
 
 where D sums c cot φ (εxx + εyy), or c |(εxx - εyy, εxy)| with εxx + εyy = 0 where φ = 0, over the corners. A tension
-cut-off, σm + |((σxx - σyy)/2, σxy)| <= T, is a second cone at a corner; in the dual the ground may open: ε is the
-sum of such a rate and one whose volume is at least its shear rate (φ = 90°), which dissipates T times that. Corners may
-have a weight w: D sums w times these, and the stress of the first problem is that of the corner times w. Clarabel
-solves the second one, which is the smaller, and gives the stress as its multipliers.
+cut-off, σm + |((σxx - σyy)/2, σxy)| <= T, is a second cone at a corner; in the dual the ground may open: ε is the sum
+of a rate as above and a rate whose volumetric part is at least its shear part (φ = 90°), which dissipates T times its
+volumetric part. Corners may have a weight w: each term of D is multiplied by w, and the stress of the first problem is
+that of the corner times w. Clarabel solves the second problem, which is smaller, and returns the stress as its
+multipliers.
 """
 
 import math
@@ -88,27 +90,27 @@ class Solution:
     ended : str
         Empty where the solver met its tolerances, otherwise its status.
     out_of_work : bool
-        Whether it ended before that because no more work was allowed.
+        Whether the solver ended early because the allowed work was used up.
     shear : ndarray (k,)
-        The shear rate |(εxx - εyy, εxy)| at the corners that their yield condition, without the cut-off, is to blame
-        for, times their weight.
+        Shear rate |(εxx - εyy, εxy)| at the corners by the yield condition without the tension cut-off, times their
+        weight.
     torn : float
-        What the opening of corners dissipates at their tension cut-off.
+        Dissipation of the opening of corners at their tension cut-off.
     none : str
-        Not empty where it proved that there is no solution: "no stress" is in equilibrium with the loads, whatever the
-        multiplier, or in "no mechanism" does the live load do work.
+        Not empty if the solver proved that there is no solution: "no stress" (none is in equilibrium with the loads,
+        whatever the multiplier) or "no mechanism" (the live load does no work in any mechanism).
     sure : bool
-        Whether it met its tolerances, at least almost, or proved that there is no solution, and not only almost.
+        Whether the solver met its tolerances, at least almost, or proved fully that there is no solution.
     iterations : int
         Iterations of the interior point method, over all regularisations.
     work : float
-        Their work in seconds of the reference machine, counted and not measured.
+        Work of the iterations in seconds of the reference machine, computed from their number and size, not measured.
     seconds : float
-        Processor time it took.
+        Processor time of the solver.
     fallback : bool
-        Whether Clarabel found it, since the interior-point method of our own broke down or there is no solution.
+        Whether the solution is Clarabel's, since the built-in interior-point method broke down or there is no solution.
     bracket : (float, float)
-        Between which multipliers the solver stopped.
+        Lower and upper multiplier at which the solver stopped.
     warm : Warm or None
         A starting point for programs of the same mesh with another strength.
     """
@@ -143,7 +145,7 @@ class Warm:
     form: Standard
 
     def suits(self, form: Standard) -> bool:
-        """Whether a program has the same corners and strain rates."""
+        """Whether a program has the same corners and strain rates as this starting point."""
         own, other = self.form, form
         return own.matrix.shape == other.matrix.shape and all(
             np.array_equal(one, two)
@@ -163,13 +165,13 @@ def solve(
     most_work: float = math.inf,
     start: Warm | None = None,
 ) -> Solution:
-    """Stress, velocities and multiplier of a program of bounds.
+    """Stress, velocities and multiplier of a cone program of bounds.
 
-    Clarabel, where it ends without an answer, or meets its tolerances only almost and its equations badly, is asked
-    again with the next of the ``regularisations``. Forces are handed to it ``magnified`` times as large: its residuals
-    count as absolute below one. After ``most_work`` (s of the reference machine), and a few iterations at least, both
-    methods together end with what they have. Our interior-point method begins at a ``start`` that suits the program,
-    which changes the time it takes only.
+    Where Clarabel ends without an answer, or almost meets its tolerances but with large residuals, it is called again
+    with the next of the ``regularisations``. Its forces are multiplied by ``magnified``, since it takes residuals below
+    one as absolute. After ``most_work`` (s of the reference machine), but not before a few iterations, both methods end
+    with their last iterate. The built-in interior-point method begins at a ``start`` that suits the program, which
+    changes only its computing time.
     """
     feasibility = FEASIBILITY_TORN if len(program.torn) else FEASIBILITY
     ask = partial(_by_clarabel, regularisations, feasibility)
@@ -177,8 +179,9 @@ def solve(
 
 
 def solve_for_elements(program: ConeProgram, start: Warm | None = None, least: float = 1.0) -> Solution:
-    """Solve the program of a finite element limit analysis, less exactly than one of bounds; the multiplier is the
-    middle of the solver's own bracket, whose width is a share of the multiplier, or of ``least`` where that is larger.
+    """Solve the program of a finite element limit analysis, less exactly than one of bounds. The multiplier is the mean
+    of the bracket of the solver, whose width is a share of the multiplier, or of ``least`` where the multiplier is
+    smaller.
     """
     ask = partial(_by_clarabel, REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS)
     tolerance = Tolerance(INTERIOR_GAP_OF_ELEMENTS, least, FEASIBILITY_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS)
@@ -194,7 +197,7 @@ def _solve(
     in_the_middle: bool = False,
     start: Warm | None = None,
 ) -> Solution:
-    """The solution by our interior-point method, or by Clarabel where that finds none."""
+    """The solution by the built-in interior-point method, or by Clarabel where this method finds none."""
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)
     data = assembled(program, clay)
@@ -255,7 +258,7 @@ def _by_interior_point(
     most_work: float,
     start: Warm | None = None,
 ) -> _End:
-    """Solve by our interior-point method; without the warm ``start`` where that breaks down."""
+    """Solve by the built-in interior-point method; again without the warm ``start`` if it breaks down."""
     form, order = standard(program, data, magnified)
     warm = start if start is not None and start.suits(form) else None
     try:
@@ -309,7 +312,9 @@ def _by_clarabel(
 def _solved(
     data: Assembled, magnified: float, settings: clarabel.DefaultSettings, most_work: float
 ) -> tuple[clarabel.DefaultSolution, float]:
-    """Result of Clarabel within a limit of work, and the work of one iteration; a callback would hold Python's lock."""
+    """Result of Clarabel within a limit of work, and the work of one iteration. The limit is set before the call, since
+    a callback would hold Python's global lock.
+    """
     none = sparse.csc_matrix((len(data.cost), len(data.cost)))
     data_of_solver = none, magnified * data.cost, data.matrix.tocsc(), data.offset, data.cones
     solver = clarabel.DefaultSolver(*data_of_solver, settings)

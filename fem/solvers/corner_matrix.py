@@ -8,12 +8,12 @@ from fem.solvers.lower_triangle import LowerTriangle
 
 
 class CornerMatrix:
-    """Factors of Σ Bᵀ D B for strain rates B of one pattern, and D that change.
+    """Factors of Σ Bᵀ D B for a constant B and changing D.
 
     Parameters
     ----------
     rates : csr matrix (3 k, n)
-        B, three rows a corner.
+        The matrix B of strain rates, three rows for each corner.
     """
 
     def __init__(self, rates: sparse.csr_matrix) -> None:

@@ -27,10 +27,10 @@ REFERENCE_EDGES = ((0, 1), (0, 2), (1, 3), (2, 3))
 
 @contextmanager
 def _symbols_to_themselves() -> Iterator[None]:
-    """Let libraries that are loaded later keep their symbols to themselves.
+    """Load later libraries with private symbols.
 
-    Importing dolfinx 0.5 leaves Python at showing them to all (RTLD_GLOBAL): then Pillow's HarfBuzz takes the place of
-    the system's in other libraries, and what is half of one and half of the other crashes.
+    After import of dolfinx 0.5, Python loads libraries with public symbols (RTLD_GLOBAL). Then other libraries call
+    parts of Pillow's HarfBuzz in place of the system's HarfBuzz, and the mixture of both crashes.
     """
     flags = sys.getdlopenflags()
     try:
@@ -40,7 +40,7 @@ def _symbols_to_themselves() -> Iterator[None]:
 
 
 def require() -> None:
-    """Raise InputError, with how to get it, unless dolfinx is there and new enough."""
+    """Raise InputError with instructions of installation unless dolfinx is installed and recent enough."""
     try:
         with _symbols_to_themselves():
             import dolfinx
@@ -62,13 +62,13 @@ class Distribution:
     Attributes
     ----------
     cell : ndarray (nc,)
-        Numbers of the cells in the mesh as given.
+        Numbers of the cells in the undistributed mesh.
     corners : ndarray (nc, 4)
-        Numbers of their corners in the mesh as given, in dolfinx's order.
+        Numbers of their corners in the undistributed mesh, in the order of dolfinx.
     nodes : ndarray (nc, nodes of an element)
         Global numbers of the nodes of the space.
     total, owned : int
-        Nodes of all ranks and of this one.
+        Numbers of nodes of all ranks and of this one.
     """
 
     cell: np.ndarray
@@ -79,7 +79,8 @@ class Distribution:
 
 
 def distribute(comm: Any, points: np.ndarray, cells: np.ndarray, degree: int) -> Distribution:
-    """Distribute quadrilaterals, points (n, 2) and cells (m, 4) in gmsh's order, and number a space's nodes.
+    """Distribute quadrilaterals, points (n, 2) and cells (m, 4) in the order of gmsh, and number the nodes of the
+    space.
 
     The space is bilinear (``degree`` 1) or biquadratic (``degree`` 2).
     ``comm``: MPI communicator.
@@ -141,7 +142,7 @@ def _element(degree: int, create: Any) -> Any:
 
 
 def _rows(table: Any) -> np.ndarray:
-    """A dofmap's table as an array (cells, entries); dolfinx had adjacency lists of equal rows up to 0.6."""
+    """The table of a dofmap as an array (cells, entries); up to version 0.6 dolfinx had adjacency lists."""
     if hasattr(table, "array"):
         return np.asarray(table.array).reshape(table.num_nodes, -1)
     return np.asarray(table)

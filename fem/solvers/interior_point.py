@@ -1,10 +1,10 @@
 """An interior-point method for the programs of ``cone_program.py`` that eliminates every corner in closed form.
 
-Primal and dual equations are met in full from some iteration on, so that from then on the two objectives are a bracket
-of the multiplier: a bound needs no more than a gap of 3e-4, elements need one of 1e-3. Newton's directions have the
-scaling of Nesterov & Todd (1997), the corrector of Mehrotra (1992) and up to two of Gondzio (1996). CHOLMOD factorises
-the positive definite stiffness matrix of a body whose corners have the compliances of ``corner_stiffness.py``; the load
-is one more right-hand side. It proves no infeasibility, and below gaps of 1e-4 it may break down.
+Once primal and dual equations are fulfilled, the two objectives are a bracket of the multiplier: bounds need a gap of
+3e-4, finite elements one of 1e-3. Newton's directions have the scaling of Nesterov & Todd (1997), the corrector of
+Mehrotra (1992) and up to two of Gondzio (1996). CHOLMOD factorises the positive definite stiffness matrix of a body
+whose corners have the compliances of ``corner_stiffness.py``; the load is one more right-hand side. The method cannot
+prove infeasibility, and below gaps of 1e-4 it may break down.
 """
 
 from collections.abc import Callable
@@ -43,9 +43,9 @@ STEP, LEAST_CENTRING = 0.99, 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Corners:
-    """Kinds of the corners of a program: numbers (k,) of those of φ = 0 (``clay``), of those that open in one way
-    (``single``) or three (``triple``), -1 elsewhere; ``sine`` (k,) is sin φ and 1 for clay, ``torn_sine`` that of an
-    opening.
+    """Kinds of the corners of a program: numbers (k,) of corners of φ = 0 (``clay``), of corners that open with one
+    unknown (``single``) or three (``triple``), -1 elsewhere. ``sine`` (k,) is sin φ, and 1 for clay; ``torn_sine`` that
+    of an opening.
     """
 
     sine: np.ndarray
@@ -59,8 +59,8 @@ class Corners:
 class Standard:
     """min cost·y with matrix y + s = offset, s zero in the first rows and in the cones in the others.
 
-    Rows are [load, volume of clay, cones of corners, cones of openings in three ways, openings in one], columns
-    [velocities, dissipation of clay, openings in one way, openings in three].
+    Rows are [load, volume of clay, cones of corners, cones of openings with three unknowns, openings with one], columns
+    [velocities, dissipation of clay, openings with one unknown, openings with three].
     """
 
     cost: np.ndarray
@@ -72,19 +72,19 @@ class Standard:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """When the method has converged.
+    """Criteria of convergence.
 
     Attributes
     ----------
     gap : float
         Difference of both objectives as a share of the multiplier (-).
     least : float
-        The least multiplier that the gap is a share of (-).
+        Smallest multiplier of which the gap is a share (-).
     residual : float
         Relative residual of both equations (-).
     nearly : float
-        The residual that will do where no iteration makes it smaller (-). Where edges pass almost straight through a
-        point, the volume conditions of clay around it are nearly dependent, and a residual of 5e-9 stays.
+        Accepted residual where iterations no longer reduce it (-). Where edges pass almost straight through a point,
+        the volume conditions of clay around it are nearly dependent, and 5e-9 remains.
     """
 
     gap: float
@@ -99,8 +99,9 @@ Place = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Iterate:
-    """Unknowns, multipliers and slacks, both objectives, and what is left: the gap as a share of the multiplier, and
-    the relative residual of the equations; at the end also a starting point for another program on the same mesh."""
+    """Unknowns, multipliers and slacks, both objectives, the gap as a share of the multiplier, and the relative
+    residual of the equations; at the end also a starting point for another program on the same mesh.
+    """
 
     y: np.ndarray
     z: np.ndarray
@@ -113,7 +114,7 @@ class Iterate:
     warm: "Place | None" = None
 
     def rank(self, nearly: float) -> tuple[bool, float]:
-        """Rank of an iterate, smaller for a better one: by its gap where the equations are met to ``nearly``."""
+        """Rank of an iterate: by its gap if the equations are met to ``nearly``."""
         met = self.residual <= nearly
         return (not met, self.gap if met else self.residual)
 
@@ -138,7 +139,7 @@ def interior_solution(
 
 
 class _BreakdownError(ArithmeticError):
-    """An iteration that makes no progress."""
+    """An iteration made no progress."""
 
 
 class _Method:
@@ -173,7 +174,7 @@ class _Method:
         return v[self.first : self.lones].reshape(-1, 3)
 
     def run(self, heed: Callable[[], None], start: Place | None, most_iterations: int) -> Iterate:
-        """Iterations until the tolerances are met, or no more can be done."""
+        """Iterate until the tolerances are met or no more progress is possible."""
         y, z, s = start or self.start()
         warm, wanted = start, self.wanted
         best: Iterate | None = None
@@ -216,7 +217,7 @@ class _Method:
     def direction(
         self, ry: np.ndarray, rz: np.ndarray, s: np.ndarray, z: np.ndarray, mean: float, tolerance: float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[float, float]]:
-        """Changes of y, z and s, and the steps of (y, s) and z; raises ArithmeticError where there are none."""
+        """Changes of y, z and s, and the step lengths of (y, s) and z; raises ArithmeticError without a solution."""
         if not scalings(self.cone(s), self.cone(z), self.axis, self.size, self.square):
             raise _BreakdownError
         lone_s, lone_z = s[self.lones :], z[self.lones :]
@@ -258,7 +259,7 @@ class _Method:
         return best.dy, best.dz, best.ds, (steps[0], steps[1])
 
     def is_exact(self, ry: np.ndarray, rz: np.ndarray, trial: "_Trial", within: float) -> bool:
-        """Whether a direction could be refined well enough; where it could not, δ changes."""
+        """Whether a direction was refined well enough; if not, the compliance δ is changed."""
         ey = np.abs(ry - self.a_t @ trial.dz).max()
         ez = np.abs(rz - self.a @ trial.dy + self.squared(trial.dz)).max()
         beyond = max(ey, ez) / (1e-12 + within * max(np.abs(ry).max(), np.abs(rz).max()))
@@ -280,7 +281,7 @@ class _Method:
         return residual
 
     def longest(self, v: np.ndarray, dv: np.ndarray) -> float:
-        """The largest step that leaves all of v in its cones."""
+        """The largest step after which all of v is still in its cones."""
         lone, change = v[self.lones :], dv[self.lones :]
         shrink = change < 0.0
         alone = (-lone[shrink] / change[shrink]).min(initial=1e30)
@@ -294,7 +295,7 @@ class _Method:
         return squares
 
     def factorise(self) -> None:
-        """Factors of the stiffness matrix at this place, and the answer to the load."""
+        """Factorise the stiffness matrix, and solve for the load."""
         stiffnesses(self.axis, self.size, self.lone, *self.corners, self.soft, self.c_inverse)
         self.stiffness_matrix.factorise(self.c_inverse)
         self.to_load = self.without_load(self.load, np.zeros(len(self.b)))
@@ -303,7 +304,7 @@ class _Method:
             raise _BreakdownError
 
     def without_load(self, ry: np.ndarray, rz: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """dy and dz of Aᵀ dz = ry and A dy - W² dz = rz without the row of the load."""
+        """Solve Aᵀ dz = ry, A dy - W² dz = rz without the row of the load."""
         g, force = np.empty((2, len(self.corners[0]), 3))
         dy, dz = np.zeros(len(ry)), np.zeros(len(rz))
         at = self.c_inverse, self.square, self.lone, *self.eliminated
@@ -314,7 +315,7 @@ class _Method:
         return dy, dz
 
     def once(self, ry: np.ndarray, rz: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """dy and dz of the system with the row of the load."""
+        """Solution dy, dz of the system with the row of the load."""
         dy, dz = self.without_load(ry, rz)
         multiplier = (float(self.load @ dy) - rz[0]) / self.load_work
         dy -= multiplier * self.to_load[0]
@@ -325,10 +326,10 @@ class _Method:
     def refined(
         self, ry: np.ndarray, rz: np.ndarray, start: tuple[np.ndarray, np.ndarray], within: float, most: int
     ) -> tuple[np.ndarray, np.ndarray]:
-        """A solution refined until its residual is ``within`` a share of the right-hand side, or falls no more.
+        """A solution refined until its residual is ``within`` of the right-hand side, or no longer falls.
 
-        Each correction has the least residual together with those before (Eisenstat, Elman & Schultz 1983): what the
-        compliance δ of clay, or rounding, leaves would fall slowly otherwise.
+        Each correction minimises the residual together with the corrections before (Eisenstat, Elman & Schultz 1983);
+        otherwise the residual by the compliance δ of clay, or by rounding, would fall slowly.
         """
         (dy, dz), size = start, max(np.abs(ry).max(), np.abs(rz).max())
         ey, ez = ry - self.a_t @ dz, rz - self.a @ dy + self.squared(dz)
@@ -356,7 +357,7 @@ class _Method:
         return dy, dz
 
     def start(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """y, z and s of least size that meet the equations, led into the cones (Mehrotra 1992)."""
+        """The y, z and s of least norm that fulfil the equations, moved into the cones (Mehrotra 1992)."""
         squares = self.a.multiply(self.a).sum(axis=1)
         rows = np.sqrt(np.asarray(squares).ravel())
         weight = np.maximum(self.cone(rows).max(axis=1), 1e-12)
@@ -372,7 +373,7 @@ class _Method:
         return y, self.led_inside(z, weight, lone), self.led_inside(s, 1.0 / weight, 1.0 / lone)
 
     def led_inside(self, v: np.ndarray, weight: np.ndarray, lone: np.ndarray) -> np.ndarray:
-        """A vector of rows, over the weights, moved by one amount along the axes of all cones until it is inside."""
+        """A vector of rows over the weights, moved along the axes of all cones until it is inside them."""
         v = v.copy()
         cone, rest = self.cone(v), v[self.lones :]
         cone *= weight[:, None]
@@ -388,7 +389,7 @@ class _Method:
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """A direction: what it corrects, its changes, and the longest steps at most 1."""
+    """A direction: the residuals that it corrects, its changes, and its longest steps (at most 1)."""
 
     d: np.ndarray
     dy: np.ndarray

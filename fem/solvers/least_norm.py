@@ -1,4 +1,4 @@
-"""The least change that meets linear equations, by one sparse factorisation."""
+"""The smallest correction that fulfils linear equations, by one sparse factorisation."""
 
 from collections.abc import Callable
 from functools import partial
@@ -20,12 +20,12 @@ MANY, NEARLY = 500, 1e-13
 
 
 def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.ndarray:
-    """The shortest d with ``matrix`` d = ``residual`` as nearly as rounding allows; rows may depend on each other.
+    """The shortest d with ``matrix`` d = ``residual`` to rounding; rows may be linearly dependent.
 
-    It is Aᵀ (A Aᵀ)⁻¹ ``residual``, by CHOLMOD. The residual that this leaves, or all of it where CHOLMOD is missing, is
-    removed by Clarabel: it solves min |d|²/2 with these equations by one factorisation of [[1, Aᵀ], [A, 0]], in an
-    approximate minimum degree ordering (Amestoy, Davis & Duff 1996), in twice the time. SuperLU's multiple minimum
-    degree takes a hundred times as long to order A Aᵀ of thin layers: 81 s for 75,000 equations.
+    It is Aᵀ (A Aᵀ)⁻¹ ``residual``, by CHOLMOD. Clarabel corrects the remaining residual, or all of it where CHOLMOD is
+    missing: it solves min |d|²/2 with these equations by one factorisation of [[1, Aᵀ], [A, 0]], in an approximate
+    minimum degree ordering (Amestoy, Davis & Duff 1996), in twice the time. SuperLU's multiple minimum degree takes a
+    hundred times as long to order A Aᵀ of thin layers: 81 s for 75,000 equations.
     """
     rows = matrix.shape[0]
     if rows == 0 or not np.any(residual):
@@ -46,7 +46,9 @@ def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.nda
 def _refined(
     scaled: sparse.csr_matrix, left: np.ndarray, correction: np.ndarray, shortest: Callable[[np.ndarray], np.ndarray]
 ) -> np.ndarray:
-    """The correction, refined by what is the ``shortest`` for the rest until that falls no more."""
+    """The correction, refined: the ``shortest`` solution for the remaining residual is added until this residual no
+    longer falls.
+    """
     missed = np.inf
     for _ in range(MOST_CORRECTIONS):
         rest = left - scaled @ correction
@@ -58,7 +60,9 @@ def _refined(
 
 
 def _normal_equations(scaled: sparse.csr_matrix) -> Callable[[np.ndarray], np.ndarray] | None:
-    """The shortest d with ``scaled`` d = a right-hand side, but for SHIFT, by Cholesky factors; None without any."""
+    """A function for the shortest d with ``scaled`` d = a right-hand side, regularised by SHIFT, by Cholesky factors;
+    None without factors.
+    """
     if not cholmod.available():
         return None
     lower = sparse.tril(scaled @ scaled.T + SHIFT * sparse.identity(scaled.shape[0]), format="csc")
@@ -72,7 +76,7 @@ def _normal_equations(scaled: sparse.csr_matrix) -> Callable[[np.ndarray], np.nd
 
 
 def _shortest(matrix: sparse.csc_matrix, right: np.ndarray) -> np.ndarray:
-    """The shortest d with ``matrix`` d = ``right``, but for the regularisation of the factors."""
+    """The shortest d with ``matrix`` d = ``right``, except for the regularisation of the factors."""
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.static_regularization_constant = 1e-10

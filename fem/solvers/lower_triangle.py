@@ -1,4 +1,4 @@
-"""The lower triangle of a symmetric positive definite matrix that many small ones add up to, and its factors."""
+"""The lower triangle of a positive definite matrix that is the sum of many small matrices, and its factors."""
 
 import numpy as np
 from scipy import sparse
@@ -28,7 +28,7 @@ class LowerTriangle:
     starts, columns : ndarrays (k + 1,), (m,)
         Unknowns of the small matrices in rising order: ``columns[starts[i] : starts[i + 1]]`` are those of number i.
     size : int
-        Unknowns, n.
+        Number of unknowns, n.
     """
 
     def __init__(self, starts: np.ndarray, columns: np.ndarray, size: int) -> None:
@@ -45,7 +45,8 @@ class LowerTriangle:
         self._factors = Cholesky(pattern)
 
     def factorise(self) -> None:
-        """Factorise the ``entries``; the smallest share of STIFFER that makes them positive definite is added first.
+        """Factorise the ``entries``, after the smallest share of STIFFER that makes them positive definite is added to
+        the diagonal.
 
         Raises NotPositiveDefiniteError if none does.
         """
