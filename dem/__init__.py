@@ -1,5 +1,5 @@
-"""Discs (DEM): their critical seismic coefficient, and slides after liquefaction. The names that a script needs, each
-imported when it is used, since kernels take a while to load.
+"""Discs (DEM): their critical seismic coefficient, and slides after liquefaction. Names are imported when they are
+first used, since kernels take a while to load.
 """
 
 from typing import TYPE_CHECKING

@@ -33,7 +33,7 @@ class Acceleration:
     ) -> "Acceleration":
         """Kh in a frame whose x axis dips by `tilt` (rad) below the horizontal: positive Kh pushes downhill.
 
-        ramp (start, end) in s: from nothing to all in between, as smoothly as a half cosine.
+        ramp (start, end) in s: times between which Kh rises from zero to its value along a half cosine.
         kh: seismic coefficient (-); g: gravity (m/s2).
         """
         ax, az = g * (kh * np.cos(tilt)), g * (kh * np.sin(tilt))
@@ -44,7 +44,9 @@ class Acceleration:
         return cls(ramp[0] + s * (ramp[1] - ramp[0]), ax * share, az * share)
 
     def with_level(self, gravity: tuple[float, float]) -> np.ndarray:
-        """Components along x, along z, and perpendicular to gravity, positive to the right: (3, times) in m/s2."""
+        """Three components (3, times) in m/s2: along x, along z, and horizontally (perpendicular to gravity),
+        positive to the right.
+        """
         size = float(np.hypot(*gravity))
         right = (-gravity[1] / size, gravity[0] / size) if size > 0.0 else (1.0, 0.0)
         return np.array([self.x, self.z, right[0] * self.x + right[1] * self.z])

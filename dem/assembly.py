@@ -12,7 +12,7 @@ SHORTEST = 12.0  # period, in largest radii: twice as many cells of the neighbou
 
 
 class DiscGeometry:
-    """Where the discs lie, and to which layer each belongs.
+    """Positions, radii and layers of discs.
 
     Attributes
     ----------
@@ -23,12 +23,12 @@ class DiscGeometry:
     layer : (n,)
         Index of the layer, -1 for boundary discs.
     fixed : (n,)
-        Mask of the discs that do not move: boundary discs, and those that were said to be fixed.
+        Mask of the discs that do not move: boundary discs, and others that are held.
 
     Raises
     ------
     ValueError
-        For arrays that do not fit together, and for radii that are not positive.
+        If arrays have different lengths, or radii are not positive.
     """
 
     def __init__(
@@ -61,9 +61,9 @@ class DiscMaterials:
     layers : sequence of LayerSprings
         Constants of each layer.
     law, mean : str
-        Contact law; mean of the constants of two layers, see `pair_table.pair_table`.
+        Contact law, and kind of mean of the constants of two layers, see `pair_table.pair_table`.
     turns : bool
-        Whether discs rotate. Those of layers with infinite rolling friction do not in any case.
+        Whether discs rotate. Discs of layers with infinite rolling friction never do.
     """
 
     layers: Sequence[LayerSprings]
@@ -98,9 +98,10 @@ class DiscBoundary:
     lines : (k, 6)
         Rigid lines, see `DiscState`.
     strengths : tuple of Strength or None
-        Strength of the contacts with each line, None for that of the layer of the disc; empty if it is so for all.
+        Strength of the contacts with each line, None for the strength of the layer of the disc; empty if it is None for
+        all lines.
     period : (length, rise) or None
-        Length (m) after which the ground repeats itself, and by how much it lies higher there (m); soil discs only.
+        Length (m) of the period, and height (m) by which the ground is higher one period to the right; soil discs only.
     """
 
     def __init__(
@@ -111,7 +112,7 @@ class DiscBoundary:
     ) -> None:
         """line_strength: one for all lines, or one for each, such as `springs.SMOOTH`.
 
-        Raises ValueError for another number of strengths than lines.
+        Raises ValueError unless there are as many strengths as lines.
         """
         self.lines = np.array(lines if lines is not None else np.zeros((0, 6)), float).reshape(-1, 6)
         self.strengths: tuple[Strength | None, ...] = strength_of_each(line_strength, len(self.lines))

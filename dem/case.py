@@ -1,4 +1,4 @@
-"""What liquefaction does to layers: the cases of the slides, a table [[slide.cases]] each."""
+"""Cases of the slides, a table [[slide.cases]] each: stiffness, strength and volume of liquefied layers."""
 
 from typing import Annotated, Self
 
@@ -15,9 +15,7 @@ LIQUEFIED = (50.0, 1e6)  # Pa: what residual strengths are, from a slurry to den
 
 
 def _of_liquefied_soil(strength: Quantity) -> Quantity:
-    """Check a residual strength (Pa); raises ValueError for one that soil does not have, naming what may have been
-    meant.
-    """
+    """Check a residual strength (Pa); raises ValueError with a suggestion for values that no soil has."""
     least, most = LIQUEFIED
     if strength == 0.0 or least <= strength <= most:
         return strength
@@ -33,7 +31,7 @@ ResidualStrength = Annotated[Strength, AfterValidator(_of_liquefied_soil)]
 
 
 class Case(Model):
-    """What liquefaction does to the layers that name this case in `liquefies_in`."""
+    """Stiffness, strength and volume of the layers that name this case in `liquefies_in`, after liquefaction."""
 
     name: str = Field(default="", description="what the case is called, such as low strength")
     stiffness: float = Field(
@@ -78,7 +76,9 @@ class Case(Model):
 
     @property
     def damping_left(self) -> float:
-        """`damping`, or the root of `stiffness`: dashpots are a share of sqrt(m K), and K is what is left of it."""
+        """`damping`; by default the root of `stiffness`, since dashpots are proportional to sqrt(m K) and
+        liquefaction reduces K.
+        """
         return float(np.sqrt(self.stiffness)) if self.damping is None else self.damping
 
     def residual_of(self, stratum: str) -> float:
@@ -86,23 +86,24 @@ class Case(Model):
         return value_of_stratum(self.residual, stratum) or 0.0 if isinstance(self.residual, dict) else self.residual
 
     def strength_of(self, stratum: str) -> float:
-        """The residual strength (Pa) of a stratum by its name, where it is given as such."""
+        """The residual strength (Pa) of a stratum by its name, where it is given as a stress."""
         kept = self.residual_strength
         return value_of_stratum(kept, stratum) or 0.0 if isinstance(kept, dict) else kept
 
     def strain_potential_of(self, stratum: str) -> float:
-        """The shear strain that a stratum, by its name, goes through before it holds."""
+        """The strain potential of a stratum by its name: its shear strain before it regains strength."""
         potential = self.strain_potential
         return value_of_stratum(potential, stratum) or 0.0 if isinstance(potential, dict) else potential
 
     def residual_remains(self, stratum: str) -> Remains:
-        """Remaining strength of a stratum, by its name, where only its residual strength counts."""
+        """Remaining strength of a stratum by its name, from its residual strength alone."""
         kept = self.residual_of(stratum), self.strength_of(stratum), self.strain_potential_of(stratum)
         return Remains(0.0, 0.0, *kept)
 
     def remains_of(self, section: Section, number: int) -> Remains:
-        """The strength a stratum keeps: its residual strength, or shares of cohesion and friction where those give
-        more. Back-calculated residual strengths are all that slides had left, so that the two do not add up.
+        """The strength of a stratum after liquefaction: its residual strength, or shares of cohesion and friction where
+        these are larger. The two are not added, since back-calculated residual strengths are the whole strength of
+        liquefied soil.
         """
         stratum, field = section.strata[number], section.cohesion_field
         residual = self.residual_remains(stratum.name)
@@ -131,21 +132,22 @@ SOFTENED = (Case(stiffness=0.1), Case(stiffness=0.02), Case(stiffness=0.01))  # 
 
 
 def cases_of_loose_sand(section: Section) -> tuple[Case, ...]:
-    """The cases of slides where an input gives none: residual strengths of loose sand (`LOOSE_SAND`), each the same all
-    over a soil.
+    """The cases of slides where the input gives none: residual strengths of loose sand (`LOOSE_SAND`), each constant
+    within a soil.
 
-    A strength that goes with the local stress would vanish at the face of a bank. Parts of a soil, above water and
-    below it, share one strength.
+    A strength in proportion to the local stress would be zero at the face of a bank. The parts of a soil above and
+    below the water table have the same strength.
 
     Parameters
     ----------
     section : Section
-        The ground; what liquefies in it names the numbers of the cases.
+        The ground; its liquefying strata name the numbers of the cases.
 
     Returns
     -------
     tuple of Case
-        With the ratios of `LOOSE_SAND` times the mean vertical effective stress of each soil that liquefies (Pa).
+        Cases whose residual strengths are the ratios of `LOOSE_SAND` times the mean vertical effective stress of each
+        liquefying soil (Pa).
     """
     areas, parts = section.layering.areas(), dict[str, list[int]]()
     for k, stratum in enumerate(section.strata):

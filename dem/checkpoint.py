@@ -1,4 +1,6 @@
-"""Arrays and plain values into one HDF5 file and back, to the last bit; the file is never half written."""
+"""Write arrays and plain values to one HDF5 file and read them back, exact to the last bit; the file is never half
+written.
+"""
 
 import json
 from pathlib import Path
@@ -13,7 +15,7 @@ PLAIN = "plain"  # attribute that holds all values that are no arrays, as JSON
 
 
 def write(path: Path, arrays: dict[str, np.ndarray], plain: dict[str, Any]) -> None:
-    """Writes the file, whole or not at all. plain: values that JSON can hold, and infinite numbers."""
+    """Writes the file completely or not at all. plain: values that JSON can hold, and infinite numbers."""
     with whole(path) as beside, h5py.File(beside, "w") as file:
         for name, values in arrays.items():
             file.create_dataset(name, data=values)

@@ -1,20 +1,20 @@
-"""What can stop a run: each error names disc, time and place, and says what to do next."""
+"""Errors that stop a run: each names disc, time and place, and a remedy."""
 
 from meshes.errors import NoAnswerError
 
 
 class DemError(NoAnswerError):
-    """A run of the discs that had to stop.
+    """A run of the discs was stopped by an error.
 
     Attributes
     ----------
     reason, remedy : str
-        What went wrong, and what to do about it.
+        The error in words, and what the user can change.
     """
 
 
 class StepTooLargeError(DemError, ValueError):
-    """The time step asked for is above the stable one."""
+    """The requested time step is larger than the stable one."""
 
 
 class EnergyBalanceError(DemError):
@@ -22,7 +22,7 @@ class EnergyBalanceError(DemError):
 
 
 class OverlapError(DemError):
-    """Two discs, or a disc and a line, are deeper in each other than their layers allow."""
+    """Two discs, or a disc and a line, overlap by more than their layers allow."""
 
 
 class NotFiniteError(DemError):

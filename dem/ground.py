@@ -1,7 +1,8 @@
 """Discs of a section: packing, frame of reference and layers.
 
-Two frames. The section's: x to the right, z up. The discs' own: rows lie along u; a box has its u axis along the mean
-ground surface and feels gravity tilted; lattice and random packings lie in the section's frame as they are.
+There are two frames. In the frame of the section x points to the right and z up. In the frame of the discs u is
+parallel to their rows: for a "box" the u axis is parallel to the mean ground surface, and gravity is inclined; for
+lattice and random packings the two frames are the same.
 """
 
 from collections.abc import Sequence
@@ -26,26 +27,26 @@ SOON = 1e-3  # s in which what a record begins or ends with comes on and goes
 
 @dataclass(frozen=True)
 class Ground:
-    """Discs of a section before anything acts on them.
+    """Discs of a section without loads.
 
     Attributes
     ----------
     packing : Packing
-        Where they lie.
+        Positions, radii and layers of the discs.
     kind : str
         "box", "lattice" or "random".
     radius : float
         Their mean radius (m).
     rows : int
-        Of a box, else 0.
+        Number of rows of a box, else 0.
     tilt : float
-        How far the u axis dips below the horizontal (rad).
+        Angle of the u axis below the horizontal (rad).
     origin : (float, float)
-        Where u = v = 0 lies in the section (m).
+        Place of u = v = 0 in the section (m).
     downhill : int
         +1 where the ground falls along x, -1 where it rises.
     section : Section or None
-        Whose water and loads act on them; None for discs that have none.
+        Section whose water and loads act on the discs; None for discs without them.
     """
 
     packing: Packing
@@ -58,12 +59,12 @@ class Ground:
     section: Section | None = None
 
     def to_section(self, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Places of the discs' frame in the section's (m)."""
+        """Places (m) in the frame of the section, from places in the frame of the discs."""
         dx, dz = self.turned(u, v)
         return self.origin[0] + dx, self.origin[1] + dz
 
     def turned(self, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Vectors of the discs' frame in the section's."""
+        """Vectors in the frame of the section, from vectors in the frame of the discs."""
         c, s = np.cos(self.tilt), np.sin(self.tilt)
         return c * u + s * v, -s * u + c * v
 
@@ -80,7 +81,7 @@ class Ground:
         return model
 
     def weaken(self, model: DiscModel) -> bool:
-        """Lets discs at rest feel the pore pressure that shaking adds; False where it adds none."""
+        """Apply the excess pore pressure by shaking to discs at rest; False where there is none."""
         added = None if self.section is None else excess(self.section, self.to_section(model.x, model.z), model)
         if added is None:
             return False
@@ -90,8 +91,8 @@ class Ground:
         return True
 
     def buoyancy(self, model: DiscModel) -> np.ndarray | None:
-        """Acceleration (2, n) in m/s2, in the frame of the discs, by still water at the places where discs are by now;
-        None without any, see `dem.water.buoyancy`.
+        """Acceleration (2, n) in m/s2, in the frame of the discs, by still water at the present places of the discs;
+        None without water, see `dem.water.buoyancy`.
         """
         if self.section is None:
             return None
@@ -100,14 +101,14 @@ class Ground:
         return None if felt is None else np.array(self._own(felt))
 
     def _own(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Vectors (n, 2) of the section's frame in the discs' own."""
+        """Vectors (n, 2) in the frame of the discs, from vectors in the frame of the section."""
         c, s = np.cos(self.tilt), np.sin(self.tilt)
         return c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]
 
     def held(self, kh: float, start: float, rise: float, seconds: float | None) -> Acceleration:
         """Kh that rises in `rise` seconds from `start` (s), is held, and falls to zero within a second; + is downhill.
-        seconds: from `start` until it begins to fall; None if it is held for ever.
-        kh: seismic coefficient that is held (-).
+        seconds: time from `start` until it begins to fall; None if it never falls. kh: seismic coefficient that is held
+        (-).
         """
         on = self.shaking(0.0, kh, start, start + rise)
         if seconds is None:
@@ -126,7 +127,7 @@ class Ground:
         return Acceleration.seismic(self.downhill * kh, tilt=self.tilt)
 
     def shaking(self, before: float, after: float, start: float, end: float) -> Acceleration:
-        """Kh that changes from one value to another between two times (s), along a half cosine; + is downhill.
+        """Kh that changes along a half cosine between two times; + is downhill.
 
         before, after: Kh before and after (-); start, end: the times (s).
         """
@@ -143,7 +144,7 @@ def springs_of(section: Section, settings: DemSettings, radius: float) -> list[L
     section : Section
         The strata, from the top down.
     settings : DemSettings
-        Which springs, their scale, damping and allowed overlap.
+        Kind of springs, their scale, damping and allowed overlap.
     radius : float
         Mean radius of the discs (m).
 
@@ -165,7 +166,7 @@ def springs_of(section: Section, settings: DemSettings, radius: float) -> list[L
 
 
 def ground_of(section: Section, settings: DemSettings) -> Ground:
-    """Lay discs into a section.
+    """Place discs in a section.
 
     Parameters
     ----------
@@ -204,7 +205,7 @@ def ground_of(section: Section, settings: DemSettings) -> Ground:
 
 
 def mean_slope(section: Section) -> float:
-    """Angle (rad) by which the line between the ends of the surface dips to the right."""
+    """Angle (rad) by which the line between the ends of the surface falls to the right."""
     (x0, z0), (x1, z1) = section.ground[0], section.ground[-1]
     return float(np.arctan2(z0 - z1, x1 - x0))
 
@@ -222,7 +223,9 @@ def box_fits(section: Section, radius: float) -> bool:
 
 
 def _box(section: Section, radius: float) -> Ground:
-    """As many columns as the surface is long, as many rows as fit above the base; centred along the surface."""
+    """A box with as many columns as fit along the surface and as many rows as fit above the base, centred along the
+    surface.
+    """
     tilt = mean_slope(section)
     start, end = section.ground[0], section.ground[-1]
     length = float(np.hypot(*(end - start)))
@@ -243,7 +246,7 @@ def _box(section: Section, radius: float) -> Ground:
 
 
 def in_stratum(section: Section, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Stratum of each place (m); above the surface or below the base that at the surface or the base there."""
+    """Stratum of each place (m); above the surface that at the surface, below the base that at the base."""
     inside = np.clip(x, *section.extent)
     ends = section.layering.interfaces(inside)
     layer = np.asarray(section.stratum_at(inside, np.clip(z, ends[:, -1], ends[:, 0])), np.int32)
@@ -263,7 +266,9 @@ def _cut(section: Section, settings: DemSettings, kind: str, radius: float) -> G
 
 
 def _densest_that_fits(section: Section, settings: DemSettings, radius: float) -> Packing:
-    """A random packing of the porosity asked for, or the next larger one at which the discs fit between the walls."""
+    """A random packing of the porosity of the settings, or of the next larger porosity at which the discs fit
+    between the walls.
+    """
     for more in np.arange(0.0, LOOSER, 0.01):
         try:
             return random_packing(

@@ -13,9 +13,9 @@ LineStrengths = Strength | Sequence[Strength | None] | None
 
 
 def strength_of_each(strengths: LineStrengths, count: int) -> tuple[Strength | None, ...]:
-    """One strength for each line, None for the strength of the disc's layer; empty where that holds for all lines.
+    """One strength for each line, None for the strength of the layer of the disc; empty if it is None for all lines.
 
-    Raises ValueError for another number of strengths.
+    Raises ValueError unless there are ``count`` strengths.
     """
     each = (strengths,) * count if strengths is None or isinstance(strengths, Strength) else tuple(strengths)
     if len(each) != count:
@@ -26,8 +26,8 @@ def strength_of_each(strengths: LineStrengths, count: int) -> tuple[Strength | N
 def with_line_strengths(table: PairTable, strengths: Sequence[Strength | None], law: Law) -> PairTable:
     """The table with a block of columns for every strength given to lines.
 
-    Stiffness and dashpots of a line are those of its partner in any case. Raises ValueError for a friction or cohesion
-    below zero, and for cohesion of the paper's discs, whose contacts know none.
+    Stiffness and dashpots of a line are always those of its partner. Raises ValueError if friction or cohesion is
+    negative, and for cohesion with the paper's discs, whose contacts have none.
     """
     distinct = list(dict.fromkeys(strength for strength in strengths if strength is not None))
     blocks = [table.lines]

@@ -1,5 +1,5 @@
-"""State of liquefied soil discs, and the list of their pairs. The laws are in `kernels.liquefied_pairs`; their input is
-prepared here: which discs have liquefied, to which degree, with which pressure and residual strength.
+"""State of liquefied soil discs, and the list of their pairs. The laws are in `kernels.liquefied_pairs`; here their
+input is prepared: the liquefied discs, their degree of liquefaction, pore pressure and residual strength.
 """
 
 from typing import NamedTuple
@@ -39,17 +39,18 @@ class Onset(NamedTuple):
     Attributes
     ----------
     discs : (n,) bool
-        Which liquefy.
+        Mask of the discs that liquefy.
     area : (n,)
-        Of every disc with its voids, of those too that do not liquefy (m2).
+        Area of every disc with its voids, whether it liquefies or not (m2).
     pressure : (n,)
         Effective overburden that pore water takes over (Pa).
     strength : (n,)
         Residual strength (Pa).
     strain : (n,)
-        Shear strain at which it is reached.
+        Shear strain at which the residual strength is reached.
     knee, soft_to : (n,)
-        Share of the strength that is there at the strain potential, and share of that strain by then; 0 without one.
+        Knee of the bilinear law at the strain potential: share of the residual strength, and share of the strain at
+        which it is reached; 0 without a strain potential.
     """
 
     discs: np.ndarray
@@ -62,7 +63,7 @@ class Onset(NamedTuple):
 
 
 def list_liquefied(state: DiscState, in_ranges: Ranges = serial) -> None:
-    """Makes the list of pairs with a liquefied disc for where discs are now; what bonds remember is carried over."""
+    """Make the list of pairs with a liquefied disc for the present positions; history variables of bonds are copied."""
     if not len(state.liquefied):
         return
     order = state.order
@@ -91,11 +92,12 @@ def list_liquefied(state: DiscState, in_ranges: Ranges = serial) -> None:
 
 
 def match_strength(state: DiscState) -> None:
-    """Adjusts the strength of bonds, so that strained ground keeps its prescribed strength with a new list of pairs.
+    """Adjust the strength of bonds, so that strained ground has its prescribed strength with a new list of pairs.
 
-    Bonds alone would hold 0.8 to 1.5 times that, by how the discs have come to lie: the pressure of discs that are
-    pushed past each other bears shear as well, and bonds resist more in simple than in pure shear. Along fixed discs,
-    for which they are fitted, they stay as they are: half of what is between these and the ground is not seen.
+    Without this adjustment the strength would be 0.8 to 1.5 times the prescribed one, depending on the arrangement of
+    the discs: the pressure between discs that move past each other contributes shear stress, and bonds resist more in
+    simple than in pure shear. Bonds to fixed discs are not adjusted: they are fitted for this case, and half of the
+    stress there cannot be measured.
     """
     if not len(state.liquefied):
         return
@@ -119,16 +121,16 @@ def match_strength(state: DiscState) -> None:
 
 
 def _in_pairs(state: DiscState) -> np.ndarray:
-    """Mask (n,) of the discs that have a liquefied one within reach, or are one."""
+    """Mask (n,) of the liquefied discs and of discs with a liquefied one within reach."""
     is_in_pair = np.zeros(len(state), bool)
     is_in_pair[state.liquefied_i] = is_in_pair[state.liquefied_j] = True
     return is_in_pair
 
 
 def liquefy(model: DiscState, onset: Onset) -> None:
-    """Starts the liquefaction of discs, at degree 0 until `set_share`; discs that began before are unchanged.
-    Overburden and density of this moment are the reference of the pore pressure. Raises ValueError for discs of the
-    paper, and for a period that is too short.
+    """Start the liquefaction of discs, at degree 0 until `set_share`; discs whose liquefaction began earlier are
+    unchanged. The present overburden and density are the reference of the pore pressure. Raises ValueError for the
+    paper's discs, and for a period that is too short.
     """
     if model.law != "soil":
         raise ValueError("discs: only those of law='soil' liquefy; the paper's take the factors of their case")
@@ -166,10 +168,11 @@ def liquefy(model: DiscState, onset: Onset) -> None:
 
 
 def longest_look(model: DiscState) -> tuple[float, int]:
-    """Longest time (s) for which forces of liquefied ground may be held, and the disc that sets it; (inf, -1) without.
+    """Longest time (s) for which forces of liquefied ground may be constant, and the disc that limits it; (inf, -1)
+    without liquefied ground.
 
-    It follows from the highest frequency of a disc by bonds and pore water: twice the sum of their stiffness over its
-    mass, as for contacts, with sums over pairs as integrals over an even density.
+    It follows from the highest frequency of a disc on its bonds and pore water: twice the sum of their stiffness over
+    its mass, as for contacts; sums over pairs are replaced by integrals over a uniform density.
     """
     which = np.flatnonzero(has_begun(model))
     if not len(which):
@@ -183,19 +186,19 @@ def longest_look(model: DiscState) -> tuple[float, int]:
 
 
 def steps_held(model: DiscState, dt: float) -> int:
-    """For how many steps of dt (s) forces of liquefied ground are held."""
+    """Number of steps of dt (s) for which forces of liquefied ground are constant."""
     return int(np.clip(longest_look(model)[0] / dt, 1, MOST_STEPS))
 
 
 def _densities(model: DiscState) -> np.ndarray:
-    """Density of the discs' areas (n,) when the pairs were last evaluated; of use for liquefied discs alone."""
+    """Density of the areas of discs (n,) at the last evaluation of the pairs; only valid for liquefied discs."""
     wet = model.liquefied
     x, z, area = (np.ascontiguousarray(wet[:, field]) for field in (bond.AT_X, bond.AT_Z, bond.AREA))
     return densities(x, z, area, model.liquefied_i, model.liquefied_j, model.reach, model.repeats)
 
 
 def change_areas(model: DiscState, factor: np.ndarray) -> None:
-    """Scales the areas with voids by a factor (n,), such as where ground drains; pore pressure changes, too."""
+    """Multiply the areas with voids by a factor (n,), as where ground drains; pore pressure changes, too."""
     if not len(model.liquefied):
         return
     model.liquefied[:, bond.AREA] *= factor
@@ -204,11 +207,13 @@ def change_areas(model: DiscState, factor: np.ndarray) -> None:
 
 
 def has_begun(model: DiscState) -> np.ndarray:
-    """Mask (n,) of the discs that have begun to liquefy."""
+    """Mask (n,) of the discs whose liquefaction has begun."""
     return model.liquefied[:, bond.STIFFNESS] > 0.0 if len(model.liquefied) else np.zeros(len(model), bool)
 
 
 def set_share(model: DiscState, share: np.ndarray) -> None:
-    """How far each disc (n,) has liquefied, 0 to 1; those that never began to liquefy stay as they are."""
+    """Set the degree of liquefaction of each disc (n,), 0 to 1; discs whose liquefaction has not begun are
+    unchanged.
+    """
     wet = model.liquefied
     wet[:, bond.SHARE] = np.where(has_begun(model), share, 0.0)

@@ -1,4 +1,4 @@
-"""DiscModel: the discs, and what can be done to them between runs."""
+"""DiscModel: the discs, and operations on them between runs."""
 
 import copy
 from collections.abc import Sequence
@@ -45,9 +45,9 @@ SORT_EVERY = 16  # lists made between two sortings in space
 
 
 class DiscModel(DiscState):
-    """The discs and what can be done to them between runs. Make one with `DiscModel.create`.
+    """The discs, and operations on them between runs. Make a model with `DiscModel.create`.
 
-    Call `make_list` after changing lines or skin by hand; changed positions are noticed when a run begins.
+    Call `make_list` after changing lines or skin directly; changed positions are detected when a run begins.
     """
 
     @classmethod
@@ -66,7 +66,7 @@ class DiscModel(DiscState):
         Parameters
         ----------
         geometry
-            Where the discs lie, and their layers.
+            Positions, radii and layers of the discs.
         materials
             The constants of the layers, and the contact law.
         boundary
@@ -74,14 +74,14 @@ class DiscModel(DiscState):
         gravity
             Along x and z (m/s2).
         acceleration
-            External acceleration in time; none if left out.
+            External acceleration over time; none if left out.
         skin
             Margin of the neighbour list (m); 0.4 mean radii if left out.
 
         Returns
         -------
         DiscModel
-            With its neighbour list, at time 0.
+            The model with its neighbour list, at time 0.
 
         Raises
         ------
@@ -126,9 +126,9 @@ class DiscModel(DiscState):
         spin: np.ndarray | float = 0.0,
         where: np.ndarray | None = None,
     ) -> None:
-        """Velocities (m/s, 1/s) of all discs, or of those in the mask `where`, from now on.
+        """Set the velocities (m/s, 1/s) of all discs, or of those in the mask `where`.
 
-        Fixed discs keep the velocity they are given: that moves a boundary.
+        Fixed discs keep this velocity, which moves a boundary.
         vx, vz: (m/s); spin: (1/s).
         """
         chosen = np.ones(len(self), bool) if where is None else where
@@ -140,7 +140,7 @@ class DiscModel(DiscState):
 
     @property
     def leeway(self) -> float:
-        """How far discs may move (m) until the neighbour list has to be made anew."""
+        """Largest displacement (m) of discs before the neighbour list must be renewed."""
         return 0.5 * (self.skin - float(self.springs.pairs[GAP].max()))
 
     def refresh_list(self) -> None:
@@ -149,7 +149,7 @@ class DiscModel(DiscState):
             self.make_list()
 
     def make_list(self, in_ranges: Ranges = serial) -> None:
-        """Makes the neighbour list for where the discs are now; memory of contacts is carried over."""
+        """Make the neighbour list for the present positions; the history of contacts is copied."""
         if self.lists_made % SORT_EVERY == 0:
             x, z = folded(self.x, self.z, self.repeats)
             self.order = spatial_order(x, z, 2.0 * self.radius.mean())
@@ -194,7 +194,7 @@ class DiscModel(DiscState):
         return np.asarray((self.springs.pairs[KN] == 0.0) & (self.springs.pairs[KPN] == 0.0))
 
     def _carry(self, old: np.ndarray, sign: np.ndarray, in_ranges: Ranges) -> None:
-        """Memory of the contacts of a new list, see `carry_over`."""
+        """History variables of the contacts of a new list, see `carry_over`."""
         before = tuple(getattr(self, name) for name in self.memory)
         after = tuple(np.empty(len(old)) for _ in before)
         turns = np.array([name in TURNED for name in self.memory])
@@ -203,9 +203,9 @@ class DiscModel(DiscState):
             setattr(self, name, values)
 
     def set_pore_springs(self) -> int:
-        """Sets a pore spring, free of force, between all discs with D <= alpha (r_i + r_j), eq. (14).
+        """Set a pore spring without force between all discs with D <= alpha (r_i + r_j), eq. (14).
 
-        Pairs that have one keep it, whole or cracked. Returns how many were set.
+        Pairs with a pore spring keep it, intact or cracked. Returns the number of new springs.
         """
         alpha = self.springs.alpha
         self._list(float(alpha.max()) * (1.0 + 1e-12), 0.0)
@@ -218,9 +218,9 @@ class DiscModel(DiscState):
         return int(new.sum())
 
     def cut_pore_springs(self, layers: Sequence[int] | None = None) -> int:
-        """Takes the pore springs away whose discs, one or both, are in these layers; all if none are named.
+        """Remove the pore springs with one or both discs in these layers; all of them without ``layers``.
 
-        Unlike cracked ones they resist nothing from then on. Returns how many were cut.
+        Unlike cracked springs they do not resist compression. Returns the number of removed springs.
         """
         chosen = np.ones(len(self.pair_i), bool)
         if layers is not None:
@@ -233,9 +233,9 @@ class DiscModel(DiscState):
         return int(chosen.sum())
 
     def set_springs(self, layers: Sequence[LayerSprings]) -> None:
-        """Other constants from now on, for the same layers in the same order; overlaps and slips stay as they are.
+        """Replace the constants of the layers, in the same order; overlaps and slips are unchanged.
 
-        So all spring forces, kept ones too, change with their stiffness. Masses stay those of the discs.
+        So all spring forces, including stored ones, change with the stiffness. Masses are unchanged.
         """
         if len(layers) != len(self.springs.layers):
             raise ValueError(f"{len(layers)} layers given, the discs have {len(self.springs.layers)}")
@@ -260,12 +260,12 @@ class DiscModel(DiscState):
             self.make_list()
 
     def remove_lines(self, which: Sequence[int]) -> None:
-        """Takes rigid lines away, by their numbers: a gate that opens. Contacts with the others keep their forces.
+        """Remove rigid lines by their numbers, as a gate that opens. Contacts with other lines keep their forces.
 
         Parameters
         ----------
         which
-            Numbers of lines, from 0. The others close up: what was line 2 is line 1 once line 1 is gone.
+            Numbers of lines, from 0. The remaining lines are renumbered: line 2 becomes line 1 if line 1 is removed.
 
         Raises
         ------
@@ -288,10 +288,10 @@ class DiscModel(DiscState):
             self.springs = replace(self.springs, line_block=tuple(self.springs.line_block[k] for k in kept))
 
     def set_radius(self, radius: np.ndarray) -> None:
-        """Other radii (m) from now on: discs swell, or shrink as liquefied ground does that loses volume.
+        """Replace the radii (m): discs swell, or shrink as liquefied ground that loses volume.
 
-        Mass, angle and spin stay; forces change with the overlaps. The areas with voids, on which
-        pore water presses, change in proportion.
+        Mass, angle and spin are unchanged; forces change with the overlaps. The areas with voids, on which pore
+        pressure acts, change in proportion.
         """
         if radius.shape != self.radius.shape or not (radius > 0.0).all():
             raise ValueError(
@@ -318,7 +318,7 @@ class DiscModel(DiscState):
         return element + pore, self.shear + self.pore_shear
 
     def _change_forces(self, before: tuple[np.ndarray, np.ndarray]) -> None:
-        """Lets the forces of the last step be those of the springs as they are now; the energy balance needs means."""
+        """Replace the forces of the last step by those of the present springs, for the means of the energy balance."""
         normal, tangential = (a - b for a, b in zip(self._spring_forces(), before, strict=True))
         nx, nz = self.branch() / self.distance()
         self.force_x += normal * nx + tangential * nz
@@ -329,7 +329,7 @@ class DiscModel(DiscState):
         return copy.deepcopy(self)
 
     def save(self, path: Path | str) -> None:
-        """Checkpoint: all of it into one HDF5 file, which is never half written."""
+        """Write a checkpoint of the whole model to one HDF5 file, which is never half written."""
         arrays = {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
         arrays |= {f"acceleration_{name}": value for name, value in vars(self.acceleration).items()}
         plain = {name: value for name, value in vars(self).items() if isinstance(value, int | float | str)}
@@ -356,5 +356,5 @@ class DiscModel(DiscState):
 def _table(
     layers: Sequence[LayerSprings], mean: Mean, law: Law, skin: float, strengths: Sequence[Strength | None]
 ) -> PairTable:
-    """Constants of all contacts, those with rigid lines too."""
+    """Constants of all contacts, including those with rigid lines."""
     return with_line_strengths(pair_table(layers, mean, law, WIDEST * skin), strengths, law)

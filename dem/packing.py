@@ -1,8 +1,8 @@
 """Initial packings: triangular lattices and random packings inside any polygon, with their boundary.
 
-A polygon is given by its corners (n, 2) in m, counter-clockwise, as `Section.outline` gives it; edges that run from
-right to left are the free surface, all others are walls. Boundary discs stand outside the walls and touch them;
-behind these, where their outer rims end, are rigid lines.
+A polygon is given by its corners (n, 2) in m, counter-clockwise, as by `Section.outline`; edges that run from right to
+left are the free surface, all others are walls. Boundary discs are outside the walls and touch them; rigid lines touch
+the outer rims of the boundary discs.
 """
 
 from collections.abc import Callable
@@ -25,7 +25,7 @@ ABOVE = 4  # rows that side walls stand higher than the surface
 
 @dataclass(frozen=True)
 class Packing:
-    """Discs to begin with.
+    """Initial positions and radii of discs, with their boundary.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Packing:
     lines : (k, 6)
         Rigid lines, see DiscModel.
     period : (length, rise) or None
-        Length (m) after which the ground repeats itself, and by how much it lies higher there (m).
+        Length (m) of the period, and height (m) by which the ground is higher one period to the right.
     """
 
     x: np.ndarray
@@ -63,9 +63,10 @@ class Packing:
 
 
 def lattice_box(columns: int, rows: int, radius: float) -> Packing:
-    """Rows of columns - 1 and columns discs in turn, from the bottom, in a box of boundary discs open above.
+    """Rows with alternately columns - 1 and columns discs, from the bottom, in a box of boundary discs without a lid.
 
-    Columns of 133 and 24 rows make the paper's 3180 elements and 189 boundary elements (Sec. 3(3)). All in layer 0.
+    133 columns and 24 rows give the 3180 elements and 189 boundary elements of the paper (Sec. 3(3)). All discs are in
+    layer 0.
     """
     if columns < 3 or rows < 1:
         raise ValueError(f"a box needs at least 3 columns and a row, not {columns} and {rows}")
@@ -93,10 +94,10 @@ def lattice_box(columns: int, rows: int, radius: float) -> Packing:
 
 
 def triangular_lattice(outline: np.ndarray, stratum_at: StratumAt, radius: float, *, angle: float = 0.0) -> Packing:
-    """Equal discs on a triangular lattice whose rows rise by `angle` (rad); all discs that lie entirely inside.
+    """Equal discs on a triangular lattice whose rows are inclined by `angle` (rad); all discs that are entirely inside.
 
     outline: (n, 2) polygon (m); stratum_at: number of the stratum at points x, z; radius: of the discs (m).
-    Raises ValueError if none does.
+    Raises ValueError if there is none.
     """
     outline = _checked(outline)
     c, s = np.cos(angle), np.sin(angle)
@@ -124,13 +125,14 @@ def random_packing(
     seed: int = 0,
     sweeps: int = 4000,
 ) -> Packing:
-    """Discs of random size at random places, grown together and pushed apart until none overlaps by much.
+    """Discs of random radii at random places, grown in steps and pushed apart until overlaps are small.
 
-    radius: their mean (m); spread: half the width of their uniform distribution over the mean; porosity: voids over
-    area; seed: of the random numbers, the same gives the same packing.
-    outline: (n, 2) polygon (m); stratum_at: number of the stratum at points x, z; sweeps: how often discs are pushed
-    apart at most.
-    Raises ValueError if the discs do not fit, saying how far they came; 2-D heaps jam at a porosity of 0.16 or so.
+    radius: mean radius (m); spread: half the width of the uniform distribution of radii over the mean; porosity: voids
+    over area; seed: of the random numbers; equal seeds give equal packings.
+    outline: (n, 2) polygon (m); stratum_at: number of the stratum at points x, z; sweeps: largest number of sweeps that
+    push discs apart.
+    Raises ValueError, with the porosity that was reached, if the discs do not fit; 2-D packings jam at a porosity of
+    about 0.16.
     """
     outline = _checked(outline)
     x, z, sizes = _grown_discs(outline, outline, ENDLESS, (radius, spread, porosity), seed, sweeps)
@@ -150,9 +152,9 @@ def periodic_packing(
 ) -> Packing:
     """Discs of random size, as of `random_packing`, between two lines whose right ends continue at their left ends.
 
-    Nothing holds them: there are neither boundary discs nor rigid lines.
-    lower, upper: (n, 2) corners of the lines from left to right (m), between the same two x, and both as much lower at
-    one end; radius, spread, porosity, stratum_at, seed, sweeps: as of `random_packing`.
+    There are neither boundary discs nor rigid lines.
+    lower, upper: (n, 2) corners of the lines from left to right (m), between the same two x, both with the same rise
+    from end to end; radius, spread, porosity, stratum_at, seed, sweeps: as of `random_packing`.
     Raises ValueError if the discs do not fit, or if one line rises by more than the other from end to end.
     """
     length, rise = upper[-1] - upper[0]
@@ -168,7 +170,7 @@ def periodic_packing(
 
 
 def _thrice(line: np.ndarray, shift: np.ndarray) -> np.ndarray:
-    """A line with its images before and behind it."""
+    """A line with its images to the left and to the right."""
     return np.vstack([line - shift, line[1:], line[1:] + shift])
 
 
@@ -180,9 +182,10 @@ def _grown_discs(
     seed: int,
     sweeps: int,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Places and radii of discs of random size in an outline, pushed apart until none overlaps by much.
+    """Positions and radii of discs of random size in an outline, pushed apart until overlaps are small.
 
-    outline, walls: polygons (m): where discs are strewn, and which they may not leave; they differ for periodic ground;
+    outline, walls: polygons (m) in which discs are initially placed, and which they may not leave; they differ for
+    periodic ground;
     grains: mean radius (m), spread and porosity.
     """
     radius, spread, porosity = grains
@@ -224,9 +227,9 @@ def brought_back(x: np.ndarray, z: np.ndarray, left: float, period: Period) -> t
 
 
 def boundary(outline: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """Centres (n, 2) of discs that line the walls from outside, side walls higher by `ABOVE` rows, and rigid lines.
+    """Centres (n, 2) of boundary discs outside the walls, `ABOVE` rows higher at the sides, and rigid lines.
 
-    Discs stand a diameter apart or a little less. At corners that point outwards the lines reach past each other.
+    Discs are a diameter apart or a little less. At convex corners the lines extend past each other.
     """
     outline = _checked(outline)
     edge = np.roll(outline, -1, axis=0) - outline
@@ -260,7 +263,7 @@ def boundary(outline: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray
 
 
 def _turn(first: np.ndarray, second: np.ndarray) -> float:
-    """Tangent of half the angle between two edges, positive at corners that point outwards."""
+    """Tangent of half the angle between two edges, positive at convex corners."""
     cross = first[0] * second[1] - first[1] * second[0]
     return float(cross / (1.0 + first @ second))
 
@@ -279,7 +282,7 @@ def _surrounded(
 
 
 def _known_strata(x: np.ndarray, z: np.ndarray, stratum_at: StratumAt) -> np.ndarray:
-    """Strata of discs; of those that lie in none, that of the nearest disc which lies in one."""
+    """Strata of discs; discs outside all strata get the stratum of the nearest disc inside one."""
     layer = np.asarray(stratum_at(x, z), np.int32)
     if (layer < 0).all():
         raise ValueError("stratum_at gives no stratum for any disc inside the outline")
@@ -304,9 +307,9 @@ def _checked(outline: np.ndarray) -> np.ndarray:
 
 
 def _scatter(rng: np.random.Generator, outline: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Points evenly spread over the outline, by Roberts's R2 sequence from a random start, each shifted a little.
+    """Uniformly spaced points in the outline, by Roberts's R2 sequence from a random start, each shifted a little.
 
-    Even, because pushing discs apart takes very long to even out a density that varies over many discs.
+    They are uniform because pushing discs apart removes density variations over many discs only very slowly.
     """
     low, high = outline.min(axis=0), outline.max(axis=0)
     plastic = 1.32471795724474602596  # root of x**3 = x + 1

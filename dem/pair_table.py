@@ -1,4 +1,5 @@
-"""The table of contact constants by pair of layers: their means, and for soil discs the strength of the weaker.
+"""The table of contact constants for pairs of layers: means of both layers, and for soil discs the strength of the
+weaker one.
 
 SI units, per metre out of plane: springs in N/m, damping in N s/m, forces in N.
 """
@@ -18,8 +19,9 @@ ANY_OVERLAP = 2.0  # half of the sum of radii, and more
 class PairTable:
     """Constants by kind of pair: column a * (n + 1) + b for layers a and b; index n stands for the boundary.
 
-    pairs (CONSTANTS, (n + 1)**2) between discs; lines (CONSTANTS, n + 1) against rigid lines, a block more for each
-    strength of their own (`dem.lines`), line_block its number by line; alpha ((n + 1)**2,): reach of new pore springs.
+    pairs (CONSTANTS, (n + 1)**2): constants between discs; lines (CONSTANTS, n + 1): constants against rigid lines,
+    with an additional block for each special strength of lines (`dem.lines`); line_block: number of the block of every
+    line; alpha ((n + 1)**2,): reach of new pore springs.
     """
 
     layers: tuple[LayerSprings, ...]
@@ -30,23 +32,24 @@ class PairTable:
 
     @property
     def size(self) -> int:
-        """Rows of the square of pairs: the layers and the boundary."""
+        """Number of rows of the square table of pairs: the layers and the boundary."""
         return len(self.layers) + 1
 
 
 def pair_table(
     layers: Sequence[LayerSprings], mean: Mean = "arithmetic", law: Law = "paper", widest: float = np.inf
 ) -> PairTable:
-    """The table for contacts within and between layers; discs attract each other across `widest` (m) at most.
+    """The table for contacts within and between layers; largest gap of attraction between discs `widest` (m).
 
-    Between layers: the mean of stiffness, damping, friction, cohesion, alpha, beta and allowed overlap. A boundary
-    disc takes its partner's values, and the stiffness that a liquefied layer had before, so that no disc comes to lie
-    on it. A rigid line takes its partner's values too, but with the stiffest normal spring of all layers and a dashpot
-    of the same damping ratio: it must hold however soft the disc is.
+    Between layers: the mean of stiffness, damping, friction, cohesion, alpha, beta and allowed overlap. A boundary disc
+    has the values of its partner, and the stiffness of a liquefied layer before liquefaction, so that no disc passes
+    through it. A rigid line has the values of its partner, too, but with the stiffest normal spring of all layers and a
+    dashpot of the same damping ratio, so that it stops discs of any stiffness.
 
-    law "soil": a contact between two materials is as strong as the weaker of them at its normal force, for slip and for
-    rolling: sand beside clay has the lesser of mu Fn and C. Stiffness is a mean, the arithmetic one by default.
-    Contacts of a liquefied layer are gone as far as it has faded. law "paper": ValueError for constants of soil discs.
+    law "soil": a contact between two materials has the strength of the weaker one at its normal force, for slip and for
+    rolling: between sand and clay it is the smaller of mu Fn and C. Stiffness is a mean, by default the arithmetic one.
+    Contacts of a liquefied layer are reduced by the share that has faded. law "paper": ValueError for constants of soil
+    discs.
     """
     if not layers:
         raise ValueError("no layers: the table of springs needs at least one")
@@ -84,7 +87,7 @@ def pair_table(
 
 
 def _weaker(pairs: np.ndarray, values: np.ndarray) -> None:
-    """Writes friction and cohesion of both materials into the constants of a pair, and the smaller rolling friction."""
+    """Write friction and cohesion of both materials, and the smaller rolling friction, into the constants of a pair."""
     first, other = np.broadcast_arrays(values[:, :, None], values[:, None, :])
     for own, second in ((row.MU, row.MU_OTHER), (row.COHESION, row.COHESION_OTHER)):
         pairs[own], pairs[second] = first[own], other[own]
@@ -92,7 +95,9 @@ def _weaker(pairs: np.ndarray, values: np.ndarray) -> None:
 
 
 def _attraction(layers: Sequence[LayerSprings]) -> np.ndarray:
-    """Tensile strength (N) of contacts of layers (n + 1, n + 1): the smaller of both; with the boundary the layer's."""
+    """Tensile strength (N) of contacts between layers (n + 1, n + 1): the smaller of both; at the boundary that of
+    the layer.
+    """
     own = np.array([*(layer.attraction * layer.contact_cohesion for layer in layers), np.inf])
     pull = np.minimum(own[:, None], own[None, :])
     pull[-1, -1] = 0.0
@@ -100,7 +105,7 @@ def _attraction(layers: Sequence[LayerSprings]) -> np.ndarray:
 
 
 def _square(values: np.ndarray, mean: Mean) -> np.ndarray:
-    """Constants (rows, n) of n layers for all pairs of them and the boundary (rows, n + 1, n + 1)."""
+    """Constants for all pairs of layers and the boundary (rows, n + 1, n + 1), from those of the n layers (rows, n)."""
     n = values.shape[1]
     pairs = np.zeros((len(values), n + 1, n + 1))
     a, b = np.broadcast_arrays(values[:, :, None], values[:, None, :])
@@ -130,17 +135,17 @@ def _columns(layers: Sequence[LayerSprings]) -> np.ndarray:
 
 
 def _share_left(faded: Sequence[float]) -> np.ndarray:
-    """Share of the contacts between n layers, and with the boundary, that is left (n + 1, n + 1).
+    """Remaining share of the contacts between n layers and with the boundary (n + 1, n + 1).
 
-    faded: by layer, the share that is gone. For a contact between two layers the larger share counts.
+    faded: lost share by layer. For a contact between two layers the larger lost share counts.
     """
     left = 1.0 - np.array([*faded, 0.0])
     return np.asarray(np.minimum(left[:, None], left[None, :]))
 
 
 def _fade(pairs: np.ndarray, left: np.ndarray) -> None:
-    """Reduces the stiffness of contacts (CONSTANTS, n + 1, n + 1) by the share that is gone; their overlap is no longer
-    limited.
+    """Multiply the stiffness of contacts (CONSTANTS, n + 1, n + 1) by the remaining share `left`; their overlap is no
+    longer limited.
     """
     pairs[[row.KN, row.KS, row.CN, row.CT, row.STOP]] *= left
     pairs[row.ALLOWED] = np.where(left < 1.0, ANY_OVERLAP, pairs[row.ALLOWED])

@@ -1,6 +1,6 @@
-"""Kernels compiled ahead, side by side, where no earlier run has kept them.
+"""Compilation of the kernels before a run, concurrently, unless an earlier run has compiled them.
 
-Without it all processes of a run would reach the step loop at the same time, and each would compile it.
+Without this, all processes of a run would reach the step loop at the same time, and each would compile it.
 """
 
 import hashlib
@@ -32,7 +32,7 @@ SOIL = LayerSprings(
 
 
 def precompile(executor: Executor, tell: Tell) -> None:
-    """Compiles the kernels that take long, some seconds each, unless that has been done."""
+    """Compile the kernels that take some seconds each, unless they are already compiled."""
     mark = kept_kernels() / f"{MARK}-{_kept_for()}"
     if not config.DISABLE_JIT and not mark.exists():
         tell("the step loop of the discs is compiled, once for this version of the program")
@@ -42,14 +42,16 @@ def precompile(executor: Executor, tell: Tell) -> None:
 
 
 def _kept_for() -> str:
-    """Fingerprint of what Numba's compiled files depend on: its version, the processor, the file of the step loop."""
+    """Fingerprint of the conditions of Numba's compiled files: its version, the processor, the file of the step
+    loop.
+    """
     source = Path(stepping.__file__)
     kept = (numba.__version__, get_host_cpu_name(), str(source), source.stat().st_mtime_ns)
     return hashlib.sha256(repr(kept).encode()).hexdigest()[:16]
 
 
 def _compiled(what: str, _: Tell) -> None:
-    """Compiles the step loop, or all that is needed around it, and what measures energies."""
+    """Compile the step loop, or the kernels around it, or those of the energies."""
     if what == "steps":
         # In a process that compiles nothing: here the lists of neighbours would be compiled for it, as they are by
         # another process at the same time.

@@ -1,12 +1,13 @@
-"""Shear that the pressure of liquefied ground bears, and what takes it back: pore water bears none.
+"""Shear stress by the pressure of liquefied discs, and its removal, since pore water has no shear stress.
 
-Pairs push each other along the line of centres, as pore water does on the average over all directions; the few
-neighbours that a disc has lie more densely in some directions than in others. So the pressure of ground that shears
-bears shear stress, 0.5 to 0.9 % of the effective stress, which decides how far ground with a strain potential moves.
-Its deviatoric part, a mean over neighbours, is measured with every list of pairs (virial of Love 1927). Pairs take it
-back until the next list by forces in which action is reaction: of stress s along the line of centres n by k s n, where
-k = 2 (V_i/S_i + V_j/S_j) w as for the bonds (`kernels.liquefied_pairs`), so that these forces add up to the stress s.
-Discs that have no strain potential keep theirs: their strength is matched as a whole (`liquefied_ground`).
+The pressure between two discs acts along the line of centres. On average over all directions this is an isotropic
+pressure, but the few neighbours of a disc are denser in some directions than in others. So the pressure in shearing
+ground contributes a shear stress of 0.5 to 0.9 % of the effective stress, which matters for the displacement of ground
+with a strain potential. Its deviatoric part, a mean over neighbours, is measured with every new list of pairs (virial
+of Love 1927). Until the next list, opposite forces on the two discs of a pair subtract it: for a stress s and the unit
+vector n of the line of centres the force is k s n, with k = 2 (V_i/S_i + V_j/S_j) w as for the bonds
+(`kernels.liquefied_pairs`), so that the sum of these forces has the stress s. For discs without a strain potential it
+is not subtracted: their total strength is adjusted instead (`liquefied_ground`).
 """
 
 from collections.abc import Callable
@@ -20,13 +21,13 @@ NEAREST = 1e-9  # reaches: no pair counts as nearer
 
 
 def take_back_shear(state: DiscState) -> None:
-    """Sets the forces by which pairs take back the shear that their pressure bears, for the list of pairs as it is.
+    """Set the forces that subtract the shear stress by the pressure of pairs, for the present list of pairs.
 
     Parameters
     ----------
     state
-        Discs, pairs of which the list has just been made; columns `TAKEN_ALONG` and `TAKEN_ACROSS` of what bonds
-        remember (N) are changed.
+        Discs with a new list of pairs; the columns `TAKEN_ALONG` and `TAKEN_ACROSS` of the history of bonds (N) are
+        changed.
     """
     wet, i, j = state.liquefied, state.liquefied_i, state.liquefied_j
     soft = (wet[:, bond.SHARE] > 0.0) & (wet[:, bond.SOFT_TO] > 0.0)

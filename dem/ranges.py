@@ -1,5 +1,5 @@
-"""Work on the discs in ranges of their numbers, by this thread or several. The result is the same: ranges are joined in
-their order.
+"""Work on the discs in ranges of their numbers, in one thread or several. The result is the same, since ranges are
+joined in their order.
 """
 
 from collections.abc import Callable
@@ -11,19 +11,21 @@ FEW = 20_000  # of fewer discs one thread has found the neighbours before anothe
 
 
 class Ranges(Protocol):
-    """Calls `work` with the begin and end of ranges that cover all numbers below n; returns its results in order."""
+    """A function that calls `work` with the begin and end of ranges that cover all numbers below n, and returns the
+    results in order.
+    """
 
     def __call__(self, work: Callable[[int, int], Any], n: int) -> list[Any]:
         """Results of all ranges, in their order."""
 
 
 def serial(work: Callable[[int, int], Any], n: int) -> list[Any]:
-    """All numbers in one range."""
+    """Call `work` with one range of all numbers."""
     return [work(0, n)]
 
 
 def threaded(pool: ThreadPoolExecutor | None, threads: int) -> Ranges:
-    """As many ranges as threads, where there are enough discs to gain by it."""
+    """Split the numbers into as many ranges as threads, if there are enough discs for a gain."""
 
     def shared(work: Callable[[int, int], Any], n: int) -> list[Any]:
         if pool is None or threads == 1 or n < FEW:

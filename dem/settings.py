@@ -1,4 +1,4 @@
-"""How to build, test, calibrate and slide the discs: the tables [dem] and [slide]."""
+"""Settings of the discs and of slides: the tables [dem] and [slide]."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -115,13 +115,13 @@ class DemSettings(Model):
 
     @property
     def without_effect(self) -> tuple[str, ...]:
-        """The settings of this table that change nothing in calibrated discs, as "dem.key"."""
+        """The keys of settings that have no effect on calibrated discs, as "dem.key"."""
         papers_own = self.model == "paper" or self.paper
         return ("dem.workers", *(() if papers_own else OF_THE_PAPER))
 
     @property
     def factors(self) -> tuple[float, float]:
-        """`range`, or what it is for the model: the least and the largest factor that calibration may take."""
+        """`range`, or its default for the model: the smallest and the largest factor of the calibration."""
         return self.range or FACTORS[self.model]
 
     def as_paper(self) -> "DemSettings":
@@ -157,7 +157,9 @@ class DemSettings(Model):
         return problems
 
     def mean_radius(self, section: Section) -> float:
-        """Mean radius of the discs (m): as given, or that with which `elements` fill the section as a lattice."""
+        """Mean radius of the discs (m): `radius`, or the one with which `elements` discs fill the section as a
+        lattice.
+        """
         return self.radius or float(np.sqrt(section.layering.areas().sum() / self.elements / np.sqrt(12.0)))
 
 
@@ -252,7 +254,7 @@ class SlideSettings(Model):
     )
 
     def problems(self, strata: Sequence[str]) -> list[str]:
-        """Settings that do not fit the strata, or each other, one sentence each."""
+        """Settings that contradict the strata or each other, one sentence each."""
         problems = []
         if (self.kh_cycles is None) != (self.kh_period is None):
             problems.append("slide, kh_cycles and kh_period: expected both, or neither")

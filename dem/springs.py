@@ -30,44 +30,45 @@ Law = Literal["paper", "soil"]
 
 @dataclass(frozen=True)
 class LayerSprings:
-    """The constants of one layer, as a column of Table 2 gives them, and what soil discs have besides.
+    """The constants of one layer: those of a column of Table 2, and the additional ones of soil discs.
 
     Attributes
     ----------
     kn, ks : float
-        Element springs (N/m).
+        Normal and tangential element spring (N/m).
     cn, ct : float
-        Their dashpots (N s/m).
+        Normal and tangential dashpot (N s/m).
     kpn, kps : float
-        Pore springs (N/m).
+        Normal and tangential pore spring (N/m).
     density : float
-        Of the discs, eq. (5), for inertia and horizontal force (kg/m3).
+        Density of the discs, eq. (5), for inertia and horizontal force (kg/m3).
     effective_density : float
-        For weight (kg/m3).
+        Effective density of the discs, for weight (kg/m3).
     friction : float
-        Coulomb's mu, of the elements; in soil discs of clay below zero, see `Strength`.
+        Coulomb friction mu of element contacts; negative for soil discs of clay, see `Strength`.
     cohesion : float
-        b C of eq. (16), of the pore springs (N).
+        Cohesion b C of the pore springs, eq. (16) (N).
     alpha, beta : float
         Reach of a pore spring when set, eq. (14), and stretch at which it breaks, eq. (15).
     pore_friction : float or None
-        tan(theta) of eq. (16), the friction if not given.
+        tan(theta) of eq. (16); `friction` if None.
     allowed_overlap : float
-        As a share of the mean radius of the pair, deeper ones stop the run.
+        Largest overlap as a share of the mean radius of the pair; larger overlaps stop the run.
     contact_cohesion : float
-        C of soil discs: what a touching contact holds of slip without any normal force (N).
+        Cohesion C of soil discs: tangential strength of a contact without normal force (N).
     attraction : float
-        Of soil discs: pull that a contact bears, over its contact cohesion.
+        Tensile strength of a contact of soil discs over its contact cohesion.
     rolling_friction : float
-        mu_r of soil discs: largest rolling moment over Fn r_i r_j/(r_i + r_j); inf for discs that do not turn.
+        Rolling friction mu_r of soil discs: largest rolling moment over Fn r_i r_j/(r_i + r_j); inf for discs that do
+        not rotate.
     stop : float
-        Stiffness of soil discs where they overlap by more than `STOP_DEPTH` (N/m); no effect where kn is larger.
+        Stiffness of contacts of soil discs at overlaps above `STOP_DEPTH` (N/m); no effect if kn is larger.
     boundary : float
-        Normal spring against boundary discs (N/m), where it is stiffer than kn: that of the layer before it liquefied.
+        Normal spring against boundary discs (N/m) if stiffer than kn: that of the layer before liquefaction.
     undrained : bool
-        Whether its strength is (phi = 0), and its volume stays what it is while a slide lasts.
+        Whether the strength is undrained (phi = 0), so that the volume is constant during a slide.
     faded : float
-        Share of the contacts of soil discs that is gone since the layer has liquefied, see `dem.liquefied_ground`.
+        Lost share of the contacts of soil discs after liquefaction, see `dem.liquefied_ground`.
     """
 
     name: str
@@ -111,9 +112,10 @@ class LayerSprings:
             raise ValueError(f"layer {self.name}: alpha must be at least 1 and beta above 1")
 
     def liquefied(self, stiffness: float, damping: float = 0.1, friction: float = 0.0) -> "LayerSprings":
-        """Sec. 4(3): factors on element springs, dashpots and friction; no cohesion. The stop of soil discs remains.
+        """The layer after liquefaction (Sec. 4(3)): factors on element springs, dashpots and friction; no cohesion. The
+        stiffening of soil discs at large overlap remains.
 
-        The pore springs of the layer are to be cut as well; they stand in the discs' model, see `cut_pore_springs`.
+        The pore springs of the layer have to be cut separately in the model of the discs, see `cut_pore_springs`.
         """
         return replace(
             self, name=f"{self.name}, liquefied", kn=self.kn * stiffness, ks=self.ks * stiffness,
@@ -129,12 +131,12 @@ class Strength:
     Attributes
     ----------
     friction : float
-        mu, of slip. Below zero, contacts hold the less the harder they are pressed: discs have some friction by their
-        geometry, which clay has not.
+        Friction mu of slip. If negative, the tangential strength falls with the normal force, to compensate the
+        geometric friction of a packing of discs, which clay does not have.
     cohesion : float
-        C, held of slip without normal force (N).
+        Cohesion C: tangential strength without normal force (N).
     rolling_friction : float
-        mu_r, of rolling; inf for discs that do not turn.
+        Rolling friction mu_r; inf for discs that do not rotate.
     """
 
     friction: float
@@ -146,7 +148,7 @@ SMOOTH = Strength(0.0, rolling_friction=0.0)  # of a rigid line that discs slide
 
 
 def wave_speeds(youngs_modulus: float, poissons_ratio: float, density: float) -> tuple[float, float]:
-    """V_p and V_s (m/s), eqs. (7) and (8); modulus in Pa, density in kg/m3."""
+    """Wave velocities V_p and V_s (m/s), eqs. (7) and (8); modulus in Pa, density in kg/m3."""
     e, nu, rho = youngs_modulus, poissons_ratio, density
     if not (e > 0.0 and 0.0 <= nu < 0.5 and rho > 0.0):
         raise ValueError(f"no elastic soil: E = {e} Pa, nu = {nu}, density = {rho} kg/m3")
@@ -167,13 +169,12 @@ def from_stratum(
 ) -> LayerSprings:
     """The constants of the paper's discs in a stratum.
 
-    The seismic density carries the horizontal force, the ordinary one, buoyant below water, the weight; both are those
-    of the soil, voids between the discs not yet counted. radius: of the discs (m), b of eq. (17).
-    stiffness_scale: factor on the springs of eqs. (9)-(13); Table 2 was printed with 0.01.
-    damping_ratio: factor on sqrt(m K), which is half of critical for one disc on a fixed spring.
-    Element and pore spring in series make the spring of the soil, eqs. (11)-(13): K_e = (1 + 1/t) K, K_p = t K_e.
-    pore_share: t of eqs. (11)-(13); void_ratio: of the soil (-); alpha: reach of pore springs in radii; beta: of
-    eq. (15), length at which a pore spring cracks.
+    The horizontal force acts on the seismic density, the weight on the ordinary one (buoyant below water). Both are
+    densities of the soil, not corrected for the voids between the discs. radius: of the discs (m), b of eq. (17).
+    stiffness_scale: factor on the springs of eqs. (9)-(13); Table 2 was printed with 0.01. damping_ratio: factor on
+    sqrt(m K), which is half of critical for one disc on a fixed spring. Element and pore spring in series make the
+    spring of the soil, eqs. (11)-(13): K_e = (1 + 1/t) K, K_p = t K_e. pore_share: t of eqs. (11)-(13); void_ratio: of
+    the soil (-); alpha: reach of pore springs in radii; beta: of eq. (15), length at which a pore spring cracks.
     """
     density = stratum.density_seismic
     vp, vs = wave_speeds(stratum.youngs_modulus, stratum.poissons_ratio, density)
@@ -204,19 +205,19 @@ def soil_discs(
 ) -> LayerSprings:
     """Return the constants of a layer of soil discs (law "soil"), without pore springs.
 
-    Discs of void ratio e are 1 + e times as heavy as the soil, saturated and buoyant: mass, weight and horizontal force
-    are those of the soil that the discs stand for. (Table 2 takes buoyancy off once, not 1 + e times.)
+    The saturated and buoyant densities of discs of void ratio e are 1 + e times those of the soil, so that mass, weight
+    and horizontal force are those of the soil. (Table 2 subtracts buoyancy once, not 1 + e times.)
 
     Parameters
     ----------
     name : str
-        Of the layer, for messages.
+        Name of the layer, for messages.
     stiffness : float
         kn, the normal stiffness of a contact (N/m).
     strength : Strength
         Friction, cohesion (N) and rolling friction of a contact.
     density, effective_density : float
-        Of the soil: saturated, and buoyant below water (kg/m3).
+        Densities of the soil: saturated, and buoyant below water (kg/m3).
     radius : float
         Mean radius of the discs (m).
     void_ratio : float
@@ -227,7 +228,7 @@ def soil_discs(
     Returns
     -------
     LayerSprings
-        With kpn = kps = 0.
+        The constants, with kpn = kps = 0.
 
     Raises
     ------

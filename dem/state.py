@@ -1,8 +1,8 @@
 """DiscState: the whole state of the discs as plain arrays, in the order the user numbered them.
 
-x to the right, z up (m); angles and spins positive counter-clockwise. Rotation is kept as radius times spin and radius
-times angle, since that is what contacts work with. Everything a run needs is here, so that a checkpoint is this and no
-more, and a run from a checkpoint has the same bits as the run without.
+x to the right, z up (m); angles and spins positive counter-clockwise. Rotation is stored as radius times spin and
+radius times angle, as contacts use it. The state is complete, so that a checkpoint holds nothing else, and a run from a
+checkpoint has the same bits as an uninterrupted one.
 """
 
 from dataclasses import dataclass, field
@@ -29,82 +29,82 @@ class DiscState:
     Attributes
     ----------
     x, z, roll : (n,)
-        Position, and radius times angle turned (m).
+        Position, and radius times angle of rotation (m).
     vx, vz, vr : (n,)
         Velocity, and radius times spin, at `time` (m/s).
     vx_half, vz_half, vr_half : (n,)
         The same half a step before (m/s).
     radius : (n,)
-        m.
+        Radius (m).
     mass : (n,)
-        With the full density (kg/m).
+        Mass with the full density (kg/m).
     weight : (n,)
-        Effective over full density.
+        Effective density over full density.
     pore_acceleration_x, pore_acceleration_z : (n,)
-        Acceleration by pore pressure, and by what presses on the ground (m/s2); it goes with the disc.
+        Acceleration by pore pressure, and by loads on the ground (m/s2); it moves with the disc.
     added_mass_x, added_mass_z : (n,)
-        Acceleration by what else shakes, surcharges and free water, over that of the frame across gravity.
+        Acceleration by the inertia of surcharges and free water, over the horizontal acceleration of the frame.
     inertia_ratio : (n,)
-        m r^2/I: 2 for a disc, 0 for one that cannot turn.
+        m r^2/I: 2 for a disc, 0 for one that cannot rotate.
     layer : (n,) int32
         Number in the table of springs, -1 for boundary discs.
     fixed : (n,) bool
-        Whether a disc keeps its velocity whatever pushes it.
+        Whether the velocity of a disc is prescribed.
     x_list, z_list : (n,)
         Position when the neighbour list was made (m).
     order : (n,) int32
-        Numbers of the discs, sorted in space.
+        Numbers of the discs in spatial order.
     pair_i, pair_j : (pairs,) int32
         The neighbour list.
     shear, pore_shear : (pairs,)
-        Tangential forces kept by element and pore spring (N).
+        Stored tangential forces of element and pore spring (N).
     pore_length : (pairs,)
         Distance at which the pore spring was set (m), negative once cracked, 0 without one.
     force_x, force_z : (pairs,)
         Force on pair_j in the last step (N), for the energy balance.
     rolled, torque : (pairs,)
-        Rolling moment over r_i r_j/(r_i + r_j) kept by the spring, and that of spring and dashpot in the last step (N);
+        Rolling moment over r_i r_j/(r_i + r_j): stored in the spring, and of spring and dashpot in the last step (N);
         empty for the paper's discs.
     lines : (k, 6)
         Point (m), inward normal, reach (m) along (-nz, nx) of rigid lines.
     line_strength : tuple
-        What contacts with each rigid line hold, None for what the disc's own layer holds; empty: None for all.
+        Strength of contacts with each rigid line, None for that of the layer of the disc; empty if it is None for all.
     line_disc, line_id : (contacts with lines,)
-        Discs near rigid lines, and numbers of those.
+        Numbers of discs near rigid lines, and numbers of these lines.
     line_shear, line_force_x, line_force_z, line_rolled, line_torque : (contacts with lines,)
-        The same memory of theirs (N).
+        History variables of contacts with lines, as for pairs (N).
     energy_sums : (slices, 10)
         Work and losses so far (J/m), columns as in `kernels.stepping`.
     springs : PairTable
         Constants by kind of pair.
     liquefied : (n, FIELDS)
-        What liquefied discs have, see `kernels.liquefied_pairs`; (0, FIELDS) before anything has liquefied.
+        Fields of liquefied discs, see `kernels.liquefied_pairs`; (0, FIELDS) before liquefaction.
     liquefied_i, liquefied_j : (wide pairs,) int32
         Pairs with a liquefied disc within the reach of its pore water, sorted in space.
     bonds : (wide pairs, 8)
-        What they remember.
+        History variables of the bonds of these pairs.
     strength_factor : (n,)
-        Strength of the bonds of liquefied discs over that which was asked for; empty before anything has liquefied.
+        Strength of the bonds of liquefied discs over the prescribed one; empty before liquefaction.
     reach : float
-        Of the pore water's kernel (m), 0 before anything has liquefied.
+        Reach of the kernel of the pore water (m), 0 before liquefaction.
     steps_held : int
-        Steps for which its forces are held.
+        Number of steps for which forces of liquefied ground are constant.
     mean, law : str
-        How they were made of the layers' constants, and which law holds.
+        Kind of mean of the constants of two layers, and contact law.
     period : (float, float) or None
-        Length along x, and rise of z, after which the ground repeats itself (m); None where it does not.
+        Length along x and rise along z of a period (m); None without periodic sides.
     gravity : (float, float)
-        m/s2.
+        Gravity (m/s2).
     acceleration : Acceleration
-        Of the frame, in time.
+        Acceleration of the frame over time.
     skin : float
         Margin of the neighbour list (m).
     time, steps, last_dt : float, int, float
-        Time (s), steps taken, and the step that the half-step velocities belong to (s), 0 if set by hand.
+        Time (s), number of steps, and the step of the half-step velocities (s), 0 after velocities were set.
     lists_made : int
-        How often the neighbour list was made.
+        Number of neighbour lists made so far.
     energy_known, energy_edited, turnover : float
-        Energy at the end of the last run, energy that came with changes between runs, and the most in play (J/m).
+        Energy at the end of the last run, energy added by changes between runs, and energy turned over (J/m).
     """
 
     x: np.ndarray
@@ -175,7 +175,7 @@ class DiscState:
 
     @property
     def memory(self) -> tuple[str, ...]:
-        """Names of the variables that a pair keeps from step to step."""
+        """Names of the history variables of a pair."""
         return MEMORY + (ROLLING_MEMORY if self.law == "soil" else ())
 
     @property
@@ -186,14 +186,14 @@ class DiscState:
 
     @property
     def liquefied_forces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Force of liquefied ground on every disc, along x and z (N), when it was last evaluated."""
+        """Force of liquefied ground on every disc, along x and z (N), at the last evaluation."""
         if not len(self.liquefied):
             return np.zeros(len(self)), np.zeros(len(self))
         return self.liquefied[:, FORCE_X], self.liquefied[:, FORCE_Z]
 
     @property
     def fading(self) -> np.ndarray:
-        """Mask of the listed pairs (pairs,) whose contact is fading or gone, since one of their layers liquefies."""
+        """Mask of the listed pairs (pairs,) whose contact is fading or lost, since one of their layers liquefies."""
         faded = np.array([*(layer.faded > 0.0 for layer in self.springs.layers), False])
         return np.asarray(faded[self.layer[self.pair_i]] | faded[self.layer[self.pair_j]])
 
@@ -204,7 +204,7 @@ class DiscState:
 
     @property
     def angle(self) -> np.ndarray:
-        """How far each disc has turned (rad), counter-clockwise."""
+        """Angle of rotation of each disc (rad), counter-clockwise."""
         return self.roll / self.radius
 
     def kind(self, i: np.ndarray, j: np.ndarray) -> np.ndarray:

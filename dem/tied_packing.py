@@ -1,4 +1,4 @@
-"""Random discs between two level rows of fixed ones, in a box whose sides are tied: uniform ground of any length."""
+"""Random discs between two horizontal rows of fixed ones, with periodic sides: uniform ground of infinite length."""
 
 from dataclasses import dataclass
 
@@ -48,9 +48,9 @@ class TiedPacking:
 def tied_packing(
     columns: int, rows: int, radius: float, *, spread: float = 0.2, porosity: float = 0.22, seed: int = 0
 ) -> TiedPacking:
-    """So many mean diameters of discs along and up; spread: half the width of their radii over the mean.
+    """A packing of given length and height, in mean diameters; spread: half the width of the radii over their mean.
 
-    They overlap here and there by some per cent of a radius, which settling takes away.
+    Some discs overlap by some per cent of a radius, which settling removes.
     columns, rows: numbers of mean diameters; radius: mean (m); porosity: voids over area; seed: of the random numbers.
     """
     rng = np.random.default_rng(seed)

@@ -1,7 +1,7 @@
 """Forces of water and surcharges on discs, by the same fields as in finite elements and bounds. The force on a disc is
 that of its share of the soil at its initial place; forces on the ground surface, and between strata with different pore
-pressures, act on the nearest discs. Each disc keeps its force as it moves, but for buoyancy: the water table stays
-where it is, and soil discs that slide through it are buoyed as far as they are below it (`buoyancy`).
+pressures, act on the nearest discs. The force on a disc is constant as it moves, except for buoyancy: the water table
+does not move, and the buoyancy of soil discs that cross it follows from their part below it (`buoyancy`).
 """
 
 from collections.abc import Callable
@@ -28,7 +28,7 @@ Outside = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 def still_water(section: Section, places: Places, discs: DiscState) -> np.ndarray:
-    """Acceleration (n, 2) in m/s2 of discs by pore pressure at rest and by what presses on the ground."""
+    """Acceleration (n, 2) in m/s2 of discs by pore pressure at rest and by loads on the ground."""
     acceleration = np.zeros((len(discs), 2))
     water, size = section.water_pressure, EDGE * float(discs.radius.mean())
     if water.present:
@@ -44,23 +44,23 @@ def still_water(section: Section, places: Places, discs: DiscState) -> np.ndarra
 def buoyancy(section: Section, places: Places, discs: DiscState) -> np.ndarray | None:
     """Acceleration (n, 2) in m/s2 of discs by the pore pressure at rest below the water table, averaged over each.
 
-    A disc that lies across the table is buoyed in proportion to its part below it, so that ground which sinks is
-    carried more and more, as Archimedes has it, and ground that rises above the table weighs what it weighs.
+    The buoyancy of a disc is proportional to its part below the table, so that ground that sinks becomes buoyant, and
+    ground that rises above the table has its full weight.
 
     Parameters
     ----------
     section
-        Whose water it is.
+        Section with the water.
     places
-        Where discs are by now (m); the water stays where it was.
+        Present positions of the discs (m); the water table does not move.
     discs
-        Their radii (m), layers, and which are held.
+        Radii (m) and layers of the discs, and mask of the held ones.
 
     Returns
     -------
     (n, 2) or None
-        Zero for discs of strata without a water level. None for a section without any still water below a table: the
-        pressure of water that flows, or that is a share of the weight above, is not known where ground has moved to.
+        The accelerations, zero for discs of strata without a water level. None for a section without still water below
+        a table: for seepage and for a pore pressure ratio, the pressure at new positions is not known.
     """
     water = section.water_pressure
     levels = zip(water.levels, section.strata, strict=True)
@@ -79,16 +79,16 @@ def buoyancy(section: Section, places: Places, discs: DiscState) -> np.ndarray |
 
 
 def excess(section: Section, places: Places, discs: DiscState) -> np.ndarray | None:
-    """Acceleration (n, 2) in m/s2 of discs by the pore pressure that shaking adds; None without any."""
+    """Acceleration (n, 2) in m/s2 of discs by excess pore pressure by shaking; None without any."""
     if not any(s.excess_pore_pressure_ratio for s in section.strata):
         return None
     return _of_pores(section, places, discs, section.water_pressure.shaken, None)
 
 
 def added_mass(section: Section, places: Places, discs: DiscState) -> np.ndarray | None:
-    """Acceleration (n, 2) of discs by the inertia of surcharges and of free water, over that of the frame along x.
+    """Acceleration (n, 2) of discs by the inertia of surcharges and free water, over that of the frame along x.
 
-    None where there is nothing that shakes with the ground.
+    None without surcharges and free water.
     """
     surface = section.surface_loads
     if not surface.present:
@@ -101,7 +101,7 @@ def added_mass(section: Section, places: Places, discs: DiscState) -> np.ndarray
 def _of_pores(
     section: Section, places: Places, discs: DiscState, pressure: Pressure, outside: Outside | None
 ) -> np.ndarray:
-    """Acceleration (n, 2) by one pore pressure: its gradient, its jumps, and its excess over free water."""
+    """Acceleration (n, 2) by a pore pressure: by its gradient, its jumps, and its excess over free water."""
     free = np.flatnonzero(~discs.fixed)
     at, layer = np.column_stack(places)[free], discs.layer[free].astype(int)
     step = STEP * float(discs.radius.mean())
@@ -127,7 +127,7 @@ def _of_pores(
 
 
 def _on_ground(mesh: TriMesh, traction: Traction) -> tuple[np.ndarray, np.ndarray]:
-    """Middles (k, 2) in m of the edges of the ground, and the forces (k, 2) in N/m of a traction on them."""
+    """Middles (k, 2) in m of the edges of the ground surface, and forces (k, 2) in N/m of a traction on them."""
     ends = mesh.boundaries["surface"]
     normal = outward_normals(mesh, mesh.edge_cells[mesh.edge_numbers(ends), 0], ends)
     middle = mesh.points[ends].mean(axis=1)
@@ -135,7 +135,9 @@ def _on_ground(mesh: TriMesh, traction: Traction) -> tuple[np.ndarray, np.ndarra
 
 
 def _at_nearest(discs: DiscState, places: Places, at: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """Acceleration (n, 2) in m/s2 of discs, of which the nearest to places (k, 2) in m take forces (k, 2) in N/m."""
+    """Acceleration (n, 2) in m/s2 of discs by forces (k, 2) in N/m, each on the disc that is nearest to its place
+    (k, 2) in m.
+    """
     free = np.flatnonzero(~discs.fixed)
     nearest = free[cKDTree(np.column_stack(places)[free]).query(at)[1]]
     acceleration = np.zeros((len(discs), 2))

@@ -1,1 +1,1 @@
-"""The machine around the kernels: it packs a model, steps it, checks it and keeps its energy balance."""
+"""The engine around the kernels: it packs a model, integrates its motion, checks it and keeps its energy balance."""

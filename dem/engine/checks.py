@@ -1,4 +1,4 @@
-"""Checks of a run; each says in words where it failed."""
+"""Checks during a run; the error of each names the disc and the place."""
 
 import numpy as np
 
@@ -45,7 +45,7 @@ def check_speed(model: DiscModel, dt: float, kept: str) -> None:
 
 
 def check_overlap(model: DiscModel, kept: str) -> None:
-    """Raises OverlapError if a pair is deeper in each other than its layers allow."""
+    """Raises OverlapError if two discs overlap by more than their layers allow."""
     i, j = model.pair_i, model.pair_j
     mean = 0.5 * (model.radius[i] + model.radius[j])
     share = (2.0 * mean - model.distance()) / mean
@@ -69,7 +69,9 @@ def check_overlap(model: DiscModel, kept: str) -> None:
 
 
 def line_gaps(model: DiscModel) -> tuple[np.ndarray, np.ndarray]:
-    """Gap between rigid lines and the rims of the discs listed at them (m), and where along the line the disc is."""
+    """Gap (m) between rigid lines and the rims of the discs listed at them, and position (m) of the disc along the
+    line.
+    """
     line = model.lines[model.line_id]
     px, pz = model.x[model.line_disc] - line[:, 0], model.z[model.line_disc] - line[:, 1]
     gap = px * line[:, 2] + pz * line[:, 3] - model.radius[model.line_disc]
@@ -79,7 +81,7 @@ def line_gaps(model: DiscModel) -> tuple[np.ndarray, np.ndarray]:
 
 
 def check_escape(model: DiscModel, kept: str) -> None:
-    """Raises EscapeError if the centre of a disc is behind a rigid line, by a radius or more."""
+    """Raises EscapeError if the centre of a disc is behind a rigid line by a radius or more."""
     line, disc = first_behind(model.x, model.z, model.radius, model.fixed, model.lines)
     if disc >= 0:
         raise EscapeError(
@@ -91,7 +93,7 @@ def check_escape(model: DiscModel, kept: str) -> None:
 def check_balance(model: DiscModel, energies: EnergyBalance, tolerance: float, kept: str) -> None:
     """Raises EnergyBalanceError if more than `tolerance` of the energy turned over is not accounted for.
 
-    model: the discs; energies: balance since the start; kept: sentence on what was kept of the run.
+    model: the discs; energies: balance since the start; kept: sentence on the checkpoint of the run.
     """
     if not abs(energies.gap) <= tolerance * energies.turnover:
         speed = np.hypot(model.vx, model.vz) * np.sqrt(model.mass) * ~model.fixed

@@ -14,25 +14,26 @@ class EnergyBalance:
     Attributes
     ----------
     translation, rotation : float
-        Kinetic.
+        Kinetic energy of translation and of rotation.
     elements, pores, rolling_springs : float
-        Stored in springs: of elements, of pore springs, of rolling resistance.
+        Energy stored in springs: element springs, pore springs, springs of rolling resistance.
     bonds : float
-        Of discs of cohesive soil that attract each other; negative, it takes as much to part them all.
+        Energy of contacts of cohesive soil discs, which attract each other; negative, minus the work that separates
+        them all.
     dashpots, sliding, cracks, rolling : float
-        Dissipated by dashpots, by sliding, by cracks, by rolling resistance.
+        Energy dissipated by dashpots, by sliding, by cracks and by rolling resistance.
     pore_water, liquefied_bonds : float
-        Stored in liquefied ground: in its pore water, and in the bonds that are its residual strength.
+        Energy stored in liquefied ground: in its pore water, and in the bonds that model its residual strength.
     liquefied_slip, viscosity : float
-        Dissipated in liquefied ground: by bonds that slip, and by viscosity.
+        Energy dissipated in liquefied ground: by slip of bonds, and by viscosity.
     stand_in : float
-        Work of pore water that stands in for ground beside it which has not liquefied.
+        Work of the pore pressure that replaces adjacent ground which has not liquefied.
     weight, external, boundary : float
-        Work of weight, of the external acceleration (Kh), of boundaries that move.
+        Work of weight, of the external acceleration (Kh) and of moving boundaries.
     edits : float
-        Energy that came with changes of the model between runs (springs set, cut or changed, velocities set).
+        Energy added by changes of the model between runs (springs set, cut or changed, velocities set).
     turnover : float
-        The most that was ever in play.
+        Energy turned over so far, the reference of relative errors.
     """
 
     translation: float
@@ -58,7 +59,7 @@ class EnergyBalance:
 
     @classmethod
     def of(cls, measured: np.ndarray, sums: np.ndarray, edits: float, turnover: float) -> "EnergyBalance":
-        """From what the kernels return: `energy.energies` and the sums of all slices.
+        """The balance from the results of the kernels: `energy.energies` and the sums of all slices.
 
         measured: (ENERGIES,) energies now (J); sums: (slices, ENERGY_COLUMNS) work and losses (J); edits: energy that
         changes of the model added (J); turnover: energy turned over so far (J).
@@ -103,16 +104,16 @@ class EnergyBalance:
 
     @property
     def stored(self) -> float:
-        """In springs and bonds, and in liquefied ground."""
+        """Energy stored in springs and bonds, and in liquefied ground."""
         return self.in_springs + self.bonds + self.pore_water + self.liquefied_bonds
 
     @property
     def dissipated(self) -> float:
-        """By dashpots, sliding, cracks and rolling resistance, and in liquefied ground."""
+        """Energy dissipated by dashpots, sliding, cracks and rolling resistance, and in liquefied ground."""
         return self.dashpots + self.sliding + self.cracks + self.rolling + self.liquefied_slip + self.viscosity
 
     @property
     def gap(self) -> float:
-        """Energy present and dissipated less all work done: zero in the limit of small steps."""
+        """Present and dissipated energy less the work of all forces: zero in the limit of small steps."""
         work = self.weight + self.external + self.boundary + self.stand_in + self.edits
         return self.kinetic + self.stored + self.dissipated - work

@@ -1,6 +1,7 @@
-"""The engine: takes a DiscModel through time, makes neighbour lists when due, keeps the energy balance, stops in words.
+"""The engine: integrates the motion of a DiscModel, renews its neighbour list, keeps the energy balance, and reports
+errors.
 
-Between two calls of `run` the model may be changed in any way; the engine itself has settings alone.
+Between two calls of `run` the model may be changed in any way; the engine itself holds only settings.
 """
 
 from collections.abc import Callable
@@ -43,19 +44,21 @@ CrackBy = Literal["contact", "pore"]
 
 @dataclass(frozen=True)
 class StableStep:
-    """The largest stable step (s) and the disc that sets it (-1 if nothing can touch)."""
+    """The largest stable step (s) and the disc that limits it (-1 without contacts)."""
 
     seconds: float
     disc: int
 
 
 def largest_step(model: DiscModel) -> StableStep:
-    """The largest stable step of a model as it stands, by the bound of `stable_step`."""
+    """The largest stable step of a model in its present state, by the bound of `stable_step`."""
     return step_finder(model)()
 
 
 def step_finder(model: DiscModel) -> Callable[[], StableStep]:
-    """A function that finds the largest stable step of a model in its present state, also while its layout is made."""
+    """A function that computes the largest stable step of a model in its present state; it may run while the layout
+    is made.
+    """
     invmass = np.where(model.fixed, 0.0, 1.0 / model.mass)
     bodies = Bodies(model.x, model.z, model.radius, invmass, invmass * model.inertia_ratio)
     i, j, length = model.pair_i, model.pair_j, model.pore_length
@@ -72,10 +75,10 @@ def step_finder(model: DiscModel) -> Callable[[], StableStep]:
 
 
 def law_of(model: DiscModel, pulls: bool = False, crack_by: CrackBy = "contact") -> Law:
-    """The law of a model's contacts, as kernels want it; pulls and crack_by as in `Engine`.
+    """The contact law of a model as an argument of the kernels; pulls and crack_by as in `Engine`.
 
-    In soil discs Fn of eq. (16) is the pore spring's own force: without the dashpot's part of the element's, and what
-    the element's push holds by friction is not counted for the pore spring once more.
+    In soil discs Fn of eq. (16) is the force of the pore spring alone: the normal force of the element contact already
+    contributes to the friction of the element.
     """
     soil = model.law == "soil"
     pores = bool(model.springs.pairs[KPN].any())
@@ -84,7 +87,7 @@ def law_of(model: DiscModel, pulls: bool = False, crack_by: CrackBy = "contact")
 
 
 def springs_of(model: DiscModel) -> Springs:
-    """All constants of a model's contacts, as kernels want them."""
+    """All constants of the contacts of a model as an argument of the kernels."""
     pairs = model.springs.pairs
     records = large_zeros(pairs.shape[1], CONSTANT_RECORD)
     records[:, : len(pairs)] = pairs.T
@@ -98,21 +101,22 @@ class Engine:
     Attributes
     ----------
     dt : float or "auto"
-        The time step (s); "auto" is `AUTO_SHARE` of the stable one as it is when a run begins.
+        The time step (s); "auto" is the share `AUTO_SHARE` of the stable step at the beginning of a run.
     threads : int
-        How many; the result does not depend on it.
+        Number of threads; the result does not depend on it.
     energies : bool
-        Whether the energy balance is kept, and the run stopped when it does not close.
+        Whether the energy balance is computed; then a run stops with an error if it does not close.
     balance : float
-        Largest gap of the energy balance over the energy turned over; ten times that once ground has liquefied, whose
-        forces are held for several steps.
+        Largest gap of the energy balance over the energy turned over; after liquefaction ten times this, since forces
+        of liquefied ground are held for several steps.
     pulls : bool
-        Lets the dashpots of element springs pull (for closed forms; soil never does).
+        Whether dashpots of element springs may pull (only for comparison with closed forms).
     crack_by : "contact" or "pore"
-        Normal force of eq. (16): that of element and pore spring together, or of the pore spring alone, as soil discs
-        always have it.
+        Normal force of eq. (16): of element and pore spring together, or of the pore spring alone. Soil discs always
+        use the latter.
     checkpoint, checkpoint_every : path, float
-        File and seconds of model time between two saves; the last one stays when a run stops with an error.
+        File of the checkpoint, and model time between two checkpoints (s); the last checkpoint is kept when a run stops
+        with an error.
     """
 
     dt: float | Literal["auto"] = "auto"
@@ -133,7 +137,7 @@ class Engine:
             raise ValueError(f"crack_by is 'contact' or 'pore', not {self.crack_by!r}")
 
     def step_of(self, model: DiscModel) -> float:
-        """The time step a run of this model would take (s). Raises StepTooLargeError, naming the stable one."""
+        """The time step of a run of this model (s). Raises StepTooLargeError, which names the stable step."""
         stable = largest_step(model)
         if self.dt == "auto":
             if not np.isfinite(stable.seconds):
@@ -153,7 +157,7 @@ class Engine:
             )
 
     def measure(self, model: DiscModel) -> EnergyBalance:
-        """The energy balance of a model as it stands."""
+        """The energy balance of a model in its present state."""
         return self.measure_layout(model, pack(model))
 
     def run(
@@ -165,11 +169,11 @@ class Engine:
         every: float | None = None,
         on_output: OnOutput | None = None,
     ) -> EnergyBalance | None:
-        """Takes the model `duration` seconds on (rounded to whole steps), or a number of steps, none among them.
+        """Advance the model by `duration` seconds (rounded to whole steps) or by a number of steps, which may be 0.
 
         on_output is called with the model every `every` seconds and at the end; it may read and save it, not change it.
-        Returns the energy balance at the end, None if none is kept. Raises DemError, with the model in the state in
-        which the error was found, and ValueError unless either a duration or a number of steps is given.
+        Returns the energy balance at the end, None if it is not computed. Raises DemError, with the model in the state
+        in which the error was found, and ValueError unless either a duration or a number of steps is given.
         """
         model.refresh_list()
         dt = self.step_of(model)
@@ -207,12 +211,12 @@ class Engine:
         return EnergyBalance.of(measured, model.energy_sums, model.energy_edited, model.turnover)
 
     def law_of(self, model: DiscModel) -> Law:
-        """The law by which this engine moves a model."""
+        """The contact law with which this engine moves a model."""
         return law_of(model, self.pulls, self.crack_by)
 
     @property
     def kept(self) -> str:
-        """The checkpoint to continue from, for error messages."""
+        """A sentence on the checkpoint to continue from, for error messages."""
         if self.checkpoint and Path(self.checkpoint).exists():
             return f"The last checkpoint is {self.checkpoint}."
         return "No checkpoint was kept."
@@ -241,7 +245,7 @@ class EngineRun:
         self.begin_ledger()
 
     def close(self) -> None:
-        """Brings the model up to date, whatever happened, and lets the threads go."""
+        """Write the state back into the model, after errors too, and release the threads."""
         if self.working:
             self.collect()
         self.update()
@@ -249,27 +253,27 @@ class EngineRun:
             self.pool.shutdown()
 
     def pack(self) -> Layout:
-        """The layout, made from the model if there is none."""
+        """The layout; it is made from the model if there is none."""
         if self.layout is None:
             self.layout = pack(self.model, keep_pairs=False, in_ranges=self.in_ranges, room=self.room)
             self.springs, self.law = springs_of(self.model), self.engine.law_of(self.model)
         return self.layout
 
     def update(self) -> None:
-        """Writes the layout back into the model, and drops it."""
+        """Write the layout back into the model, and delete it."""
         if self.layout is not None:
             unpack(self.layout, self.model, self.in_ranges)
             self.layout = None
 
     def show(self) -> None:
-        """Brings the motion of the model up to date; its contacts stay in the layout."""
+        """Write positions and velocities back into the model; its contacts stay in the layout."""
         if self.layout is not None:
             unpack_motion(self.layout, self.model)
         check_finite(self.model, self.engine.kept)
         check_escape(self.model, self.engine.kept)
 
     def begin_ledger(self) -> None:
-        """Enters the energy that changes since the last run added or removed, as edits."""
+        """Enter the energy of changes of the model since the last run as edits."""
         if not self.engine.energies:
             self.model.energy_known = float("nan")
             return
@@ -281,7 +285,7 @@ class EngineRun:
             model.energy_edited += energies.kinetic + energies.stored + energies.dissipated - model.energy_known
 
     def advance(self, steps: int) -> EnergyBalance | None:
-        """Takes that many steps, and updates the model."""
+        """Take this number of steps, and write them back into the model."""
         energies = self.go(steps)
         self.update()
         self.show()
@@ -290,7 +294,9 @@ class EngineRun:
         return energies
 
     def go(self, steps: int) -> EnergyBalance | None:
-        """Takes that many steps, in calls of the kernel short enough to be stopped; the layout stays."""
+        """Take this number of steps without writing them back, in calls of the kernel that are short enough to be
+        interrupted.
+        """
         model, engine = self.model, self.engine
         call = max(CALL_STEPS, int(CALL_WORK / len(model)))
         end = model.steps + steps
@@ -310,7 +316,7 @@ class EngineRun:
         return self.balance() if engine.energies else None
 
     def list_anew(self) -> None:
-        """Makes the neighbour list, and looks for the stable step while the layout is made."""
+        """Make the neighbour list, and compute the stable step while the layout is made."""
         model = self.model
         model.make_list(self.in_ranges)
         find = step_finder(model)
@@ -336,7 +342,7 @@ class EngineRun:
         return energies
 
     def call_kernel(self, steps: int) -> int:
-        """Up to `steps` steps in all threads; returns why it came back."""
+        """Take up to `steps` steps in all threads; returns why the kernel returned."""
         arguments = self.arguments(steps)
         if self.pool is None:
             return self.add(*take_steps(*arguments[0]))
@@ -360,13 +366,13 @@ class EngineRun:
         ]  # fmt: skip
 
     def collect(self) -> int:
-        """Waits for the kernel and adds the steps it took; returns why it came back."""
+        """Wait for the kernel and count its steps; returns why the kernel returned."""
         results = [thread.result() for thread in self.working]  # of all, before any is believed
         self.working = []
         return self.add(*results[0])
 
     def add(self, taken: int, now: float, reason: int) -> int:
-        """Adds the steps that the kernel took until now (s); returns why it came back."""
+        """Count the steps that the kernel took up to the time `now` (s); returns the reason."""
         self.model.steps += taken
         self.model.time = now
         self.model.last_dt = self.dt

@@ -22,7 +22,7 @@ class ContactForces:
     Attributes
     ----------
     fx, fz : (pairs,)
-        Force on pair_j, on pair_i the opposite.
+        Force on pair_j; the force on pair_i is opposite.
     rim, rim_i : (pairs,)
         Moment over radius on pair_j and on pair_i: the tangential force times the ratio of distance and sum of radii,
         and what rolling resistance adds.
@@ -44,7 +44,7 @@ class ContactForces:
 
 
 def contact_forces(model: DiscModel) -> ContactForces:
-    """The forces of all contacts, taken by the stepping kernel itself from a copy of the model's state."""
+    """The forces of all contacts, computed by the stepping kernel from a copy of the state of the model."""
     layout = _evaluated(model)
     slices = len(layout.chunk_start) - 1
     number = np.empty(len(model), np.int32)
@@ -64,9 +64,9 @@ def contact_forces(model: DiscModel) -> ContactForces:
 
 
 def keep_slip(model: DiscModel) -> None:
-    """Store the slip of the step just taken in the springs, as the next step would.
+    """Store the slip of the last step in the springs, as the next step would.
 
-    To be called before velocities are set by hand, since that slip is known by them alone.
+    To be called before velocities are set, since this slip follows from the velocities of the last step.
     """
     unpack(_evaluated(model), model)
 

@@ -1,4 +1,4 @@
-"""Memory of large arrays: large pages where the system has them, and what happens to freed pages."""
+"""Memory of large arrays: large pages where the system supports them, and reuse of freed pages."""
 
 import ctypes
 import math
@@ -15,9 +15,7 @@ MORE = 1.02  # times what is wanted now: the next list is a little longer, or sh
 
 
 def large_zeros(*shape: int) -> np.ndarray:
-    """An array of zeros in large pages of memory, for which NumPy asks the system only where an array is not zero
-    yet.
-    """
+    """An array of zeros in large pages of memory, which NumPy requests only for uninitialised arrays."""
     size = math.prod(shape)
     room = np.empty(size + LINE)
     begin = -room.ctypes.data % (8 * LINE) // 8
@@ -27,10 +25,10 @@ def large_zeros(*shape: int) -> np.ndarray:
 
 
 class Room:
-    """Memory that is used again, by name, for arrays of zeros of about the same size; what they held before is lost.
+    """Memory that is reused, by name, for arrays of zeros of about the same size; earlier contents are lost.
 
-    It is kept for arrays above `LARGEST`, which glibc gives back: of 300,000 discs a quarter of the time of a new list
-    went into getting such pages anew.
+    It serves arrays above `LARGEST`, which glibc otherwise returns to the system: for 300,000 discs a quarter of the
+    time of a new neighbour list was spent on new pages.
     """
 
     def __init__(self, discs: int = MANY + 1) -> None:
@@ -51,12 +49,12 @@ class Room:
 
 
 def keep_freed_arrays(discs: int) -> None:
-    """Tells glibc to keep the arrays that a new list of neighbours frees, since the next list needs them again.
+    """Set glibc to keep the memory that a new neighbour list frees, since the next list needs it again.
 
-    A page that comes new from the system costs as much as a hundred doubles: lists of 30,000 discs took twice as long.
-    For many discs, the holes in the heap matter more (a million took a third more memory): their arrays are given back.
-    The setting holds for the whole process from then on, which may keep `KEPT` bytes more than it uses. Does nothing
-    where the C library has no such switch.
+    A new page from the system costs as much time as a hundred doubles: without this setting, neighbour lists of 30,000
+    discs take twice as long. With many discs the holes in the heap matter more (a third more memory for a million
+    discs), and their arrays are returned to the system. The setting holds for the whole process, which may keep `KEPT`
+    bytes more than it uses. Does nothing if the C library has no such setting.
     """
     mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
     if mallopt is not None:

@@ -40,8 +40,8 @@ _LINE_ROLLING = {1: "line_rolled", 2: "line_torque"}
 def pack(model: DiscModel, *, keep_pairs: bool = True, in_ranges: Ranges = serial, room: Room | None = None) -> Layout:
     """The layout of a model for the stepping kernel; the same model always gives the same layout.
 
-    keep_pairs: False takes the pairs out of the model, until `unpack` brings them back: there is no need to hold them
-    twice. room: reusable memory for the largest arrays; an earlier layout in it becomes invalid.
+    keep_pairs: False removes the pairs from the model until `unpack` restores them, so that they are not stored twice.
+    room: reusable memory for the largest arrays; an earlier layout in it becomes invalid.
     in_ranges: how loops over contacts are run, in this thread or in several.
     """
     room = Room() if room is None else room
@@ -123,7 +123,7 @@ def _far(lanes: np.ndarray) -> np.ndarray:
 
 
 def _added_mass(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
-    """Fields of the layout of discs with added mass."""
+    """Fields of the layout for discs with added mass."""
     order = model.order
     carries = (model.added_mass_x != 0.0) | (model.added_mass_z != 0.0)
     there = np.flatnonzero(carries[order]) if carries.any() else np.zeros(0, np.int64)
@@ -136,7 +136,7 @@ def _added_mass(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
 
 
 def _liquefied(model: DiscModel, number: np.ndarray, slices: int) -> Liquefied:
-    """Liquefied discs and their pairs; number: that of each disc in spatial order."""
+    """Liquefied discs and their pairs; number: number of each disc in spatial order."""
     slots = slices * LANES
     first, second = number[model.liquefied_i], number[model.liquefied_j]
     lane, start = place_pairs(first, slices)
@@ -166,12 +166,12 @@ def _bonds(layout: Layout, model: DiscModel) -> np.ndarray:
 
 
 def unpack_motion(layout: Layout, model: DiscModel) -> None:
-    """Writes into the model where its discs are and how they move; what contacts remember stays in the layout."""
+    """Writes positions and velocities of the discs into the model; the history of contacts stays in the layout."""
     list_motion(layout, model.order, tuple(getattr(model, name) for name in _STATE), model.roll)
 
 
 def unpack(layout: Layout, model: DiscModel, in_ranges: Ranges = serial) -> None:
-    """Writes what a run has changed back into the model."""
+    """Writes everything that a run has changed back into the model."""
     unpack_motion(layout, model)
     start = count_links(layout, len(model))
     count = int(start[-1])

@@ -1,6 +1,6 @@
-"""Runs in short pulses, between which positions and velocities alone are read. Making a layout from a model and the
-model from the layout takes as long as some forty steps; ground whose load depends on its motion, as on the spring of a
-pushover, is read more often than that.
+"""Runs in short pulses, between which only positions and velocities are read. Conversion of a model into a layout and
+back takes as long as some forty steps; ground whose load depends on its motion, as in displacement control, is read
+more often than this.
 """
 
 from types import TracebackType
@@ -10,9 +10,10 @@ from dem.model import DiscModel
 
 
 class Pulses:
-    """A run in pulses: inside the block the model's motion is up to date, its contacts only after `whole`.
+    """A run in pulses: inside the block positions and velocities of the model are current, its contacts only after
+    `whole`.
 
-    No energies are summed. The step is a share of the stable one as it was when the list of neighbours was made.
+    Energies are not summed. The step is a share of the stable step at the time when the neighbour list was made.
     """
 
     def __init__(self, model: DiscModel, share: float, threads: int = 1) -> None:
@@ -37,5 +38,5 @@ class Pulses:
         run.show()
 
     def whole(self) -> None:
-        """Writes the contacts back into the model, which may be changed then, but for positions."""
+        """Writes the contacts back into the model, which may then be changed, except for positions."""
         self.run.update()

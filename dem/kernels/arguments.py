@@ -1,4 +1,4 @@
-"""Arguments of kernels, in groups: constants, law, loads, the run's clock, its threads, and one step."""
+"""Arguments of kernels in groups: constants, law, loads, clock, threads, and one step."""
 
 from typing import NamedTuple
 
@@ -19,13 +19,13 @@ class Springs(NamedTuple):
     Attributes
     ----------
     pairs : (CONSTANTS, kinds)
-        Between discs, a column for each kind of pair.
+        Constants between discs, a column for each kind of pair.
     records : (kinds * CONSTANT_RECORD,)
-        The same, kind by kind.
+        The same constants, kind by kind.
     lines : (CONSTANTS, layers + 1)
-        Against rigid lines, a column for each layer.
+        Constants against rigid lines, a column for each layer.
     walls : (k, 6)
-        The rigid lines themselves: see `LINE_X` and what follows in `interaction`.
+        Geometry of the rigid lines: see `LINE_X` and the names after it in `interaction`.
     """
 
     pairs: np.ndarray
@@ -51,14 +51,15 @@ class State(NamedTuple):
 
 
 class Law(NamedTuple):
-    """Which law holds.
+    """The contact law of a model.
 
     Attributes
     ----------
     soil : bool
-        The law of soil discs (weaker of two strengths, cohesion, rolling resistance, a stop); else the paper's.
+        Whether the law is that of soil discs (weaker of two strengths, cohesion, rolling resistance, stiffening at
+        large overlap), else the paper's.
     pores : bool
-        Whether there are pore springs at all.
+        Whether there are pore springs.
     floor : float
         Least normal force of an element contact (N): 0, or -inf where its dashpot may pull.
     share : float
@@ -75,14 +76,14 @@ class Law(NamedTuple):
 
 
 class Loads(NamedTuple):
-    """The acceleration of all discs beside their weight.
+    """The external acceleration of all discs, without their weight.
 
     Attributes
     ----------
     times : (n,)
         Instants (s) at which the external acceleration is given.
     acceleration : (3, n)
-        x and z components there, and the one across gravity (m/s2).
+        Its components along x, along z, and horizontally (m/s2).
     """
 
     times: np.ndarray
@@ -90,20 +91,20 @@ class Loads(NamedTuple):
 
 
 class Clock(NamedTuple):
-    """Number of time steps, their length (s), and the time at which they begin (s).
+    """Time steps of one call of the kernel.
 
     Attributes
     ----------
     steps : int
-        At most so many.
+        Largest number of steps.
     dt : float
         Time step (s).
     last_dt : float
         The step before (s); 0 after velocities were set.
     time : float
-        At the beginning (s).
+        Time at the beginning (s).
     before : int
-        Steps that have been taken before.
+        Number of steps taken before.
     """
 
     steps: int
@@ -114,16 +115,16 @@ class Clock(NamedTuple):
 
 
 class Team(NamedTuple):
-    """The threads that step together.
+    """The threads that compute steps together.
 
     Attributes
     ----------
     thread, threads : int
-        The number of this one, and how many there are.
+        Number of this thread, and number of threads.
     barrier : array of int64
-        Where they meet, see `barrier.new_barrier`.
+        Counters with which threads wait for each other, see `barrier.new_barrier`.
     stops : (2, threads)
-        What each of them found in a step, in turn for odd and even steps.
+        Reason to stop that each thread found in a step, alternately for odd and even steps.
     """
 
     thread: int
@@ -133,7 +134,7 @@ class Team(NamedTuple):
 
 
 class Entries(NamedTuple):
-    """The entries of the energy balance.
+    """Sums of the energy balance.
 
     Attributes
     ----------
@@ -148,18 +149,19 @@ class Entries(NamedTuple):
 
 
 class Step(NamedTuple):
-    """One step, as all discs take it.
+    """One time step of all discs.
 
     Attributes
     ----------
     kick, dt, slip_time : float
-        Time between the velocities kept and the new ones; to the new positions; since the last positions (s).
+        Times (s): between the stored and the new velocities; from the present to the new positions; from the last to
+        the present positions.
     ax, az, level : float
-        External acceleration at the beginning of the step: along x, along z, across gravity (m/s2).
+        External acceleration at the beginning of the step: along x, along z, and horizontally (m/s2).
     mean_x, mean_z, mean_level : float
-        Its mean over the step (m/s2), for the energy balance.
+        Mean external acceleration over the step (m/s2), for the energy balance.
     reach : float
-        Square of the way (m2) after which a disc wants a new neighbour list.
+        Square of the displacement (m2) after which a disc needs a new neighbour list.
     """
 
     kick: float

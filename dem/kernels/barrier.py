@@ -1,8 +1,7 @@
 """A barrier for threads inside kernels: none passes before all have reached it.
 
-Written with LLVM's atomic instructions, as Numba offers none for the CPU. Threads spin, and give the processor
-away now and then, so that a crowded machine only gets slower. With the JIT switched off there is one thread and no
-barrier.
+Written with LLVM's atomic instructions, as Numba offers none for the CPU. Threads spin, and yield the processor now and
+then, so that they make progress on a busy machine, too. With the JIT switched off there is one thread and no barrier.
 """
 
 from typing import Any
@@ -34,7 +33,7 @@ def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 @intrinsic
 def fetch_add(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
-    """Adds to an entry of an int64 array, and returns what was there before; indivisible.
+    """Adds to an entry of an int64 array, and returns its earlier value; atomic.
 
     typing_context: Numba's; array: of int64; index: of the entry; value: added to it.
     """
@@ -48,7 +47,7 @@ def fetch_add(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
 
 @intrinsic
 def load(typing_context: Any, array: Any, index: Any) -> Any:
-    """Reads an entry that other threads write, and all they wrote before it."""
+    """Reads an entry that other threads write; everything that they wrote before it is visible afterwards."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.load_atomic(_place(context, builder, signature, arguments), "acquire", 8)
@@ -84,7 +83,9 @@ def wait(barrier: np.ndarray, threads: int) -> None:
 
 @device_function(nogil=True)
 def report(barrier: np.ndarray, thread: int) -> None:
-    """Counts one more piece of work of this thread as done; all it wrote before can be seen by who reads the count."""
+    """Count one more finished piece of work of this thread; everything that it wrote before is visible to a thread
+    that reads the count.
+    """
     fetch_add(barrier, PROGRESS + APART * thread, 1)
 
 

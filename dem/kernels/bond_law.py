@@ -1,7 +1,7 @@
-"""Kernel: the law of a bond between liquefied discs: its force over its displacement, both as shares of those at its
+"""Kernel: force-displacement law of a bond between liquefied discs; force and displacement are shares of those at its
 limit.
 
-Two straight lines: soft up to the strain potential, steep from there to the limit; without a potential they are one.
+The law is bilinear: soft up to the strain potential, steep from there to the limit; linear without a strain potential.
 """
 
 import math
@@ -16,7 +16,7 @@ LEAST_WAY = 1e-12  # of the way to the limit
 
 @device_function(forceinline=True)
 def mobilised(along: float, across: float) -> tuple[float, float]:
-    """Both parts of a bond's force over its limit, scaled back to the limit."""
+    """Both components of the force of a bond over its limit, scaled so that their resultant is at most 1."""
     square = along * along + across * across
     scale = 1.0 / math.sqrt(square if square > 1.0 else 1.0)
     return along * scale, across * scale
@@ -24,7 +24,7 @@ def mobilised(along: float, across: float) -> tuple[float, float]:
 
 @device_function(forceinline=True)
 def slopes(knee: float, soft_to: float) -> tuple[float, float]:
-    """Slopes of both lines of a bond: force over its limit, per displacement over that at the limit (-)."""
+    """Slopes of both lines of a bond: force over the limit, divided by displacement over that at the limit (-)."""
     return knee / (soft_to + LEAST_WAY), (1.0 - knee) / (1.0 - soft_to)
 
 
@@ -42,10 +42,11 @@ def force_share(along: float, across: float, soft: float, steep: float) -> float
 
 @device_function(forceinline=True)
 def energy_share(along: float, across: float, soft: float, steep: float, soft_to: float) -> float:
-    """Energy that a bond stores, over that at its limit without a strain potential (there the square of its way).
+    """Energy that a bond stores, over its energy at the limit without a strain potential (in that case the square of
+    its displacement).
 
     along, across: displacement along and across the bond, over that at its limit (-); soft, steep: see `slopes`;
-    soft_to: share of the way at which the steep line begins (-).
+    soft_to: share of the displacement at which the steep line begins (-).
     """
     square = along * along + across * across
     way = math.sqrt(square)

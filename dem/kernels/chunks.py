@@ -15,7 +15,7 @@ from dem.kernels.work_buffers import BLOCK, constant, load_partners
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)
 def add(total: float, value: float) -> float:
-    """A sum whose order the compiler may choose; for the energy balance, never for the motion."""
+    """A sum whose order the compiler may choose; used for the energy balance, never for the motion."""
     return total + value
 
 
@@ -56,8 +56,8 @@ def contact(
 def load_geometry(chunk: int, state: State, buffer: np.ndarray, law: Law, soil: bool) -> None:
     """Loads the partners of one chunk into the rows of `buffer`, with directions and distances.
 
-    state: arrays of discs and contacts; law: has the length after which periodic ground repeats itself; soil: whether
-    the discs are soil discs.
+    state: arrays of discs and contacts; law: contact law with the period of the ground; soil: whether the discs are
+    soil discs.
     """
     wide_vectors()
     for begin in range(0, field.LANES, BLOCK):

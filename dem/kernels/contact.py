@@ -1,10 +1,9 @@
 """The law between two discs, or a disc and a rigid line: forces from overlap, speed, slip and memory.
 
-Signs, once for everything in `dem`: an overlap and a pushing normal force are positive; `vn` is the speed of
+Signs everywhere in `dem`: an overlap and a compressive normal force are positive; `vn` is the speed of
 separation; `vt` the slip speed of disc j's rim over disc i's along t = (-nz, nx), n pointing from i to j. The
-tangential force opposes slip. Exchanging i and j changes neither overlap, vn, vt nor the stored forces, so a
-contact does not know which disc was named first; rolling alone changes its sign. Units are SI, forces per metre out of
-plane.
+tangential force opposes slip. Exchanging i and j changes neither overlap, vn, vt nor the stored forces, so the order of
+the two discs does not matter; only rolling changes its sign. Units are SI, forces per metre out of plane.
 """
 
 from dem.kernels.device_function import device_function
@@ -19,7 +18,7 @@ CONSTANTS = 20
 
 @device_function(forceinline=True)
 def clamp(value: float, limit: float) -> float:
-    """`value` brought into [-limit, limit]."""
+    """`value` limited to [-limit, limit]."""
     value = value if value < limit else limit
     return value if value > -limit else -limit
 
@@ -28,16 +27,18 @@ def clamp(value: float, limit: float) -> float:
 def spring(over: float, kn: float, gap: float) -> float:
     """Push (N) of the element's normal spring at an overlap (m).
 
-    gap: how far apart discs of cohesive soil still attract each other (m), 0 for all others. The spring pulls there, up
-    to kn times the gap, and is gone beyond: no memory, so that soil which has been sheared attracts as before.
+    gap: largest gap across which discs of cohesive soil attract each other (m), 0 for all others. The spring pulls up
+    to kn times the gap, and beyond it there is no force. The spring has no memory, so that sheared soil attracts as
+    before.
     """
     return kn * over if over > -gap else 0.0
 
 
 @device_function(forceinline=True)
 def spring_energy(over: float, kn: float, gap: float) -> tuple[float, float]:
-    """Energy (J) of that spring, and the energy of the bond, which is negative: it takes as much to part discs that
-    attract each other from where the spring carries nothing."""
+    """Energy (J) of the spring of `spring`, and energy of the bond. The latter is negative: minus the work that
+    separates attracting discs from the state without spring force.
+    """
     touch = over > -gap
     return 0.5 * kn * over * over if touch else 0.0, -0.5 * kn * gap * gap if touch else 0.0
 
@@ -46,7 +47,7 @@ def spring_energy(over: float, kn: float, gap: float) -> tuple[float, float]:
 def stop(over: float, stiffness: float, depth: float) -> float:
     """Additional push (N) of soil discs where the overlap exceeds `depth` (m), which stiffens the contact.
 
-    However soft a layer becomes, its discs do not fall through each other.
+    So discs do not pass through each other, however soft their layer becomes.
     """
     deep = over - depth
     return stiffness * deep if deep > 0.0 else 0.0
@@ -54,11 +55,11 @@ def stop(over: float, stiffness: float, depth: float) -> float:
 
 @device_function(forceinline=True)
 def normal_force(over: float, vn: float, floor: float, spring: float, cn: float, gap: float) -> float:
-    """Element spring and dashpot, eqs. (1)-(2): normal force (N), nothing where the discs do not touch.
+    """Element spring and dashpot, eqs. (1)-(2): normal force (N), zero where the discs do not touch.
 
-    over: overlap (m); vn: speed of separation (m/s); spring: push of the springs there (N); cn: dashpot (N s/m);
+    over: overlap (m); vn: speed of separation (m/s); spring: force of the spring (N); cn: dashpot (N s/m);
     gap: see `spring` (m).
-    floor: least total normal force (N), 0 for contacts that never pull, -inf for dashpots that may.
+    floor: least total normal force (N): 0 for contacts without tension, -inf where dashpots may pull.
     """
     normal = spring - cn * vn
     normal = normal if normal > floor else floor
@@ -67,7 +68,9 @@ def normal_force(over: float, vn: float, floor: float, spring: float, cn: float,
 
 @device_function(forceinline=True)
 def friction_limit(normal: float, mu: float) -> float:
-    """Largest tangential force of an element contact in the paper's discs (N): Coulomb's, with Table 2's friction."""
+    """Largest tangential force (N) of an element contact in the paper's discs: Coulomb friction, with the
+    coefficient of Table 2.
+    """
     limit = mu * normal
     return limit if limit > 0.0 else 0.0
 
@@ -77,8 +80,8 @@ def strength(over: float, normal: float, mu: float, c: float, mu_other: float, c
     """Largest tangential force of a contact of soil discs (N) while they touch: mu Fn + C of the weaker material.
 
     over: overlap (m); normal: normal force (N); mu, c, mu_other, c_other: friction (-) and cohesion (N) of both
-    materials; gap: see `spring` (m). A contact that opens and closes again has its whole cohesion, since clay that has
-    been sheared is still clay. Friction may be negative, see `dem.springs.Strength`.
+    materials; gap: see `spring` (m). A contact that opens and closes again has its whole cohesion: shearing does not
+    destroy the cohesion of clay. Friction may be negative, see `dem.springs.Strength`.
     """
     limit = mu * normal + c
     other = mu_other * normal + c_other
@@ -93,11 +96,12 @@ def held(
 ) -> tuple[float, float, float]:
     """Spring and dashpot in parallel whose force has a limit, eqs. (3)-(4): of slip or of rolling.
 
-    kept: force of the spring in the last step (N); way: slip since (m); speed: of slip (m/s); stiffness: of the spring
+    kept: force of the spring in the last step (N); way: slip since then (m); speed: of slip (m/s); stiffness: of the
+    spring
     (N/m); dashpot: (N s/m); limit: of the force (N).
-    The spring's force is cut at the limit, and so is the sum of spring and dashpot: sliding then dissipates exactly the
-    limit per metre, and neither part can feed energy back.
-    Returns (force, force of the spring before the limit, force of the spring kept).
+    The force of the spring is cut at the limit, and so is the sum of spring and dashpot: sliding then dissipates
+    exactly the limit per metre, and neither part can add energy. Returns (force, force of the spring before the limit,
+    force of the spring kept).
     """
     trial = kept + stiffness * way
     cut = clamp(trial, limit)
@@ -123,9 +127,9 @@ def pore(
     distance: D of the centres (m); slip: since the last step (m); kpn, kps: normal and tangential stiffness (N/m); tan:
     tan(theta) of eq. (16); bc: b C of eq. (16) (N); beta: of eq. (15).
     contact_normal: what the element spring adds to Fn of eq. (16) (N); shear: tangential force kept (N).
-    Cracks where D >= beta L (eq. 15) or |Ft| > max(Fn tan(theta) + bC, 0) (eq. 16), and obeys state 2 from that
-    very step: no cohesion is left, so its shear is held by friction on its own compression.
-    Returns (normal force, tangential force before the limit, tangential force kept, new length).
+    It cracks where D >= beta L (eq. 15) or |Ft| > max(Fn tan(theta) + bC, 0) (eq. 16), and is in state 2 from this step
+    on: without cohesion, its shear force is limited by friction under its own compression. Returns (normal force,
+    tangential force before the limit, tangential force kept, new length).
     """
     size = abs(length)
     normal = kpn * (size - distance)

@@ -1,7 +1,7 @@
-"""Compilation of functions that other kernels alone call.
+"""Compilation of functions that are only called by other kernels.
 
-Numba wraps what it compiles twice, for Python and for C, and compiles the body of a function that is inlined once more
-with each of the wrappers. Functions without them take two thirds of the time.
+Numba adds two wrappers to every compiled function, for Python and for C, and compiles the body of an inlined function
+again with each wrapper. Compilation without wrappers takes two thirds of the time.
 """
 
 from collections.abc import Callable
@@ -11,7 +11,9 @@ from numba import config, njit
 
 
 def device_function(**options: Any) -> Callable[[Any], Any]:
-    """`njit` without wrappers, and without a file in the cache, since those of its callers hold it."""
+    """`njit` without wrappers, and without a file in the cache, since the cached files of its callers contain the
+    function.
+    """
 
     def compiled(function: Any) -> Any:
         made = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, **options)(function)

@@ -1,8 +1,8 @@
 """Kernel: the energies of the discs at one instant, from the layout that the stepping kernel works on.
 
-The kinetic energy is m/2 v(n-1/2) v(n+1/2): of second order like the scheme, and what the scheme keeps exactly. Its
-second velocity takes the forces of this instant. They are taken here, and so is what springs, dashpots and boundaries
-did since the last step, without anything being changed.
+The kinetic energy is m/2 v(n-1/2) v(n+1/2), which is of second order, and which the scheme conserves exactly. Its
+second velocity requires the forces of this instant. They are computed here, and the work of springs, dashpots and
+boundaries since the last step, without changing the state.
 """
 
 import numpy as np
@@ -139,7 +139,7 @@ def kinetic(
 ) -> None:
     """Adds the kinetic energy of the free discs of slice p to `out`, and the work on the discs that are moved.
 
-    layout, buffer, out: as in `slice_energy`; force: (3, discs) on every disc (N); loads: acceleration of this instant;
+    layout, buffer, out: as in `slice_energy`; force: (3, discs) on every disc (N); loads: acceleration at this instant;
     dt: length of the last step (s).
     """
     wide_vectors()
@@ -168,7 +168,7 @@ def kinetic(
 def energies(layout: Layout, springs: Springs, law: Law, loads: Loads, last_dt: float) -> np.ndarray:
     """Energies of all discs and contacts (ENERGIES,) in J.
 
-    layout: discs and contacts; springs: constants; law: law of the contacts; loads: acceleration of this instant alone;
+    layout: discs and contacts; springs: constants; law: law of the contacts; loads: acceleration at this instant;
     last_dt: length of the last step (s).
     """
     out = np.zeros(ENERGIES)

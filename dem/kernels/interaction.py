@@ -1,7 +1,7 @@
-"""Kernel: forces, energies and losses of one contact, from the places of its two sides and its history variables.
+"""Kernel: forces, energies and losses of one contact, from the motion of its two sides and its history variables.
 
-The contact law is applied to the layout here, for the stepping kernel, which stores the result, and for the energies,
-which only read it. All is inlined where it is used: what a caller does not need is not computed.
+Here the contact law is applied to the layout: for the stepping kernel, which stores the result, and for the energies,
+which only read it. All functions are inlined, so that values that a caller does not need are not computed.
 """
 
 import math
@@ -44,12 +44,12 @@ class Motion(NamedTuple):
         Direction from i to j.
     lever : float
         Lever of the tangential force over the radius, the same for both discs. The levers are the distance times
-        r_i/(r_i + r_j): they add up to the distance, so that angular momentum is kept and a pair that turns as one body
-        does not slip.
+        r_i/(r_i + r_j). Their sum is the distance, so that angular momentum is conserved and a pair that rotates as one
+        body does not slip.
     vn, vt : float
         Speeds of separation and of slip at the end of the step (m/s).
     slip, stretch : float
-        Slip and separation since the last step (m); separation is for the energy balance alone.
+        Slip and separation since the last step (m); separation is used only by the energy balance.
     """
 
     distance: float
@@ -72,15 +72,15 @@ class Contact(NamedTuple):
     push, drag : float
         Normal and tangential force of element and pore spring together (N).
     torque : float
-        Rolling moment over R = r_i r_j/(r_i + r_j) (N): turns i forward, j back.
+        Rolling moment over R = r_i r_j/(r_i + r_j) (N); positive on i, negative on j.
     shear, pore, rolled : float
-        Forces that the springs of slip, of the pore spring and of rolling keep (N).
+        Stored forces of the springs of slip, of the pore spring and of rolling (N).
     length : float
         Length of the pore spring (m), see `contact.pore`.
     elements, bonds, pores, rolling : float
         Energy stored in element springs, bonds of cohesive soil, pore springs and springs of rolling (J).
     damped, slid, cracked, rolled_off : float
-        Twice what dashpots, sliding, cracks and rolling took since the last step (J).
+        Twice the energy that dashpots, sliding, cracks and rolling dissipated since the last step (J).
     """
 
     over: float
@@ -105,9 +105,9 @@ class Contact(NamedTuple):
 def contact_geometry(d: int, q: int, state: State, buffer: np.ndarray, law: Law, soil: bool) -> None:
     """Writes direction, distance and lever arms of the contact in lane q into the rows of `buffer`.
 
-    d: where its chunk begins in `state.links`; law: has the length after which periodic ground repeats itself, which
-    only `soil` discs have. One square root and one division: they take longer than all else in the law. So they are
-    computed apart, while the records of the next partners are fetched.
+    d: where its chunk begins in `state.links`; law: contact law with the period of the ground, which only `soil` discs
+    have. One square root and one division take longer than the rest of the law. So they are computed separately, while
+    the records of the next partners are fetched.
     """
     radii = state.links[d + field.RADII + q]
     dx = buffer[field.X + q] - buffer[OWN + field.X + q]
@@ -163,11 +163,11 @@ def between_discs(
     pores: bool,
     with_losses: bool,
 ) -> tuple[Motion, Contact]:
-    """The contact in lane q of the chunk at d (rolling memory at w); changes nothing.
+    """The contact in lane q of the chunk at d (rolling memory at w); the state is not changed.
 
     state: arrays of discs and contacts; buffer: rows that `load_geometry` filled; slip_time: length of the last step
     (s); law: law of the contacts; soil, pores, with_losses: whether the law of soil discs holds, there are pore
-    springs, and losses are wanted. Callers write these three out, so that the compiler leaves out what is not wanted.
+    springs, and losses are computed. Callers pass these three as literals, so that the compiler omits unused parts.
     """
     links = state.links
     radii = links[d + field.RADII + q]
@@ -270,7 +270,8 @@ def line_motion(e: int, layout: Layout, walls: np.ndarray, slip_time: float) -> 
 def at_line(
     e: int, at: np.uint64, w: np.uint64, layout: Layout, springs: Springs, slip_time: float, law: Law
 ) -> tuple[Motion, Contact]:
-    """The contact of a disc with a rigid line, whose forces lie in lane `at` (rolling memory at w); changes nothing.
+    """The contact of a disc with a rigid line, whose forces are in lane `at` (rolling memory at w); the state is not
+    changed.
 
     e: number of the contact; layout: discs and contacts; springs: constants; slip_time: length of the last step (s);
     law: law of the contacts.
@@ -309,6 +310,6 @@ def at_line(
 
 @device_function(nogil=True)
 def line_lane(e: int, layout: Layout) -> tuple[np.uint64, np.uint64]:
-    """Where disc e at a rigid line has its place in links, and in rolling: behind the chunks and the silent lane."""
+    """Places of the contact e with a rigid line in `links` and in `rolling`: after the chunks and the empty chunk."""
     place = np.uint64(layout.chunk_start[-1] + 1) + np.uint64(e // field.LANES)
     return place * field.LINK + np.uint64(e % field.LANES), place * field.ROLL_LINK + np.uint64(e % field.LANES)

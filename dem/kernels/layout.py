@@ -1,12 +1,12 @@
 """Layout of discs and contacts in memory for the kernels, and the conversion to and from lists.
 
 Discs are sorted in space and cut into slices of 64 lanes. A slice owns some of the contacts of its discs, kept in
-chunks of 64 lanes too: lane l of a chunk is a contact owned by lane l of the slice. Each field of a slice or chunk
-is 64 doubles in a row, all fields of one slice (or chunk) lie together. Every inner loop then runs over 64
-neighbouring doubles at fixed distances from one base address, which is what a compiler needs to know to use vector
-instructions; lanes without a contact point at a disc far away.
+chunks of 64 lanes too: lane l of a chunk is a contact owned by lane l of the slice. Each field of a slice or chunk is
+64 doubles in a row, and all fields of one slice (or chunk) are adjacent. Every inner loop then runs over 64
+neighbouring doubles at fixed distances from one base address, so that the compiler can use vector instructions; lanes
+without a contact point to a disc far away.
 
-Nothing in a layout depends on the number of threads, so sums are taken in the same order by one or by many.
+A layout does not depend on the number of threads, so that the order of sums is the same for any number.
 """
 
 from typing import NamedTuple
@@ -48,11 +48,11 @@ class Layout(NamedTuple):
     Attributes
     ----------
     discs : (slices * DISC,)
-        Fields of the discs that concern nobody else, in spatial order.
+        Fields of the discs that only their own slice reads, in spatial order.
     links : ((chunks + 1 + line chunks) * LINK,)
-        Fields of the contacts: chunks, one whose forces stay zero, then contacts with rigid lines.
+        Fields of the contacts: chunks, one chunk whose forces are always zero, then contacts with rigid lines.
     rolling : ((chunks + 1 + line chunks) * ROLL_LINK,)
-        Memory of rolling of the same contacts; empty for the paper's discs.
+        History variables of rolling of the same contacts; empty for the paper's discs.
     shared : (slices * 64 * SHARED,)
         The fields of the discs that partners read, disc by disc.
     partner : (chunks * 64,)
@@ -60,13 +60,13 @@ class Layout(NamedTuple):
     kinds : (chunks * 64,)
         Column of the table of constants.
     fresh : (groups of eight lanes,)
-        Where in `kinds` those lanes begin whose kinds are not those of the chunk before.
+        Places in `kinds` of groups of lanes whose kinds differ from those of the chunk before.
     fresh_start : (chunks + 1,)
-        First of them in each chunk.
+        First entry of `fresh` of each chunk.
     chunk_start : (slices + 1,)
         First chunk of each slice.
     incoming : (slots * 64,)
-        Where in `links` the force from a contact lies that another disc owns.
+        Places in `links` of the forces of contacts that another disc owns.
     incoming_start : (slices + 1,)
         First slot of each slice.
     first, last : (slices,)
@@ -74,13 +74,14 @@ class Layout(NamedTuple):
     line_disc, line_id, line_kind : (contacts with lines,)
         Number of the disc in spatial order, number of the line, column of the table of lines.
     line_radius : (contacts with lines,)
-        The disc's radius (m).
+        Radius of the disc (m).
     line_start : (slices + 1,)
         First contact with a line of each slice.
     added_mass_disc : (discs that carry what shakes,)
-        Their numbers in spatial order.
+        Numbers of these discs in spatial order.
     added_mass : (discs that carry what shakes, 4)
-        Their PULL_X and PULL_Z without it, and what it adds over the acceleration of the frame across gravity.
+        Their PULL_X and PULL_Z without added mass, and the acceleration by added mass over the horizontal acceleration
+        of the frame.
     added_mass_start : (slices + 1,)
         First of them in each slice.
     liquefied : Liquefied
@@ -113,19 +114,21 @@ class Layout(NamedTuple):
 
 @device_function(nogil=True, forceinline=True)
 def entry(disc: int, field: int) -> np.uint64:
-    """Where in `shared` a field of this disc lies."""
+    """Place in `shared` of a field of a disc."""
     return np.uint64(disc) * np.uint64(SHARED) + field // np.uint64(LANES)
 
 
 @device_function(nogil=True, forceinline=True)
 def place(disc: int, field: int) -> np.uint64:
-    """Where in `discs` a field of this disc lies."""
+    """Place in `discs` of a field of a disc."""
     return np.uint64(disc // LANES) * DISC + np.uint64(disc % LANES) + field
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def count_slots(member: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]:
-    """Largest number of times a disc of each slice occurs in `member`; and each entry's turn at its disc."""
+    """First slot of each slice, which has as many slots as one of its discs occurs in `member` at most; and the number
+    of every entry among those of its disc.
+    """
     seen = np.zeros(slices * LANES, np.int32)
     turn = np.empty(len(member), np.int32)
     for c in range(len(member)):
@@ -156,7 +159,8 @@ def place_links(
     begin: int,
     end: int,
 ) -> None:
-    """Writes contacts begin to end into their lanes; `links` to `kind` come filled with the entries of no contact.
+    """Write the contacts from begin to end into their lanes; `links` to `kind` are prefilled with entries of lanes
+    without contact.
 
     owner, partner: discs of each contact; turn: its number among those of its owner; chunk_start: as in `Layout`;
     radii: of the discs (m); kinds: column of the constants; memory: of each contact, as named in `state.MEMORY`, then
@@ -184,7 +188,9 @@ def place_links(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def find_fresh(where: np.ndarray, nobody: int, kind: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """`fresh` and `fresh_start` of a layout; lanes without a contact take the kind of the same lane a chunk before."""
+    """Compute `fresh` and `fresh_start` of a layout; lanes without a contact take the kind of the same lane in the
+    chunk before.
+    """
     chunks = len(kind) // LANES
     for at in range(LANES, len(kind)):
         if where[at] >= nobody:
@@ -208,11 +214,11 @@ def find_fresh(where: np.ndarray, nobody: int, kind: np.ndarray) -> tuple[np.nda
 def place_incoming(
     where: np.ndarray, chunk_start: np.ndarray, line_disc: np.ndarray, discs: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """For every disc, where the forces of the contacts lie that it does not own: partners first, then lines.
+    """For every disc, the places of the forces of contacts that it does not own: partners first, then lines.
 
     where: partner in every lane; chunk_start, line_disc: as in `Layout`; discs: how many there are.
-    They come in the order of the lanes, so that a sum over them depends on the layout alone and not on the order in
-    which contacts were listed. Also returns the first and last slice that owns a contact of each slice.
+    They are in the order of the lanes, so that a sum over them depends only on the layout, and not on the order of the
+    contact list. Also returns the first and last slice that owns a contact of each slice.
     """
     slices = len(chunk_start) - 1
     chunks = chunk_start[-1]
@@ -251,7 +257,7 @@ def place_incoming(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def count_links(layout: Layout, discs: int) -> np.ndarray:
-    """Where the contacts of each slice begin in their list, and where the last ones end (slices + 1,)."""
+    """First contact of each slice in the contact list, and the end of the list (slices + 1,)."""
     slices = len(layout.chunk_start) - 1
     start = np.zeros(slices + 1, np.int64)
     for p in range(slices):
@@ -275,9 +281,9 @@ def list_links(
 ) -> None:
     """Lists the contacts of slices begin to end from their lanes, slice by slice, slot by slot, lane by lane.
 
-    start: as `count_links` has it; layout: discs and contacts; order: number of the user for every disc. Writes `owner`
-    and `other` (numbers of the user) and `memory`, as named in `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty
-    for the paper's discs).
+    start: as from `count_links`; layout: discs and contacts; order: original number of every disc. Writes `owner` and
+    `other` (original numbers) and `memory`, as named in `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty for the
+    paper's discs).
     """
     discs = len(order)
     for p in range(begin, end):

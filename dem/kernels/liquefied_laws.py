@@ -1,4 +1,4 @@
-"""Kernel: laws of liquefied ground at one distance and of one disc; `liquefied_pairs` tells how they act together."""
+"""Kernel: laws of liquefied ground for one distance and one disc; `liquefied_pairs` combines them."""
 
 import math
 
@@ -17,7 +17,7 @@ def density_kernel(r: float, reach: float) -> tuple[float, float]:
 
 @device_function(forceinline=True)
 def bond_kernel(r: float, reach: float) -> float:
-    """w: the share of strength that is left to a bond at a distance r below the reach (m)."""
+    """The share w of the strength of a bond at a distance r below the reach (m)."""
     q = r / reach
     rest = 1.0 - q
     return rest * rest * (1.0 + 2.0 * q)
@@ -25,8 +25,8 @@ def bond_kernel(r: float, reach: float) -> float:
 
 @device_function(forceinline=True)
 def water_pressure(share: float, pressure: float, stiffness: float, compressed: float) -> float:
-    """Pore pressure (Pa) of ground `compressed` since it liquefied, never below zero; share: liquefied; stiffness: K_w
-    (Pa).
+    """Pore pressure (Pa) of ground whose volume is `compressed` since liquefaction, never below zero; share: degree of
+    liquefaction; stiffness: K_w (Pa).
     """
     u = share * (pressure + stiffness * compressed)
     return u if u > 0.0 else 0.0
@@ -36,7 +36,7 @@ def water_pressure(share: float, pressure: float, stiffness: float, compressed: 
 def water_energy(share: float, area: float, pressure: float, stiffness: float, density: float, now: float) -> float:
     """Energy (J) stored in the pore water of a disc: area times the integral of u/rho^2 from where u is zero to `now`.
 
-    share: liquefied; area (m2); pressure u0, stiffness K_w (Pa); density: rho0.
+    share: degree of liquefaction; area (m2); pressure u0, stiffness K_w (Pa); density: rho0.
     """
     least = density * (1.0 - pressure / stiffness)
     if now <= least:

@@ -14,7 +14,9 @@ FIRST, SECOND = int(WIDTH_1), int(WIDTH_2)
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def place_pairs(first: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]:
-    """Lane (pairs,) of every pair and first block (slices + 1,) of every slice; each slice begins a block of lanes."""
+    """Lane (pairs,) of every pair, and first block (slices + 1,) of every slice; each slice begins with a new block
+    of lanes.
+    """
     start = np.zeros(slices + 1, np.int64)
     for c in range(len(first)):
         start[first[c] // LANES + 1] += 1
@@ -33,7 +35,7 @@ def place_pairs(first: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]
 def members_of(first: np.ndarray, second: np.ndarray, lane: np.ndarray, slots: int) -> tuple[np.ndarray, np.ndarray]:
     """`member` and `members` of pairs: for every disc its pairs, in the order of the list.
 
-    first, second: discs of each pair; lane: where the pair lies; slots: number of discs with those that fill up.
+    first, second: discs of each pair; lane: lane of each pair; slots: number of discs including padding.
     """
     members = np.zeros(slots + 1, np.int64)
     for c in range(len(first)):

@@ -1,25 +1,27 @@
 """Kernel: liquefied ground, carried by its pore pressure and held together by its residual strength.
 
-Two laws of pairs, for every pair with a liquefied disc that is nearer than the reach H; contacts have no part in it.
+Two laws act between every two discs that are nearer than the reach H if one of them has liquefied; they are independent
+of contacts.
 
-1. Pore pressure by volume. A disc stands for an area V with its voids; how densely these areas lie is
-   rho_i = sum_j V_j W(r_ij), with its own share, W the kernel C2 of Wendland (1995). The pore pressure in excess of the
+1. Pore pressure by volume. A disc represents an area V with its voids. The density of these areas is rho_i = sum_j V_j
+W(r_ij), the disc itself included, with the kernel C2 of Wendland (1995) as W. The pore pressure in excess of the
    hydrostatic one is u_i = max(0, u0 + K_w (rho/rho0 - 1)) share + zeta d rho/dt: the effective overburden that pore
-   water took over when the ground liquefied, and what is lost of its volume. A pair is pushed apart along the line of
-   centres by -V_i V_j (u_i/rho_i^2 + u_j/rho_j^2) dW/dr (Monaghan 1992), which bears any pressure and no shear.
-2. Residual strength. An elastic-plastic bond between the centres resists both parts of their relative motion, no more
-   together than c_ij = (pi/2) FITTED (s_i V_i/S_i + s_j V_j/S_j) w(r), S_i = sum_j w r. Then sum_j c_ij r_ij is the
-   same whatever the packing, and so is the shear stress of ground that slips: s. Its stiffness is c_ij/(gamma r).
-   Ground with a strain potential is soft at first: force over way follows one straight line up to the potential, with a
-   dashpot beside it, and a steep one from there to the limit (`kernels.bond_law`).
-   Bonds that are there from the onset hold 1 + FIRST times as much until they have slipped: discs which lose their
-   contacts find other places, and until the slip has turned all bonds its way those at their limit add up to 0.77 s.
+   water took over when the ground liquefied, and a term of its compression. The two discs of a pair repel each other
+   along the line of centres with -V_i V_j (u_i/rho_i^2 + u_j/rho_j^2) dW/dr (Monaghan 1992), which resists pressure but
+   not shear.
+2. Residual strength. An elastic-plastic bond between the centres resists both components of their relative motion; its
+resultant is at most c_ij = (pi/2) FITTED (s_i V_i/S_i + s_j V_j/S_j) w(r), S_i = sum_j w r. Then sum_j c_ij r_ij does
+not depend on the packing, and ground that slips has the shear stress s. Its stiffness is c_ij/(gamma r).
+   Ground with a strain potential is soft at first: the force-displacement law is a straight line up to the potential,
+   with a dashpot in parallel, and a steep one from there to the limit (`kernels.bond_law`). Bonds that exist from the
+   onset have 1 + FIRST times this limit until they have slipped: discs that lose their contacts rearrange, and until
+   slip has aligned all bonds, those at their limit give only 0.77 s.
 
 Where the partner is fixed or has not liquefied, the terms of the liquefied disc count twice in both sums. Forces are
-evaluated every few steps, for the places of the discs in the middle of these steps, and held meanwhile. Sums over the
-pairs of a disc are taken in the order of its partners, so that they do not depend on the number of threads.
+evaluated every few steps, for the positions in the middle of these steps, and are constant in between. Sums over the
+pairs of a disc are in the order of its partners, so that they do not depend on the number of threads.
 
-Work is added up from one evaluation to the next: that of the forces held, except that half of the last step has the new
+Work is summed from one evaluation to the next with the constant forces, except that half of the last step has the new
 forces (velocity Verlet).
 """
 
@@ -83,32 +85,33 @@ LESS = 1e-12  # of a reach: what S is at least
 
 
 class Liquefied(NamedTuple):
-    """Liquefied discs and their pairs as kernels want them; without pairs nothing has liquefied.
+    """Liquefied discs and their pairs as arguments of kernels; without liquefaction there are no pairs.
 
     Attributes
     ----------
     discs : (slots, FIELDS)
-        Of every disc, in spatial order.
+        Fields of every disc, in spatial order.
     first, second : (lanes,)
-        Numbers of the two in spatial order, sorted by the first, then by the second; the same where there is no pair.
+        Numbers of the two discs in spatial order, sorted by the first, then by the second; equal in lanes without a
+        pair.
     memory : (blocks * REMEMBERED,)
-        See `ALONG` and what follows.
+        History variables, see `ALONG` and the names after it.
     working : (blocks * WORKED,)
-        Scratch, see `DX` and what follows.
+        Work arrays, see `DX` and the names after it.
     start : (slices + 1,)
         First block of each slice, by the first discs.
     member : (2 pairs,)
-        Where in `working` the density lies that pairs add to every disc.
+        Places in `working` of the contributions of pairs to the density of every disc.
     members : (slots + 1,)
-        First of them of each disc.
+        First entry of `member` of each disc.
     near : (discs with pairs,)
-        Their numbers.
+        Numbers of the discs that have pairs.
     near_start : (slices + 1,)
-        First of them in each slice.
+        First entry of `near` of each slice.
     reach : float
         H (m).
     every : int
-        Steps for which forces are held.
+        Number of steps for which forces are constant.
     """
 
     discs: np.ndarray
@@ -154,10 +157,11 @@ def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, ahead: float, w
 
 @device_function(nogil=True, _nrt=False)
 def look_at_pairs(block: int, wet: Liquefied, period: Period, with_losses: bool) -> float:
-    """Densities, levers and speeds of a block of `wet`, once `fetch_motion` has been there; `period`: of the ground.
+    """Densities, levers and speeds of a block of pairs, after `fetch_motion`; `wet`: liquefied pairs; `period`: of the
+    ground.
 
-    Returns, `with_losses`, the work (J) of the half that stands in for discs which have not liquefied, since the last
-    look.
+    With `with_losses` it returns the work (J) since the last evaluation of the terms that replace discs which have not
+    liquefied.
     """
     wide_vectors()
     w, reach = wet.working, wet.reach
@@ -230,7 +234,7 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahea
 
 @device_function(forceinline=True)
 def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
-    """Slopes of both lines of the bond of two discs, and the share of its way at which they meet."""
+    """Slopes of both lines of the bond of two discs, and the share of the displacement at which the lines meet."""
     half = 0.5 if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0 else 1.0
     soft_to = half * (discs[i, SOFT_TO] + discs[j, SOFT_TO])
     soft, steep = slopes(half * (discs[i, KNEE] + discs[j, KNEE]), soft_to)
@@ -239,7 +243,7 @@ def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
 
 @device_function(nogil=True, _nrt=False)
 def fetch_strength(block: int, wet: Liquefied) -> None:
-    """Pressure and strength of the pairs of a block, as sums of both discs; only liquefied discs add to them."""
+    """Pressure and strength of the pairs of a block: sums over both discs, to which only liquefied discs contribute."""
     discs, w = wet.discs, wet.working
     for lane in range(LANES):
         q = np.uint64(block) * WORKED + np.uint64(lane)
@@ -258,9 +262,9 @@ def press_pairs(
 ) -> tuple[float, float, float]:
     """Compute forces and memory of the pairs of a block, after `fetch_strength` has read their strength.
 
-    Returns what its bonds took by slip and by dashpots since the last look, and the work of stand-ins at its end (J).
-    damping_time: dashpot over stiffness of a bond (s); kept: share of its force that the spring in series with the
-    second dashpot keeps from one evaluation to the next.
+    Returns energies (J) since the last evaluation: dissipation of bonds by slip and by dashpots, and the work of the
+    terms that replace discs which have not liquefied. damping_time: dashpot over stiffness of a bond (s); kept: share
+    of the force of the spring in series with the second dashpot that remains at the next evaluation.
     """
     wide_vectors()
     w, memory, reach = wet.working, wet.memory, wet.reach
@@ -335,7 +339,7 @@ def press_pairs(
 
 @device_function(nogil=True, _nrt=False)
 def sum_pairs(begin: int, end: int, wet: Liquefied) -> None:
-    """Forces on some of the discs near."""
+    """Sum the forces of pairs on the discs near[begin:end]."""
     discs, w = wet.discs, wet.working
     for k in range(begin, end):
         i = np.int64(wet.near[k])
@@ -349,9 +353,9 @@ def sum_pairs(begin: int, end: int, wet: Liquefied) -> None:
 
 @device_function(nogil=True)
 def liquefied_energy(wet: Liquefied, shared: np.ndarray, force: np.ndarray) -> tuple[float, float]:
-    """Energy (J) stored in pore water and in bonds, and forces of the last look added to those on discs (3, slots).
+    """Energy (J) stored in pore water and in bonds; adds the forces of the last evaluation to `force` (3, slots).
 
-    The work of these forces on what discs have moved since the pairs were evaluated counts as still stored.
+    The work of these forces on displacements since the last evaluation counts as stored.
     """
     discs = wet.discs
     water, bonds = 0.0, 0.0

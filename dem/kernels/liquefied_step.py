@@ -1,4 +1,4 @@
-"""Kernel: liquefied ground in a step of all threads, slice by slice; the laws are in `liquefied_pairs`."""
+"""Kernel: forces of liquefied ground in a step of all threads, slice by slice; the laws are in `liquefied_pairs`."""
 
 import math
 
@@ -23,10 +23,9 @@ from dem.kernels.work_buffers import SUM_X, SUM_Z
 
 @device_function(nogil=True, _nrt=False)
 def look_at_slice(p: int, layout: Layout, law: Law, entries: Entries, ahead: float) -> None:
-    """Densities, levers and speeds of the pairs of slice p, where discs will be in `ahead` seconds.
+    """Densities, levers and speeds of the pairs of slice p at the positions of discs in `ahead` seconds.
 
-    layout: discs and contacts; law: has the length after which periodic ground repeats itself; entries: of the energy
-    balance.
+    layout: discs and contacts; law: contact law with the period of the ground; entries: of the energy balance.
     """
     wet = layout.liquefied
     for block in range(wet.start[p], wet.start[p + 1]):
@@ -55,8 +54,8 @@ def press_slice(p: int, wet: Liquefied, entries: Entries, damping_time: float, k
 def press(team: Team, layout: Layout, law: Law, entries: Entries, dt: float) -> None:
     """Computes the forces of all pairs of liquefied ground, which then stay constant until the next call.
 
-    Threads of the `team` wait for each other three times. layout: discs and contacts; law: has the length after which
-    periodic ground repeats itself; entries: of the energy balance; dt: time step (s).
+    Threads of the `team` wait for each other three times. layout: discs and contacts; law: contact law with the period
+    of the ground; entries: of the energy balance; dt: time step (s).
     """
     wet = layout.liquefied
     begin, end = slices_of(team.thread, team.threads, len(layout.chunk_start) - 1)
@@ -82,7 +81,7 @@ def press(team: Team, layout: Layout, law: Law, entries: Entries, dt: float) -> 
 
 @device_function(nogil=True, _nrt=False)
 def add_pressed(p: int, layout: Layout, buffer: np.ndarray) -> None:
-    """Adds the forces that liquefied ground holds to those on the discs of slice p."""
+    """Add the stored forces of liquefied ground to the forces on the discs of slice p."""
     wet = layout.liquefied
     for k in range(wet.near_start[p], wet.near_start[p + 1]):
         i = np.int64(wet.near[k])

@@ -1,10 +1,10 @@
 """Kernel: the shear stress about each liquefied disc, and the shear strain since the last neighbour list.
 
-The stress about a disc is that of its pairs with their forces as they were last looked at (virial of Love 1927; half of
-each pair belongs to either disc), tension positive; the gradient of displacement is that of its neighbours by least
-squares. Both are means over the liquefied neighbours within reach, since the stress of a single disc swings about the
-mean beside a slip plane. What ground that flows in the plane without change of volume holds is its plastic work over
-its shear strain, sigma : grad u / gamma (Tresca).
+The stress at a disc follows from its pairs and their forces at the last evaluation (virial of Love 1927; half of each
+pair belongs to either disc), tension positive. The displacement gradient is that of its neighbours by least squares.
+Both are means over the liquefied neighbours within reach, since the stress of single discs scatters next to a slip
+plane. The shear stress of ground that flows in the plane without change of volume is its plastic work over its shear
+strain, sigma : grad u / gamma (Tresca).
 """
 
 import math
@@ -35,21 +35,21 @@ def held_shear(
     Parameters
     ----------
     discs
-        (n, FIELDS) What liquefied discs have.
+        (n, FIELDS) Fields of liquefied discs.
     way
         (2, n) Displacement since the last list (m).
     pairs
         (2, pairs) Numbers of their discs.
     memory
-        (pairs, MEMORY) What the bonds remember.
+        (pairs, MEMORY) History variables of the bonds.
     reach, period
-        Of the kernels (m), and of the ground.
+        Reach of the kernels (m), and period of the ground.
 
     Returns
     -------
     (3, n)
-        Shear stress held (Pa), shear strain since the last list, and share of the strength of its bonds that is
-        mobilised; zero for discs that have not liquefied.
+        Measured shear stress (Pa), shear strain since the last list, and mobilised share of the strength of the bonds;
+        zero for discs that have not liquefied.
     """
     n = len(discs)
     sums, width = _sums(discs, way, pairs, memory, reach, period)
@@ -123,10 +123,9 @@ def _sums(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _held(mean: np.ndarray) -> tuple[float, float]:
-    """Shear stress held (Pa) and shear strain, of a stress and a gradient of displacement.
+    """Measured shear stress (Pa) and shear strain, from a stress and a displacement gradient.
 
-    Work against rotation counts, which bonds resist as well: ground that turns as it strains then loses no more than
-    it should.
+    Work on rotation is included, since bonds resist rotation as well.
     """
     xx, xz, zx, zz = mean[G_XX], mean[G_XZ], mean[G_ZX], mean[G_ZZ]
     strain = math.sqrt((xx - zz) * (xx - zz) + (xz + zx) * (xz + zx))
@@ -140,7 +139,7 @@ def _held(mean: np.ndarray) -> tuple[float, float]:
 def _means(discs: np.ndarray, pairs: np.ndarray, width: np.ndarray, reach: float, values: np.ndarray) -> np.ndarray:
     """Means of values (n, k) over liquefied discs within reach, by the kernel (width) and their areas.
 
-    One value at a time: rows at once take the compiler seconds more.
+    One value after the other, since rows would take seconds more to compile.
     """
     n, count = values.shape
     out, weight = np.zeros((n, count)), np.zeros(n)
@@ -167,7 +166,7 @@ def _means(discs: np.ndarray, pairs: np.ndarray, width: np.ndarray, reach: float
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _solve(sums: np.ndarray) -> None:
-    """Turns sums over neighbours into the gradient of displacement, nothing where they lie on a line."""
+    """Displacement gradients from sums over neighbours; zero where the neighbours lie on a line."""
     xx, xz, zz = sums[M_XX], sums[M_XZ], sums[M_ZZ]
     scale = xx * zz - xz * xz
     inverse = 1.0 / scale if scale > FLAT * (xx + zz) * (xx + zz) else 0.0

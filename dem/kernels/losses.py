@@ -1,7 +1,6 @@
 """Kernel: energy losses of a contact since the last step, for the energy balance; they do not affect the motion.
 
-So the compiler may take its sums and products in any order, and join them. Losses are given twice, and halved once they
-are summed.
+So the compiler may reorder and fuse their sums and products. Losses are doubled here, and halved after they are summed.
 """
 
 import math
@@ -21,9 +20,9 @@ def along(ax: float, az: float, bx: float, bz: float) -> float:
 def damping_loss(way: float, dashpot: float, dashpot_before: float) -> float:
     """Work of a dashpot since the last step, twice (J), from its forces (N) now and then.
 
-    The work of a step is its displacement times the mean of the forces at its ends: that is what the scheme takes from
-    the kinetic energy v(n-1/2) v(n+1/2) m/2, so the balance of linear springs and dashpots closes to rounding, whatever
-    the step.
+    The work in a step is the displacement times the mean of the forces at both ends of the step. The scheme reduces the
+    kinetic energy v(n-1/2) v(n+1/2) m/2 by this amount, so that the balance of linear springs and dashpots closes to
+    rounding for any step.
     """
     return (dashpot + dashpot_before) * way
 
@@ -62,7 +61,7 @@ def sliding_loss(before: float, trial: float, kept: float, flexibility: float) -
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)
 def crack_loss(kpn: float, length: float, distance: float, stretch: float) -> float:
-    """Energy of its stretch that a pore spring sets free as it cracks, twice (J).
+    """Twice the elastic energy (J) that a pore spring loses as it cracks.
 
     kpn: normal stiffness (N/m); length: of the spring (m); distance: of the centres (m); stretch: separation since the
     last step (m).

@@ -1,4 +1,4 @@
-"""Kernel: the discs brought from the model to the layout and back, and whether they are where discs can be."""
+"""Kernel: copies of the state of discs from the model to the layout and back, and checks of their positions."""
 
 import numpy as np
 from numba import njit
@@ -20,7 +20,7 @@ def place_motion(order: np.ndarray, state: tuple[np.ndarray, ...], shared: np.nd
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def place_fields(order: np.ndarray, fields: tuple[np.ndarray, ...], discs: np.ndarray) -> None:
-    """Writes what else a disc has into its slice, a row of the slice for each of the fields."""
+    """Write the other fields of every disc into its slice, a row of the slice for each field."""
     for i in range(len(order)):
         disc = order[i]
         for field in range(DISC_FIELDS):
@@ -29,9 +29,10 @@ def place_fields(order: np.ndarray, fields: tuple[np.ndarray, ...], discs: np.nd
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def list_motion(layout: Layout, order: np.ndarray, state: tuple[np.ndarray, ...], roll: np.ndarray) -> None:
-    """Writes the shared fields of every disc into the arrays of `state`, in their order, and how far it has rolled.
+    """Write the shared fields of every disc, and the distance that it has rolled, into the arrays of `state`, in their
+    order.
 
-    layout: discs and contacts; order: number of the user for every disc; roll: (n,) rolled way (m), filled here.
+    layout: discs and contacts; order: original number of every disc; roll: (n,) rolled distance (m), filled here.
     """
     for i in range(len(order)):
         disc = order[i]

@@ -1,8 +1,8 @@
-"""Kernel: the neighbour list. A cell grid finds the pairs closer than the sum of their radii and a skin.
+"""Kernel: the neighbour list. A cell grid finds the pairs whose distance is below the sum of their radii plus a skin.
 
-The list holds until some disc has moved half the skin. It also holds every pair with a pore spring, whole or
-cracked, at whatever distance: a cracked spring resists again when the discs come back to its length, so forgetting it
-would make the result depend on the skin. Springs' memory is carried over as it stands.
+The list holds until some disc has moved half the skin. It also holds every pair with a pore spring, intact or cracked,
+at any distance: a cracked spring resists again when the discs return to its length, so that removing it would make the
+result depend on the skin. History variables of springs are copied to the new list.
 """
 
 from typing import NamedTuple
@@ -24,18 +24,19 @@ def spatial_order(x: np.ndarray, z: np.ndarray, spacing: float) -> np.ndarray:
 
 
 class Near(NamedTuple):
-    """Discs in spatial order, and the distance of neighbours: less than factor (r_i + r_j) + skin, not both fixed.
+    """Discs in spatial order, and the criterion of neighbours: a distance below factor (r_i + r_j) + skin, and not both
+    fixed.
 
     Attributes
     ----------
     x, z, radius : (n,)
         Places and radii (m).
     fixed : (n,)
-        Whether they are.
+        Whether discs are fixed.
     factor, skin : float
-        (-) and m.
+        Factor (-) and skin (m) of the criterion.
     period : Period
-        Longer than three such distances.
+        Period of the ground, longer than three such distances.
     """
 
     x: np.ndarray
@@ -48,24 +49,25 @@ class Near(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """Discs sorted into cells, at most four cells a disc: square ones, unless their columns have to fill a period.
+    """Discs sorted into cells, at most four cells for each disc. Cells are square unless their columns have to fill a
+    period.
 
     Attributes
     ----------
     column, row : (n,)
         The cell of each disc.
     columns, rows : int
-        How many there are.
+        Numbers of columns and rows.
     size, low : float
-        Height of a cell, and where the lowest begins (m).
+        Height of a cell, and elevation of the bottom of the lowest cell (m).
     start : (cells + 1,)
         First item of each cell, row by row from the left.
     items : (n,)
         Discs by cell.
     places : (n, 3)
-        In the same order, where they are and their radii (m): what is compared lies side by side.
+        Positions and radii (m) in the order of `items`, so that neighbouring discs are adjacent in memory.
     height : (n,)
-        Of every disc in the period that the grid covers (m).
+        Height of every disc, moved into the period of the grid (m).
     """
 
     column: np.ndarray
@@ -86,7 +88,7 @@ class Known(NamedTuple):
     Attributes
     ----------
     pair, higher : (pairs,)
-        Number of the pair, and of its other disc.
+        Number of each pair, and number of its other disc.
     start : (n + 1,)
         Where the pairs of each lower number begin.
     """
@@ -98,8 +100,8 @@ class Known(NamedTuple):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def cell_grid(near: Near) -> Grid:
-    """Discs sorted into cells no smaller than the largest distance of neighbours; the columns fill the period, if there
-    is one.
+    """Discs sorted into cells that are no smaller than the largest distance of neighbours; the columns fill the period,
+    if there is one.
     """
     x, z, radius, period = near.x, near.z, near.radius, near.period
     n = len(x)
@@ -137,7 +139,7 @@ def cell_grid(near: Near) -> Grid:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def known_pairs(i: np.ndarray, j: np.ndarray, number: np.ndarray) -> Known:
-    """The pairs of an old list; number: that of each disc in spatial order."""
+    """The pairs of an old list; number: number of each disc in spatial order."""
     start = np.zeros(len(number) + 1, np.int32)
     for c in range(len(i)):
         start[min(number[i[c]], number[j[c]]) + 1] += 1
@@ -165,8 +167,8 @@ def longer(array: np.ndarray, size: int) -> np.ndarray:
 
 @device_function(nogil=True)
 def sort_run(begin: int, end: int, key: np.ndarray, other: np.ndarray) -> None:
-    """Sorts `key` from begin to end, and `other` with it, so that slots of neighbouring discs hold contacts in one
-    direction.
+    """Sort `key` from begin to end, and `other` with it, so that equal slots of neighbouring discs hold contacts in the
+    same direction.
     """
     for a in range(begin + 1, end):
         k, o = key[a], other[a]
@@ -179,9 +181,9 @@ def sort_run(begin: int, end: int, key: np.ndarray, other: np.ndarray) -> None:
 
 @device_function(nogil=True)
 def near_pairs(begin: int, end: int, near: Near, grid: Grid) -> tuple[np.ndarray, np.ndarray]:
-    """The pairs i < j of `find_pairs` that are near: where those of each i begin, and all j.
+    """The neighbouring pairs i < j of `find_pairs`: first pair of each i, and the j of all pairs.
 
-    begin, end: of the lower numbers; near: discs and distance of neighbours; grid: the discs sorted into cells.
+    begin, end: range of the lower numbers; near: discs and distance of neighbours; grid: the discs sorted into cells.
     """
     # by name: a field of a tuple of arrays is counted as referred to at every use
     x, z, radius, fixed, factor, skin, period = near
@@ -225,11 +227,11 @@ def near_pairs(begin: int, end: int, near: Near, grid: Grid) -> tuple[np.ndarray
 def find_pairs(
     begin: int, end: int, near: Near, grid: Grid, known: Known, old_length: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All pairs that are near, and the old ones with a pore spring.
+    """All neighbouring pairs, and the old pairs with a pore spring.
 
-    begin, end: of the lower numbers that are looked at; near: discs and distance of neighbours; grid: the discs sorted
-    into cells; known: old pairs, by their numbers in spatial order; old_length: of their pore springs (m). Returns
-    (i, j, old) with i < j, sorted by both; old is the number of the old pair with the same discs, or -1.
+    begin, end: range of the lower numbers; near: discs and distance of neighbours; grid: the discs sorted
+    into cells; known: old pairs, by their numbers in spatial order; old_length: length of their pore springs (m).
+    Returns (i, j, old) with i < j, sorted by both; old is the number of the old pair with the same discs, or -1.
     """
     listed, others = near_pairs(begin, end, near, grid)
     pair, higher, old_start = known.pair, known.higher, known.start
@@ -272,10 +274,11 @@ def pairs_within(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def share_out(i: np.ndarray, j: np.ndarray, n: int) -> None:
-    """Gives every pair to one of its discs, so that few own more than three; swaps it there. Owners come first.
+    """Assign every pair to one of its discs, its owner, so that few discs own more than three; owners come first in a
+    pair.
 
-    Three is the mean of a triangular lattice; lanes of a slice without a contact are computed in vain. Owners stay near
-    their partners in the order, for a slice can move only once the last owner of its contacts has been through.
+    Three is the mean of a triangular lattice; computing lanes without a contact is wasted work. Owners are near their
+    partners in the order, since a slice can move only after the last owner of its contacts is computed.
     """
     owned = np.zeros(n, np.int32)
     for c in range(len(i)):
@@ -288,7 +291,7 @@ def share_out(i: np.ndarray, j: np.ndarray, n: int) -> None:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def turned(owner: np.ndarray, other: np.ndarray, old: np.ndarray) -> np.ndarray:
-    """-1 for pairs whose owner has changed, 1 for all others; old: as of `find_pairs`."""
+    """-1 for pairs whose owner has changed, 1 for all others; old: as from `find_pairs`."""
     sign = np.ones(len(old))
     for c in range(len(old)):
         if old[c] >= 0 and owner[old[c]] == other[c]:
@@ -306,10 +309,10 @@ def carry_over(
     turns: np.ndarray,
     after: tuple[np.ndarray, ...],
 ) -> None:
-    """Copies the memory of the old list into the pairs begin to end of the new list; zero for new pairs.
+    """Copy the history variables of the old list to the pairs from begin to end of the new list; zero for new pairs.
 
     before, after: arrays of the old and of the new list; old: number of each pair in the old list, or -1; sign: -1
-    where the discs of the pair have changed places; turns: whether an array changes its sign with them.
+    where the discs of the pair are exchanged; turns: whether an array changes its sign with the exchange.
     """
     for k in range(len(before)):
         memory, values, turning = before[k], after[k], turns[k]
@@ -324,10 +327,10 @@ def carry_over(
 def find_lines(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, skin: float, lines: np.ndarray, depth: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(disc, line) of all discs that a rigid line can touch: less than r + skin before the line, or behind it.
+    """(disc, line) of all discs that can touch a rigid line: less than r + skin in front of the line, or behind it.
 
     x, z, radius: places and radii (m); fixed: whether a disc is held; skin: (m); lines: (k, 6) point, inward normal,
-    begin and end (m); depth: how far behind a line a disc is still held by it (m).
+    begin and end (m); depth: largest distance (m) behind a line at which the line still acts on a disc.
     """
     n = 0
     disc = np.empty(64, np.int32)

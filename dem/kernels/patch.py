@@ -1,6 +1,6 @@
-"""Kernel: a patch of discs in a frame, read and driven where the stepping kernel keeps it.
+"""Kernel: stress and imposed strain of a patch of discs in a frame, computed in the layout of the stepping kernel.
 
-Bringing a patch back into the model between two short runs would take longer than reading it.
+Writing a patch back into the model between two short runs would take longer than reading it.
 """
 
 import numpy as np
@@ -32,10 +32,10 @@ def share_inside(x: float, z: float, along_x: float, along_z: float, region: np.
 def pair_forces(layout: Layout, discs: int, back: np.ndarray, region: np.ndarray) -> tuple[np.ndarray, float, int]:
     """Mean stress in a patch by the contact forces of the last step, dashpots included.
 
-    layout: discs and contacts; discs: how many there are; back: (2, 2), the inverse of the deformation, so that
-    `region` is that before any.
-    Returns (sum of pair force times that part of the branch which lies in the region (N m, 2 x 2: tension positive),
-    mean force that is left unbalanced on a free disc over the mean of the pair forces, number of cracked pore springs).
+    layout: discs and contacts; discs: how many there are; back: (2, 2), the inverse of the deformation, since `region`
+    is given in undeformed coordinates.
+    Returns (sum of pair force times the part of the branch vector inside the region (N m, 2 x 2, tension positive),
+    mean unbalanced force on a free disc over the mean pair force, number of cracked pore springs).
     """
     shared, links = layout.shared, layout.links
     carried = np.zeros((2, 2))
@@ -82,7 +82,7 @@ def pair_forces(layout: Layout, discs: int, back: np.ndarray, region: np.ndarray
 def outside(layout: Layout, discs: int, back: np.ndarray) -> int:
     """Number in spatial order of a free disc that is not within the frame, -1 if there is none; see `pair_forces`.
 
-    A disc whose place is no number is not within it either.
+    A disc whose position is NaN counts as outside.
     """
     shared = layout.shared
     most_x, most_z = 0.0, 0.0
@@ -101,7 +101,7 @@ def outside(layout: Layout, discs: int, back: np.ndarray) -> int:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def turn(layout: Layout, radius: np.ndarray, change: np.ndarray, rates: np.ndarray) -> None:
-    """Adds the `change` of a velocity gradient (2, 2) to all discs; those of the frame move exactly by `rates` (1/s).
+    """Add the `change` of a velocity gradient (2, 2) to all discs; discs of the frame move exactly with `rates` (1/s).
 
     layout: discs and contacts, changed here; radius: of every disc (m), in spatial order.
     """

@@ -1,4 +1,4 @@
-"""Kernel: periodic sides, of ground of which one period is computed.
+"""Kernel: distances in periodic ground, of which one period is computed.
 
 Positions are never mapped back into the period; distances are those of the nearest image.
 """
@@ -20,7 +20,7 @@ class Period(NamedTuple):
     length : float
         To the right (m).
     rise : float
-        By which it lies higher there (m), negative where it falls.
+        Rise (m) over one period, negative where the ground falls to the right.
     """
 
     length: float
@@ -34,14 +34,16 @@ ENDLESS = Period(1e100, 0.0)
 
 @device_function(forceinline=True)
 def image(dx: float, dz: float, period: Period) -> tuple[float, float]:
-    """The way (m) to the image that is nearest along x."""
+    """The vector (m) to the image that is nearest along x."""
     n = math.floor(dx * (1.0 / period.length) + 0.5)
     return dx - n * period.length, dz - n * period.rise
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def folded(x: np.ndarray, z: np.ndarray, period: Period) -> tuple[np.ndarray, np.ndarray]:
-    """The images of all places (m) in the period that begins with the leftmost; the places if it is endless."""
+    """The images of all places (m) in the period that begins with the leftmost place; the places themselves without
+    a period.
+    """
     if period.length == ENDLESS.length:
         return x, z
     inside, height = x.copy(), z.copy()

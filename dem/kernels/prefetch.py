@@ -31,9 +31,10 @@ def _prefetch(typing_context: Any, array: Any, index: Any) -> Any:
 
 @intrinsic
 def wide_vectors(typing_context: Any) -> Any:
-    """Lets the loops of the calling function be vectorised at the full width of the processor.
+    """Vectorise the loops of the calling function at the full width of the processor.
 
-    LLVM keeps to half of them on processors whose older sisters slowed down in wide ones; these loops gain a fifth.
+    On processors whose predecessors ran slower with wide vectors, LLVM uses only half the width; these loops gain a
+    fifth with the full width.
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -56,5 +57,5 @@ else:
 
     @njit(cache=True, nogil=True, forceinline=True)
     def fetch(array: np.ndarray, at: int) -> None:
-        """Fetches the cache line of array[at] ahead; a place past the end does no harm."""
+        """Prefetch the cache line of array[at]; a place past the end does no harm."""
         _prefetch(array, at)

@@ -1,4 +1,4 @@
-"""Kernel: overlapping discs are pushed apart, and those too near the outline inwards."""
+"""Kernel: overlapping discs are pushed apart, and discs too near the outline are pushed inwards."""
 
 import numpy as np
 from numba import njit
@@ -55,10 +55,10 @@ def spread_out(
     sweeps: int,
     period: Period,
 ) -> None:
-    """Pushes overlapping discs apart, and those too near the outline inwards.
+    """Push overlapping discs apart, and discs too near the outline inwards.
 
     x, z: places (m), changed here; radius: (m); i, j: pairs that may overlap; outline: (n, 2)
-    polygon (m); sweeps: how often; period: of the ground, endless for a box.
+    polygon (m); sweeps: number of sweeps; period: of the ground, infinite for a box.
     """
     for _ in range(sweeps):
         for c in range(len(i)):

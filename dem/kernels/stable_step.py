@@ -4,14 +4,13 @@ For springs between pairs, K <= 2 diag(K_ii): the energy of a spring between i a
 each end would store alone. So omega_max^2 <= 2 max_i lambda(K_ii / M_ii), with the 3 x 3 blocks of translation and
 **rotation** of one disc, and likewise for the dashpots. The stepping scheme is stable for a mode of frequency omega and
 damping c = 2 zeta omega as long as h^2 omega^2 + 4 h c <= 4 (its characteristic polynomial leaves the unit circle at
--1), and what holds for the bound holds for the mode.
+-1), and a step that is stable at the bound is stable for every mode.
 
-Every listed pair counts as touching, whether it does or not, and every pore spring as compressed: the bound stays true
-until the list is made anew, when it is taken again. Only cracked pairs too far apart to meet by then are left out; they
-stay listed for their memory alone. Equal discs on a triangular lattice give
-max(6 kn + 6 ks, 24 ks)/m for omega_max^2, where max(6 kn + 2 ks, 24 ks)/m is exact. A spring of rolling resistance
-adds ks (r_j/(r_i + r_j))^2 to what a rim feels of its neighbours, and where soil discs stiffen with the overlap, the
-stiffer branch counts.
+Every listed pair counts as touching, and every pore spring as compressed, so that the bound holds until the list is
+renewed, when it is computed again. Only cracked pairs that are too far apart to meet before then are left out; they are
+listed only for their history. Equal discs on a triangular lattice give max(6 kn + 6 ks, 24 ks)/m for omega_max^2, where
+max(6 kn + 2 ks, 24 ks)/m is exact. A spring of rolling resistance adds ks (r_j/(r_i + r_j))^2 to the rotational
+stiffness, and where soil discs stiffen with the overlap, the stiffer branch counts.
 """
 
 from typing import NamedTuple
@@ -59,7 +58,7 @@ class Pairs(NamedTuple):
     i, j, kind : (m,)
         Numbers of the discs, column of the table of constants.
     length : (m,)
-        Of the pore spring (m), see `contact.pore`.
+        Length of the pore spring (m), see `contact.pore`.
     """
 
     i: np.ndarray
@@ -89,7 +88,7 @@ def add_block(
     """Adds a spring along a direction and one across it to the six entries of a block.
 
     blocks: of all discs; at: where the block begins; sign: -1 at the other end of the spring; way: unit direction, and
-    the lever at which the spring across it pulls, in radii; normal, tangential: stiffnesses (N/m).
+    the lever of the transverse spring, in radii; normal, tangential: stiffnesses (N/m).
     """
     nx, nz, lever = way
     blocks[at] += normal * nx * nx + tangential * nz * nz
@@ -116,7 +115,7 @@ def bound(blocks: np.ndarray, at: np.uint64, invmass: float, rim: float) -> floa
 
 @device_function(nogil=True, forceinline=True)
 def blocks_of(disc: int) -> np.uint64:
-    """Where the blocks of a disc begin: that of stiffness, then that of dashpots."""
+    """Places of the two blocks of a disc: of stiffness, then of dashpots."""
     return np.uint64(disc) * np.uint64(BLOCKS)
 
 
@@ -136,7 +135,7 @@ def add_pair(
     """Adds a pair to the blocks of its discs a and b.
 
     way: from a to b (m); radii: their sum (m), parts: the share of each in it; length: of the pore spring (m); kind:
-    column of the constants; skin: how much nearer the pair may come (m); records: see `Springs`.
+    column of the constants; skin: decrease of the distance that is allowed for (m); records: see `Springs`.
     """
     dx, dz = way
     d = max(np.sqrt(dx * dx + dz * dz), 1e-300)
@@ -179,7 +178,9 @@ def add_line(blocks: np.ndarray, disc: int, line: int, kind: int, springs: Sprin
 
 @device_function(nogil=True)
 def step_of(blocks: np.ndarray, disc: int, invmass: float, rim: float) -> float:
-    """Largest stable time step (s) of a disc with its blocks; inf if it moves nothing; invmass, rim: see `bound`."""
+    """Largest stable time step (s) of a disc from its blocks; inf for a disc that cannot move; invmass, rim: see
+    `bound`.
+    """
     k2 = 2.0 * bound(blocks, blocks_of(disc), invmass, rim)
     c2 = 2.0 * bound(blocks, blocks_of(disc) + DASHPOTS, invmass, rim)
     return 2.0 / (c2 + np.sqrt(c2 * c2 + k2)) if k2 > 0.0 else np.inf
@@ -189,10 +190,10 @@ def step_of(blocks: np.ndarray, disc: int, invmass: float, rim: float) -> float:
 def stable_step(
     bodies: Bodies, pairs: Pairs, skin: float, at_lines: LineContacts, springs: Springs, period: Period
 ) -> tuple[float, int]:
-    """Largest stable time step (s) and the disc that sets it; (inf, -1) without contacts.
+    """Largest stable time step (s) and the disc that limits it; (inf, -1) without contacts.
 
-    bodies: the discs; pairs: listed pairs; skin: how much nearer a pair may come before the list is made anew (m);
-    at_lines: contacts with rigid lines; springs: constants; period: length after which periodic ground repeats itself.
+    bodies: the discs; pairs: listed pairs; skin: decrease of the distance of a pair before the list is renewed (m);
+    at_lines: contacts with rigid lines; springs: constants; period: of the ground.
     """
     x, z, radius = bodies.x, bodies.z, bodies.radius
     blocks = np.zeros(len(x) * BLOCKS)
@@ -216,7 +217,7 @@ def stable_step(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def stable_step_of_layout(layout: Layout, discs: int, skin: float, springs: Springs, period: Period) -> float:
-    """Stable time step (s) from the arrays of the kernels, as `stable_step` to rounding.
+    """Stable time step (s) from the arrays of the kernels; equal to `stable_step` to rounding.
 
     layout: discs and contacts; discs: how many there are; skin, springs, period: as in `stable_step`.
     """

@@ -3,12 +3,13 @@
 Scheme: velocity Verlet, which is the trapezoidal rule for the displacement (Sec. 2(2) of the paper). With the forces
 F at t_n,
     v(n+1/2) = v(n-1/2) + dt F(n)/m,   x(n+1) = x(n) + dt v(n+1/2),   v*(n+1) = v(n+1/2) + dt/2 F(n)/m.
-Dashpots need a velocity at t_(n+1) before its force is known: v* is that one, to second order. Slip, and so the
-springs' memory, follows from v(n+1/2), that is from displacements.
+Dashpots need a velocity at t_(n+1) before the force at this time is known: they use v*, which is accurate to second
+order. Slip, and so the history of springs, follows from v(n+1/2), that is from displacements.
 
-A step goes through the slices in order: the contacts a slice owns, then all slices whose last contact is known, while
-they are still in the cache. A slice that shares contacts with another thread's is moved at the end of the step, once
-that thread has been through the last of them: all threads meet only once a step.
+A step handles the slices in order: first the contacts that a slice owns; then all slices whose contacts are complete
+are moved, while they are still in the cache. A slice that shares contacts with slices of another thread is moved at the
+end of the step, after that thread has computed the last of these contacts: all threads wait for each other only once in
+a step.
 """
 
 import numpy as np
@@ -91,8 +92,8 @@ def move_lanes(
     """Moves the 64 discs of slice p by one step.
 
     discs, shared: see `Layout`; buffer: rows with the sums of forces; step: the time step and its accelerations.
-    Returns whether one has left the reach of the neighbour list and, where `with_losses`, the work of weight, external
-    acceleration and moving boundaries on them (J).
+    Returns whether a disc has moved beyond the reach of the neighbour list and, if `with_losses`, the work of weight,
+    external acceleration and moving boundaries on the discs (J).
     """
     wide_vectors()
     b = np.uint64(p) * field.DISC
@@ -169,8 +170,8 @@ def contacts_of_slice(
     """Computes all contacts that slice p owns; True if an overlap is too large.
 
     layout: discs and contacts; springs: constants; buffer: rows to work in; slip_time: length of the last step (s);
-    law: law of the contacts; entries: of the energy balance. unknown: a chunk for which the buffer does not hold the
-    constants of the chunk before.
+    law: law of the contacts; entries: of the energy balance. unknown: the first chunk of the thread, before which the
+    buffer holds no constants.
     """
     too_deep = False
     load_own(p, layout.shared, buffer)
@@ -213,7 +214,7 @@ def move_slice(p: int, layout: Layout, buffer: np.ndarray, step: Step, entries: 
     """Sums the forces on slice p and moves it; True if a disc has left the reach of the neighbour list.
 
     layout: discs and contacts; buffer: rows to work in; step: the time step; entries: of the energy balance; at_hand:
-    the slice whose own discs the buffer holds.
+    the slice whose discs are in the buffer.
     """
     sum_forces(p, layout, buffer)
     if len(layout.liquefied.near) > 0:
@@ -249,10 +250,10 @@ def interpolate(time: float, times: np.ndarray, values: np.ndarray, place: int) 
 
 @device_function(nogil=True, _nrt=False, forceinline=True)
 def step_at(time: float, last_dt: float, dt: float, loads: Loads, place: int, reach: float) -> Step:
-    """The step that begins at `time`; a new length follows the old one without a jump of the velocities.
+    """The step that begins at `time`; its length may change without a jump of the velocities.
 
     last_dt, dt: length of the last step and of this one (s); loads: acceleration; place: see `interpolate`; reach:
-    square of the way after which a disc wants a new neighbour list (m2).
+    square of the displacement after which a disc needs a new neighbour list (m2).
     """
     ax = interpolate(time, loads.times, loads.acceleration[0], place)
     az = interpolate(time, loads.times, loads.acceleration[1], place)
@@ -274,7 +275,8 @@ def move_shared(
     shared: np.ndarray,
     need: np.ndarray,
 ) -> bool:
-    """Moves the slices that share contacts with other threads, each once those are through them; see `move_slice`.
+    """Move the slices that share contacts with other threads, each after these threads have computed them; see
+    `move_slice`.
 
     team: the threads; taken: steps taken; layout, buffer, step, entries: as in `move_slice`; shared, need: see
     `sharing.needs`.
@@ -308,10 +310,10 @@ def take_steps(
     """Takes the steps of the clock or fewer; each thread of the team calls it with its own number.
 
     team: the threads; clock: steps to take and the time; layout: discs and contacts; springs: constants; law: law of
-    the contacts; loads: acceleration; entries: of the energy balance; reach: square of the way after which a disc wants
-    a new neighbour list (m2); shared, need: see `sharing.needs`; buffer: see `new_buffer`. With no steps to take it
-    computes the contacts as they are and moves nothing. Returns (steps taken, time, reason): MOVED if the neighbour
-    list must be made anew before the next step, OVERLAP if two discs are deeper in each other than allowed, DONE
+    the contacts; loads: acceleration; entries: of the energy balance; reach: square of the displacement after which a
+    disc needs a new neighbour list (m2); shared, need: see `sharing.needs`; buffer: see `new_buffer`. With no steps to
+    take it computes the contacts in the present state and moves no disc. Returns (steps taken, time, reason): MOVED if
+    the neighbour list must be made anew before the next step, OVERLAP if two discs overlap by more than allowed, DONE
     otherwise.
     """
     thread, threads, barrier = team.thread, team.threads, team.barrier

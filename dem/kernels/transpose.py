@@ -1,8 +1,8 @@
 """Transposition of records of a few doubles to rows of 64 and back, eight at a time, in registers.
 
-What a contact reads of its partner lies at eight places which nothing orders: a compiler that cannot prove where an
-index points copies it double by double. One record for each disc, and one for each kind of pair, are read two doubles
-at a time instead, and leave as two rows of eight. Nothing is computed: no bit depends on how it is done.
+Eight contacts read records of eight partners in no regular order; a compiler that cannot analyse such indices copies
+them double by double. Here the record of each disc, and of each kind of pair, is read two doubles at a time, and
+written as two rows of eight. Values are only copied, so that results do not depend on the method.
 """
 
 from typing import Any
@@ -38,7 +38,7 @@ def _at(builder: Any, data: Any, place: Any, vector: ir.Type) -> Any:
 
 
 def _join(builder: Any, parts: list[Any]) -> Any:
-    """Vectors one after the other in one."""
+    """Concatenate vectors."""
     while len(parts) > 1:
         order = _order(*range(2 * parts[0].type.count))
         parts = [builder.shuffle_vector(a, b, order) for a, b in zip(parts[0::2], parts[1::2], strict=True)]
@@ -46,7 +46,7 @@ def _join(builder: Any, parts: list[Any]) -> Any:
 
 
 def _all(builder: Any, value: Any) -> Any:
-    """A vector of eight times the same."""
+    """A vector of eight equal entries."""
     one = builder.insert_element(ir.Constant(ir.VectorType(value.type, EIGHT), ir.Undefined), value, ir.IntType(32)(0))
     return builder.shuffle_vector(one, one, _order(*[0] * EIGHT))
 
@@ -66,8 +66,8 @@ def _turn(builder: Any, source: Any, begin: list[Any], fields: int, target: Any,
 def gather(context: Any, records: Any, apart: Any, fields: Any, places: Any, first: Any, rows: Any, to: Any) -> Any:
     """The first `fields` of eight records into rows[to : to + 8], rows[to + 64 : to + 72] and so on.
 
-    context: Numba's; records: array of records; they are those numbered places[first] to places[first + 7]; `apart` is
-    from one record to the next. `apart` and `fields`, an even number, are constants where this is called.
+    context: Numba's; records: array of records; the records places[first] to places[first + 7] are read; `apart` is the
+    distance of one record to the next. `apart` and `fields`, an even number, are constants where this is called.
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -87,7 +87,7 @@ def gather(context: Any, records: Any, apart: Any, fields: Any, places: Any, fir
 
 @intrinsic
 def unfold(context: Any, records: Any, at: Any, rows: Any, to: Any) -> Any:
-    """The way back from `spread`: eight records of discs, one after the other from records[at] on, into eight rows.
+    """The inverse of `spread`: eight consecutive records of discs, from records[at] on, into eight rows.
 
     context: Numba's; the rows begin at rows[to].
     """
@@ -132,10 +132,10 @@ def spread(context: Any, rows: Any, at: Any, records: Any, to: Any) -> Any:
 
 @intrinsic
 def add_gathered(context: Any, values: Any, places: Any, first: Any, rows: Any, to: Any) -> Any:
-    """Adds eight values from wherever they lie to each of three rows: rows[to : to + 8], rows[to + 64 : to + 72], ...
+    """Add eight values from arbitrary places to each of three rows: rows[to : to + 8], rows[to + 64 : to + 72], ...
 
-    The first row gets those at places[first] to places[first + 7], the others those 64 and 128 behind. LLVM decides
-    whether a processor gathers them with one instruction. context: Numba's.
+    The first row gets the values at places[first] to places[first + 7], the others the values 64 and 128 places
+    further. LLVM decides whether the processor gathers them with one instruction. context: Numba's.
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

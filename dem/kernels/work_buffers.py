@@ -1,7 +1,7 @@
-"""Kernel: rows of 64 doubles into which the partners' state and the pairs' constants are copied.
+"""Kernel: rows of 64 doubles for the state of partners and the constants of pairs.
 
-The inner loops read and write rows of 64 doubles at fixed distances, so that they become vector instructions; what
-comes from elsewhere must first lie in rows.
+The inner loops read and write rows of 64 doubles at fixed distances, so that the compiler can use vector instructions;
+other data are copied into rows first.
 """
 
 import numpy as np
@@ -30,7 +30,7 @@ AHEAD = 2  # chunks
 
 @njit(cache=True, nogil=True)
 def new_buffer() -> np.ndarray:
-    """Rows of zeros aligned to cache lines, since access across lines or pages is slow."""
+    """Rows of zeros that are aligned to cache lines, since access across cache lines or pages is slow."""
     room = np.zeros(BUFFER_SIZE + 7)
     begin = -room.ctypes.data % 64 // 8
     return room[begin : begin + BUFFER_SIZE]
@@ -38,7 +38,7 @@ def new_buffer() -> np.ndarray:
 
 @device_function(forceinline=True)
 def constant(row: int) -> np.uint64:
-    """Where the row of a constant begins."""
+    """Place of the row of a constant."""
     return CONSTANT + np.uint64(row) * ROW
 
 
@@ -46,7 +46,7 @@ def constant(row: int) -> np.uint64:
 def load_constants(
     first: int, kinds: np.ndarray, records: np.ndarray, soil: bool, pores: bool, buffer: np.ndarray
 ) -> None:
-    """Loads the constants of eight contacts, those from `kinds[first]` on, into their lanes of `buffer`.
+    """Load the constants of eight contacts, from `kinds[first]` on, into their lanes of `buffer`.
 
     records: see `Springs`; soil, pores: whether the discs are soil discs, and whether there are pore springs.
     """
@@ -83,7 +83,8 @@ def load_partners(chunk: int, lane: int, state: State, buffer: np.ndarray, soil:
     """Loads position and velocities of 16 partners from `lane` on into rows of `buffer`, and prefetches a later chunk.
 
     chunk: its number; state: arrays of discs and contacts; soil: whether contacts remember rolling.
-    One line of its contacts and one of its partners at a time: a core waits once it has asked for a few dozen lines.
+    Prefetches alternate between one cache line of contacts and one of partners, since a core stalls after a few dozen
+    outstanding requests.
     """
     chunks = np.uint64(len(state.partner)) // ROW
     later = min(np.uint64(chunk + AHEAD), chunks - ONE) * ROW

@@ -1,1 +1,1 @@
-"""A patch of discs tested as a sample of soil is: stiffness, strength, dilation."""
+"""Element tests on a patch of discs, as on a soil sample: stiffness, strength, dilation."""

@@ -24,14 +24,14 @@ class PatchStrength:
     pressure : float
         Confining pressure (Pa).
     E : float
-        Young's modulus of soil in plane strain that is as stiff as the confined patch (Pa).
+        Young's modulus in plane strain of a soil with the stiffness of the confined patch (Pa).
     peak, after : float
-        Half the deviator at the peak, and its mean from a strain of `AFTER` to `STRAIN` (Pa).
+        Half the deviator stress: at the peak, and mean from a strain of `AFTER` to `STRAIN` (Pa).
     dilation : float
         Angle of dilation at the peak (rad).
     course : (BINS,)
-        Half the deviator in each of `BINS` equal parts of the way to `STRAIN` (Pa). A patch gives way by jerks, a
-        sample of many more grains does not: its peak is that of the mean curve of several patches.
+        Half the deviator stress in each of `BINS` equal intervals of strain up to `STRAIN` (Pa). The curve of one patch
+        is jerky, that of a sample of many more grains is not: the peak is taken from the mean curve of several patches.
     """
 
     pressure: float
@@ -43,9 +43,9 @@ class PatchStrength:
 
 
 def compress(sample: Sample, pressure: float) -> PatchStrength:
-    """Confines a sample, probes it, and compresses it in plane strain.
+    """Confine a sample, measure its stiffness by small strains, and compress it in plane strain.
 
-    Raises DemError where it does not come to rest or cannot be compressed so far.
+    Raises DemError if it does not come to rest or cannot be compressed to `STRAIN`.
     """
     patch = sample.patch()
     confine(patch, pressure)

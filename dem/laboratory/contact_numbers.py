@@ -1,7 +1,7 @@
-"""The dimensionless numbers of contacts that govern a patch of soil discs, and the patch that has them.
+"""The dimensionless numbers of contacts that govern a patch of soil discs.
 
-Patches of equal numbers differ by their scale alone: their strength goes with the pressure, their modulus with kn, and
-neither size nor weight of the discs counts. `strength_map` says which numbers there are.
+Patches with equal numbers differ only by their scale: their strength is proportional to the pressure, their modulus to
+kn; size and weight of the discs have no influence. `strength_map` describes the numbers.
 """
 
 from typing import NamedTuple
@@ -27,11 +27,11 @@ class ContactNumbers(NamedTuple):
     turns : bool
         Whether the discs turn.
     friction : float
-        mu.
+        Friction coefficient mu.
     cohesion : float
         Cohesion number C / (2 r p).
     kappa : float
-        kn over the pressure and the pull of the contacts.
+        kn over the sum of the pressure and the attraction of the contacts.
     """
 
     turns: bool
@@ -41,13 +41,13 @@ class ContactNumbers(NamedTuple):
 
     @classmethod
     def of(cls, contacts: SoilContacts, pressure: float) -> "ContactNumbers":
-        """Those of the contacts of a soil at a confining pressure (Pa)."""
+        """The numbers of the contacts of a soil at a confining pressure (Pa)."""
         pressed = pressure + ATTRACTION * contacts.cohesion
         return cls(contacts.turns, contacts.friction, contacts.cohesion / pressure, contacts.stiffness / pressed)
 
     @property
     def nearest(self) -> "ContactNumbers":
-        """The numbers at the nearest steps: contacts that are much alike have the same."""
+        """The numbers rounded to steps, so that similar contacts have the same numbers."""
         doublings = DOUBLINGS if self.cohesion > 0.0 else SAND_DOUBLINGS
         cohesion = _step(self.cohesion, DOUBLINGS) if self.cohesion > 0.0 else 0.0
         friction = round(FRICTIONS * round(self.friction / FRICTIONS), 9)
@@ -60,14 +60,14 @@ class ContactNumbers(NamedTuple):
 
     @property
     def strength(self) -> float:
-        """Half the deviator after the peak over the pressure, by the map."""
+        """Half the deviator stress after the peak over the pressure, by the strength map."""
         table, one = strength_map(self.turns), np.ones(1)
         by_softness = table.gained_by_softness(self.stiffness, one, self.cohesion)
         return float((table.strength(self.friction, self.cohesion, one) * by_softness)[0])
 
     @property
     def modulus(self) -> float:
-        """Young's modulus in plane strain over kn, by the map."""
+        """Young's modulus in plane strain over kn, by the strength map."""
         return strength_map(self.turns).modulus_over_kn(self.friction, self.cohesion, self.kappa)
 
     def sample(self, seed: int, allowed_overlap: float = 1.0) -> Sample:
@@ -83,5 +83,7 @@ class ContactNumbers(NamedTuple):
 
 
 def _step(value: float, doublings: float) -> float:
-    """The nearest of the numbers that are so many doublings apart from each other, 1 among them."""
+    """The nearest number of a geometric series that contains 1; ``doublings``: ratio of neighbours as a logarithm to
+    base 2.
+    """
     return float(2.0 ** (doublings * round(float(np.log2(value)) / doublings)))

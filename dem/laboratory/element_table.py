@@ -1,4 +1,4 @@
-"""Element tests of the discs of every layer of a section, beside the soil they were made from."""
+"""Element tests of the discs of every layer of a section, compared with the soil of the layer."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -56,7 +56,7 @@ def element_tests(
     seed: int = 0,
     executor: Executor = SERIAL,
 ) -> list[dict[str, Any]]:
-    """Every layer as a lattice and as a random packing; a test that cannot be done says why.
+    """Tests of every layer as a lattice and as a random packing; a test that fails is replaced by the reason.
 
     section: the ground; layers: springs of each stratum; radius: of the discs (m); seed: of the random packing;
     executor: computes the tests.
@@ -71,7 +71,7 @@ def element_tests(
 
 
 def _tested(task: tuple[Stratum, Sample, list[float]], _: Tell) -> dict[str, Any]:
-    """One test."""
+    """The result of one element test."""
     stratum, sample, pressures = task
     try:
         return element_test(sample, pressures).as_json(stratum)

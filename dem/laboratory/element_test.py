@@ -1,8 +1,8 @@
 """Element tests of a layer's discs: stiffness and strength of the soil that they represent.
 
 A patch of one layer, without gravity, is confined at several pressures, then its pore springs are set, as in the slope
-after settling. From there small probes give its stiffness, a biaxial test (plane strain) and a simple-shear test its
-strength. Conventions of the patch and its loading are described in `patch.py` and `loading.py`.
+after settling. In this state small strains give its stiffness; a biaxial test (plane strain) and a simple-shear test
+give its strength. Conventions of the patch and its loading are described in `patch.py` and `loading.py`.
 """
 
 from collections.abc import Sequence
@@ -31,17 +31,17 @@ class PressureTest:
     pressure : float
         Confining pressure (Pa).
     stiffness : PlaneElastic
-        From small probes.
+        Stiffness from small strains.
     skewness : float
-        How far from isotropic: M_xx / M_zz - 1.
+        Anisotropy: M_xx / M_zz - 1.
     biaxial, shear : Curve
-        The two tests.
+        Curves of the two tests.
     biaxial_strength, shear_strength : MeasuredStrength
-        What they say about strength.
+        Strengths from the two tests.
     inertial_number : float
-        Rate times diameter times sqrt(density / pressure).
+        Inertial number: strain rate times diameter times sqrt(density / pressure).
     pore_springs : float
-        Per free disc, once set.
+        Number of pore springs per free disc after they are set.
     """
 
     pressure: float
@@ -62,19 +62,19 @@ class ElementTest:
     Attributes
     ----------
     sample : Sample
-        What was tested.
+        The tested discs.
     stiffness : PlaneElastic
         Initial tangent stiffness, mean over the pressures.
     G : float
-        From shear (Pa).
+        Shear modulus from shear (Pa).
     c, phi : float
-        Mohr-Coulomb's line through the peaks of the biaxial tests (Pa, rad).
+        Mohr-Coulomb parameters from the peaks of the biaxial tests (Pa, rad).
     c_last, phi_last : float
-        Through what is left at their ends, the mean of the last tenth (Pa, rad).
+        The same from the ends of the biaxial tests, the means of the last tenth (Pa, rad).
     c_shear, phi_shear : float
-        Through the peaks of the simple-shear tests (Pa, rad).
+        The same from the peaks of the simple-shear tests (Pa, rad).
     dilation : float
-        At the peaks of the biaxial tests, mean (rad).
+        Mean dilation angle at the peaks of the biaxial tests (rad).
     tests : tuple of PressureTest
         One for each pressure, rising.
     """
@@ -103,7 +103,7 @@ class ElementTest:
 
     @property
     def verdicts(self) -> tuple[str, ...]:
-        """Reasons why a measured strength is neither a peak nor a plateau, one sentence each."""
+        """Sentences on measured strengths that are neither a peak nor a plateau."""
         verdicts = []
         for test in self.tests:
             for curve, result in ((test.biaxial, test.biaxial_strength), (test.shear, test.shear_strength)):
@@ -124,9 +124,10 @@ class ElementTest:
 
     @property
     def quality(self) -> dict[str, float]:
-        """How near to rest the tests were up to their peaks: unbalanced ratio, inertial number, error of the servo.
+        """How quasi-static the tests were up to their peaks: unbalanced force ratio, inertial number, error of the
+        servo control.
 
-        The error is that of the pressure it keeps, as a share.
+        The error is the relative error of the confining pressure.
         """
         unbalanced, errors = [], []
         for test in self.tests:
@@ -143,7 +144,7 @@ class ElementTest:
         }
 
     def as_json(self, stratum: Stratum) -> dict[str, Any]:
-        """The discs compared with their soil, as JSON can hold it; None for missing numbers."""
+        """The comparison of the discs with their soil as data for JSON; None for missing numbers."""
         return {
             "stratum": stratum.name,
             "packing": self.sample.packing,
@@ -199,17 +200,17 @@ def element_test(
     pressures
         Confining pressures (Pa).
     strain
-        The largest of either test.
+        Largest strain of both tests.
     rate
-        Strain per sqrt(m / kn), so that all layers are tested equally slowly, but never faster than an inertial number
-        of `INERTIAL`.
+        Strain per time sqrt(m / kn), so that all layers are tested equally slowly; it is reduced where the inertial
+        number would exceed `INERTIAL`.
     threads
-        Of the engine; the result does not depend on them.
+        Threads of the engine; the result does not depend on their number.
 
     Raises
     ------
     ValueError
-        For what cannot be tested.
+        If the pressures, the strain or the rate are not valid.
     DemError
         Where a patch does not come to rest under its pressure.
     """

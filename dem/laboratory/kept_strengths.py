@@ -1,7 +1,8 @@
-"""Results of element tests, kept in the user's cache: patches of equal dimensionless numbers are tested once.
+"""Results of element tests, stored in the cache folder of the user: patches of equal dimensionless numbers are tested
+once.
 
-They lie beside the compiled kernels, in a folder for each state of the sources of the discs, so that no result of
-another law is taken. A test has the same bits whoever computes it, so that it does not matter which were kept.
+They are stored next to the compiled kernels, in one folder for each version of the sources of the discs, so that
+results of another contact law are never used. Stored and new results are equal to the last bit.
 """
 
 import hashlib
@@ -32,14 +33,14 @@ def strength_of_patch(numbers: ContactNumbers, seed: int) -> PatchStrength | str
     Parameters
     ----------
     numbers : ContactNumbers
-        What its contacts are like.
+        Dimensionless numbers of its contacts.
     seed : int
-        Of its packing.
+        Seed of its packing.
 
     Returns
     -------
     PatchStrength or str
-        The result; where it does not come to rest or cannot be compressed, the reason.
+        The result, or the reason if the patch does not come to rest or cannot be compressed.
     """
     file = _folder() / f"{_name(numbers, seed)}.json"
     with suppress(OSError, ValueError, TypeError, KeyError):
@@ -58,14 +59,14 @@ def strength_of_patch(numbers: ContactNumbers, seed: int) -> PatchStrength | str
 
 
 def _name(numbers: ContactNumbers, seed: int) -> str:
-    """The numbers in a name of a file, to the last digit."""
+    """File name of the numbers and the seed, with all digits."""
     values = "_".join(f"{value:.17g}" for value in (numbers.friction, numbers.cohesion, numbers.kappa))
     return f"{'turning' if numbers.turns else 'fixed'}_{values}_{seed}"
 
 
 @cache
 def _folder() -> Path:
-    """Where the results of these sources on this machine are."""
+    """Folder of the results of this version of the sources."""
     package = Path(__file__).parents[1]
     sources = (path for room in ROOMS for path in sorted((package / room).glob("*.py")))
     machine = platform.machine(), get_host_cpu_name(), numba.__version__, np.__version__

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class LayerCheck:
-    """A stratum compared with its discs, tested at three confining pressures; means over the seeds, None for missing
+    """Comparison of a stratum with its discs at three confining pressures; means over the seeds, None for missing
     numbers.
 
     Attributes
@@ -15,19 +15,19 @@ class LayerCheck:
     stratum : str
         Its name.
     pressures_Pa, strength_soil_Pa, strength_discs_Pa, peak_discs_Pa : (3,)
-        Confining pressures, and half the deviator: of the soil at failure, of the discs after their peak, and at the
-        peak of their mean course.
+        Confining pressures, and half the deviator stress: of the soil at failure, of the discs after their peak, and of
+        the discs at the peak of their mean curve.
     E_soil_Pa, E_discs_Pa : float
         Young's modulus; that of the discs at small strain.
     c_soil_Pa, c_discs_Pa, phi_soil_deg, phi_discs_deg : float
-        Of the discs: the line of Mohr and Coulomb through the strengths after the peak; through the origin where the
-        soil has no cohesion.
+        Mohr-Coulomb parameters. Those of the discs follow from the strengths after the peak, with c = 0 where the soil
+        has no cohesion.
     dilation_deg : float
-        At the peak.
+        Dilation angle of the discs at the peak.
     friction, cohesion_N, stiffness_N_m : float
-        mu, C and kn of the contacts.
+        Friction mu, cohesion C and stiffness kn of the contacts.
     notes : tuple of str
-        What discs cannot have, and tests that could not be done.
+        Notes on properties of the soil that discs cannot have, and on tests that failed.
     """
 
     stratum: str

@@ -1,7 +1,7 @@
-"""Loading of a patch: confined, probed, compressed or sheared, quasi-statically.
+"""Quasi-static loading of a patch: confinement, small strains, compression, shear.
 
-Stress-controlled directions are servo-controlled: a rate in proportion to the error and its integral. Pressures are
-positive (Pa); strains are those of the frame.
+In stress-controlled directions the strain rate is proportional to the error of the stress and its integral (servo
+control). Pressures are positive (Pa); strains are those of the frame.
 """
 
 from dataclasses import dataclass
@@ -30,28 +30,28 @@ REACTION, MEMORY = 1.2, 2.0  # intervals in which the servo takes back an error,
 
 @dataclass(frozen=True)
 class Curve:
-    """A test, record by record, and how it went.
+    """The records of a test.
 
     Attributes
     ----------
     kind : "biaxial" or "simple shear"
-        What was done.
+        Kind of the test.
     pressure : float
-        Stress that was kept (Pa, compression positive).
+        Constant stress of the test (Pa, compression positive).
     strain : (n,)
         Axial compression (natural strain), or shear strain gamma.
     stress : (n, 2, 2)
         Mean stress in the region (Pa, tension positive).
     volumetric : (n,)
-        Growth of the area (natural strain).
+        Volumetric strain, positive for growth of the area (natural strain).
     unbalanced : (n,)
         Mean unbalanced force over mean contact force.
     cracked : (n,)
         Share of the pore springs that are cracked.
     rate : float
-        Of the strain (1/s).
+        Strain rate (1/s).
     stopped : str
-        Why it ended before the largest strain, empty if it did not.
+        Why the test ended before the largest strain; empty if it did not.
     """
 
     kind: Kind
@@ -78,7 +78,9 @@ class Curve:
 
     @property
     def shear(self) -> np.ndarray:
-        """Shear stress on the horizontal plane (Pa): that which moves with the upper platen, sigma_xz."""
+        """Shear stress sigma_xz on the horizontal plane (Pa), positive in the direction of the motion of the upper
+        side.
+        """
         return self.stress[:, 0, 1]
 
     @property
@@ -88,7 +90,7 @@ class Curve:
 
 
 def confine(patch: Patch, pressure: float) -> None:
-    """Brings a patch to this pressure, the same on all sides and without shear stress, and to rest there.
+    """Bring a patch to rest under a pressure that is equal on all sides, without shear stress.
 
     Raises ConfinementError if it does not come to rest, OverlapError if its discs are too soft.
     """
@@ -112,10 +114,11 @@ def confine(patch: Patch, pressure: float) -> None:
 
 
 def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
-    """Tangent stiffness of a confined patch from three small strains, each held until at rest; and M_xx / M_zz - 1.
+    """Tangent stiffness of a confined patch from three small strains, each constant until the patch is at rest; and
+    M_xx / M_zz - 1.
 
-    The response of a copy without strain is subtracted, since no state of rest is perfect. Raises ConfinementError if
-    the result is not the stiffness of a stable body: the patch still rearranges.
+    The response of a copy without strain is subtracted, since the state of rest is not perfect. Raises ConfinementError
+    if the result is not the stiffness of a stable body, since then the patch still rearranges.
     """
     size = PROBE * pressure / lattice_elastic(patch.model.springs.layers[0]).M
     ways = {"none": np.zeros((2, 2)), "x": np.diag([-1.0, 0.0]), "z": np.diag([0.0, -1.0])}
@@ -152,9 +155,9 @@ def load(
 ) -> Curve:
     """A test from the confined state up to `strain`, at `rate` (strain per time unit of the patch).
 
-    biaxial: shorter in z, the lateral stress kept at the pressure; simple shear: no strain along x, the vertical stress
-    kept. Once well past its peak a test is over, unless it is to go `to_the_end`; one that cannot go on ends with the
-    reason in `stopped`.
+    Biaxial: compression along z under constant lateral stress. Simple shear: no strain along x, constant vertical
+    stress. A test ends well past its peak, or with `to_the_end` at the largest strain; if it cannot continue, `stopped`
+    has the reason.
     kind: of the test; stiffness: plane elastic constants of the confined patch.
     """
     per_second = rate / patch.time_unit
@@ -188,7 +191,7 @@ def load(
 
 
 def _is_over(rows: list[np.ndarray], kind: Kind) -> bool:
-    """Whether the last record lies well past the peak."""
+    """Whether the last record is well past the peak."""
     if len(rows) % AVERAGE or len(rows) < INTERVALS // 4:
         return False
     means = np.array(rows).reshape(-1, AVERAGE, len(rows[0])).mean(axis=1)

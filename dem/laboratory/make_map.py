@@ -1,7 +1,8 @@
-"""Computes the maps of `strength_map` anew: python -m dem.laboratory.make_map [FILE] [--seeds N] [--workers N].
+"""Recompute the maps of `strength_map`: python -m dem.laboratory.make_map [FILE] [--seeds N] [--workers N].
 
-All patches at one pressure: what counts are the two groups, and that kappa = kn / p is 400. Of discs that turn, those
-without cohesion have more seeds than those with it. Three quarters of an hour of CPU.
+All patches are tested at one pressure, since only the two dimensionless numbers matter, and kappa = kn / p is 400.
+Rotating discs without cohesion are tested with more seeds than those with cohesion. It takes three quarters of an hour
+of CPU time.
 """
 
 import argparse
@@ -25,16 +26,16 @@ HEADS = ("turns", "friction", "cohesion_number", "after", "peak", "scatter", "mo
 
 
 def places() -> list[tuple[bool, float, float, int]]:
-    """Points of the map: whether discs turn, friction, cohesion number, seeds."""
+    """Points of the map: whether discs rotate, friction, cohesion number, seeds."""
     turning = [(True, mu, c, SEEDS if c > 0.0 else SAND_SEEDS) for mu in FRICTION for c in COHESION]
     clay = [(False, mu, c, CLAY_SEEDS) for mu in FRICTION if mu <= CLAY for c in COHESION if c > 0.0]
     return turning + clay
 
 
 def patch_strength(place: tuple[bool, float, float, int]) -> PatchStrength | None:
-    """One patch by whether its discs turn, friction, cohesion number and seed, confined and compressed.
+    """Strength of one patch, given whether its discs rotate, friction, cohesion number and seed.
 
-    None where a disc slipped out of its frame or the patch went on rearranging, as frictionless ones may.
+    None if a disc slipped out of the frame or the patch did not stop rearranging, as frictionless patches may.
     """
     turns, friction, cohesion_number, seed = place
     if cohesion_number == 0.0:  # what holds nothing without any push cannot hold less with one
@@ -56,7 +57,7 @@ def row_of(cohesion_number: float, patches: Sequence[PatchStrength]) -> list[str
 
 
 def main() -> None:
-    """Writes the file."""
+    """Compute the maps, and write their file."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("file", nargs="?", type=Path, default=Path(__file__).with_name(MAP))
     parser.add_argument("--workers", type=int, default=2)

@@ -1,8 +1,9 @@
-"""A patch of discs of one layer inside a frame of fixed ones: what an element test strains, and the stress it carries.
+"""A patch of discs of one layer inside a frame of fixed discs: the sample of an element test, its strain and its
+stress.
 
-The frame follows one affine motion, x = F X about the middle of the patch, so the mean strain is known without
-measuring (Gauss), and neither platen nor membrane favours a place to fail. Stress is the mean over a region
-that moves along with the frame and lies inside of it. Tension is positive, SI units, per metre out of plane.
+The frame moves affinely, x = F X about the middle of the patch, so that the mean strain is known without measurement
+(Gauss), and no platen or membrane influences the place of failure. Stress is the mean over a region inside the frame
+that deforms with it. Tension is positive, SI units, per metre out of plane.
 """
 
 from dataclasses import dataclass, field, replace
@@ -39,22 +40,22 @@ SKIN = 0.2  # radii; pairs in a wider margin would only shorten the step
 
 @dataclass(frozen=True)
 class Sample:
-    """The discs to be put into the frame.
+    """Specification of the discs of a patch.
 
     Attributes
     ----------
     layer : LayerSprings
         The springs of its discs.
     packing : "lattice" or "random"
-        How they lie.
+        Arrangement of the discs.
     radius : float
-        Their mean radius (m).
+        Mean radius of the discs (m).
     seed : int
-        Of a random packing.
+        Seed of a random packing.
     size : (int, int) or None
         Columns and rows, frame included; `SIZES` if None.
     law : "paper" or "soil"
-        Of the contacts; soil discs lie as loosely as in the slope.
+        Contact law; soil discs have the porosity of the slope.
     """
 
     layer: LayerSprings
@@ -72,7 +73,7 @@ class Sample:
             raise ValueError(f"a patch of {columns} x {rows} discs has no inside: at least 8 x 8")
 
     def patch(self, threads: int = 1) -> "Patch":
-        """The sample in its frame, not yet confined. Raises ValueError where there is no such random packing."""
+        """The sample in its frame, not yet confined. Raises ValueError if there is no such random packing."""
         size = self.size or SIZES[self.packing]
         if self.packing == "lattice":
             patch = lattice_patch(self.layer, self.radius, size)
@@ -94,13 +95,13 @@ class Patch:
     region : (2, 2)
         Low and high corner of the region over which stress is averaged, in the coordinates X before any strain (m).
     threads : int
-        Of the engine.
+        Threads of the engine.
     deformation : (2, 2)
-        F, so far.
+        Present deformation gradient F.
     rates : (2, 2)
         Velocity gradient of the frame (1/s).
     run : EngineRun or None
-        Of the press that it is in.
+        Run of the press in which the patch is strained.
     """
 
     model: DiscModel
@@ -117,19 +118,19 @@ class Patch:
         return float(np.sqrt(self.model.mass.mean() / self.model.springs.layers[0].kn))
 
     def inertia(self, pressure: float) -> float:
-        """Inertial number at this pressure (Pa) of a strain of 1 in a time unit: diameter times sqrt(density / p)."""
+        """Inertial number at this pressure (Pa) for unit strain rate: diameter times sqrt(density / p), in s."""
         model = self.model
         diameter = 2.0 * float(model.radius[~self.frame].mean())
         density = model.springs.layers[0].density
         return diameter * float(np.sqrt(density / pressure)) / self.time_unit
 
     def copy(self) -> "Patch":
-        """Another patch in the same state."""
+        """A copy of the patch in the same state."""
         return replace(self, model=self.model.copy(), deformation=self.deformation.copy(), rates=self.rates.copy())
 
     @property
     def layout(self) -> Layout:
-        """Its discs and contacts where a press keeps them, or as the model has them."""
+        """The layout of discs and contacts: that of the press, or one made from the model."""
         return pack(self.model) if self.run is None else self.run.pack()
 
     def stress_state(self) -> "StressState":
@@ -140,7 +141,9 @@ class Patch:
         return StressState(sums / area, unbalanced, cracked)
 
     def check_frame(self) -> None:
-        """Raises EscapeError if a free disc has slipped out through the frame, NotFiniteError if it is nowhere."""
+        """Raises EscapeError if a free disc has slipped out through the frame, NotFiniteError if its position is
+        NaN.
+        """
         model = self.model
         gone = outside(self.layout, len(model), np.linalg.inv(self.deformation))
         if gone >= 0:
@@ -159,9 +162,10 @@ class StressState:
     Attributes
     ----------
     stress : (2, 2)
-        Mean over the region (Pa): the sum of pair force times the part of the branch that lies inside, over its area.
+        Mean stress over the region (Pa): the sum of pair force times the part of the branch vector inside the region,
+        over its area.
     unbalanced : float
-        Mean force on a free disc that its contacts leave unbalanced, over the mean force of those that carry any.
+        Mean unbalanced force on a free disc, over the mean force of loaded contacts.
     cracked : int
         Pore springs that are cracked.
     """
@@ -172,10 +176,10 @@ class StressState:
 
 
 class Press:
-    """Strains a patch: steps of the engine between changes of the frame's velocity.
+    """Imposes strain on a patch: steps of the engine with constant velocity gradients of the frame.
 
-    Inside the block the contacts stay where the kernels keep them, since to bring them back takes longer than most
-    intervals; the patch is read there, and its model is whole again after the block.
+    Inside the ``with`` block the contacts are only in the layout of the kernels, since writing them back takes longer
+    than most intervals of strain; the model of the patch is complete again after the block.
     """
 
     def __init__(self, patch: Patch) -> None:
@@ -192,22 +196,22 @@ class Press:
         self.run.close()
 
     def turn_to(self, rates: np.ndarray) -> None:
-        """The frame's velocity gradient (2, 2) from now on (1/s).
+        """Set the velocity gradient (2, 2) of the frame (1/s).
 
-        Free discs get the change as well, so that no wave runs inwards from the frame. The velocities of the step under
-        way are changed in place: `set_velocity` would make the contacts forget its slip.
+        Free discs get the same change of velocity, so that no wave runs inwards from the frame. Velocities are changed
+        in the layout: after `set_velocity` the contacts would lose the slip of the last step.
         """
         patch, model = self.patch, self.patch.model
         turn(self.run.pack(), model.radius[model.order], rates - patch.rates, rates)
         patch.rates = rates.copy()
 
     def stable_step(self) -> float:
-        """The largest stable step as the discs are now (s)."""
+        """The largest stable step in the present state (s)."""
         model, layout = self.patch.model, self.run.pack()
         return float(stable_step_of_layout(layout, len(model), model.skin, self.run.springs, model.repeats))
 
     def strain(self, rates: np.ndarray, duration: float) -> None:
-        """Strains the patch for `duration` (s) at a velocity gradient (1/s).
+        """Strain the patch for `duration` (s) at a velocity gradient (1/s).
 
         Raises DemError.
         """
@@ -224,7 +228,7 @@ class Press:
 def lattice_patch(layer: LayerSprings, radius: float, size: tuple[int, int] = SIZES["lattice"]) -> Patch:
     """Rows of discs that just touch, along x; the frame is the outermost ring.
 
-    The region spans whole columns and rows, so that its mean is that of the lattice.
+    The region spans whole columns and rows, so that the mean over it is that of the lattice.
     """
     columns, rows = size
     step = 2.0 * radius
@@ -244,7 +248,8 @@ def random_patch(
     seed: int = 0,
     law: Law = "paper",
 ) -> Patch:
-    """Discs of `random_packing` in the same space; those at its rim, as deep as pore springs reach, are the frame.
+    """Discs of `random_packing` in the same space; the discs at its rim, within the reach of pore springs, are the
+    frame.
 
     layer: springs; radius: of the discs (m); size: half width and half height in radii and rows; seed: of the packing;
     law: of the contacts.

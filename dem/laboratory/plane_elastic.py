@@ -1,4 +1,4 @@
-"""Isotropic elasticity in the plane: the constants of discs, and what they mean for soil in plane strain."""
+"""Isotropic elasticity in the plane: constants of discs, and equivalent constants of soil in plane strain."""
 
 from dataclasses import dataclass
 
@@ -22,8 +22,8 @@ class PlaneElastic:
 
     Notes
     -----
-    E and nu are those of the soil that is as stiff in plane strain, to be compared with a Stratum's; a sheet of discs
-    that may move out of the plane has E_2d = E / (1 - nu^2) and nu_2d = nu / (1 - nu) = lame / M.
+    E and nu are the constants of a soil of this stiffness in plane strain, to be compared with those of a Stratum; a
+    sheet of discs in plane stress has E_2d = E / (1 - nu^2) and nu_2d = nu / (1 - nu) = lame / M.
     """
 
     M: float
@@ -52,11 +52,11 @@ class PlaneElastic:
 
 
 def lattice_elastic(layer: LayerSprings, pores: bool = True) -> PlaneElastic:
-    """The triangular lattice of discs that stick: M = sqrt(3)/4 (3 kn + ks), G = sqrt(3)/4 (kn + ks).
+    """The triangular lattice of discs without slip: M = sqrt(3)/4 (3 kn + ks), G = sqrt(3)/4 (kn + ks).
 
-    Pore springs, where set, work beside the element springs: kn and ks are the sums of both. Spacing of two radii.
-    Derived from the energy of the three bonds of a disc that turns with the mean rotation, as in Griffiths and Mustoe
-    (2001), Int. J. Numer. Meth. Engng 50, 1791.
+    Pore springs, where set, act in parallel with the element springs: kn and ks are the sums of both. The spacing is
+    two radii. The moduli follow from the energy of the three bonds of a disc that rotates with the mean rotation, as in
+    Griffiths and Mustoe (2001), Int. J. Numer. Meth. Engng 50, 1791.
     """
     kn = layer.kn + (layer.kpn if pores else 0.0)
     ks = layer.ks + (layer.kps if pores else 0.0)

@@ -1,4 +1,4 @@
-"""Biaxial tests of the soil discs of every layer as they are in the slope, to compare with the strength map."""
+"""Biaxial tests of the soil discs of every layer, to be compared with the soil."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -23,18 +23,18 @@ Outcome = PatchStrength | str  # the result of a test, or the reason why there i
 
 @dataclass(frozen=True)
 class ElementTestProgramme:
-    """The tests of some layers, as discs of one mean radius, each by several patches at three confining pressures.
+    """Tests of the discs of some layers: several patches for each layer at three confining pressures.
 
-    Contacts that are much alike, as those of one sand at two pressures, share their patches, which have the nearest
-    dimensionless numbers of a few (`ContactNumbers.nearest`). The map gives the ratio by which strength and stiffness
-    differ between these numbers and those of the layer, a few per cent; an error of the map affects both alike.
+    Similar contacts, as those of one sand at two pressures, share their patches: the patches have rounded dimensionless
+    numbers (`ContactNumbers.nearest`). Strength and stiffness are corrected by the ratio, of a few per cent, of the
+    strength map at the numbers of the layer and at the rounded ones.
 
     Attributes
     ----------
     layers : sequence of SoilLayer
-        What is tested.
+        The layers to be tested.
     radius : float
-        Mean of the discs (m).
+        Mean radius of the discs (m).
     """
 
     layers: Sequence[SoilLayer]
@@ -49,7 +49,7 @@ class ElementTestProgramme:
         return [(kind, seed) for kind in kinds for seed in SEEDS]
 
     def checks(self, done: Sequence[Outcome]) -> list[LayerCheck]:
-        """The comparison of every layer with its discs, from the outcomes of its ``tasks``."""
+        """The comparison of every layer with its discs, from the results of the ``tasks``."""
         outcomes = dict(zip(self.tasks, done, strict=True))
         return [self._check(layer, outcomes) for layer in self.layers]
 
@@ -69,7 +69,7 @@ def compressed(task: Task, _: Tell) -> Outcome:
 
 
 def _carried(patch: Outcome, numbers: ContactNumbers, pressure: float, seed: int) -> Outcome:
-    """The result of the nearest patch at other numbers and another pressure (Pa)."""
+    """The result of a patch, converted to other dimensionless numbers and another pressure (Pa)."""
     if isinstance(patch, str):
         return f"{pressure / 1e3:.3g} kPa, seed {seed}, scaled to {PRESSURE / 1e3:.3g} kPa: {patch}"
     near = numbers.nearest

@@ -1,8 +1,9 @@
-"""Contacts that make random discs a soil of given cohesion and friction angle at a given stress; without a section.
+"""Contacts with which random discs have the cohesion and friction angle of a soil at a given stress; no section is
+needed.
 
-Strength is compared at a quarter, a half and all of the vertical effective stress. Wanted at a confining pressure p is
-half the deviator at failure of Mohr and Coulomb, (p sin phi + c cos phi) / (1 - sin phi): c_u for a clay without
-friction, p sin phi / (1 - sin phi) for a sand.
+Strength is compared at a quarter, a half and all of the vertical effective stress. The required strength at a confining
+pressure p is half the deviator stress at failure of Mohr-Coulomb, (p sin phi + c cos phi) / (1 - sin phi): c_u for a
+clay without friction, p sin phi / (1 - sin phi) for a sand.
 """
 
 from dataclasses import dataclass, replace
@@ -27,23 +28,23 @@ class SoilContacts:
     Attributes
     ----------
     stress : float
-        Vertical effective stress for which they were fitted (Pa).
+        Vertical effective stress for which the contacts are fitted (Pa).
     pressures : (3,)
         Confining pressures at which strength is compared (Pa).
     wanted : (3,)
-        Half the deviator at failure that the soil has there (Pa).
+        Half the deviator stress at failure of the soil at these pressures (Pa).
     expected : (3,)
-        That of the discs, by the map (Pa).
+        The same of the discs, by the strength map (Pa).
     friction : float
         mu of the contacts.
     cohesion : float
-        C of the contacts over the mean diameter (Pa).
+        Cohesion C of the contacts over the mean diameter (Pa).
     stiffness : float
         kn of the contacts (N/m).
     turns : bool
         Whether the discs turn: those of soil with friction do, those of clay do not.
     notes : tuple of str
-        What could not be had, in sentences.
+        Sentences on properties of the soil that the discs cannot have.
     """
 
     stress: float
@@ -74,15 +75,15 @@ class SoilContacts:
         Parameters
         ----------
         name
-            Of the layer.
+            Name of the layer.
         density
-            Of the soil, saturated where it is (kg/m3).
+            Density of the soil, saturated below water (kg/m3).
         radius
             Mean radius of the discs (m).
         void_ratio
-            Voids over discs of the packing, so that mass and weight are the soil's.
+            Area of voids over area of discs in the packing, so that the layer has the mass and the weight of the soil.
         buoyant_density
-            Of the soil below water (kg/m3), for its weight; the density if None.
+            Buoyant density of soil below water (kg/m3), for its weight; `density` if None.
 
         Returns
         -------
@@ -95,7 +96,7 @@ class SoilContacts:
 
 
 def mohr_coulomb_strength(cohesion: float, friction_angle: float, pressure: np.ndarray) -> np.ndarray:
-    """Half the deviator at failure (Pa), (p sin phi + c cos phi) / (1 - sin phi), of Mohr and Coulomb.
+    """Half the deviator stress at failure by Mohr-Coulomb (Pa), (p sin phi + c cos phi) / (1 - sin phi).
 
     Parameters
     ----------
@@ -109,7 +110,7 @@ def mohr_coulomb_strength(cohesion: float, friction_angle: float, pressure: np.n
     Returns
     -------
     (n,)
-        Radius of the circle that touches the line and begins at p.
+        Radius of the Mohr circle that touches the failure line and whose smaller principal stress is p.
     """
     sine, cosine = np.sin(friction_angle), np.cos(friction_angle)
     return np.asarray((pressure * sine + cohesion * cosine) / (1.0 - sine))
@@ -121,7 +122,7 @@ def soil_contacts(
     stress: float,
     youngs_modulus: float | None = None,
 ) -> SoilContacts:
-    """Contacts of random discs that are as strong, and as stiff, as a soil.
+    """Find contacts with which random discs have the strength and stiffness of a soil.
 
     Parameters
     ----------
@@ -132,18 +133,17 @@ def soil_contacts(
     stress
         Vertical effective stress in the middle of the soil (Pa).
     youngs_modulus
-        E (Pa); if None, contacts are 800 times as stiff as the stress, which is stiff enough for their strength not to
-        depend on it.
+        E (Pa); if None, kn is 800 times the stress, which is stiff enough that the strength does not depend on it.
 
     Returns
     -------
     SoilContacts
-        What could not be had is in its notes.
+        The contacts; its notes name properties of the soil that discs cannot have.
 
     Raises
     ------
     ValueError
-        For a stress or a modulus that is not positive, and for soil without strength.
+        If the stress or the modulus is not positive, or the soil has no strength.
     """
     if not stress > 0.0 or not (youngs_modulus is None or youngs_modulus > 0.0):
         raise ValueError(

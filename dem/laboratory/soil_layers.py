@@ -1,5 +1,5 @@
-"""Contacts whose discs have the stiffness and strength of each stratum, from the map of strengths. A stratum is
-represented by a sample from its middle; see `soil_contacts`.
+"""Contacts with which discs have the stiffness and strength of each stratum, from the strength map. A stratum is
+represented by the stress in its middle; see `soil_contacts`.
 """
 
 from dataclasses import dataclass, replace
@@ -40,7 +40,7 @@ def soil_layers(section: Section) -> list[SoilLayer]:
     Returns
     -------
     list of SoilLayer
-        From the top down.
+        Contacts of the strata, from the top down.
     """
     strata = section.cohesion_field.means()
     stresses = middle_stresses(section)

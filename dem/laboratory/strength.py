@@ -13,24 +13,24 @@ WINDOW = 0.05  # of the records on either side, for the slope at the peak
 
 @dataclass(frozen=True)
 class MeasuredStrength:
-    """Where a test was strongest, and what was left at its end.
+    """Strength of a test: at its largest resistance, and at its end.
 
     Attributes
     ----------
     verdict : str
-        "peak", "levels off", "still rising" (then it is what was mobilised at the largest strain) or "stopped".
+        "peak", "levels off", "still rising" (then the strength is the resistance at the largest strain) or "stopped".
     strain : float
-        At the largest resistance.
+        Strain at the largest resistance.
     major, minor : float
-        Principal stresses there (Pa, compression positive).
+        Principal stresses at the largest resistance (Pa, compression positive).
     normal, shear : float
-        Stresses on the horizontal plane there (Pa).
+        Stresses on the horizontal plane at the largest resistance (Pa).
     major_last, minor_last : float
-        Principal stresses in the last tenth of the test, mean (Pa).
+        Mean principal stresses in the last tenth of the test (Pa).
     dilation : float
         Angle of dilation at the largest resistance (rad).
     cracked : float
-        Share of the pore springs that are cracked there.
+        Share of cracked pore springs at the largest resistance.
     """
 
     verdict: str
@@ -62,7 +62,7 @@ def strength(curve: Curve) -> MeasuredStrength:
 
 
 def verdict(resistance: np.ndarray, stopped: bool = False) -> str:
-    """Whether a test went over a peak, levels off, rises still, or was stopped on its way up."""
+    """Whether a test has passed a peak, levels off, still rises, or was stopped before its peak."""
     top = float(resistance.max())
     if resistance[-1] < (1.0 - FALL) * top:
         return "peak"
@@ -72,7 +72,7 @@ def verdict(resistance: np.ndarray, stopped: bool = False) -> str:
 
 
 def dilation(curve: Curve, at: int) -> float:
-    """Angle of dilation psi (rad) at a record, from the slope of the volumetric strain over some records around it.
+    """Dilation angle psi (rad) at a record, from the slope of the volumetric strain over some records around it.
 
     Biaxial: sin psi = d eps_v / d(eps_1 - eps_3), eps_3 that of the sides, in plane strain; simple shear:
     tan psi = d eps_v / d gamma (Bolton 1986, Geotechnique 36, 65). Positive where the patch grows.
@@ -90,7 +90,7 @@ def from_principal(major: Sequence[float], minor: Sequence[float]) -> tuple[floa
     """c (Pa) and phi (rad) of the line sigma_1 = sigma_3 N + 2 c sqrt(N), least squares.
 
     N = (1 + sin phi)/(1 - sin phi).
-    NaN for both where the major stress does not rise with the minor one: no friction angle says that.
+    NaN for both if the major stress does not rise with the minor one, for which there is no friction angle.
     """
     slope, start = np.polyfit(minor, major, 1)
     if not slope > 0.0:

@@ -1,22 +1,23 @@
-"""Strength and stiffness of random patches of soil discs, over the two groups that govern them.
+"""Strength and stiffness of random patches of soil discs as functions of the two dimensionless numbers that govern
+them.
 
-Discs of law "soil" in random packings of porosity `patch.POROSITY`. Stiff for their stress (kappa = kn / p above 200),
-their strength at a confining pressure p depends on two numbers, and by a few per cent on kappa: the friction mu
-of their contacts, and the cohesion number C / (2 r p) with the mean radius r and the cohesion C of a contact (N per
-metre), which bears `springs.ATTRACTION` times as much pull. What pulls at contacts presses them together as a pressure
-a C / (2 r) would, and counts in kappa. Strength is half the deviator that is left at 8 to 15 % of axial compression, as
-the continuum is perfectly plastic, and knows no peak. The peak is that of the mean curve of all patches, since the peak
-of a single patch includes its largest jerk.
+The discs have the law "soil" and random packings of porosity `patch.POROSITY`. If contacts are stiff for their stress
+(kappa = kn / p above 200), the strength at a confining pressure p depends on two numbers, and by a few per cent on
+kappa: the friction mu of the contacts, and the cohesion number C / (2 r p) with the mean radius r and the cohesion C of
+a contact (N per metre). The tensile strength of a contact is a = `springs.ATTRACTION` times C; this attraction acts
+like an additional pressure a C / (2 r), which counts in kappa. Strength is half the deviator stress at 8 to 15 % of
+axial compression, since the continuum is perfectly plastic without a peak. The peak is that of the mean curve of all
+patches, since the peak of a single patch includes its largest jerk.
 
-There are two maps. Discs of soil with friction turn, and roll over each other no more than the spring of rolling gives
-way (`springs.ROLLING`): ground that turns as a whole costs nothing. Discs that could not turn had a biaxial strength
-alike, and no less of a peak, but columns of them ran two thirds as far as sand does. Discs of clay, whose contacts
-pull, do not turn: those that do roll where they are pulled at, and a face falls off that stands by limit analysis.
+There are two maps. Discs of soil with friction rotate, with rolling resistance (`springs.ROLLING`), so that rigid
+rotation of the ground needs no work. Discs without rotation have about the same biaxial strength and peak, but columns
+of them collapse to only two thirds of the run-out of sand. Discs of clay, whose contacts have tensile strength, do not
+rotate: with rotation they roll under tension, and a vertical face that is stable by limit analysis collapses.
 
-Discs without friction at their contacts still have some 8 degrees by their geometry. A clay has none: its contacts have
-a friction below zero beside their cohesion, so that they hold less where they are pressed harder.
+Discs without contact friction still have a friction angle of some 8 degrees by their geometry. Clay has none: its
+contacts have a negative friction in addition to their cohesion, so that their strength falls as the normal force rises.
 
-The maps are computed once, by `python -m dem.laboratory.make_map`, and kept beside this file.
+The maps are computed by `python -m dem.laboratory.make_map`, and stored next to this file.
 """
 
 import csv
@@ -48,7 +49,7 @@ EARLY = 0.1  # cohesion number below which the map is even: the axis is the loga
 
 @dataclass(frozen=True)
 class ContactStrength:
-    """Constants of contacts, and the strength that the map expects of discs with them.
+    """Constants of contacts, and the strength of discs with these contacts by the map.
 
     Attributes
     ----------
@@ -57,7 +58,7 @@ class ContactStrength:
     cohesion : float
         C over the mean diameter (Pa).
     expected : (n,)
-        Strength at the pressures that were asked for, by the map (Pa).
+        Strength at the required pressures, by the map (Pa).
     """
 
     friction: float
@@ -72,15 +73,15 @@ class StrengthMap:
     Attributes
     ----------
     friction : (m,)
-        mu of the contacts, negative ones first.
+        Friction mu of the contacts, in rising order.
     cohesion : (k,)
         Cohesion numbers C / (2 r p).
     after, peak : (m, k)
-        Half the deviator over the confining pressure, after the peak and there; mean over the seeds.
+        Half the deviator stress over the confining pressure, after the peak and at the peak; mean over the seeds.
     scatter : (m, k)
         Standard deviation of `after` from seed to seed.
     modulus : (m, k)
-        E of the soil as stiff in plane strain over kn; see `normal_stiffness`.
+        E over kn, with E of a soil of the same stiffness in plane strain; see `normal_stiffness`.
     """
 
     friction: np.ndarray
@@ -91,13 +92,14 @@ class StrengthMap:
     modulus: np.ndarray
 
     def strongest(self, cohesive: bool) -> float:
-        """The largest half deviator over the pressure in the map, with or without cohesion of contacts."""
+        """The largest ratio of half the deviator stress to the pressure in the map, with or without cohesion of
+        contacts.
+        """
         return float(self.after.max() if cohesive else self._sand[1].max())
 
     def normal_stiffness(self, youngs_modulus: float, pressure: float, friction: float, cohesion: float) -> float:
         """kn (N/m) with which patches have this Young's modulus (Pa) at this pressure (Pa); cohesion: C over the
-        diameter (Pa), whose pull presses contacts together as well.
-        youngs_modulus: (Pa); friction: of the contacts (-).
+        diameter (Pa), whose attraction adds to the pressure. youngs_modulus: (Pa); friction: of the contacts (-).
         """
         power = LOOSENS[cohesion > 0.0]
         modulus = float(self._at(self.modulus, friction, np.array([cohesion / pressure]))[0])
@@ -111,7 +113,7 @@ class StrengthMap:
 
     def gained_by_softness(self, stiffness: float, pressure: np.ndarray, cohesion: float) -> np.ndarray:
         """Strength of discs of this kn (N/m) at these pressures (Pa) over that of the map; cohesion: C over the
-        diameter (Pa). It is interpolated between that without cohesion and that with much.
+        diameter (Pa). The ratio is interpolated between its values without cohesion and with large cohesion.
         """
         kappa = stiffness / (pressure + ATTRACTION * cohesion)
         dry = EARLY / (EARLY + cohesion / pressure)
@@ -119,7 +121,7 @@ class StrengthMap:
         return np.asarray(dry * dilating + (1.0 - dry) * (1.0 + (SOFT / kappa) ** SOFTER))
 
     def _at(self, table: np.ndarray, friction: float, number: np.ndarray) -> np.ndarray:
-        """A table (m, k) between its points, at one friction and some cohesion numbers."""
+        """A table (m, k), interpolated at one friction and some cohesion numbers."""
         where = np.column_stack([np.broadcast_to(friction, number.shape), np.log(number + EARLY)])
         between = RegularGridInterpolator(
             (self.friction, np.log(self.cohesion + EARLY)), np.log(table), bounds_error=False, fill_value=None
@@ -127,20 +129,25 @@ class StrengthMap:
         return np.asarray(np.exp(between(where)))
 
     def strength(self, friction: float, cohesion: float, pressure: np.ndarray) -> np.ndarray:
-        """Half the deviator after the peak (Pa) at confining pressures (Pa); cohesion: C over the diameter (Pa)."""
+        """Half the deviator stress after the peak (Pa) at confining pressures (Pa); cohesion: C over the diameter
+        (Pa).
+        """
         pressure = np.asarray(pressure, float)
         return self._at(self.after, friction, cohesion / pressure) * pressure
 
     @property
     def _sand(self) -> tuple[np.ndarray, np.ndarray]:
-        """mu of contacts without cohesion, from 0 on, and half the deviator over the pressure that they have."""
+        """Friction mu (from 0 on) of contacts without cohesion, and half the deviator stress over the pressure of
+        patches with it.
+        """
         has_any = self.friction >= 0.0
         return self.friction[has_any], self.after[has_any, 0]
 
     def fit(self, wanted: np.ndarray, pressure: np.ndarray, cohesive: bool = True) -> ContactStrength:
-        """Friction and cohesion whose strengths come closest to those wanted (Pa), as ratios, at all the pressures.
+        """Friction and cohesion whose strengths are closest to the required ones (Pa), by their ratios, at all the
+        pressures.
 
-        cohesive: False for contacts that shall have no cohesion.
+        cohesive: False for contacts without cohesion.
         """
         if not cohesive:
             ratio = float(np.exp(np.mean(np.log(wanted / pressure))))

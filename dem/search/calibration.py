@@ -1,11 +1,11 @@
-"""Calibration of discs: the factor on their constants with which their critical Kh is that of the FEM.
+"""Calibration of discs: the factor on their constants with which their critical Kh is equal to that of the FEM.
 
-A factor multiplies the constants of all layers alike: stiffness: all springs, dashpots by its square root (the damping
-ratio stays); friction: of elements and pore springs; pore_strength: cohesion and stretch at which pore springs break,
-cohesion of soil discs; strength: friction and pore_strength together; all: stiffness and strength together.
+A factor multiplies the constants of all layers. stiffness: all springs, and dashpots by its square root (the damping
+ratio is constant); friction: of elements and pore springs; pore_strength: cohesion and stretch at which pore springs
+break, cohesion of soil discs; strength: friction and pore_strength together; all: stiffness and strength together.
 
-Soil discs take one factor on their strength, as the continuum's strength is reduced for a factor of safety: friction
-and cohesion alike, rolling and stiffness as they are. Their uncalibrated critical Kh is a prediction.
+For soil discs one factor multiplies the strength, as in strength reduction: friction and cohesion, but not rolling
+friction and stiffness. Their uncalibrated critical Kh is a prediction.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -41,16 +41,16 @@ OnSearch = Callable[[str, float, Search], None]
 
 @dataclass(frozen=True)
 class Calibration:
-    """The factor that meets the target, or the closest there is.
+    """Result of a calibration: the factor that reaches the target, or the closest one.
 
     Attributes
     ----------
     target : float
-        Critical Kh that is asked for: the continuum's, or of what it may have the nearest.
+        Required critical Kh: the nearest value within the bracket of the continuum.
     tolerance : float
-        Difference to it that is allowed.
+        Allowed difference to the target.
     parameter : str
-        What the factor multiplies.
+        Name of the constants that the factor multiplies.
     value : float
         The factor.
     range : (float, float)
@@ -58,14 +58,14 @@ class Calibration:
     verdict : str
         "calibrated" or "out of reach".
     reason : str
-        In words.
+        Reason of the verdict, in words.
     search : Search
         The critical Kh with that factor.
     sensitivity : tuple of (parameter, factor, Search)
-        The critical Kh with each parameter halved and doubled; parameter "" is the uncalibrated one.
+        The critical Kh with each parameter halved and doubled; the parameter "" is the search without factor.
     trials : tuple of (factor, Search)
-        Every factor that the parameter was tried with, from the least to the largest: the order of trying depends
-        on which of several searches ends first.
+        Every factor that was tried on the parameter, sorted by size, since the order of trials depends on which of
+        several searches ends first.
     """
 
     target: float
@@ -81,7 +81,7 @@ class Calibration:
 
 
 def changed(layers: Sequence[LayerSprings], parameter: str, factor: float) -> list[LayerSprings]:
-    """The layers with a factor on one parameter. Raises ValueError for a parameter that there is not."""
+    """The layers with a factor on one parameter. Raises ValueError for an unknown parameter."""
     if parameter not in PARAMETERS:
         raise ValueError(f"there is no parameter {parameter!r}; there are {', '.join(PARAMETERS)}")
     stiffness = factor if parameter in ("stiffness", "all") else 1.0
@@ -111,26 +111,26 @@ class Calibrator:
     Parameters
     ----------
     ground
-        Where the discs lie.
+        Place of the discs in the section.
     layers
         Their uncalibrated springs.
     settled
-        The discs at rest with these.
+        The discs at rest.
     settings
-        Of the searches.
+        Settings of the searches.
     continuum
-        The FEM model that soil discs are calibrated to; it says how far they are pushed. Not used by the paper's discs.
+        The FEM model that soil discs are calibrated to; it determines the displacement at the end of the test.
     known
-        Searches of an earlier run, taken as they are.
+        Searches of an earlier run, which are not repeated.
     on_trial, on_search
-        Hear of every trial of a search in this process, and of every search.
+        Called with every trial in this process, and with every search.
     executor
-        Who does several searches.
+        Executor of several searches.
     until_failed
-        Whether soil discs are pushed on past the critical Kh until they have failed.
+        Whether the test of soil discs continues beyond the critical Kh until they have failed.
 
-    By parameter and factor, ``pushed`` has the discs at the end of every push in this process, and ``rested`` soil
-    discs at rest.
+    ``pushed`` holds the discs at the end of every displacement-controlled test in this process, and ``rested`` soil
+    discs at rest, by parameter and factor.
     """
 
     def __init__(
@@ -162,8 +162,8 @@ class Calibrator:
     def settled_with(self, parameter: str, factor: float) -> DiscModel:
         """Discs at rest with a factor on a parameter.
 
-        The paper's discs start again from the initial lattice or packing. Soil discs start from their rest with
-        uncalibrated strength, since their surface was already cut to that of the section.
+        The paper's discs start again from the initial lattice or packing. Soil discs start from the state of rest with
+        uncalibrated strength, since their surface is already cut to that of the section.
         """
         if factor == 1.0:
             return self.settled
@@ -175,7 +175,7 @@ class Calibrator:
         return self.rested[key]
 
     def search(self, parameter: str, factor: float, threads: int = 1, *, fine: bool = True) -> Search:
-        """The critical Kh with a factor on a parameter; fine: within half the tolerance, if that is less.
+        """The critical Kh with a factor on a parameter; fine: with a resolution of at most half the tolerance.
 
         threads: of the engine.
         """
@@ -212,7 +212,7 @@ class Calibrator:
         )  # fmt: skip
 
     def search_all(self, wanted: Sequence[Key], *, fine: bool = True) -> list[Search]:
-        """Several searches, by the executor; known ones are not repeated."""
+        """Do several searches by the executor; known searches are not repeated."""
         new = [key for key in wanted if key not in self.searches]
         if self.executor.count < 2 or len(new) < 2:
             return [self.search(*key, fine=fine) for key in wanted]
@@ -223,7 +223,7 @@ class Calibrator:
 
 
 def _searched(task: tuple[Calibrator, str, float, bool], _: Tell) -> Search:
-    """One search of several."""
+    """One search, as a task of the executor."""
     calibrator, parameter, factor, fine = task
     return calibrator.search(parameter, factor, fine=fine)
 
@@ -236,10 +236,10 @@ def sensitivities(calibrator: Calibrator) -> list[tuple[str, float, Search]]:
 
 
 def choose(calibrator: Calibrator, table: Sequence[tuple[str, float, Search]], target: float) -> str:
-    """The parameter to calibrate: of those that reach the target, the one that moves the critical Kh most.
+    """The parameter to calibrate: among those that reach the target, the one with the largest influence.
 
-    Reached, that is, halved or doubled; where none does, at the end of the range towards the target; and where none
-    gets there, whichever comes closest.
+    A parameter reaches the target if halving or doubling it does; failing that, the end of its range; if none reaches
+    it, the closest one is taken.
     """
     base = middle(next(s for p, _, s in table if not p))
     weaker = target < base
@@ -262,7 +262,7 @@ def choose(calibrator: Calibrator, table: Sequence[tuple[str, float, Search]], t
 def best(
     calibrator: Calibrator, target: float, parameter: str, table: Sequence[tuple[str, float, Search]]
 ) -> Calibration:
-    """Calibrates one parameter; "auto" is that of `choose`, or all together where that one jumps past the target.
+    """Calibrate one parameter; "auto" is that of `choose`, or all together if the critical Kh jumps past the target.
 
     calibrator: of the discs; target: critical Kh to reach; parameter: its name; table: searches done (name, factor,
     result).
@@ -279,8 +279,9 @@ def best(
 
 
 def calibrated(calibrator: Calibrator, continuum: Continuum, one_at_a_time: bool) -> Calibration:
-    """The factor on the parameter of the settings that meets the nearest critical Kh that a continuum may have; with
-    ``one_at_a_time`` the sensitivities to all parameters are found first."""
+    """The factor with which the discs reach the nearest critical Kh within the bracket of the continuum; with
+    ``one_at_a_time`` the sensitivities to all parameters are computed first.
+    """
     table = sensitivities(calibrator) if one_at_a_time else []
     base = calibrator.search("", 1.0)
     target = continuum.kc if base.kc is None else continuum.nearest(middle(base))
@@ -288,7 +289,7 @@ def calibrated(calibrator: Calibrator, continuum: Continuum, one_at_a_time: bool
 
 
 def middle(search: Search) -> float:
-    """The result of a search as a number: the middle of its bracket, or the end of its range."""
+    """The result of a search as a number: the mean of its bracket, or the end of its range."""
     if search.kc_upper is None:
         return search.kc_lower
     return 0.5 * (search.kc_lower + search.kc_upper)
@@ -299,23 +300,23 @@ def calibrate(
 ) -> Calibration:
     """Find the factor at which the critical Kh of the discs is within the tolerance of a target.
 
-    The factor is bracketed by what is known, then from 1 outwards to the end of the range, then narrowed down.
+    The factor is bracketed by known searches, then from 1 towards the ends of the range; then the bracket is narrowed.
 
     Parameters
     ----------
     calibrator : Calibrator
-        Searches for the critical Kh at a factor, and keeps what was found.
+        Searches for the critical Kh at a factor, and stores the results.
     target : float
         Critical Kh of the continuum (-).
     parameter : str
-        What the factor multiplies, such as "strength".
+        Name of the constants that the factor multiplies, such as "strength".
     table : sequence of (parameter, factor, Search)
-        Sensitivities, which go into the answer as they are.
+        Sensitivities, which are copied into the result.
 
     Returns
     -------
     Calibration
-        Its verdict is "calibrated" only where the search with that factor ended in a bracket.
+        The result; its verdict is "calibrated" only if the search with this factor ended in a bracket.
     """
     settings = calibrator.settings
     low, high = settings.factors
@@ -347,8 +348,9 @@ def calibrate(
 
 
 def _between(tried: dict[float, Search], target: float, low: float, high: float) -> float:
-    """Factor of the next trial, by linear interpolation of Kh over the logarithm of the factor between two trials; it
-    keeps off their ends, since the critical Kh of discs is no smooth function of the factor."""
+    """Factor of the next trial: linear interpolation of Kh over the logarithm of the factor, not too near to either
+    trial.
+    """
     below, above = middle(tried[low]) - target, middle(tried[high]) - target
     share = float(np.clip(below / (below - above), SHORTEST, 1.0 - SHORTEST))
     return float(low * (high / low) ** share)
@@ -357,7 +359,7 @@ def _between(tried: dict[float, Search], target: float, low: float, high: float)
 def _out_of_reach(
     settings: DemSettings, parameter: str, tried: dict[float, Search], value: float, target: float
 ) -> str:
-    """Why no factor meets the target, in words."""
+    """Why no factor reaches the target, in words."""
     reach = [middle(search) for search in tried.values()]
     message = (
         f"with {parameter} times {min(tried):.3g} to {max(tried):.3g} the discs fail at Kh = {min(reach):.3f} to "
@@ -367,10 +369,10 @@ def _out_of_reach(
 
 
 def _outwards(base: Search | None, target: float, settings: DemSettings) -> Iterator[list[float]]:
-    """Factors of the trials, from 1 towards the lower end of the range where the discs are too strong, else the upper.
+    """Factors of the trials, from 1 towards the end of the range that the target requires.
 
-    Halves, quarters, ... or doubles, two at a time for any number of workers; for soil discs, whose range is short,
-    first the ratio of the critical Kh wanted to that without a factor.
+    Halves, quarters, ... or doubles, two at a time for any number of workers. For soil discs, whose range is short, the
+    first factor is the target over the uncalibrated critical Kh.
     """
     low, high = settings.factors
     weaker = base is None or middle(base) > target
@@ -392,7 +394,7 @@ def _met(search: Search, target: float, tolerance: float) -> bool:
 
 
 def _bracket(tried: dict[float, Search], target: float) -> tuple[float, float] | None:
-    """Two neighbouring factors with the target between their critical Kh, the narrowest such pair."""
+    """The narrowest pair of neighbouring factors with the target between their critical Kh."""
     factors = sorted(tried)
     pairs = [(a, b) for a, b in pairwise(factors) if (middle(tried[a]) - target) * (middle(tried[b]) - target) < 0.0]
     return min(pairs, key=lambda p: p[1] / p[0]) if pairs else None

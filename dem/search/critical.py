@@ -1,5 +1,5 @@
-"""The critical seismic coefficient of discs, as a bracket: the largest Kh at which they stand, the least at which
-they do not.
+"""The critical seismic coefficient of discs, as a bracket: the largest Kh at which they stand, and the smallest at
+which they do not.
 """
 
 from collections.abc import Callable
@@ -22,24 +22,24 @@ OnTrial = Callable[[Trial, DiscModel], None]
 
 @dataclass
 class Search:
-    """The bracket of the critical Kh and every trial on the way.
+    """The bracket of the critical Kh, with all trials.
 
     Attributes
     ----------
     kc_lower : float
         The largest Kh at which the discs stood.
     kc_upper : float or None
-        The least at which they did not.
+        The smallest Kh at which the discs did not stand.
     verdict : str
         "bracketed", or why there is no bracket.
     reason : str
-        In words.
+        Reason of the verdict, in words.
     flexibility_m : float
         Elastic displacement over Kh (m).
     trials : list of Trial
-        In the order of trying.
+        All trials, in the order of computation.
     curve : list of (Kh, displacement in m)
-        The states that stood.
+        Kh and displacement of the states that stood.
     """
 
     kc_lower: float = 0.0
@@ -52,12 +52,12 @@ class Search:
 
     @property
     def kc(self) -> float | None:
-        """The middle of the bracket; None without one."""
+        """The mean of the bracket; None without a bracket."""
         return None if self.kc_upper is None or self.verdict != "bracketed" else 0.5 * (self.kc_lower + self.kc_upper)
 
     @property
     def seconds(self) -> float:
-        """Time of the model in all trials (s)."""
+        """Model time of all trials (s)."""
         return round(sum(trial.seconds for trial in self.trials), 3)
 
 
@@ -72,29 +72,30 @@ def critical_kh(
 ) -> Search:
     """Find the critical seismic coefficient of discs at rest, as a bracket.
 
-    Kh rises by steps from one state that stands to the next. A step that does not hold is halved, down to the width of
-    the bracket. A Kh that failed is tried again only from a width below it, so that both ends of the bracket are
-    reached from the same state. An undecided trial counts as one that does not stand.
+    Kh rises by steps from one state that stands to the next. A step after which the discs do not stand is halved, down
+    to the width of the bracket. A Kh that failed is tried again only from a state one width below it, so that both ends
+    of the bracket are reached from the same state. An undecided trial counts as one that does not stand.
 
     Parameters
     ----------
     settled : DiscModel
         Discs at rest under their weight; not changed.
     ground : Ground
-        Where they lie in the section.
+        Place of the discs in the section.
     settings : DemSettings
-        Criteria of rest and of failure, and the limit of the search.
+        Criteria of rest and of failure, and largest Kh of the search.
     resolution : float, optional
-        Width of the bracket (-); that of the settings without it.
+        Width of the bracket (-); by default that of the settings.
     threads : int
-        Of the engine.
+        Threads of the engine.
     on_trial : callable, optional
         Called with every trial and the discs at its end.
 
     Returns
     -------
     Search
-        The bracket, its verdict and all trials. "undecided" where the upper end of the bracket is an undecided trial.
+        The bracket, its verdict and all trials. The verdict is "undecided" if the upper end of the bracket is an
+        undecided trial.
     """
 
     search = Search()
@@ -140,5 +141,5 @@ def critical_kh(
 
 
 def _after(kh: float, step: float) -> float:
-    """The next Kh: a step further, or the step itself where only the first probe stood."""
+    """The next Kh: one step further, or the step itself if only the first small Kh was tried."""
     return kh + step if step <= kh else step

@@ -1,15 +1,15 @@
-"""The ground of soil discs: filled in a little too high, settled, cut to the section, and settled again.
+"""Preparation of soil discs: filled in a little too high, settled, cut to the surface of the section, and settled
+again.
 
-Random packings sink by some per cent of their height as they settle. So that surface and interfaces stand where the
-section has them when anything begins, the box is filled above the surface; what stands above it after settling is
-taken away, and every disc that remains is given the stratum in which it has come to lie. Weight and mass follow from
-the void ratio that is measured then: section over discs. Both are done `ROUNDS` times, the last time with the hollows
-at the surface filled, and that is repeated where a column is still off (`dem.search.levelling`).
+Random packings settle by some per cent of their height. So the box is filled above the surface of the section; after
+settling, discs above the surface are removed, and every other disc is assigned to the stratum in which it lies. Then
+surface and interfaces are those of the section. Weight and mass follow from the void ratio of this packing: area of the
+section over area of discs. Settling and cutting are done `ROUNDS` times, the last time with the hollows at the surface
+filled, which is repeated where a column still deviates (`dem.search.levelling`).
 
-Discs that have come to rest under their weight alone have hardly more contacts than they need (three each), and give
-way at a small share of their strength: S-13 moved 0.44 m under Kh = 0.1, its continuum 0.10 m. No natural
-ground is as fresh as that. So it is shaken down: some cycles of a small Kh, after which the same Kh moves S-13 by
-0.05 m.
+Discs that came to rest under their weight alone have hardly more contacts than equilibrium requires (three each), and
+move at a small share of their strength: S-13 moved 0.44 m under Kh = 0.1, its continuum 0.10 m. Natural ground is
+denser than that. So the discs are shaken down by some cycles of a small Kh, after which Kh = 0.1 moves S-13 by 0.05 m.
 """
 
 from collections.abc import Callable, Sequence
@@ -59,9 +59,9 @@ class Deposit:
     Attributes
     ----------
     ground : Ground
-        Where they lie.
+        Place of the discs in the section.
     layers : list of LayerSprings
-        Their springs.
+        Springs of every stratum.
     settled : DiscModel
         The discs at rest.
     """
@@ -81,9 +81,9 @@ def deposit(section: Section, settings: DemSettings, layers_of: LayersOf, *, per
     settings : DemSettings
         Radius, spread of the radii and packing of the discs.
     layers_of : callable
-        Gives the springs of all strata for a mean radius (m) and a void ratio (-).
+        Function that returns the springs of all strata for a mean radius (m) and a void ratio (-).
     periodic : bool
-        Whether the ground continues at its right side with its left one; else it lies in a box.
+        Whether the sides are periodic; else the discs are in a box.
 
     Returns
     -------
@@ -118,7 +118,7 @@ def deposit(section: Section, settings: DemSettings, layers_of: LayersOf, *, per
 
 
 def shaken_down(settled: DiscModel, ground: Ground) -> DiscModel:
-    """Discs at rest after cycles of Kh both ways; unchanged where they keep moving under every Kh of `SHAKES`."""
+    """Discs at rest after cycles of Kh in both directions; unchanged if they keep moving under every Kh of `SHAKES`."""
     cycle = PERIODS * period(settled, ground)
     time = np.linspace(0.0, cycle, 41)
     for kh in SHAKES:
@@ -139,13 +139,13 @@ def shaken_down(settled: DiscModel, ground: Ground) -> DiscModel:
 
 
 def void_ratio(section: Section, packing: Packing) -> float:
-    """Area of the section over that of the discs that can move, less one."""
+    """Area of the section over the area of the free discs, less one."""
     solid = float(np.sum(np.pi * packing.radius[packing.free] ** 2))
     return float(section.layering.areas().sum()) / solid - 1.0
 
 
 def cut(section: Section, settled: DiscModel, ground: Ground) -> Packing:
-    """The discs where they lie now, without those above the surface."""
+    """A packing of the discs in their present positions, without those above the surface."""
     packing = _packing_of(section, settled)
     level = np.interp(packing.x, *section.ground.T)
     keep = ~packing.free | (packing.z <= level - CUT * ground.radius)
@@ -154,27 +154,27 @@ def cut(section: Section, settled: DiscModel, ground: Ground) -> Packing:
 
 
 def _packing_of(section: Section, settled: DiscModel) -> Packing:
-    """The discs where they lie now; those of periodic ground within the section."""
+    """A packing of the discs in their present positions, for periodic ground moved into the section."""
     x, z = brought_back(settled.x, settled.z, section.extent[0], settled.repeats)
     return Packing(x, z, settled.radius, settled.layer, settled.lines, settled.period)
 
 
 def _in_strata(section: Section, packing: Packing) -> Packing:
-    """Every disc that can move in the stratum in which it lies."""
+    """The packing with every free disc assigned to the stratum in which it lies."""
     layer, inside = packing.layer.copy(), packing.free
     layer[inside] = in_stratum(section, packing.x[inside], packing.z[inside])
     return replace(packing, layer=layer)
 
 
 def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) -> Ground:
-    """The ground that a checkpoint of settled soil discs stands for."""
+    """The ground of a checkpoint of settled soil discs."""
     packing = _packing_of(section, settled)
     radius = settings.mean_radius(section)
     return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)
 
 
 def _filled(section: Section, settings: DemSettings, radius: float, periodic: bool) -> Ground:
-    """A random packing up to above the surface; strata stretched with it."""
+    """A random packing that reaches above the surface, with strata stretched in proportion."""
     outline = section.outline()
     lift = SINKS * float(np.ptp(outline[:, 1])) + MARGIN * radius
     surface = section.ground
@@ -208,7 +208,7 @@ def _filled(section: Section, settings: DemSettings, radius: float, periodic: bo
 
 
 def _raised(outline: np.ndarray, on_top: np.ndarray, lift: float, rim: float) -> np.ndarray:
-    """The outline of a box that is filled to above its surface, and to beyond its base and its sides (m).
+    """The outline of a box that extends above the surface, and beyond base and sides of the section (m).
 
     on_top: mask (n,) of its corners that are on the surface; lift, rim: how far above and beyond (m).
     """
@@ -219,7 +219,8 @@ def _raised(outline: np.ndarray, on_top: np.ndarray, lift: float, rim: float) ->
 
 
 def _held(packing: Packing, base: np.ndarray, left: float, right: float) -> Packing:
-    """The packing with all discs held whose centres lie beyond the base or the sides: a rough box, as the fixed nodes
-    of the continuum are."""
+    """The packing with all discs held whose centres are beyond the base or the sides: a rough box, like the fixed
+    nodes of the continuum.
+    """
     beyond = (packing.x < left) | (packing.x > right) | (packing.z < np.interp(packing.x, *base.T))
     return replace(packing, layer=np.where(beyond, -1, packing.layer).astype(packing.layer.dtype))

@@ -1,9 +1,10 @@
-"""Settling, and whether discs stand or fail under a seismic coefficient that is raised smoothly and then held.
+"""Settling of discs, and trials whether they stand or fail under a seismic coefficient that rises smoothly and is then
+constant.
 
-Two dimensionless numbers measure how far they are from rest. Unbalanced force ratio: mean resultant on the discs that
-can move over mean contact force. Kinetic ratio: kinetic energy, the most since the last look, over stored energy.
-Displacement is the mean over all discs that can move, weighted with their mass, in the direction of the push (m): what
-the seismic force works on.
+Two dimensionless numbers measure the distance to rest. Unbalanced force ratio: mean resultant on free discs over mean
+contact force. Kinetic ratio: largest kinetic energy since the last record over stored energy. The displacement is the
+mean over all free discs, weighted by mass, in the direction of the seismic force (m), and so work-conjugate to this
+force.
 """
 
 from dataclasses import dataclass
@@ -30,21 +31,21 @@ Verdict = Literal["stands", "fails", "undecided"]
 
 
 class NotSettledError(DemError):
-    """Discs that did not come to rest under their own weight."""
+    """Discs did not come to rest under their own weight."""
 
 
 @dataclass(frozen=True)
 class Rest:
-    """How far from rest discs are at one time.
+    """Measures of the distance to rest at one time.
 
     Attributes
     ----------
     time : float
-        Since the trial began (s).
+        Time since the trial began (s).
     unbalanced_ratio : float
         Mean resultant over mean contact force.
     kinetic_ratio : float
-        Kinetic energy, the most since the last look, over stored energy.
+        Largest kinetic energy since the last record, over stored energy.
     displacement : float
         Mean displacement downhill (m).
     """
@@ -56,16 +57,16 @@ class Rest:
 
 
 class Rise(NamedTuple):
-    """Start and end of a trial.
+    """Rise of Kh in a trial.
 
     Attributes
     ----------
     from_kh : float
-        At which the discs stand.
+        Kh at which the discs stand.
     kh : float
-        To which they are taken.
+        Kh to which it rises.
     flexibility : float
-        Elastic displacement over Kh (m), infinite if it is not known: nothing fails then.
+        Elastic displacement over Kh (m); infinite if it is not known, and then no trial fails.
     """
 
     from_kh: float
@@ -80,17 +81,17 @@ class Trial:
     Attributes
     ----------
     kh : float
-        The coefficient.
+        The seismic coefficient.
     verdict : str
         "stands", "fails" or "undecided".
     reason : str
         In words.
     unbalanced_ratio, kinetic_ratio : float
-        At the last look, see `Rest`.
+        Measures of rest at the last record, see `Rest`.
     displacement_m, elastic_displacement_m : float
-        Mean displacement downhill, and what it would be if the ground were elastic (m).
+        Mean displacement downhill, and the one of elastic ground (m).
     seconds : float
-        Of the model's time (s).
+        Model time of the trial (s).
     """
 
     kh: float
@@ -104,7 +105,7 @@ class Trial:
 
 
 def unbalanced_ratio(model: DiscModel) -> float:
-    """Mean resultant force on the discs that can move, over the mean force of the contacts that carry any."""
+    """Mean resultant force on free discs, over the mean force of loaded contacts."""
     forces = contact_forces(model)
     fx, fz, _ = resultants(model, forces)
     size = np.hypot(np.append(forces.fx, forces.line_fx), np.append(forces.fz, forces.line_fz))
@@ -115,14 +116,14 @@ def unbalanced_ratio(model: DiscModel) -> float:
 
 
 def kinetic_ratio(model: DiscModel, kinetic: float | None = None) -> float:
-    """Kinetic energy over that in springs; `kinetic` (J/m) in place of what there is now."""
+    """Kinetic energy over energy in springs; `kinetic` (J/m) replaces the present kinetic energy."""
     energy = Engine().measure(model)
     stored = energy.in_springs
     return (energy.kinetic if kinetic is None else kinetic) / stored if stored > 0.0 else float("inf")
 
 
 class Displacement:
-    """Mean displacement downhill, along the horizontal, since a state `before`, weighted with mass."""
+    """Mean horizontal displacement downhill since a state `before`, weighted by mass."""
 
     def __init__(self, before: DiscModel, ground: Ground) -> None:
         self.before, self.ground, self.free = before, ground, np.flatnonzero(~before.fixed)
@@ -130,7 +131,7 @@ class Displacement:
         self.total = self.mass.sum()
 
     def __call__(self, model: DiscModel) -> float:
-        """Mean displacement of the discs so far (m)."""
+        """Mean displacement of the discs since `before` (m)."""
         before, free = self.before, self.free
         dx, _ = self.ground.turned(model.x[free] - before.x[free], model.z[free] - before.z[free])
         return float(self.ground.downhill * ((dx * self.mass).sum() / self.total))
@@ -142,9 +143,10 @@ def displacement(model: DiscModel, before: DiscModel, ground: Ground) -> float:
 
 
 def period(model: DiscModel, ground: Ground) -> float:
-    """Period of the lowest shear mode of the ground (s): 4 times the time a shear wave takes from base to surface.
+    """Period of the lowest shear mode of the ground (s): 4 times the travel time of a shear wave from base to surface.
 
-    V_s = r sqrt(1.5 (kn + ks) / m) of the triangular lattice for each layer, its thickness by its share of the discs.
+    V_s of each layer is that of the triangular lattice, r sqrt(1.5 (kn + ks) / m); its thickness follows from its share
+    of the discs.
     """
     free = ~model.fixed
     u, v = ground.to_section(model.x[free], model.z[free])
@@ -175,9 +177,9 @@ def settle(
     settings : DemSettings
         Contact law, and mean of the constants of two layers.
     model : DiscModel, optional
-        Discs to continue from in place of the packing; they lose their pore springs.
+        Discs to continue from instead of the packing; their pore springs are removed.
     shaken : bool
-        Whether a new packing gets the excess pore pressure of shaking once it is at rest.
+        Whether excess pore pressure by shaking is applied to a new packing once it is at rest.
 
     Returns
     -------
@@ -204,13 +206,13 @@ def settle(
 
 
 def shake(model: DiscModel, ground: Ground) -> None:
-    """Adds the pore pressure that shaking adds to discs at rest, if it adds any, and takes them to rest again."""
+    """Apply excess pore pressure by shaking, if there is any, to discs at rest, and bring them to rest again."""
     if ground.weaken(model):
         calm_down(model, ground, "once shaking has added its pore pressure")
 
 
 def calm_down(model: DiscModel, ground: Ground, under: str) -> None:
-    """Takes discs on until the unbalanced force ratio is below `SETTLED`.
+    """Continue until the unbalanced force ratio is below `SETTLED`.
 
     Velocities are set to zero whenever the kinetic energy has passed a peak (kinetic damping, Cundall 1976).
     """
@@ -228,9 +230,10 @@ def calm_down(model: DiscModel, ground: Ground, under: str) -> None:
 
 
 def calm(model: DiscModel, seconds: float, last: float, threads: int = 1) -> tuple[float, float]:
-    """Takes discs on with kinetic damping. last: kinetic energy they were left with (J/m); returns it, and the most.
+    """Continue with kinetic damping. last: kinetic energy at the end of the last call (J/m). Returns the final and the
+    largest kinetic energy.
 
-    model: the discs; seconds: how long; threads: of the engine.
+    model: the discs; seconds: model time; threads: of the engine.
     """
     count = round(LOOK / PULSE)
     most = 0.0
@@ -248,7 +251,7 @@ def calm(model: DiscModel, seconds: float, last: float, threads: int = 1) -> tup
 
 
 def stop(model: DiscModel) -> None:
-    """Takes the velocity away from all discs that can move."""
+    """Set the velocity of all free discs to zero."""
     keep_slip(model)
     model.set_velocity(0.0, 0.0, where=~model.fixed)
 
@@ -260,7 +263,7 @@ def moving_energy(model: DiscModel) -> float:
 
 
 def step_on(model: DiscModel, seconds: float, threads: int = 1) -> None:
-    """Takes discs on without summing energies, at the longest step that is safely stable now, or all at once."""
+    """Continue without energy balance, at the longest step that is safely stable."""
     with Pulses(model, STEP, threads) as pulses:
         pulses.on(seconds)
 
@@ -273,14 +276,14 @@ def try_kh(
     rise: Rise,
     threads: int = 1,
 ) -> Trial:
-    """Raises Kh for discs that stand at a smaller one, and says whether they still stand; `model` is changed.
+    """Raise Kh for discs that stand at a smaller one, and decide whether they still stand; `model` is changed.
 
-    Kh rises by `RISE` in a period of the ground, and is held with kinetic damping, as in `settle`: dashpots of contacts
-    hardly damp the vibration of the whole ground, which is not what is tested. Stands: both ratios are below their
-    limits. Fails: the displacement since `before` exceeds `growth` times the elastic one and grew at every look of the
-    last period, and neither ratio is below its limit. Else undecided: after `patience` periods, or when a DemError
-    stopped the discs. settings: of the discs; rise: from which Kh to which, and the elastic displacement per Kh (m);
-    threads: of the engine.
+    Kh rises by `RISE` in a period of the ground, and is then constant, with kinetic damping as in `settle`: dashpots of
+    contacts hardly damp the vibration of the whole ground, which is not the subject of the test. The discs stand if
+    both ratios are below their limits. They fail if the displacement since `before` exceeds `growth` times the elastic
+    one and grew at every record of the last period, and neither ratio is below its limit. Otherwise the trial is
+    undecided: after `patience` periods, or when a DemError stopped the discs. settings: of the discs; rise: start and
+    end of Kh, and the elastic displacement per Kh (m); threads: of the engine.
     """
     from_kh, kh, flexibility = rise
     cycle = period(model, ground)

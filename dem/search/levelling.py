@@ -1,9 +1,9 @@
 """Levelling of the surface of soil discs to that of the section: discs above it are removed, hollows are filled.
 
-Where a disc that stood too high has gone, a hollow of its size is left, and what lies beside it slides in. So new discs
-are laid in wherever there is room for one that rests on two others, with whichever radius of the packing's spread
-brings its top nearest to the surface. Where there is no such room in a column, one disc in it is exchanged for others.
-Places, sizes and order follow from the discs alone, not from random numbers.
+A removed disc leaves a hollow of its size, into which its neighbours slide. So new discs are added wherever there is
+room for one that rests on two others; its radius, within the spread of the packing, brings its top nearest to the
+surface. If a column has no such room, one of its discs is exchanged for others. Positions, radii and order follow from
+the discs, not from random numbers.
 """
 
 import numpy as np
@@ -22,11 +22,10 @@ TOUCHES = 0.02  # mean radii that a disc may overlap others as it is laid in, as
 
 
 def misfit(section: Section, model: DiscModel, radius: float) -> np.ndarray:
-    """How far the ground stands above the section's surface, column by column of two diameters or a little less (m).
+    """Height of the discs above the surface of the section (m), column by column of two diameters or a little less.
 
-    The value of a column is that of the disc whose top reaches farthest above the surface straight below it. (Across a
-    column a face may fall by more than the tolerance.) Discs that have come to lie among those of the sides are left
-    out.
+    The value of a column is that of the disc whose top is highest above the surface vertically below it. (Across a
+    column a face may fall by more than the tolerance.) Discs among the held discs of the sides are left out.
     """
     left, right = section.extent
     free = ~model.fixed & (model.x >= left) & (model.x <= right)
@@ -35,9 +34,9 @@ def misfit(section: Section, model: DiscModel, radius: float) -> np.ndarray:
 
 
 def levelled(section: Section, packing: Packing, radius: float, spread: float) -> Packing:
-    """The packing without the discs whose tops stand out of the surface, and with its hollows filled.
+    """The packing without the discs whose tops are above the surface, and with its hollows filled.
 
-    Its discs that can move have no stratum yet (number 0): whoever asks for this gives each that in which it lies.
+    Its free discs have no stratum yet (number 0): the caller assigns each to the stratum in which it lies.
     section: the ground; radius: mean of the discs (m); spread: half the width of the radii over the mean.
     """
     discs = np.column_stack([packing.x, packing.z, packing.radius])
@@ -57,7 +56,7 @@ def levelled(section: Section, packing: Packing, radius: float, spread: float) -
 
 
 def _images(discs: np.ndarray, period: tuple[float, float], extent: tuple[float, float], radius: float) -> np.ndarray:
-    """Images (n, 3) beyond each side of the discs of periodic ground that lie near the other one."""
+    """Images (n, 3) of the discs of periodic ground: discs near one side are repeated beyond the other."""
     shift = np.array([*period, 0.0])
     near_left, near_right = discs[:, 0] < extent[0] + DEEP * radius, discs[:, 0] > extent[1] - DEEP * radius
     return np.vstack([discs[near_left] + shift, discs[near_right] - shift])
@@ -71,9 +70,10 @@ def _exchanged(
     radius: float,
     spread: float,
 ) -> np.ndarray:
-    """The discs with one of each column that is off taken away and its room filled anew, between two ends (m).
+    """The discs between two ends (m), where in each deviating column one disc is removed and its room is filled again.
 
-    Taken is the one for which the column and those beside it come nearest to the surface; none if none is nearer.
+    The removed disc is the one after which the column and its neighbours are nearest to the surface; none if none
+    improves them.
     """
     left, right = section.extent
     above = _columns(section, discs, radius)
@@ -100,7 +100,7 @@ def _exchanged(
 
 
 def _columns(section: Section, discs: np.ndarray, radius: float) -> np.ndarray:
-    """How far the discs (x, z, radius) of each column reach above the surface (m), minus infinity where none are."""
+    """Height (m) of the discs (x, z, radius) of each column above the surface, minus infinity in empty columns."""
     left, right = section.extent
     count = max(1, int(np.ceil((right - left) / (4.0 * radius))))
     column = np.floor((discs[:, 0] - left) / (right - left) * count).astype(int)
@@ -112,9 +112,9 @@ def _columns(section: Section, discs: np.ndarray, radius: float) -> np.ndarray:
 def _fillings(
     section: Section, discs: np.ndarray, ends: tuple[float, float], radius: float, spread: float
 ) -> np.ndarray:
-    """Discs (n, 3: centre and radius) that lie on two others each, those with tops nearest to the surface first.
+    """New discs (n, 3: centre and radius) that rest on two others each, those with tops nearest to the surface first.
 
-    Their centres lie between two ends (m).
+    Their centres are between two ends (m).
     """
     # behind a steep face discs lie deep below their own surface and yet beside the places at its toe
     lowest = np.min([_level(section, discs[:, 0] + DEEP * way) for way in (-radius, 0.0, radius)], axis=0)
@@ -135,7 +135,9 @@ def _fillings(
 
 
 def _places(discs: np.ndarray, of: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """Where discs of some sizes would rest on one of some discs and on another one, a centre on either side."""
+    """Positions of new discs of given radii that rest on one of the discs `of` and on another disc, one on either
+    side.
+    """
     tree = cKDTree(discs[:, :2])
     reach = 2.0 * sizes.max() + 2.0 * discs[:, 2].max()
     pairs = {
@@ -164,14 +166,14 @@ def _places(discs: np.ndarray, of: np.ndarray, sizes: np.ndarray) -> np.ndarray:
 
 
 def _fits(places: np.ndarray, discs: np.ndarray, radius: float) -> np.ndarray:
-    """Whether discs at given places overlap no other disc."""
+    """Mask of new discs that overlap no other disc."""
     apart, near = cKDTree(discs[:, :2]).query(places[:, :2], k=range(1, min(NEAREST, len(discs)) + 1))
     gap = apart - places[:, 2:] - discs[near, 2]
     return np.asarray(gap.min(axis=1) >= -TOUCHES * radius)
 
 
 def _above(section: Section, discs: np.ndarray) -> np.ndarray:
-    """How far the tops of discs (x, z, radius) stand above the surface straight below or above them (m)."""
+    """Height (m) of the tops of discs (x, z, radius) above the surface vertically below them, negative below it."""
     return np.asarray(discs[:, 1] + discs[:, 2] - _level(section, discs[:, 0]))
 
 

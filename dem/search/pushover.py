@@ -1,15 +1,15 @@
-"""The critical Kh of soil discs by displacement control: their displacement is prescribed, and the Kh that it takes is
-measured.
+"""The critical Kh of soil discs by displacement control: their displacement is prescribed, and the Kh that it requires
+is measured.
 
-So the curve continues where a prescribed Kh would make the discs run away, as the equilibrium path of the FEM model
-does. Both curves are Kh over the mass-weighted mean displacement in the direction of the seismic force (m). They are
-compared at the same displacement, since neither has a limit load in a box: loose ground hardens as it is compressed.
-The critical Kh of the discs is the largest Kh, averaged over a fifth of the way, up to `DemSettings.ductility` times
-the displacement at which the FEM model yields. Grains need that much more strain than an elastic-plastic body of the
-same E to have the same strength: `settings.GROWTH` says how it was measured.
+So the curve continues beyond the largest Kh, like the equilibrium path of the FEM model. Both curves are Kh over the
+mass-weighted mean displacement in the direction of the seismic force (m). They are compared at the same displacement,
+since neither has a limit load in a box: loose ground hardens as it is compressed. The critical Kh of the discs is the
+largest Kh, averaged over a fifth of the displacement, up to `DemSettings.ductility` times the yield displacement of the
+FEM model. Grains need this larger strain to reach the same strength as an elastic-plastic body with the same E:
+`settings.GROWTH` describes how it was measured.
 
-Where they fail shows only later: at their critical Kh discs still harden, and shear all over. So the push continues,
-and the discs at its end have a slip surface.
+The place of failure is visible only later: at their critical Kh discs still harden, and shear everywhere. So the test
+continues, and the discs at its end have a slip surface.
 """
 
 from collections.abc import Iterator, Sequence
@@ -47,11 +47,11 @@ class Continuum(NamedTuple):
     Attributes
     ----------
     kc : float
-        The critical Kh of the continuum with their sides.
+        The critical Kh of the continuum with the sides of the discs.
     yielding : float
-        Its mean displacement in the direction of the push once it has come to that (m).
+        Mean displacement of the continuum in the direction of the seismic force when it reaches the critical Kh (m).
     upper : float
-        The largest critical Kh that it may have; where its path softens no more is known than that it lies between.
+        Upper end of the bracket of the critical Kh of the continuum; where its path softens only this bracket is known.
     """
 
     kc: float
@@ -64,14 +64,14 @@ class Continuum(NamedTuple):
 
 
 class DisplacementControl(NamedTuple):
-    """The spring that pushes, and the dashpot beside it.
+    """The spring and the parallel dashpot that move the discs.
 
     Attributes
     ----------
     reach : float
-        How far the discs are pushed, but for a little (m).
+        Largest prescribed displacement of the discs, approximately (m).
     stiffness : float
-        Kh over its shortening (1/m).
+        Kh over the shortening of the spring (1/m).
     """
 
     reach: float
@@ -84,7 +84,7 @@ class DisplacementControl(NamedTuple):
 
     @property
     def dashpot(self) -> float:
-        """Kh over the speed of its shortening (s/m)."""
+        """Kh over the speed of shortening (s/m)."""
         return 2.0 * DAMPING * self.frequency / GRAVITY
 
     def speed(self, moved: float, cycle: float) -> float:
@@ -103,15 +103,14 @@ def pushover_critical_kh(
     on_trial: OnTrial | None = None,
     until_failed: bool = True,
 ) -> tuple[Search, DiscModel]:
-    """The critical Kh of settled discs, which stay as they are, the curve that leads to it, and the discs once they
-    have been pushed on until a slip surface has formed, a part has come apart, or it is far enough; those at the end of
-    the curve where they are not wanted ``until_failed``.
+    """The critical Kh of settled discs, the load-displacement curve, and the discs at the end of the test. With
+    ``until_failed`` the test continues beyond the curve until a slip surface has formed, a part has separated, or the
+    displacement is large enough. The settled discs are not changed.
 
-    on_trial hears of every point of the curve.
-    Undecided where a DemError stopped the discs before the end of the curve; where one comes later, the discs are
-    those of the end of the curve.
-    ground: in which the discs lie; settings: of the discs; continuum: critical Kh and yield displacement (m) of the
-    finite elements; threads: of the engine.
+    on_trial is called with every point of the curve.
+    The verdict is "undecided" if a DemError stops the discs before the end of the curve; after a later one, the discs
+    are those at the end of the curve. ground: place of the discs; settings: of the discs; continuum: critical Kh
+    and yield displacement (m) of the finite elements; threads: of the engine.
     """
     if min(continuum.kc, continuum.yielding) <= 0.0:
         raise ValueError(f"{continuum}: expected a critical Kh and a displacement above 0")
@@ -151,7 +150,7 @@ def pushover_critical_kh(
 def critical_point(points: Sequence[Trial]) -> tuple[float, float, int]:
     """The critical Kh, half the width of its bracket, and the number of the point at which it was reached.
 
-    The width is the standard error of the mean over the window: loose ground gives way by jerks.
+    The width is the standard error of the mean over the window, since the curve of loose ground is jerky.
     """
     size = min(WINDOW, len(points))
     windows = np.lib.stride_tricks.sliding_window_view([point.kh for point in points], size)
@@ -167,9 +166,9 @@ def _points(
     threads: int,
     until_failed: bool,
 ) -> Iterator[Trial | str | None]:
-    """Moves the far end of the spring on, and the discs with it, to the end of the curve or until they have failed.
-    Yields the points of the curve, each the mean of what was measured since the last one; None where the curve ends, a
-    little beyond the reach; and at last where and why the push ends, in words.
+    """Move the loading end of the spring, and with it the discs, to the end of the curve or until they have failed.
+    Yields the points of the curve, each a mean over the time since the last point; then None at the end of the curve, a
+    little beyond the reach; and at last the displacement and the reason, in words, at the end of the test.
 
     Between two points Kh is the force of spring and dashpot over the weight.
     """

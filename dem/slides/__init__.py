@@ -1,1 +1,1 @@
-"""Layers liquefy and the ground slides: how far, where along the surface, and on which slip surface."""
+"""Slides after liquefaction of layers: displacement along the surface, and slip surface."""

@@ -25,7 +25,7 @@ STOPPED = 0.5  # of the largest slide: what has slid so far and ends at a side w
 def ground_area(model: DiscModel, ground: Ground) -> float:
     """Area below the surface of the discs, above the lowest of them, between the outermost of them.
 
-    The disc on top of the first column lies anywhere in it: the ground continues level from there to the side.
+    Between the side and the top disc of the first column the surface is taken as level.
     """
     x, z = Surface.of(model, ground).points(model, ground).T
     free_x, free_z = ground.to_section(model.x[~model.fixed], model.z[~model.fixed])
@@ -35,7 +35,7 @@ def ground_area(model: DiscModel, ground: Ground) -> float:
 
 
 def disc_area(model: DiscModel, strata: Sequence[int] | None = None) -> float:
-    """Area of the discs that can move, of all strata or of some."""
+    """Area of the free discs, of all strata or of some."""
     free = ~model.fixed if strata is None else np.isin(model.layer, strata) & ~model.fixed
     return float(np.sum(np.pi * model.radius[free] ** 2))
 
@@ -45,8 +45,9 @@ def expected_loss(
 ) -> float:
     """Expected decrease of the ground's area (m2), by drainage and by softer springs of strata.
 
-    drained: by stratum, the share of its volume. Springs that shorten by a share of the distance of two discs take
-    twice that share of the area of their stratum.
+    drained: drained share of the volume, by stratum. Springs that shorten by a share of the distance of two discs
+    reduce
+    the area of their stratum by twice this share.
     start, model: discs at the start and now; strata: numbers of the softened ones; area: of the ground (m2).
     """
     discs = disc_area(start)
@@ -56,7 +57,9 @@ def expected_loss(
 
 
 def pressed_through(model: DiscModel) -> int:
-    """How many discs that can move lie in fixed ones by more than a mean radius: the box no longer holds them."""
+    """Number of free discs that overlap fixed ones by more than a mean radius, so that the box no longer retains
+    them.
+    """
     i, j = model.pair_i, model.pair_j
     wall = model.fixed[i] != model.fixed[j]
     over = model.radius[i] + model.radius[j] - model.distance()
@@ -66,7 +69,7 @@ def pressed_through(model: DiscModel) -> int:
 
 
 def deepest_overlap(model: DiscModel) -> float:
-    """The largest overlap of two discs that can move, over their mean radius; contacts that fade do not count."""
+    """The largest overlap of two free discs, over their mean radius; fading contacts do not count."""
     i, j = model.pair_i, model.pair_j
     inside = ~model.fixed[i] & ~model.fixed[j] & ~model.fading
     mean = 0.5 * (model.radius[i] + model.radius[j])
@@ -74,20 +77,20 @@ def deepest_overlap(model: DiscModel) -> float:
 
 
 class AtSide(NamedTuple):
-    """What happens at a side of the box in a slide.
+    """The influence of a side of the box on a slide.
 
     Attributes
     ----------
     name : str
         "left" or "right".
     came : int
-        Discs of the surface that slid to within `NEAR` diameters.
+        Number of discs of the surface that slid to within `NEAR` diameters of the side.
     furthest : float
-        How far the one of these that slid furthest came, over the largest slide of the surface.
+        Largest slide of these discs, over the largest slide of the surface.
     rise : float
-        Of the surface beside it (m).
+        Rise of the surface at the side (m).
     piled : bool
-        Whether that is a heap.
+        Whether the ground has piled up there.
     """
 
     name: str
@@ -98,7 +101,7 @@ class AtSide(NamedTuple):
 
 
 def both_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[AtSide]:
-    """What happens at each side of the box in a slide from `start` to `model`; periodic ground has none."""
+    """The influence of each side of the box on a slide from `start` to `model`; empty for periodic ground."""
     if model.period is not None:
         return []
     before, after = (Surface.of(m, ground).points(m, ground) for m in (start, model))
@@ -140,7 +143,8 @@ def at_the_sides(sides: Sequence[AtSide]) -> list[str]:
 
 
 def within_scatter(far: float, radius: float) -> list[str]:
-    """A sentence on a slide that is no longer than what liquefied discs move by alone, or none.
+    """A sentence on a slide that is not larger than the scatter of liquefied discs on level ground; empty for larger
+    slides.
 
     far: the largest slide (m); radius: mean radius of the discs (m).
     """
@@ -153,9 +157,9 @@ def within_scatter(far: float, radius: float) -> list[str]:
 
 
 def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[str]:
-    """Liquefied layers that are less than two discs thick, each with the radius that it wants.
+    """Liquefied layers that are less than two discs thick, each with the radius that it needs.
 
-    River Park moved by 0.5 m where material points move 1.1 m and 3.7 m were measured.
+    With such layers River Park moved by 0.5 m, while material points moved by 1.1 m and 3.7 m were measured.
     """
     notes = []
     free = ~start.fixed
@@ -179,16 +183,16 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
 
 
 def _columns(x: np.ndarray, radius: float) -> np.ndarray:
-    """Numbers of the columns, two discs wide, in which discs at x (n,) lie."""
+    """Numbers of the columns, two discs wide, of discs at x (n,)."""
     return np.asarray((x - x.min()) / (4.0 * radius)).astype(int)
 
 
 def thin_crust(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[str]:
-    """What lies on liquefied ground where that is less than two discs thick, with the radius that it wants.
+    """The strata above liquefied ground if they are less than two discs thick, with the radius that they need.
 
-    86 m behind the quay of Port Island N the ground moved by -0.29 and -0.31 m in discs three quarters as thick as its
-    crust, and by 0.24 and 0.63 m in discs half as large (two packings; 1.18 m measured).
-    Thickness is the median over columns of discs that have both.
+    86 m behind the quay of Port Island N the ground moved by -0.29 and -0.31 m with discs of three quarters of the
+    thickness of its crust, and by 0.24 and 0.63 m with discs half as large (two packings; 1.18 m measured). The
+    thickness is the median over columns of discs that have both liquefied ground and a crust.
     """
     free = np.flatnonzero(~start.fixed)
     x, z = ground.to_section(start.x[free], start.z[free])

@@ -1,6 +1,7 @@
 """A column of soil behind a gate: dry columns, clay that slumps, vertical cuts.
 
-It stands on a rough floor between a smooth wall at x = 0, which is an axis of symmetry, and a smooth gate at x = width.
+The column is on a rough floor between a smooth wall at x = 0, which is an axis of symmetry, and a smooth gate at x =
+width.
 """
 
 from collections.abc import Callable, Sequence
@@ -32,11 +33,11 @@ class SoilColumn:
     Parameters
     ----------
     width, height
-        Of the column (m).
+        Width and height of the column (m).
     radius
         Mean radius of the discs (m).
     layers_of
-        The springs by the void ratio of the packing; the column is of the first layer.
+        Function that returns the springs for a void ratio of the packing; the column is of the first layer.
     seed
         Of the packing.
     reach
@@ -47,12 +48,12 @@ class SoilColumn:
     Attributes
     ----------
     model : DiscModel
-        The discs. Whoever calls `settle` and `release` need not touch them.
+        The discs, which `settle` and `release` change.
 
     Raises
     ------
     ValueError
-        Where no packing fits.
+        If no packing fits.
     """
 
     def __init__(
@@ -94,7 +95,7 @@ class SoilColumn:
 
     @property
     def porosity(self) -> float:
-        """Voids over area of the column as it stands, below its mean top (before it is released)."""
+        """Area of voids over total area of the column below its mean top, before the release."""
         free = ~self.model.fixed
         x, top = self.model.x[free], (self.model.z + self.model.radius)[free]
         column = (x / (4.0 * self.radius)).astype(int)
@@ -102,7 +103,7 @@ class SoilColumn:
         return float(1.0 - np.sum(np.pi * self.model.radius[free] ** 2) / (self.width * level))
 
     def settle(self) -> None:
-        """Lets the column settle under its weight, the gate shut. Raises DemError."""
+        """Let the column settle under its weight with the gate closed. Raises DemError."""
         free = ~self.model.fixed
         for _ in range(round(SECONDS)):
             Engine(dt=0.5 * largest_step(self.model).seconds, energies=False).run(self.model, self.unit)
@@ -110,17 +111,17 @@ class SoilColumn:
                 return
 
     def release(self, *, longest: float = 12.0) -> UntilRest:
-        """Takes the gate away at once, and follows the column until it rests.
+        """Remove the gate instantaneously, and follow the column until it rests.
 
         Parameters
         ----------
         longest
-            In units of sqrt(height / g).
+            Longest time in units of sqrt(height / g).
 
         Returns
         -------
         UntilRest
-            How it went; `dem.run_out(column.model)` says how far.
+            Record of the collapse; `dem.run_out(column.model)` returns the run-out.
         """
         if len(self.model.lines) > GATE:
             self.model.remove_lines([GATE])
@@ -145,7 +146,7 @@ def _packed(
 
 
 def _rough_floor(rng: np.random.Generator, radius: float, left: float, right: float, spread: float) -> np.ndarray:
-    """Discs beside each other whose tops reach z = 0 at most: x, z, radius (3, n)."""
+    """A row of adjacent discs whose tops are at or below z = 0: x, z, radius (3, n)."""
     discs, x = [], left
     while x < right:
         r = radius * rng.uniform(1.0 - spread, 1.0 + spread)

@@ -1,4 +1,4 @@
-"""A seismic coefficient that reverses: uniform cycles that stand for the irregular ones of an earthquake."""
+"""A cyclic seismic coefficient: uniform cycles that are equivalent to the irregular ones of an earthquake."""
 
 import numpy as np
 
@@ -9,29 +9,29 @@ EDGE = 1.0  # cycles in which the motion comes, and in which it goes: half of ea
 
 
 def cyclic_acceleration(kh: float, cycles: float, period: float) -> tuple[np.ndarray, np.ndarray]:
-    """Kh g cos(2 π t / T) that comes and goes within a cycle each.
+    """The acceleration Kh g cos(2 π t / T), with a first cycle in which it rises and a last one in which it fades.
 
     It is the derivative of a velocity Kh g T/(2 π) w(t) sin(2 π t / T) with w a half cosine at either end, so that the
-    base has no mean velocity: without the half cosines the base would drift away from liquefied ground.
+    base has no mean velocity: without the half cosines it would drift away from liquefied ground.
 
     Parameters
     ----------
     kh
-        Largest seismic coefficient, both ways (-).
+        Amplitude of the seismic coefficient (-).
     cycles
-        How many cycles of that size it is worth: the two at the edges count as half a cycle each.
+        Equivalent number of cycles with this amplitude: the first and the last count as half a cycle each.
     period
-        Of a cycle, T (s).
+        Period T of a cycle (s).
 
     Returns
     -------
     time, push : (n,) arrays
-        In s from 0, and what the ground feels in m/s²; it begins and ends with 0.
+        Times from 0 (s), and acceleration of the mass of the ground (m/s²), which begins and ends with 0.
 
     Raises
     ------
     ValueError
-        For cycles or a period that are not positive.
+        If cycles or period are not positive.
     """
     if not (cycles > 0.0 and period > 0.0):
         raise ValueError(f"expected positive cycles and a positive period, not {cycles} and {period} s")

@@ -1,4 +1,4 @@
-"""What drives a slide, and when strata liquefy under it: Kh that is held or reverses, or a record of the base."""
+"""Loading of a slide, and times of liquefaction: constant or cyclic Kh, or a record of the base."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,19 +22,20 @@ APART = 1e-6  # s between the two ends of a step of a record
 
 @dataclass(frozen=True, eq=False)
 class Shaking:
-    """A record of the base, and when each stratum begins to liquefy.
+    """A record of the base, and the time at which each stratum begins to liquefy.
 
-    The base and all that is fixed to it move as one, so that the discs, seen from the base, feel the opposite of its
-    acceleration with their full mass: exact for a box and for tied sides, whose fixed discs are the base.
+    Base and fixed discs move as one rigid body. In the frame of the base, the opposite of its acceleration acts on the
+    full mass of the discs. This is exact for a box and for periodic sides.
 
     Attributes
     ----------
     time : (n,)
-        s, rising.
+        Times (s), rising.
     push : (n,)
-        What the discs feel (m/s2), linear in between, + is downhill: the base accelerates uphill.
+        Acceleration of the discs in the frame of the base (m/s2), linear in between; positive downhill, where the base
+        accelerates uphill.
     onsets : dict
-        By stratum, s after the record begins.
+        Onset of liquefaction by stratum (s after the beginning of the record).
     """
 
     time: np.ndarray
@@ -49,17 +50,17 @@ class Drive:
     Attributes
     ----------
     acceleration : Acceleration
-        Of the frame.
+        Acceleration of the frame.
     starts : dict
-        When each stratum begins to liquefy.
+        Time at which each stratum begins to liquefy.
     first : float
-        When that first happens, or could.
+        First time at which a stratum liquefies, or could liquefy.
     onset : float
-        How long it takes each.
+        Duration of the liquefaction of each stratum.
     calm : float
-        From when on the ground may come to rest.
+        Time from which the ground may come to rest.
     end : float
-        When it is no longer followed.
+        Time at which the computation ends.
     """
 
     acceleration: Acceleration
@@ -70,14 +71,14 @@ class Drive:
     end: float
 
     def share(self, stratum: int, since: float) -> float:
-        """Degree of liquefaction of a stratum, 0 to 1, in steps."""
+        """Degree of liquefaction of a stratum, 0 to 1, rounded to steps."""
         since -= self.starts[stratum]
         if since < -SAME:
             return 0.0
         return 1.0 if self.onset == 0.0 else min(1.0, (np.floor(FADE * since / self.onset + SAME) + 1.0) / FADE)
 
     def wait(self, since: float, longest: float) -> float:
-        """Seconds to the next change of springs, up to a largest number."""
+        """Time to the next change of springs (s), at most ``longest``."""
         starts = {self.first, *self.starts.values()}
         ahead = [start - since for start in starts if start - since > SAME]
         going = self.onset > 0.0 and any(-SAME <= since - start < self.onset for start in starts)
@@ -87,23 +88,24 @@ class Drive:
 def cycles(
     settings: SlideSettings, strata: Sequence[int], law: Law = "soil", passed: Mapping[int, float] | None = None
 ) -> Shaking | None:
-    """Cycles of Kh, both ways, after a pause as long as an onset: ground that liquefies at once has done so by then.
+    """Cycles of Kh after a pause of one onset, in which ground that liquefies at the beginning liquefies.
 
     Parameters
     ----------
     settings
-        Of the slide: ``kh``, ``kh_cycles``, ``kh_period`` (s), and ``liquefies_at``, s after the calm, or "F_L".
+        Of the slide: ``kh``, ``kh_cycles``, ``kh_period`` (s), and ``liquefies_at``, s after the pause, or "F_L".
     strata
         Numbers of the strata that liquefy.
     law
-        Of the discs, whose onset it is.
+        Contact law of the discs, which determines the onset.
     passed
-        Share of the cycles after which each stratum has liquefied in full, for "F_L"; none if it is not there.
+        Share of the cycles after which each stratum has fully liquefied, for "F_L"; missing strata liquefy at the
+        beginning.
 
     Returns
     -------
     Shaking or None
-        None where Kh is nothing, or does not reverse.
+        None if Kh is zero or not cyclic.
     """
     if settings.kh_cycles is None or settings.kh_period is None or settings.kh == 0.0:
         return None
@@ -117,7 +119,7 @@ def cycles(
 
 
 def held(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings) -> Drive:
-    """A constant Kh; all strata liquefy together, those of soil discs once Kh has its full value.
+    """Loading by a constant Kh; all strata liquefy together, in soil discs once Kh has its full value.
 
     start: discs at rest; ground: in which they lie; settings: of the slide.
     """
@@ -136,7 +138,7 @@ def held(start: DiscModel, ground: Ground, strata: Sequence[int], settings: Slid
 
 
 def shaken(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings, shaking: Shaking) -> Drive:
-    """A record of the base; each stratum liquefies at its own time.
+    """Loading by a record of the base; each stratum liquefies at its onset.
 
     start: discs at rest; ground: in which they lie; strata: numbers of those that liquefy; settings: of the slide;
     shaking: acceleration of the base, and onsets (s).

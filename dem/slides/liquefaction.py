@@ -1,9 +1,9 @@
 """Slides of ground whose layers liquefy under a seismic coefficient or a record (Sec. 4(3)). In the paper's discs, pore
-springs of the liquefied layers are cut at the onset; their element springs, dashpots and strength take the factors of
-the case, in steps if it takes time. Contacts of soil discs fade out instead, while pore water takes over their
-overburden and bonds their residual strength (`dem.liquefied_ground`). In both models discs shrink by the volume that
-drains away. The paper applies Kh at the onset; soil discs carry Kh before anything liquefies, since it is the shaking
-that liquefies.
+springs of the liquefied layers are cut at the onset; element springs, dashpots and strength are multiplied by the
+factors of the case, in steps over the duration of the onset. Contacts of soil discs fade out instead, while pore water
+carries their overburden, and bonds provide their residual strength (`dem.liquefied_ground`). In both models discs
+shrink by the volume that drains. The paper applies Kh at the onset; on soil discs Kh acts before liquefaction, since
+shaking causes it.
 """
 
 import json
@@ -56,24 +56,24 @@ OnLook = Callable[[DiscModel, Row, bool], None]
 
 
 class Slider:
-    """One slide: `run` takes it to its end, from the last checkpoint if there is one.
+    """One slide; `run` computes it to its end, from the last checkpoint if there is one.
 
     Parameters
     ----------
     start
-        Discs at rest, with their pore springs if they have any.
+        Discs at rest, with pore springs if the law has them.
     ground
-        Where they lie in the section.
+        Place of the discs in the section.
     strata
         Numbers of the strata that liquefy.
     case
-        What these lose; None for Kh alone.
+        Remaining stiffness and strength of these strata; None for Kh alone.
     settings
-        Kh, its time, and when a slide is over.
+        Kh, its duration, and criteria for the end of a slide.
     folder
-        For checkpoint.h5 and rows.json, or None.
+        Folder of checkpoint.h5 and rows.json, or None.
     shaking
-        A record of the base in the place of Kh; without one Kh is held, or reverses in the cycles of the settings.
+        A record of the base instead of Kh; without one Kh is constant, or cyclic by the settings.
     """
 
     def __init__(
@@ -141,7 +141,9 @@ class Slider:
         return model
 
     def _cut(self, model: DiscModel, strata: list[int]) -> None:
-        """Cut the pore springs of strata that liquefy, once; those of the first ones are cut from the beginning."""
+        """Cut the pore springs of strata that liquefy, once for each; those of the first strata are cut at the
+        beginning.
+        """
         new = [k for k in strata if k not in self.cut]
         if self.case is not None and new:
             model.cut_pore_springs(new)
@@ -177,14 +179,16 @@ class Slider:
             set_share(model, np.array([shares.get(k, 0.0) for k in range(len(wanted))] + [0.0])[model.layer])
 
     def _drained(self) -> dict[int, float]:
-        """Share of their volume that strata have lost by drainage so far."""
+        """Share of the volume of strata lost by drainage so far."""
         since = self.model.time - self.start.time
         if self.case is None or since < self.drive.first - SAME:
             return {}
         return {k: self.drive.share(k, since) * self.case.volumetric_strain for k in self.strata}
 
     def _keep_volume(self) -> None:
-        """Discs of liquefied strata shrink by what has drained, those of undrained ones swell; they keep their mass."""
+        """Shrink the discs of liquefied strata by the drained volume, and swell those of undrained strata; masses
+        are constant.
+        """
         drained = self._drained()
         sizes = self.swelling[-1] if self.swelling else [1.0] * len(self.undrained)
         if sizes:
@@ -200,7 +204,7 @@ class Slider:
             self.model.set_radius(radius)
 
     def _float(self) -> None:
-        """Soil discs that have moved up or down through the water table are buoyed by what of them is below it."""
+        """Set the buoyancy of soil discs that have crossed the water table, from their part below it."""
         if self.buoyed is None or (now := self.ground.buoyancy(self.model)) is None:
             return
         model, start, change = self.model, self.start, now - self.buoyed
@@ -208,7 +212,7 @@ class Slider:
         model.pore_acceleration_z = start.pore_acceleration_z + change[1]
 
     def _until(self) -> float:
-        """Seconds to the next look or change of springs."""
+        """Time to the next record or change of springs (s)."""
         return self.drive.wait(self.model.time - self.start.time, LOOK)
 
     def _look(self) -> Row:
@@ -231,7 +235,7 @@ class Slider:
         return row
 
     def _at_rest(self) -> bool:
-        """Whether the surface has stopped, since the onset was over and Kh has gone if it is to go."""
+        """Whether the surface is at rest after the end of the onset and, if Kh ends, after the end of Kh."""
         rows = [row for row in self.slide.rows if row.time_s >= self.drive.calm - 1e-9]
         watched = [
             (row.slide_uphill_m, row.slide_middle_m, row.slide_downhill_m, row.settlement_uphill_m,
@@ -284,7 +288,7 @@ class Slider:
         return notes
 
     def _lost(self) -> list[str]:
-        """A sentence on ground that was lost, or none."""
+        """A sentence on lost ground; empty if there is none."""
         slide, model, start = self.slide, self.model, self.start
         before, after = ground_area(start, self.ground), ground_area(model, self.ground)
         softer = [] if start.law == "soil" else self.strata
@@ -302,11 +306,11 @@ class Slider:
         ]
 
     def _flow(self) -> list[str]:
-        """Whether the case slides without any Kh as well: a sentence that says so, or none.
+        """A sentence if the case slides without Kh as well (flow failure), else empty.
 
-        Ground that stands by its own weight moves by centimetres only; ground without equilibrium moves until its face
-        is flatter. So the displacement without Kh is compared with the height of the face. The slide under Kh is no
-        measure: it depends on how long Kh lasts, on the slope below, and on the sides of the box.
+        Ground that is stable under its weight moves only by centimetres; ground without equilibrium moves until its
+        face is flatter. So the displacement without Kh is compared with the height of the face. The slide under Kh is
+        no measure: it depends on the duration of Kh, on the slope below, and on the sides of the box.
         """
         settings = self.settings.changed(kh=0.0, duration=ALONE)
         alone = Slider(self.start, self.ground, self.strata, self.case, settings).run()
@@ -324,7 +328,7 @@ class Slider:
         ]
 
     def _keep(self) -> None:
-        """Leave a checkpoint, unless the last one is young and the slide continues.
+        """Write a checkpoint, unless the last one is recent and the slide continues.
 
         The rows are written first: rows later than the checkpoint are dropped when it is read.
         """

@@ -26,10 +26,10 @@ SHEAR_MODULUS = 0.23  # of patches of soil discs, over kn: their E is 0.6 kn, wi
 def liquefied(
     layers: list[LayerSprings], which: list[int], case: Case | None, share: float = 1.0, law: Law = "paper"
 ) -> list[LayerSprings]:
-    """The layers with some of them liquefied; share < 1: on the way.
+    """The springs of all layers when some have liquefied to the degree ``share``.
 
-    The paper's discs take the factors of the case to the power of the share, and may overlap as they like. Contacts of
-    soil discs fade out, since pore water bears them then (`dem.liquefied_ground`).
+    Springs of the paper's discs are multiplied by the factors of the case to the power of the share, and their overlap
+    is not limited. Contacts of soil discs fade out, since pore water then carries the load (`dem.liquefied_ground`).
     which: numbers of the layers that liquefy; law: of the contacts.
     """
     out = []
@@ -45,11 +45,12 @@ def liquefied(
 
 
 def effect_of(case: Case, section: Section, strata: Sequence[int], law: Law) -> Hashable:
-    """All that a case changes in the discs: two cases with the same effect give the same slide, to the last bit.
+    """All parameters of the discs that a case changes: two cases with equal parameters have the same slide, to the last
+    bit.
 
-    The paper's discs take factors. Soil discs take the strength that each stratum keeps, and the stiffness up to that
-    strength, unless a strain potential sets it (see `onset`). case: what liquefaction leaves; section: the ground;
-    strata: numbers of those that liquefy; law: of the contacts.
+    For the paper's discs these are the factors of the case. For soil discs they are the residual strength of each
+    stratum, and its stiffness unless it follows from a strain potential (see `onset`). case: stiffness and strength
+    after liquefaction; section: the ground; strata: numbers of those that liquefy; law: of the contacts.
     """
     felt = tuple(strata), case.volumetric_strain, bool(case.residual or case.residual_strength)  # notes name the last
     if law == "paper":
@@ -59,13 +60,13 @@ def effect_of(case: Case, section: Section, strata: Sequence[int], law: Law) -> 
 
 
 def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> Onset:
-    """State of soil discs at the onset of liquefaction: overburden, and residual strength of the case.
+    """State of soil discs at the onset of liquefaction: overburden, and residual strength by the case.
 
     The strength is given as a ratio of the vertical effective stress at that time, as a stress, or as shares of the
     friction and cohesion of the soil (`Case.remains_of`). It is reached at a shear strain s/G, with the shear modulus G
-    that the case leaves, and at `MOST_STRAIN` at the latest; ground with a strain potential reaches it only past that
-    potential (`meshes.section.strain_potential`).
-    model: the discs; ground: in which they lie; strata: numbers of those that liquefy; case: what liquefaction leaves.
+    by the case, but at most `MOST_STRAIN`; ground with a strain potential reaches it only beyond that potential
+    (`meshes.section.strain_potential`). model: the discs; ground: in which they lie; strata: numbers of those that
+    liquefy; case: stiffness and strength after liquefaction.
     """
     pressure, section = effective_overburden(model), ground.section
     consolidated = pressure - _not_consolidated(model, ground)
@@ -98,7 +99,7 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
 
 
 def _not_consolidated(model: DiscModel, ground: Ground) -> np.ndarray:
-    """The share (n,) in Pa of the surcharges above discs under which the ground has not consolidated."""
+    """The part (n,) in Pa of the surcharges above discs under which the ground has not consolidated."""
     if ground.section is None:
         return np.zeros(len(model))
     loads, x = ground.section.surface_loads, ground.to_section(model.x, model.z)[0]

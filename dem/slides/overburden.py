@@ -1,4 +1,4 @@
-"""Effective overburden of discs: the weight, less buoyancy, of what lies straight above each of them."""
+"""Effective overburden of discs: the weight less buoyancy of the ground vertically above each."""
 
 import numpy as np
 
@@ -11,7 +11,8 @@ def effective_overburden(model: DiscModel) -> np.ndarray:
     """Vertical effective stress (n,) in Pa at the centres of all discs.
 
     It is the weight of all higher discs and of half the disc itself, with the forces of water and of loads on the
-    ground; the weight of each disc is spread over `WIDE` mean diameters to either side. Fixed discs have no weight.
+    ground; the weight of each disc is distributed over `WIDE` mean diameters to either side. Fixed discs have no
+    weight.
     """
     free = np.flatnonzero(~model.fixed)
     down = -model.mass * model.pull[1]
@@ -46,7 +47,7 @@ def effective_overburden(model: DiscModel) -> np.ndarray:
 
 
 def _within(x: np.ndarray, left: float, right: float, width: float) -> np.ndarray:
-    """Share of a triangle of weight (half width `width`, peak at x) that lies between two sides (n,)."""
+    """Share of a triangular distribution (half width `width`, peak at x) between two sides (n,)."""
 
     def beyond(distance: np.ndarray) -> np.ndarray:
         return 0.5 * np.clip(1.0 - np.maximum(distance, 0.0) / width, 0.0, 1.0) ** 2

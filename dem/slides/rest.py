@@ -1,7 +1,7 @@
-"""End of a slide: the surface no longer moves; and the source of the energy of one that continues.
+"""End of a slide: the surface no longer moves; and source of energy of a slide that continues.
 
-Single discs that rattle in loosened ground keep some kinetic energy for ever, so energy says little about rest. What a
-person looks at is the ground: every third of the surface, and its largest slide.
+Single discs that rattle in loosened ground always have some kinetic energy, so that energy is no good criterion of
+rest. The criterion is the displacement of the ground: of every third of the surface, and its largest slide.
 """
 
 from collections.abc import Sequence
@@ -15,12 +15,13 @@ LITTLE = 0.01  # of the energy turned over, in a window
 
 
 def at_rest(times: Sequence[float], moved: Sequence[Sequence[float]], still: float) -> bool:
-    """Whether nothing moved on by `still` (m) within the last window, nor swung by more than a few times that.
+    """Whether no displacement increased by `still` (m) within the last window of time, or oscillated by more than a few
+    times this length.
 
-    What moved on is twice the way between the mean places in the two halves of the window: ground that creeps moves on
-    as far as it moves, and ground that swings by much less.
+    The increase is twice the difference of the means over the two halves of the window: for creeping ground it is equal
+    to the displacement, for oscillating ground much smaller.
 
-    times (n,): of the looks (s), rising; moved (n, k): what is watched at each look (m): slides and settlements of the
+    times (n,): of the records (s), rising; moved (n, k): displacements at each time (m): slides and settlements of the
     thirds, and the largest slide.
     """
     time, where = np.asarray(times, float), np.asarray(moved, float)
@@ -34,15 +35,15 @@ def at_rest(times: Sequence[float], moved: Sequence[Sequence[float]], still: flo
 
 
 def moved_lately(times: Sequence[float], moved: Sequence[float]) -> float:
-    """How much something moved within the last 10 s (m); times (n,) of the looks (s), moved (n,) at each (m)."""
+    """Displacement within the last 10 s (m); times (n,) of the records (s), moved (n,): displacement at each (m)."""
     first = int(np.searchsorted(np.asarray(times, float), times[-1] - LATELY - 1e-9))
     return float(np.ptp(np.asarray(moved, float)[first:]))
 
 
 def residual_motion_source(times: Sequence[float], weight: Sequence[float], shaking: Sequence[float]) -> str:
-    """Where the energy of the last window came from, in words.
+    """Source of the energy of the last window of time, in words.
 
-    weight, shaking (n,): work that gravity and the seismic force have done since the beginning (J per metre).
+    weight, shaking (n,): work of gravity and of the seismic force since the beginning (J per metre).
     """
     time = np.asarray(times, float)
     first = int(np.searchsorted(time, time[-1] - WINDOW - 1e-9))

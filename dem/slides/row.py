@@ -10,7 +10,7 @@ class Row:
     Attributes
     ----------
     time_s : float
-        Since Kh began to come on (s).
+        Time since Kh began to rise (s).
     settlement_uphill_m, settlement_middle_m, settlement_downhill_m : float
         Median settlement of each third of the surface (m).
     slide_uphill_m, slide_middle_m, slide_downhill_m : float
@@ -18,11 +18,12 @@ class Row:
     slide_max_m : float
         Largest slide of the surface, smoothed (m).
     kinetic_J, stored_J, dissipated_J : float
-        Energy that moves, is stored in springs and bonds, has gone into friction, dashpots and cracks (J per metre).
+        Kinetic energy, energy stored in springs and bonds, and energy dissipated by friction, dashpots and cracks (J
+        per metre).
     work_J, shaking_J : float
-        Work of weight, Kh and boundary together; of Kh alone (J per metre).
+        Work of weight, Kh and boundaries together; work of Kh alone (J per metre).
     cracked : int
-        Pore springs that are cracked.
+        Number of cracked pore springs.
     crack_opening_m : float
         Widest gap between discs of the surface (m).
     surface_speed_m_s : float

@@ -1,4 +1,4 @@
-"""How far discs ran: profile of the deposit, quantiles of the mass, and what has left the connected ground.
+"""Run-out of discs: profile of the deposit, quantiles of the mass, and mass that has left the connected ground.
 
 All distances are in the frame of the discs, in m. The deposit is the connected ground: discs that touch, or nearly,
 without those that flew or rolled away.
@@ -20,14 +20,14 @@ FULL = 0.5  # of a row of discs: columns with less are beyond the front
 
 @dataclass(frozen=True)
 class RunOut:
-    """A deposit, as far as its front goes.
+    """Extent of a deposit.
 
     Attributes
     ----------
     front : float
         Furthest rim of the connected deposit along x (m).
     x98 : float
-        98 % of the mass lies to the left of it (m).
+        Place to the left of which 98 % of the mass lies (m).
     height : float
         Top of the connected deposit over the lowest rim (m).
     loose : float
@@ -41,12 +41,12 @@ class RunOut:
 
 
 def connected_ground(model: DiscModel) -> np.ndarray:
-    """Mask (n,) of the free discs that hang together: the part of the largest mass whose discs touch or nearly do.
+    """Mask (n,) of the connected free discs: the part of the largest mass whose discs touch, or nearly touch.
 
     Parameters
     ----------
     model
-        Discs; nearly is closer than a quarter of their mean radius.
+        Discs; they nearly touch if their gap is below a quarter of their mean radius.
 
     Returns
     -------
@@ -84,7 +84,7 @@ def loose_share(model: DiscModel) -> float:
 
 
 def on_loose_mass(share: float) -> list[str]:
-    """A sentence on the share of the mass that has left the connected ground, or none where that is little."""
+    """A sentence on the share of the mass that has left the connected ground; empty if it is small."""
     if share <= TELL:
         return []
     return [f"{100.0 * share:.0f} % of the mass has left the connected ground: it flew or rolled away as single discs"]
@@ -103,12 +103,12 @@ def mass_quantile(model: DiscModel, share: float) -> float:
     Returns
     -------
     float
-        In the frame of the discs.
+        The place in the frame of the discs (m).
 
     Raises
     ------
     ValueError
-        For any other share.
+        If the share is not between 0 and 1.
     """
     if not 0.0 <= share <= 1.0:
         raise ValueError(f"a share of the mass lies between 0 and 1, not at {share}")
@@ -126,13 +126,13 @@ def deposit_profile(model: DiscModel, width: float | None = None) -> np.ndarray:
     model
         Discs.
     width
-        Of a column (m); four mean radii of the free discs if None.
+        Width of a column (m); four mean radii of the free discs if None.
 
     Returns
     -------
     (k, 2)
-        Middle of each column and the highest rim in it (m), from the left to the last column that is half a row of
-        discs full; columns without any disc in between are left out.
+        Middle of each column and highest rim in it (m), from the left to the last column that holds at least half a row
+        of discs; empty columns in between are left out.
     """
     chosen = connected_ground(model)
     x, z, r = model.x[chosen], model.z[chosen], model.radius[chosen]
@@ -148,7 +148,7 @@ def deposit_profile(model: DiscModel, width: float | None = None) -> np.ndarray:
 
 
 def run_out(model: DiscModel) -> RunOut:
-    """How far the discs ran along x, as they lie now.
+    """Extent along x of the discs in their present positions.
 
     Parameters
     ----------

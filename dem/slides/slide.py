@@ -1,4 +1,4 @@
-"""A slide as it went."""
+"""Record of a slide of discs."""
 
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
@@ -13,45 +13,45 @@ MOVES = 2.0  # times what Kh alone does, beyond which a disc of the surface slid
 
 @dataclass
 class Slide:
-    """The result of a slide: its history, and the reason for its end.
+    """Result of a slide: its history, and the reason of its end.
 
     Attributes
     ----------
     rows : list of Row
-        One for every look.
+        Rows of the history, one for every record.
     settled : bool
         Whether the surface has come to rest.
     reason : str
-        Why the slide is over.
+        Why the computation of the slide ended.
     escaped : int
-        Discs outside of the rigid lines.
+        Number of discs outside the rigid lines.
     loose_share : float
         Share of the mass that has left the connected ground: flown, or rolled away.
     slide_max_at_x_m : float
-        Where the surface slid furthest (m).
+        Place of the largest slide of the surface (m).
     slide : list of float
-        How far each disc of the surface slid, smoothed, from uphill to downhill (m).
+        Smoothed slide of each disc of the surface, from uphill to downhill (m).
     slide_along : list of [x, slide]
-        The same from left to right, over where the disc was before (m).
+        The same from left to right, over the place of the disc before the slide (m).
     surface_before, surface_after : list of [x, z]
-        Tops of the discs that are the surface then (m).
+        Tops of the discs at the surface before and after the slide (m).
     seconds_simulated : float
-        Since the onset (s).
+        Simulated time since the onset (s).
     step_share : float
         Time step over the stable one.
     overlap : float
-        Deepest overlap of two discs at any look, over their mean radius.
+        Largest overlap of two discs at any record, over their mean radius.
     area_lost_share : float
-        Share of the ground's area that is gone beyond what drained away and what springs gave way.
+        Share of the area of the ground that is lost, beyond drainage and compression of springs.
     slide_by_weight_m : float or None
-        How far the same case slides at most without any shaking, where that was looked at (m).
+        Largest slide of the same case without shaking (m); None if it was not computed.
     flows : bool or None
-        Whether that is a flow failure.
+        Whether the slide without shaking is a flow failure.
     stopped_by : str or None
-        "left" or "right", the side of the box that the slide ran up against.
+        "left" or "right": the side of the box that stopped the slide.
     notes : list of str
-        What a reader must know to believe the numbers, what weighs most first: that it flows without shaking, sides
-        that take part, discs in the walls, ground that was lost, discs that are too strong, layers too thin.
+        Warnings on the numbers, the most important first: flow failure without shaking, influence of the sides, discs
+        in the walls, lost ground, discs that are too strong, layers that are too thin.
     """
 
     rows: list[Row] = field(default_factory=list)
@@ -74,7 +74,7 @@ class Slide:
     notes: list[str] = field(default_factory=list)
 
     def as_json(self, alone: "Slide | None" = None) -> dict[str, Any]:
-        """The numbers of a case. alone: the same ground under Kh alone, to tell sliding from giving way."""
+        """The numbers of a case. alone: the same ground under Kh alone, for the difference that liquefaction makes."""
         last = asdict(self.rows[-1])
         kept = {key: last[key] for key in last if key.startswith(("settlement", "slide", "crack_"))}
         out = {

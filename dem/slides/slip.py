@@ -1,4 +1,4 @@
-"""Where discs have failed: cracked pore springs by stratum, and the surface along which they slid.
+"""Failure of discs: cracked pore springs by stratum, and the slip surface.
 
 Surfaces are (k, 2), x and z in the section's frame (m).
 """
@@ -19,7 +19,7 @@ REACH = 3.0  # mean radii within which discs move as one: a band of shear is eig
 
 @dataclass(frozen=True)
 class Agreement:
-    """Two slip surfaces compared where both are.
+    """Comparison of two slip surfaces in the columns where both exist.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class Agreement:
     same_stratum_share : float
         Share of the columns in which both lie in the same stratum.
     columns : int
-        How many were compared.
+        Number of compared columns.
     """
 
     mean_distance_m: float
@@ -40,7 +40,7 @@ class Agreement:
 
 
 def cracked_shares(model: DiscModel) -> dict[str, float]:
-    """Share of the pore springs of each layer that are cracked; one between two layers counts in both."""
+    """Share of cracked pore springs of each layer; a spring between two layers counts in both."""
     set_, cracked = model.pore_length != 0.0, model.pore_length < 0.0
     first, second = model.layer[model.pair_i], model.layer[model.pair_j]
     shares = {}
@@ -51,9 +51,9 @@ def cracked_shares(model: DiscModel) -> dict[str, float]:
 
 
 def slip_surface(model: DiscModel, before: DiscModel, ground: Ground) -> np.ndarray:
-    """Where the discs that moved since `before` meet those at rest, see `slip_line`; empty where nothing moved.
+    """The line between discs that moved since `before` and discs at rest, see `slip_line`; empty if none moved.
 
-    A point moves as the discs within `REACH` do on average, those that are held among them.
+    The displacement at a point is the mean of the discs within `REACH`, including held ones.
     """
     x, z = ground.to_section(before.x, before.z)
     moved = np.column_stack(ground.turned(model.x - before.x, model.z - before.z))
@@ -69,8 +69,8 @@ def slip_surface(model: DiscModel, before: DiscModel, ground: Ground) -> np.ndar
 
 
 def compare(section: Section, first: np.ndarray, second: np.ndarray) -> Agreement | None:
-    """How two slip surfaces agree, at the columns of the first that lie within the second's reach; None if no column
-    does.
+    """Agreement of two slip surfaces, at the columns of the first within the extent of the second; None if there is
+    none.
     """
     if len(first) == 0 or len(second) < 2:
         return None
@@ -84,5 +84,5 @@ def compare(section: Section, first: np.ndarray, second: np.ndarray) -> Agreemen
 
 
 def cracked_count(model: DiscModel) -> int:
-    """Pore springs that are cracked."""
+    """Number of cracked pore springs."""
     return int((model.pore_length < 0.0).sum())

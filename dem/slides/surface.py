@@ -18,9 +18,9 @@ class Surface:
     Attributes
     ----------
     discs : (n,)
-        Their numbers.
+        Numbers of the discs.
     x, z : (n,)
-        Where they were, in the section's frame (m).
+        Positions before the slide, in the frame of the section (m).
     third : (n,)
         0 uphill, 1 middle, 2 downhill.
     """
@@ -32,7 +32,7 @@ class Surface:
 
     @classmethod
     def of(cls, model: DiscModel, ground: Ground) -> "Surface":
-        """The surface of discs as they lie now."""
+        """The surface of discs in their present positions."""
         free = np.flatnonzero(~model.fixed)
         x, z = ground.to_section(model.x[free], model.z[free])
         column = ((x - x.min()) / (2.0 * ground.radius)).astype(int)
@@ -65,7 +65,7 @@ class Surface:
 
 
 def crack_opening(model: DiscModel, ground: Ground, surface: Surface) -> float:
-    """The widest gap between the discs on top, as wide as one could look into it (m)."""
+    """The widest gap between the discs at the surface, measured as the width of its opening (m)."""
     x, z = ground.to_section(model.x, model.z)
     depth = np.interp(x, *surface.points(model, ground).T) - z
     near = np.flatnonzero(~model.fixed & (depth < 1.6 * ground.radius))
@@ -76,7 +76,7 @@ def crack_opening(model: DiscModel, ground: Ground, surface: Surface) -> float:
 
 
 def escaped(model: DiscModel) -> int:
-    """How many discs are outside of the rigid lines, by their centres."""
+    """Number of discs whose centres are outside the rigid lines."""
     free = ~model.fixed
     gone = np.zeros(len(model), bool)
     for px, pz, nx, nz, begin, end in model.lines:

@@ -1,4 +1,4 @@
-"""Runs discs until they are at rest."""
+"""Runs of discs until they are at rest."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,18 +17,18 @@ MOST = 0.98  # of the mass has to lie still: single discs that roll on are not w
 
 @dataclass(frozen=True)
 class UntilRest:
-    """How a run until rest ended.
+    """Result of a run until rest.
 
     Attributes
     ----------
     rested : bool
         Whether the discs lie still.
     seconds : float
-        How long they were followed (s).
+        Model time of the run (s).
     time : (k,)
-        Looks (s since the beginning).
+        Times of the records (s since the beginning).
     moved : (k,)
-        What 98 % of the mass moved less than since the look before (m).
+        Displacement since the record before that 98 % of the mass did not exceed (m).
     """
 
     rested: bool
@@ -47,36 +47,36 @@ def run_until_rest(
     step_share: float = SHARE,
     on_look: Callable[[DiscModel], None] | None = None,
 ) -> UntilRest:
-    """Takes discs on until 98 % of their mass moves less than `still` at each of three looks in a row.
+    """Run discs until 98 % of their mass moves less than `still` at three records in a row.
 
     Parameters
     ----------
     model
         The discs; they are changed.
     still
-        What counts as rest (m) from one look to the next.
+        Displacement between two records below which discs count as at rest (m).
     longest
-        Time after which they are no longer followed (s).
+        Time after which the run ends (s).
     every
-        From look to look (s).
+        Interval of the records (s).
     at_least
-        Time before which they may not rest (s), such as that of a record or of Kh.
+        Time before which the run does not end (s), such as the duration of a record or of Kh.
     step_share
-        Time step over the stable one; found anew at every look, and shortened where a contact stiffens in between.
+        Time step over the stable one; it is renewed at every record, and shortened if a contact stiffens in between.
     on_look
-        Hears of every look.
+        Called at every record.
 
     Returns
     -------
     UntilRest
-        Whether, and when, they came to rest.
+        Whether and when the discs came to rest.
 
     Raises
     ------
     DemError
-        Where a run of the engine stops.
+        If a run of the engine stops.
     ValueError
-        For times or a distance that are not positive.
+        If times or the displacement are not positive.
     """
     if not (still > 0.0 and longest > 0.0 and every > 0.0):
         raise ValueError(f"expected positive still, longest and every, not {still} m, {longest} s and {every} s")
@@ -98,7 +98,7 @@ def run_until_rest(
 
 
 def _advance(model: DiscModel, seconds: float, share: float) -> None:
-    """So many seconds on, with shorter steps where a contact stiffens on the way."""
+    """Advance by some seconds, with shorter steps if a contact stiffens meanwhile."""
     end = model.time + seconds
     for _ in range(10):
         engine = Engine(dt=share * largest_step(model).seconds, energies=False)

@@ -1,9 +1,8 @@
-"""Undrained ground keeps its volume: its discs swell as their packing gets denser.
+"""Undrained ground has a constant volume: its discs swell as their packing gets denser.
 
-An earthquake is over before water has left clay. Random discs are looser than such soil and get denser as they shear;
-what their ground loses so is given back, stratum by stratum, as pore pressure does.
-All discs of a stratum swell alike, so that their packing stays similar to itself and as strong as it was. Areas stand
-for volumes per metre (m2).
+Clay does not drain during an earthquake. Random discs are looser than such soil and get denser as they shear; this loss
+of volume is compensated, stratum by stratum, by swelling of the discs. All discs of a stratum swell by the same factor,
+so that the packing and its strength are unchanged. Areas stand for volumes per metre (m2).
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,7 +20,7 @@ PACE = 0.002  # of the area at one look: what holds the ground changes little
 def undrained(start: DiscModel, liquefy: Sequence[int]) -> list[int]:
     """Strata of soil discs with undrained strength, which keep their volume.
 
-    Those that liquefy are left alone: their pore water keeps it, see `kernels.liquefied_pairs`.
+    Strata that liquefy are excluded: their pore pressure keeps the volume, see `kernels.liquefied_pairs`.
     """
     if start.law != "soil":
         return []
@@ -29,9 +28,9 @@ def undrained(start: DiscModel, liquefy: Sequence[int]) -> list[int]:
 
 
 def area_per_disc(model: DiscModel, start: DiscModel) -> np.ndarray:
-    """Area of the ground of each stratum, voids and all, over the area that its discs had at the start (n,).
+    """Area of the ground of each stratum with its voids, over the area of its discs at the start (n,).
 
-    The area is that of Delaunay triangles, each shared out among its corners by their angles. The ratio is 2 sqrt(3)/pi
+    The area is that of Delaunay triangles, each divided among its corners by their angles. The ratio is 2 sqrt(3)/pi
     where equal discs just touch, NaN for a stratum without triangles.
     """
     points = np.column_stack([model.x, model.z])
@@ -52,17 +51,17 @@ def area_per_disc(model: DiscModel, start: DiscModel) -> np.ndarray:
 
 
 def volume_change(start: DiscModel, model: DiscModel) -> np.ndarray:
-    """By how much the ground of each stratum has grown, in shares of its area (n,); below 0 where it got denser.
+    """Relative growth of the area of the ground of each stratum (n,), negative where it got denser.
 
-    0 for a stratum of which no three discs are neighbours any more.
+    It is 0 for a stratum of which no three discs are neighbours any more.
     """
     return np.nan_to_num(area_per_disc(model, start) / area_per_disc(start, start) - 1.0)
 
 
 def shortening(model: DiscModel, strata: Sequence[int]) -> float:
-    """Mean overlap of the contacts of some strata, over the distance at which their discs just touch.
+    """Mean overlap of the contacts of some strata, over the distance of just touching discs.
 
-    Contacts that fade as ground liquefies do not count.
+    Contacts that fade by liquefaction do not count.
     """
     i, j = model.pair_i, model.pair_j
     touching = model.radius[i] + model.radius[j]
@@ -79,10 +78,10 @@ def swollen(
     sizes: Sequence[float],
     drained: Mapping[int, float],
 ) -> list[float]:
-    """How large in area the discs of some strata are to be, over what they were at the start, and are by now: `sizes`.
+    """Required area of the discs of some strata over their area at the start; `sizes` is the present ratio.
 
-    before: `area_per_disc` at the start; drained: by stratum, the share of its volume that was asked to go. The
-    shortening of softer springs is not compensated.
+    before: `area_per_disc` at the start; drained: prescribed drained share of the volume, by stratum. The shortening of
+    softer springs is not compensated.
     model: discs now; start: discs at the start.
     """
     now = area_per_disc(model, start)
