@@ -11,6 +11,7 @@ from workflow.estimates.comparison import estimates, is_s13
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
 from workflow.figures.ground import foot
 from workflow.results.cases import CaseAnswer, alike
+from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 
@@ -75,7 +76,7 @@ def _draw(axes: Axes, row: Row, at: int) -> None:
     colour, marker = row.look
     place = max(row.value, SMALLEST)
     axes.plot(place, at, marker if row.value >= SMALLEST else "<", color=colour, markersize=5)
-    phrase = f"{row.value:.2g} m" if row.value >= SMALLEST else "0 m"
+    phrase = metres(row.value)
     axes.annotate(phrase, (place, at), (6, -2), textcoords="offset points", fontsize=6.5, color=colour, bbox=BLANK)
 
 

@@ -11,6 +11,7 @@ from workflow.figures.ground import Overlay, draw_section
 from workflow.figures.material_points import seen_from_above
 from workflow.figures.slides import smoothed
 from workflow.results.cases import CaseAnswer
+from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 
@@ -33,7 +34,7 @@ def front(results: Results, name: str) -> bool:
             after, by = smoothed(after, 2.0 * results.dem.model.radius_m), "discs"
         elif results.mpm is not None:
             after = seen_from_above(after, results.mpm.cell_m)
-        label = f"surface after the slide by {by}, case {number}: {case.slide_max_m:.2g} m"
+        label = f"surface after the slide by {by}, case {number}: {metres(case.slide_max_m)}"
         lines.append(Overlay(after, DISCS, (0, ()), label))
     if not lines and results.fem is None:
         return False

@@ -8,6 +8,7 @@ from matplotlib.lines import Line2D
 from workflow.config import Config
 from workflow.figures.canvas import CONTINUUM, INK, Sheet
 from workflow.results.cases import alike
+from workflow.results.lengths import metres
 from workflow.results.material_points import PointSlidesAnswer
 
 ROOM = 0.3  # of the height of the ground, above and below its surface in the picture
@@ -29,7 +30,7 @@ def profiles(config: Config, answer: PointSlidesAnswer, out: Path) -> None:
     margin = ROOM * (heights.max() - heights.min()) + answer.cell_m
     for view, (numbers, case) in enumerate(groups.items()):
         last = view == len(groups) - 1
-        name = f"{config.called(*numbers)}: slides at most {case.slide_max_m:.2g} m; {case.reason}"
+        name = f"{config.called(*numbers)}: slides at most {metres(case.slide_max_m)}; {case.reason}"
         axes = sheet.plot(view, "distance x (m)" if last else "", "elevation (m)", name)
         before, after = np.array(case.surface_before), seen_from_above(np.array(case.surface_after), answer.cell_m)
         axes.plot(*after.T, color=CONTINUUM, linewidth=1.3)

@@ -33,6 +33,7 @@ from workflow.figures.canvas import (
 from workflow.figures.discs import BOUNDARY, FAR, NO_LINE, discs, draw_values, nice, window_of
 from workflow.results.cases import CaseAnswer, Profile, alike
 from workflow.results.history import SlideHistory
+from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
 
 SPRINGS = {"calibrated": "calibrated discs", "table2": "springs of Table 2", "mpm": "material points"}
@@ -148,7 +149,7 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
             if mesh.n_points:
                 plotter.add_mesh(mesh, color=colour, lighting=False)
 
-    title = f"{name_of(config, springs, number)}: largest slide {case.slide_max_m:.2g} m"
+    title = f"{name_of(config, springs, number)}: largest slide {metres(case.slide_max_m)}"
     left = config.cases[number - 1]
     if isinstance(case, CaseAnswer) and not (config.dem.model == "soil" and springs == "calibrated"):
         left = Case(stiffness=case.stiffness)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from meshes.section.cutting import shown_name
 from workflow.report.numbers import bracket, coefficient, listed, of_cases, span
 from workflow.results.bearing import Bearing
+from workflow.results.lengths import metres
 from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 from workflow.results.results import Results
 
@@ -61,7 +62,7 @@ def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[
     slide = results.config.slide
     if slide.kh == 0.0 and not slide.accelerogram and far > FLOWS * _relief(results):
         yield (
-            f"The discs contradict that: they slide {far:.2g} m by their weight alone. They are too coarse for the "
+            f"The discs contradict that: they slide {metres(far)} by their weight alone. They are too coarse for the "
             "layers that liquefy, or get denser as they go; noshiro converge shows what smaller ones do."
         )
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 
 from meshes.section.cutting import shown_name
 from meshes.section.section import Section
-from workflow.config import Config
+from workflow.config import Config, notice_lines
 from workflow.earthquake.site_response import CLOSE as CAME_TO_REST
 from workflow.report import after
 from workflow.report.accuracy import of_meshes
@@ -12,7 +12,7 @@ from workflow.report.contradictions import FALLS, FALLS_TIMES
 from workflow.report.crests import crest_parts, crest_sentences
 from workflow.report.findings import lies_still, moved_lately
 from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
-from workflow.report.numbers import between, coefficient, metres
+from workflow.report.numbers import between, coefficient, span
 from workflow.report.residual import residual_sentences
 from workflow.report.second_opinion import agreeing, contradicting, second_opinions
 from workflow.report.slices import slices_sentences
@@ -25,6 +25,7 @@ from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer
+from workflow.results.lengths import metres
 from workflow.results.liquefied import LiquefiedAnswer
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.residual import ResidualAnswer
@@ -36,11 +37,12 @@ from workflow.results.triggering import StratumPart, TriggeringAnswer
 from workflow.run.store import Store
 
 NO_NUMBER = "–"  # the value of a headline that has none, only its reason
+LEAST_REST = 5e-4  # of a factor of safety: what a finer mesh may change by less is not worth a sentence
 MOST_LINES = 10  # of a run without -v, before the two that say where the report is
 
 
 def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
-    """The number of cells and the quality of the mesh."""
+    """The number of cells and the quality of the mesh, and notices on the ground."""
     mesh = stored_mesh(config.section, store)
     quality = mesh.quality()
     yield (
@@ -51,8 +53,7 @@ def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
     )
     if (flow := config.section.water_pressure.flow) is not None:
         yield flow.words
-    for notice in config.notices:
-        yield f"Warning: {notice}."
+    yield from notice_lines(config.notices_of_ground)
 
 
 def fem_sentences(answer: FemAnswer, section: Section, every: bool = True) -> Iterator[str]:
@@ -94,7 +95,8 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = Tru
     phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}. {factor.verdict.capitalize()}{most}, "
     phrase += f"{factor.reason}{rest}."
     if not every:
-        finer = f" A finer mesh may give {100 * factor.rest:.1f} % less." if factor.rest is not None else ""
+        gain = factor.rest or 0.0
+        finer = f" A finer mesh may give {100 * gain:.1f} % less." if gain >= LEAST_REST else ""
         phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}.{finer}"
     if factor.slip_surface:
         x, z = zip(*factor.slip_surface, strict=True)
@@ -297,11 +299,10 @@ def mpm_sentences(config: Config, answer: PointSlidesAnswer) -> Iterator[str]:
     if answer.not_possible:
         yield f"Not possible by material points: {answer.not_possible}."
     for number, case in sorted(answer.cases.items()):
-        low, high = f"{case.slide_max_low_m:.2g}", f"{case.slide_max_high_m:.2g}"
-        interval = low if low == high else f"{low} to {high}"
+        between_ends = span([case.slide_max_low_m, case.slide_max_high_m])
         yield (
-            f"{config.called(number)}: by the material point method the surface slides at most {interval} m, the crest "
-            f"settles {case.settlement_crest_m:.2g} m; {case.reason}."
+            f"{config.called(number)}: by the material point method the surface slides at most {between_ends}, the "
+            f"crest settles {metres(case.settlement_crest_m)}; {case.reason}."
         )
         yield from (f"- {note}." for note in case.notes)
     yield from crest_sentences(crest_parts(config, points=answer))

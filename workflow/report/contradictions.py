@@ -6,9 +6,10 @@ from itertools import combinations
 import numpy as np
 
 from dem.case import Case
-from workflow.report.numbers import coefficient, metre_range, of_cases
+from workflow.report.numbers import coefficient, of_cases, span
 from workflow.results.cases import CaseAnswer, MovedSurface, RandomPackings
 from workflow.results.discs import DiscsAnswer, DiscSearch
+from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase, PointSlidesAnswer
 from workflow.results.results import Results
 from workflow.results.verdicts import Weight
@@ -112,7 +113,7 @@ def of_sides(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
     for side in ("left", "right"):
         held = [number for number, case in cases.items() if case.stopped_by == side]
         if held:
-            lengths = metre_range([cases[number].slide_max_m for number in held])
+            lengths = span([cases[number].slide_max_m for number in held])
             yield (
                 f"the {side} side of the disc model stopped {of_cases(held)}: {lengths} is "
                 f"the least that the ground slides; take a longer section (beyond)"
@@ -127,7 +128,7 @@ def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
     points = answer.cases if answer is not None else {}
     stopped = {number: case for number, case in points.items() if case.stopped_by is not None}
     if answer is not None and stopped:
-        lengths = metre_range([case.slide_max_m for case in stopped.values()])
+        lengths = span([case.slide_max_m for case in stopped.values()])
         end = (
             "have run up against the fixed side of the section"
             if answer.sides == "fixed"
@@ -142,7 +143,7 @@ def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
     along = [number for number, end in far.items() if ALONG[0] < end / points[number].slide_max_m < ALONG[1]]
     if along:
         yield (
-            f"the uphill end of the section slides along by {metre_range([ends[n] for n in along])} in "
+            f"the uphill end of the section slides along by {span([ends[n] for n in along])} in "
             f"{of_cases(along)}, and what lies behind it is missing: take a longer section uphill"
         )
 
@@ -175,7 +176,7 @@ def of_order(
             if weaker and short > max(LESS, LESS_SHARE * slides[strong]):
                 yield (
                     f"case {weak}{_named(cases[weak])} leaves less strength than case {strong}{_named(cases[strong])} "
-                    f"and slides less by {by}, {slides[weak]:.3g} m and {slides[strong]:.3g} m: what stops them"
+                    f"and slides less by {by}, {metres(slides[weak])} and {metres(slides[strong])}: what stops them"
                     f"{packings} decides, and not their strength; take a longer section (beyond) if a side "
                     f"stops them, {more} if not, and the longer slide until then"
                 )
@@ -212,7 +213,7 @@ def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "di
     if not far:
         return
     lengths, places = zip(*far.values(), strict=True)
-    fall, at, of = metre_range(lengths), _ends(places), of_cases(list(far))
+    fall, at, of = span(lengths), _ends(places), of_cases(list(far))
     if by == "discs":
         yield (
             f"the surface falls by {fall} at x = {at} m in {of}, far more than the mean settlement of any third of "

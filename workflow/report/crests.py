@@ -10,8 +10,8 @@ from workflow.estimates.crest import Crest
 from workflow.estimates.crest_settlement import crest_settlement, freeboard, reconsolidation_settlement
 from workflow.estimates.structures import Standing, structures_of
 from workflow.report.findings import at_rest
-from workflow.report.numbers import metres
 from workflow.results.cases import CasesAnswer, Profile
+from workflow.results.lengths import metres
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.verdicts import CrestPart
 from workflow.triggering.assessment import assess

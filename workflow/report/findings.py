@@ -17,6 +17,7 @@ from workflow.report.numbers import about, coefficient, listed, of_cases, span
 from workflow.report.tables import factor
 from workflow.results.cases import CaseAnswer, CaseNumbers
 from workflow.results.continuum import FemAnswer
+from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 
@@ -327,7 +328,7 @@ def _measured(results: Results) -> Iterator[str]:
         there = results.slides_at(observation.x)
         where = "at most" if there is None else f"there, at x = {observation.x:g} m,"
         slides = [case.slide_max_m for case in cases.values()] if there is None else there.values()
-        numbers = listed(list(dict.fromkeys(f"{max(slide, 0.0):.2g} m" for slide in slides)))
+        numbers = listed(list(dict.fromkeys(metres(max(slide, 0.0)) for slide in slides)))
         yield f"{phrase}; the discs slide {where} {numbers} in {of_cases(list(cases))}."
 
 

@@ -8,7 +8,7 @@ from workflow.estimates.slide_error import SlideMethod, slide_error
 from workflow.estimates.structures import structures_of
 from workflow.report.accuracy import METHODS, Accuracy, accuracy, proven_by, rounded_up
 from workflow.report.findings import CONTRADICTED, at_rest
-from workflow.report.numbers import coefficient, of_cases, span
+from workflow.report.numbers import coefficient, of_cases, rough_range, span
 from workflow.report.paper import rows
 from workflow.report.residual import residual_verdict
 from workflow.report.texts import Texts
@@ -258,7 +258,7 @@ def _of_slides(results: Results, _: Texts) -> str:
         )
     return _(
         "{span} by the error of {method}: they predicted {held} of {cases} known slides within a factor of {factor}",
-        span=span(error.interval(min(moved), max(moved))),
+        span=rough_range(*error.interval(min(moved), max(moved))),
         held=error.held,
         cases=error.cases,
         factor=f"{error.factor:g}",

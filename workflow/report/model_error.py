@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from workflow.estimates.slide_error import SlideMethod, slide_error
-from workflow.report.numbers import span
+from workflow.report.numbers import rough_range
 from workflow.results.results import Results
 
 NAMES: dict[SlideMethod, str] = {"discs": "these discs", "mpm": "material points"}
@@ -40,4 +40,4 @@ def error_sentence(slides: Sequence[float], flows: bool | None, method: SlideMet
     if not error.bounds_slides:
         half = f"half of them within a factor of {error.middle:.2g}"
         return f"{error.sentence()}, {half}: use the slide as an order of magnitude."
-    return f"{error.sentence()}; with that the largest slide is {span(error.interval(min(moved), max(moved)))}."
+    return f"{error.sentence()}; with that the largest slide is {rough_range(*error.interval(min(moved), max(moved)))}."

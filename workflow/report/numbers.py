@@ -3,6 +3,8 @@
 import math
 from collections.abc import Sequence
 
+from workflow.results.lengths import metres
+
 
 def number(value: float | None, digits: int = 3) -> str:
     """A number to so many places, or a dash."""
@@ -19,24 +21,20 @@ def scaled(value: float | None, unit: float) -> float | None:
     return None if value is None else value / unit
 
 
-def metres(value: float | None) -> str:
-    """A length (m) in two digits or so, to the centimetre below a metre, or a dash."""
-    if value is None:
-        return "–"
-    size = abs(value)
-    if size < 0.005:
-        return "0 m"
-    return f"{value:.{2 if size < 1.0 else 1 if size < 10.0 else 0}f} m"
-
-
-def metre_range(values: Sequence[float]) -> str:
-    """The range of some lengths (m): 6.1 to 6.9 m, or one of them where all are the same."""
-    low, high = metres(min(values)), metres(max(values))
+def span(lengths: Sequence[float]) -> str:
+    """The range of some slides (m), with the digits of tables: 0.85 to 6.9 m, or one of them where all are the same."""
+    low, high = (metres(max(end, 0.0)) for end in (min(lengths), max(lengths)))
     return low if low == high else f"{low.removesuffix(' m')} to {high}"
 
 
+def about(lengths: Sequence[float]) -> str:
+    """Slides (m) in a sentence, with the digits of tables: 40, 19 and 6.9 m, or one where all come to the same."""
+    phrases = [metres(max(value, 0.0)).removesuffix(" m") for value in lengths]
+    return f"{listed(phrases if len(set(phrases)) > 1 else phrases[:1])} m"
+
+
 def rough(value: float) -> float:
-    """Round to one digit, or to two where the first is 1: the accuracy of a slide of discs."""
+    """Round to one digit, or to two where the first is 1: what an interval by a factor of error is worth."""
     if value == 0.0:
         return 0.0
     power = math.floor(math.log10(abs(value)))
@@ -45,16 +43,10 @@ def rough(value: float) -> float:
     return round(value, digits - power)
 
 
-def about(lengths: Sequence[float]) -> str:
-    """Lengths (m) in a sentence: 40, 19 and 7 m, or one of them where all come to the same."""
-    phrases = [_plain(rough(max(value, 0.0))) for value in lengths]
-    return f"{listed(phrases if len(set(phrases)) > 1 else phrases[:1])} m"
-
-
-def span(lengths: Sequence[float]) -> str:
-    """The range of some lengths (m): 7 to 40 m, or one of them where all come to the same."""
-    low, high = _plain(rough(max(min(lengths), 0.0))), _plain(rough(max(max(lengths), 0.0)))
-    return f"{low} m" if low == high else f"{low} to {high} m"
+def rough_range(low: float, high: float) -> str:
+    """An interval of lengths (m) by a factor of error: 0.3 to 3 m."""
+    ends = [_plain(rough(max(end, 0.0))) for end in (low, high)]
+    return f"{ends[0]} m" if ends[0] == ends[1] else f"{ends[0]} to {ends[1]} m"
 
 
 def _plain(value: float) -> str:

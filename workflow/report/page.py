@@ -25,7 +25,7 @@ from workflow.report.captions import collect
 from workflow.report.crests import holds_water
 from workflow.report.findings import lies_still, moved_lately, springs_of
 from workflow.report.labels import Labels, Notes
-from workflow.report.numbers import joined, metres, number, scaled
+from workflow.report.numbers import joined, number, scaled
 from workflow.report.paper import rows
 from workflow.report.player import films
 from workflow.report.residual import residual_details
@@ -37,6 +37,7 @@ from workflow.report.texts import Texts
 from workflow.report.uncertainty import sources_of_uncertainty
 from workflow.report.verdicts import interval_words, limit_words
 from workflow.results.cases import alike
+from workflow.results.lengths import metres
 from workflow.results.results import Results
 from workflow.results.summary import Summary
 from workflow.run.log import machine, versions

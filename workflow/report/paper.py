@@ -11,7 +11,7 @@ from dem.settings import PAPER_PUSH
 from meshes.section.section import Section
 from workflow.estimates.comparison import is_s13
 from workflow.estimates.sliding_block import SmoothPlane
-from workflow.report.numbers import metre_range
+from workflow.report.numbers import span
 from workflow.results.answer import Line
 from workflow.results.cases import CaseAnswer
 from workflow.results.continuum import KeptState
@@ -211,7 +211,7 @@ def _measured(results: Results) -> PaperRow:
     row = PaperRow("slide measured in the field", "about 3 m", "Figs 4 and 5", _absent(results, "slide"))
     if not slides:
         return row
-    phrase = f"{metre_range(slides)} in cases 2 and 3"
+    phrase = f"{span(slides)} in cases 2 and 3"
     agrees = min(slides) <= (1.0 + WITHIN) * MEASURED and max(slides) >= (1.0 - WITHIN) * MEASURED
     return replace(row, ours=phrase, agrees=agrees, why=f"{SECTION}; and so are cases and Kh")
 

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from workflow.estimates.slide_error import SlideMethod, slide_error
 from workflow.report.findings import at_rest
 from workflow.report.model_error import NAMES
-from workflow.report.numbers import metres, span
+from workflow.report.numbers import rough_range
 from workflow.report.warnings import joined, split
 from workflow.results.cases import CaseAnswer, CasesAnswer
+from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase, PointSlidesAnswer
 from workflow.results.verdicts import WarningPart
 
@@ -50,10 +51,8 @@ class SecondOpinion:
             return f"{both}, and they agree" + ("" if any(self.resting) else " that it does not come to rest")
         if self.resting[0] != self.resting[1]:
             return f"{both}, and only {'discs' if self.resting[0] else 'material points'} come to rest{self._nearer()}"
-        return (
-            f"{both}, further apart than their intervals of {span(self.discs_span)} and {span(self.points_span)}"
-            f"{self._nearer()}"
-        )
+        intervals = f"{rough_range(*self.discs_span)} and {rough_range(*self.points_span)}"
+        return f"{both}, further apart than their intervals of {intervals}{self._nearer()}"
 
     def _nearer(self) -> str:
         """Which of the two was nearer to known slides of the kind."""

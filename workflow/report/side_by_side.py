@@ -10,10 +10,11 @@ from meshes.errors import InputError
 from workflow.after_triggering import load_config
 from workflow.config import Config
 from workflow.report.captions import Picture, collect
-from workflow.report.numbers import bracket, metres, number
+from workflow.report.numbers import bracket, number
 from workflow.report.tables import plain
 from workflow.report.templates import templates
 from workflow.results.cases import CaseNumbers
+from workflow.results.lengths import metres
 from workflow.results.summary import Summary
 from workflow.run.store import Store
 

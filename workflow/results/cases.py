@@ -1,6 +1,7 @@
 """dem/cases.json: how far each case of liquefaction slides."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, ClassVar, Literal, Self, TypeVar
 
 import numpy as np
@@ -237,16 +238,18 @@ class RandomPackings(Part):
         slides = [self.cases[number].slide_max_m.values for number in sorted(self.cases)]
         if len(slides) < 2 or min(len(values) for values in slides) < 2:
             return None
-        return sum(list(packing) == sorted(packing) for packing in zip(*slides, strict=True))
+        return sum(all(less < more for less, more in pairwise(packing)) for packing in zip(*slides, strict=True))
 
 
-def alike(cases: Mapping[int, Answered]) -> dict[tuple[int, ...], Answered]:
+def alike(cases: Mapping[int, Answered], of: Iterable[int] | None = None) -> dict[tuple[int, ...], Answered]:
     """Group cases of the same answer, whatever stiffness they leave, so that it is shown once.
 
     Parameters
     ----------
     cases : mapping
         An answer for every case, by the number of the case.
+    of : iterable of int or None
+        The cases to group; None for all of them.
 
     Returns
     -------
@@ -254,7 +257,7 @@ def alike(cases: Mapping[int, Answered]) -> dict[tuple[int, ...], Answered]:
         The numbers of the cases that have an answer, in order, and the answer of the first of them.
     """
     groups: dict[str, list[int]] = {}
-    for number in sorted(cases):
+    for number in sorted(cases if of is None else set(of) & set(cases)):
         groups.setdefault(cases[number].model_dump_json(exclude={"stiffness"}), []).append(number)
     return {tuple(numbers): cases[numbers[0]] for numbers in groups.values()}
 

@@ -86,7 +86,7 @@ def test_discs_that_slide_where_the_continuum_stands_are_told() -> None:
         )
         slides = CasesAnswer(sets={"calibrated": {1: dem_fixture.case(0.1, far)}}, random=None)
         told = "\n".join(findings(results(given, liquefied=found, cases=slides)))
-        assert ("The discs contradict that: they slide 3 m by their weight alone." in told) == said
+        assert ("The discs contradict that: they slide 3.0 m by their weight alone." in told) == said
 
 
 @pytest.mark.parametrize(

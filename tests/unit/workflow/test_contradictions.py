@@ -110,7 +110,7 @@ def test_a_case_in_which_more_strata_liquefy_is_the_weaker_one(run: Config) -> N
     data["slide"] = {"cases": [{"residual_strength": "9 kPa", "strain_potential": 0.3}] * 2}
     both = analysed(data)
     [told] = warned(results(both, cases=slides(both, 5.0, 2.0)))
-    assert told.startswith("Case 2 leaves less strength than case 1 and slides less by discs, 2 m and 5 m")
+    assert told.startswith("Case 2 leaves less strength than case 1 and slides less by discs, 2.0 m and 5.0 m")
     assert warned(results(both, cases=slides(both, 2.0, 5.0))) == []
 
 

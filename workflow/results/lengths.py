@@ -1,0 +1,11 @@
+"""Lengths as all pages, pictures and the console write them: a slide that appears twice has the same digits."""
+
+
+def metres(value: float | None) -> str:
+    """A length (m) in two digits or so, to the centimetre below a metre, or a dash."""
+    if value is None:
+        return "–"
+    size = abs(value)
+    if size < 0.005:
+        return "0 m"
+    return f"{value:.{2 if size < 1.0 else 1 if size < 10.0 else 0}f} m"
