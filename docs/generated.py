@@ -43,14 +43,21 @@ def commands() -> str:
         "without an answer (the report says why and what to try), 130 stopped by Ctrl-C. The same command continues "
         "a stopped run.",
     ]
+    panels = {
+        entry.name or getattr(entry.callback, "__name__", ""): entry.rich_help_panel
+        for entry in app.registered_commands
+    }
+    panel = None
     for name, command in group.commands.items():  # type: ignore[attr-defined]
+        if panels[name] != panel:
+            parts.append(f"## {(panel := panels[name])}")
         rows = [
             (", ".join(f"`{word}`" for word in (*one.opts, *one.secondary_opts)), getattr(one, "help", "") or "")
             for one in command.params
             if one.name != "help"
         ]
         what = " ".join((command.help or "").split())
-        parts += [f"## noshiro {name}", what, table(("argument or option", "what"), rows) if rows else ""]
+        parts += [f"### noshiro {name}", what, table(("argument or option", "what"), rows) if rows else ""]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 

@@ -73,7 +73,7 @@ def _stepped_once(layers: Layering, least: float, names: list[str]) -> tuple[Lay
             layers = _without(_with_breakpoint(layers, at), k, min(at, x_tip), max(at, x_tip))
             what = "the section" if k is None else _part(names, k)
             notices.append(
-                f"mesh: {what} thins out to nothing at x = {x_tip:g} m; in the mesh it ends in a step of "
+                f"mesh: {what} thins out to nothing at x = {x_tip:.4g} m; in the mesh it ends in a step of "
                 f"{thick:.2g} m at x = {at:.4g} m, without the last {area:.2g} m²"
             )
         for start, end in [] if k is None else _crumbs(layers, k, least):

@@ -19,6 +19,7 @@ from workflow.options import (
     Json,
     Model,
     Out,
+    Panel,
     Quiet,
     Refine,
     Rows,
@@ -50,7 +51,7 @@ def root(version: Version = False) -> None:
     """Options of all commands."""
 
 
-@app.command()
+@app.command(rich_help_panel=Panel.BEFORE)
 def init(
     file: Annotated[Path, typer.Argument(help="The file to write.")] = Path("section.toml"),
     start: Annotated[
@@ -69,7 +70,7 @@ def init(
     typer.echo(said_of(file, json))
 
 
-@app.command()
+@app.command(rich_help_panel=Panel.BEFORE)
 def check(section: SectionFile, folder: Out = None, settings: Set = None, json: Json = False) -> None:
     """Validate a section and draw it; nothing else."""
     from workflow.figures.ground import draw_section
@@ -86,15 +87,13 @@ def check(section: SectionFile, folder: Out = None, settings: Set = None, json: 
     if json:
         return say_data(of_section(invocation.config, picture))
     flow = [] if (seepage := invocation.config.section.water_pressure.flow) is None else [seepage.words]
-    for line in (*flow, *invocation.notices, *(f"Warning: {notice}." for notice in invocation.config.notices)):
+    for line in (*flow, *invocation.notices, *invocation.config.notice_lines):
         say(line)
-    verdict = (
-        "is sound" if invocation.config.section.uplift is None else "can be computed, but its water lifts the ground"
-    )
-    return say(f"The section {verdict}. Picture: {picture}")
+    lifts = "can be computed, but its water lifts the ground"
+    return say(f"The section {lifts if invocation.config.section.uplift else 'is sound'}. Picture: {picture}")
 
 
-@app.command("run")
+@app.command("run", rich_help_panel=Panel.RUN)
 def run_all(
     section: SectionFile,
     folder: Out = None,
@@ -135,7 +134,7 @@ def run_all(
     return execute(invocation.job(), choice, verbosity, warnings)
 
 
-@app.command()
+@app.command(rich_help_panel=Panel.GROUND)
 def mesh(
     section: SectionFile,
     folder: Out = None,
@@ -162,7 +161,7 @@ def mesh(
     _up_to("mesh", invocation, force, verbosity)
 
 
-@app.command()
+@app.command(rich_help_panel=Panel.GROUND)
 def fem(
     section: SectionFile,
     folder: Out = None,
@@ -194,14 +193,8 @@ def fem(
     from workflow.run.ranks import Ranks
     from workflow.terminal import err, out
 
-    options = {
-        "kh": kh,
-        "sides": sides,
-        "element": element,
-        "direction": direction,
-        "vertical": vertical,
-        "flow": "associated" if associated else None,
-    }
+    flow = "associated" if associated else None
+    options = {"kh": kh, "sides": sides, "element": element, "direction": direction, "vertical": vertical, "flow": flow}
     invocation = Invocation.of(section, folder, {"mesh": mesh_options(refine, size, free), "fem": options}, settings)
     if safety_factor:
         invocation = invocation.with_safety_factors()
@@ -219,7 +212,7 @@ def fem(
         return _up_to("fem", invocation, force, verbosity, beside, mesh_file=mesh_file, ranks=ranks)
 
 
-@app.command()
+@app.command(rich_help_panel=Panel.AFTER)
 def plot(
     folder: Folder,
     field: Annotated[
@@ -240,7 +233,7 @@ def plot(
     return say_data({"pictures": paths}) if json else say("\n".join(paths))
 
 
-@app.command()
+@app.command(rich_help_panel=Panel.AFTER)
 def view(
     folder: Folder,
     field: Annotated[str, typer.Option(help="The field in colour, such as displacement.")] = "displacement",
@@ -252,7 +245,7 @@ def view(
     window(stages.stored_job(folder), field, at)
 
 
-@app.command()
+@app.command(rich_help_panel=Panel.AFTER)
 def report(
     folder: Folder,
     pdf: Annotated[
@@ -271,7 +264,7 @@ def report(
     execute(job, Choice.of(job.stages, only=["report"], force=True), verbosity, pdf=pdf)
 
 
-@app.command()
+@app.command(rich_help_panel=Panel.AFTER)
 def compare(
     folders: Annotated[list[Path], typer.Argument(help="Folders of runs with a report.", show_default=False)],
     page: Annotated[
@@ -292,7 +285,7 @@ def compare(
     return say("" if page is None else f"Page: {page}")
 
 
-@app.command()
+@app.command(rich_help_panel=Panel.GROUND)
 def bounds(
     section: SectionFile,
     folder: Out = None,
@@ -317,7 +310,7 @@ def bounds(
     _up_to("bounds", invocation.with_bounds(), force, Verbosity.of(quiet, verbose, json))
 
 
-def _of_stage(stage: str, words: str) -> None:
+def _of_stage(stage: str, panel: str, words: str) -> None:
     """A command that runs a stage after the stages that it needs."""
 
     def command(
@@ -333,18 +326,18 @@ def _of_stage(stage: str, words: str) -> None:
 
         _up_to(stage, Invocation.of(section, folder, {}, settings), force, Verbosity.of(quiet, verbose, json))
 
-    app.command(stages.command_of(stage), help=words)(command)
+    app.command(stages.command_of(stage), help=words, rich_help_panel=panel)(command)
 
 
-_of_stage("triggering", "F_L at the blow counts of the borings, which strata liquefy, and P_L.")
-_of_stage("slices", "Slip circles by Bishop and Spencer, towards both sides: factor of safety and Kh.")
-_of_stage("residual", "Factor of safety with peak strength, then with residual strength, and its Kh.")
-_of_stage("liquefied", "Whether the ground still stands once layers have liquefied, and its Kh.")
-_of_stage("response", "Response of the layers to a record of the rock below, with depth, and k_max.")
-_of_stage("calibrate", "Calibrate the discs so that they fail at the Kh that the finite elements found.")
+_of_stage("triggering", Panel.LIQUEFACTION, "F_L at the blow counts of the borings, which strata liquefy, and P_L.")
+_of_stage("slices", Panel.GROUND, "Slip circles by Bishop and Spencer, towards both sides: factor of safety and Kh.")
+_of_stage("residual", Panel.GROUND, "Factor of safety with peak strength, then with residual strength, and its Kh.")
+_of_stage("liquefied", Panel.LIQUEFACTION, "Whether the ground still stands once layers have liquefied, and its Kh.")
+_of_stage("response", Panel.GROUND, "Response of the layers to a record of the rock below, with depth, and k_max.")
+_of_stage("calibrate", Panel.LIQUEFACTION, "Calibrate the discs so that they fail at the Kh of the finite elements.")
 
 
-@app.command()
+@app.command(rich_help_panel=Panel.LIQUEFACTION)
 def slide(
     section: SectionFile,
     folder: Out = None,
@@ -366,8 +359,10 @@ def slide(
     _up_to(stage, invocation, force, Verbosity.of(quiet, verbose, json), beside, cases=cases)
 
 
-for command in (section, migrate, study, converge):
-    app.command()(command)
+for panel, commands in ((Panel.BEFORE, (section, migrate)), (Panel.UNCERTAIN, (study, converge))):
+    for command in commands:
+        app.command(rich_help_panel=panel)(command)
+app.registered_commands.sort(key=lambda command: [*Panel].index(Panel(command.rich_help_panel or Panel.RUN)))
 
 
 def _up_to(

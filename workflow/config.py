@@ -1,6 +1,6 @@
 """The config of a run: a section, and how to mesh it, compute with it and draw it."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Self
@@ -38,6 +38,18 @@ FILES = (
     ("sliding_block", "accelerogram"), ("slide", "accelerogram"), ("site_response", "record"), ("earthquake", "record"),
     ("report", "logo"),
 )  # fmt: skip
+
+
+# Notices that say what was done, and leave nothing to do.
+DONE = (
+    "thins out to nothing at", "is a wedge thinner than", "discs have its mean throughout", " of [earthquake]: ",
+    "ground, layers and water go on for",
+)  # fmt: skip
+
+
+def notice_lines(notices: Iterable[str]) -> list[str]:
+    """Notices as commands print them: notes say what was done, warnings may ask for something."""
+    return [f"{'Note' if any(words in text for words in DONE) else 'Warning'}: {text}." for text in notices]
 
 
 class Config(Tables):
@@ -119,9 +131,19 @@ class Config(Tables):
     @property
     def notices(self) -> list[str]:
         """Notices on the section, its mesh and its records, one sentence each."""
+        return [*self.notices_of_ground, *self.notices_of_slides]
+
+    @property
+    def notice_lines(self) -> list[str]:
+        """The notices as commands print them, warnings first."""
+        return sorted(notice_lines(self.notices), reverse=True, key=lambda line: line.startswith("Warning"))
+
+    @property
+    def notices_of_ground(self) -> list[str]:
+        """Notices on the section, its mesh and its uncertain numbers."""
         cut_off = [line for reach in self.reach.values() for line in reach.notice.splitlines()]
         cracks = self.tension_crack.notices(self.section)
-        return [*self.section.notices, *self.mesh.notices(self.section), *cracks, *cut_off, *self.notices_of_slides]
+        return [*self.section.notices, *self.mesh.notices(self.section), *cracks, *cut_off]
 
     @property
     def notices_of_slides(self) -> list[str]:

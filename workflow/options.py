@@ -23,6 +23,17 @@ class SlideModel(StrEnum):
     mpm = "mpm"
 
 
+class Panel(StrEnum):
+    """Groups of commands in the help, in their order."""
+
+    BEFORE = "Before a run"
+    RUN = "All at once"
+    GROUND = "The ground as it is"
+    LIQUEFACTION = "Liquefaction"
+    UNCERTAIN = "Uncertain numbers"
+    AFTER = "After a run"
+
+
 class Verbosity(Enum):
     """How much a command prints: faults alone, sentences, every step, or the answers as JSON."""
 

@@ -15,6 +15,7 @@ from rich.table import Table
 from meshes.errors import InputError, NoAnswerError
 from meshes.executor import Processes
 from meshes.section.section import Section, read_toml
+from workflow.config import notice_lines
 from workflow.options import Verbosity
 from workflow.renamed import notices
 from workflow.report import data, tables
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from workflow.report.side_by_side import ComparedRun
 
 VERBS: Mapping[Action, str] = {"run": "run", "redraw": "draw again", "reuse": "be reused", "off": "not run"}
+SHAKEN = frozenset({"triggering", "liquefied", "calibrate", "slide", "mpm"})  # stages that an earthquake matters to
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
@@ -97,8 +99,8 @@ def show_plan(job: Job, choice: Choice, verbosity: Verbosity) -> None:
 
 def _show_shaking(job: Job) -> None:
     """Print corrections of records, warnings about them and the earthquake, and the Kh that follows."""
-    for text in job.config.notices_of_slides:
-        out.print(escape(f"Warning: {text}."))
+    for line in notice_lines(job.config.notices_of_slides):
+        say(line)
 
 
 def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str] = (), pdf: bool = False) -> None:
@@ -136,8 +138,8 @@ def _tell(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str
 
 
 def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
-    """Print the results of a whole run in at most twelve lines; of single stages what was asked for, and warnings of
-    those that they need; of ``every`` stage with how it was found.
+    """Print the results of a whole run in at most twelve lines; of single stages what was asked for, then warnings
+    of those that they need; of ``every`` stage with how it was found.
     """
     from workflow.report.console import run_lines, sentences
     from workflow.results.results import Results
@@ -146,14 +148,18 @@ def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
     reported = "report" in choice.chosen and job.store.has("report.html")
     asked = choice.asked or choice.chosen
     if every or not reported:
-        ends = Results.of(job).ends
-        if "mesh" not in choice.chosen:  # which tells them itself
-            _show_shaking(job)
+        ends, warnings = Results.of(job).ends, list[str]()
         for stage in job.stages:
             if stage.name in choice.chosen and stage.name in ends and ends[stage.name].outcome in ("done", "part"):
                 for line in sentences(stage.name, job.config, job.store, every):
-                    if every or stage.name in asked or line.startswith(("Warning", "Contradiction")):
-                        out.print(escape(line))
+                    if line.startswith(("Warning", "Contradiction")):
+                        warnings.append(line)
+                    elif every or stage.name in asked:
+                        say(line)
+        for line in dict.fromkeys(warnings):
+            say(line)
+        if every or SHAKEN & set(choice.chosen):
+            _show_shaking(job)
     if reported:
         for line in [
             *(sentences("report", job.config, job.store) if every else ()),

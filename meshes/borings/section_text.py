@@ -100,7 +100,7 @@ def _soil(counts: list[Sample]) -> Iterator[str]:
 
 def _borings(connected: Connected) -> Iterator[str]:
     yield "[slide]"
-    yield "kh = 0                            # slides by weight alone; delete this line to have [earthquake] shake them"
+    yield "# kh = 0                          # slides by weight alone; else [earthquake] shakes them, or Kh = 0.1"
     yield '# accelerogram = "record.AT2"     # or a record, which shakes'
     yield ""
     yield "# [earthquake]"

@@ -13,6 +13,7 @@ from meshes import shipped
 from tests.support.command_line import run
 from tests.support.sections import layer, slope, written
 from workflow.config import Config
+from workflow.options import Panel
 from workflow.stages import NAMES
 
 
@@ -45,6 +46,15 @@ def test_help_lists_the_stages_and_the_sections_that_come_with_it(capsys: pytest
     assert words(capsys).count(", ".join(NAMES)) == 2
     assert run("init", "--help") == 0
     assert ", ".join(shipped.names()) in words(capsys)
+
+
+def test_help_has_the_commands_in_groups(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("--help") == 0
+    told = capsys.readouterr().out
+    places = [told.index(panel) for panel in Panel]
+    assert places == sorted(places)
+    assert places[0] < told.index("│ check") < places[1] < told.index("│ run") < places[2] < told.index("│ fem")
+    assert places[3] < told.index("│ slide") < places[4] < told.index("│ study") < places[5] < told.index("│ compare")
 
 
 def test_init_from_a_section_that_comes_with_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

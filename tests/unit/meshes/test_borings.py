@@ -77,6 +77,15 @@ def problems(folder: Path, text: str) -> str:
     return "\n".join(caught.value.problems)
 
 
+def test_an_earthquake_beside_a_section_from_borings_shakes_its_slides(tmp_path: Path) -> None:
+    """The section must not have a Kh of its own, which would silence [earthquake] when somebody adds it."""
+    data = tomllib.loads(text_of(connected(read_csv(written(tmp_path, HEAD + "\n" + LINES)).logs), "made"))
+    data["strata"][-2]["liquefies_in"] = [1]
+    made = analysed({**data, "earthquake": {"magnitude": 7.5, "peak_acceleration": "250 gal"}})
+    assert made.slide.kh == pytest.approx(0.65 * 250.0 / 981.0, abs=1e-3)
+    assert made.slide.kh_cycles == pytest.approx(15.0, abs=0.5)
+
+
 def test_layers_end_half_way_where_the_next_boring_has_none(tmp_path: Path) -> None:
     """Fill is 1.5 m thick at x = 40 m and gone at 70 m; silt begins at 20 m. The gravel below B-3 is that of B-2."""
     logs = read_csv(written(tmp_path, HEAD + "\n" + LINES)).logs

@@ -271,7 +271,7 @@ def test_the_plan_says_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     path.write_text(shaken(LEVEE).to_toml())
     assert command_line.run("run", path, "--dry-run", "--out", tmp_path / "run") == 0
     out = " ".join(capsys.readouterr().out.split())
-    assert "Warning: slide, kh = 0.16" in out
+    assert "Note: slide, kh = 0.16" in out
     assert "143 gal are expected" in out
 
 
