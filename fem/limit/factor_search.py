@@ -16,16 +16,11 @@ from fem.limit.adaptive_bounds import (
     singular_points,
 )
 from fem.limit.bounds import body_of
-from fem.limit.bracket import (
-    COST_EXPONENT,
-    FAILED_MESHES,
-    GROWTH,
-    LEAST_GROWTH,
-    MOST_GROWTH,
-    BoundSide,
-)
+from fem.limit.bracket import COST_EXPONENT, FAILED_MESHES, GROWTH, LEAST_GROWTH, MOST_GROWTH, BoundSide
 from fem.limit.factor_trial import FactorWork, Gauge, Start, Trial, gap_of_factors
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of, with_all_loads_live
+from fem.limit.lower_bound import LowerBound
+from fem.limit.upper_bound import UpperBound
 from fem.settings import BoundsSettings, FemSettings
 from fem.solvers.blas_threads import one_more_thread
 from fem.solvers.cone_program import NEAR, Solution, Warm
@@ -93,6 +88,7 @@ class FactorSearch:
         self.places: dict[BoundSide, tuple[float, Warm | None]] = {}
         self.failures: dict[BoundSide, int] = {"lower": 0, "upper": 0}  # of the solver, one after the other
         self.unborne_from = math.inf  # from this factor on no stress on this mesh balances the loads
+        self.seen: tuple[LimitProblem, LowerBound, UpperBound] | None = None  # the last trial of both bounds
 
     def find(self) -> None:
         """Bracket the factor of safety on ever finer triangles."""
@@ -207,7 +203,7 @@ class FactorSearch:
         )
         if low is not None and high is not None:
             self.seen = (problem, low, high)
-        elif trial.unborne and low is not None and len(self.seen[1].stress) == len(low.stress):
+        elif trial.unborne and low is not None and self.seen and len(self.seen[1].stress) == len(low.stress):
             self.seen = (self.seen[0], low, self.seen[2])  # what keeps stress from balancing the loads wants triangles
         if trial.lower is not None and self.over(trial.lower) >= 0.0:
             self.both_ways = self.gauge == "loads" if factor > self.lower else self.both_ways
@@ -358,6 +354,7 @@ class FactorSearch:
         """Finer triangles where the bounds of the last trial differ: enough of them to close the gap, if one step can
         do that. The margins are unchanged.
         """
+        assert self.seen is not None  # both bounds were tried on these triangles
         problem, low, high = self.seen
         indicator = refinement_indicator(problem, low, high)
         mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)

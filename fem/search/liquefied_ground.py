@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from fem.continuum.shallow_failure import faces_at
 from fem.limit_load.conic_limit_load import conic_limit_load
 from fem.path.gravity import under_weight
 from fem.settings import FemSettings
@@ -48,8 +49,11 @@ def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Secti
 def weight_borne(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any) -> float:
     """The multiple of its weight that the ground resists between held sides (limit load of a mesh); below 1 it flows.
 
-    The flow is associated. Raises what ``conic_limit_load`` does.
+    Cohesionless faces that fail by themselves are strengthened, as in the search for the critical Kh: they bear no
+    share of their weight, whatever the ground below them does. The flow is associated. Raises what
+    ``conic_limit_load`` does.
     ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
-    problem, weight = under_weight(section, mesh, settings.changed(element="reduced"), comm)
+    faces = [face for face in faces_at(section, settings, 0.0) if face.kh < 0.0]
+    problem, weight = under_weight(section, mesh, settings.changed(element="reduced"), comm, faces)
     return LITTLE + conic_limit_load(problem, mesh, LITTLE * weight, weight).multiplier

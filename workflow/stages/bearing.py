@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 # are taken where they are not.
 CELLS, GAP, SECONDS = 2500, 0.08, 30.0
 FINER = 2
+LEAST_SHARE = 0.01  # of its weight, that ground bears: sand steeper than φ has no cohesion to bear any
 # Settings that have no effect here, for bounds and elements have their own.
 WITHOUT_EFFECT = (
     "fem.threads", "fem.safety_factor_at", "fem.accuracy", "fem.kh", "fem.max_cells", "fem.rigid_box",
@@ -57,7 +58,8 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
     fem = config.fem.changed(kh=(), flow=flow, accuracy=0.0)  # the mesh of the stage, and no other
     asked = config.bounds.changed(max_cells=CELLS, gap=GAP, seconds=SECONDS, davis=False)
     notes: list[str] = []
-    critical = _critical(section, config, mesh, fem, notes)
+    weight = _weight_borne(section, mesh, fem)
+    critical = _critical(section, config, mesh, fem, notes) if weight >= 1.0 else None
     kc = critical.kc if critical is not None and critical.verdict in ("plateau", "peak") and critical.kc > 0.0 else None
     factor: float | None = None
     strict = bracket = None
@@ -67,6 +69,11 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
         factor, strict = _factors(section, mesh, fem, asked, notes)
     lower = strict.lower if strict is not None and strict.lower > 0.0 else None
     upper = strict.upper if strict is not None and math.isfinite(strict.upper) else None
+    if weight < 1.0 and not (upper is not None and upper < 1.0):  # else the factor of safety says so
+        notes.append(
+            "the elements do not bear the weight of the ground"
+            + (f", {100.0 * weight:.0f} % of it at most" if weight >= LEAST_SHARE else "")
+        )
     if strict is not None and lower is None and upper is None:
         notes.append("strict bounds: none of the factor of safety within the work allowed")
     unstable = ""  # why ground that stands between held sides does not between its own
@@ -104,7 +111,7 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
 def _critical(
     section: Section, config: Config, mesh: "QuadMesh", fem: FemSettings, notes: list[str]
 ) -> "LimitLoadResult | CriticalResult | None":
-    """The critical Kh by finite elements; None, and a note, for ground that does not stand under its weight.
+    """The critical Kh by finite elements; None, and a note, where there is no answer.
 
     ``section``: as it is asked about; ``config``: for meshing; ``mesh``: to begin with; ``fem``: settings; ``notes``:
     grows.
@@ -114,17 +121,29 @@ def _critical(
     from fem.continuum.strength import is_associated
     from fem.search.adaptive import AdaptiveSearch
     from fem.search.critical import critical_coefficient
-    from fem.search.liquefied_ground import weight_borne
 
     if not is_associated(section.strata, fem.flow):
         return tried("finite elements", notes, lambda: critical_coefficient(section, mesh, fem, MPI.COMM_SELF))
-    borne = tried("finite elements", [], lambda: weight_borne(section, mesh, fem, MPI.COMM_SELF))
-    if borne is not None and borne < 1.0:  # a path would look for an equilibrium for minutes
-        notes.append(f"the elements bear {100.0 * borne:.0f} % of the weight")
-        return None
     return tried(
         "finite elements", notes, lambda: AdaptiveSearch(section, config.mesh, mesh, MPI.COMM_SELF).critical(fem).result
     )
+
+
+def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float:
+    """The multiple of its weight that the ground bears by finite elements; infinite where that is not found, or the
+    flow is not associated: a path would look for an equilibrium for minutes, and ground that flows has none.
+
+    ``section``: as it is asked about; ``mesh``: of it; ``fem``: settings.
+    """
+    from mpi4py import MPI
+
+    from fem.continuum.strength import is_associated
+    from fem.search.liquefied_ground import weight_borne
+
+    if not is_associated(section.strata, fem.flow):
+        return math.inf
+    borne = tried("finite elements", [], lambda: weight_borne(section, mesh, fem, MPI.COMM_SELF))
+    return math.inf if borne is None else borne
 
 
 def _factors(

@@ -24,3 +24,5 @@ def test_a_lower_bound_is_looked_for_below_a_factor_at_which_no_stress_balances_
     assert search.lower == 0.0
     search.prove("lower", -1.0)
     assert 0.65 * factor.lower < search.lower <= factor.upper
+    other = FactorSearch(section, mesh, fem, settings, 1, Start(0.0, 2.0 * factor.upper, False), FactorWork(60.0))
+    assert other.measure(2.0 * factor.upper, upper=False).unborne  # with no trial of both bounds before it

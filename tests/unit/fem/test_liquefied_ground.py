@@ -8,12 +8,15 @@ import pytest
 from mpi4py import MPI
 
 from fem.search.liquefied_ground import LEAST, liquefied_section, weight_borne
+from fem.settings import FemSettings
 from meshes import generate
 from meshes.section.liquefies import Remains
 from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section
+from meshes.settings import MeshSettings
 from tests.support import SECTIONS
 from tests.support.borings import bored
-from tests.support.sections import analysed
+from tests.support.sections import analysed, layer
 from workflow.config import Config
 
 
@@ -46,3 +49,15 @@ def test_what_is_borne_does_not_hang_on_rounding() -> None:
     borne = [weight_borne(ground, replace(mesh, points=points), given.fem, MPI.COMM_SELF) for points in shaken]
     assert borne == pytest.approx([borne[0]] * 3, rel=5e-3)
     assert 0.09 < borne[0] < 0.13
+
+
+def test_a_cohesionless_face_that_is_too_steep_is_no_ground_that_bears_nothing() -> None:
+    """Sand of φ = 22° below 15° stands but for a short face of 37° at its crest, which bears no share of its weight."""
+    sand = layer("sand", cohesion="0 kPa", friction_angle="22 deg")
+    surface = [[0, 12], [20, 12], [22, 10.5], [61, 0], [80, 0]]
+    section = Section.parse({"name": "face", "surface": surface, "base": {"elevation": -6}, "strata": [sand]})
+    fem = FemSettings(sides="smooth")
+    assert weight_borne(section, generate(section, MeshSettings(size=3.0)), fem, MPI.COMM_SELF) >= 1.0
+    steep = Section.parse({"name": "all", "surface": [[0, 12], [20, 12], [40, 0], [60, 0]],
+                           "base": {"elevation": -6}, "strata": [sand]})  # fmt: skip
+    assert weight_borne(steep, generate(steep, MeshSettings(size=3.0)), fem, MPI.COMM_SELF) < 1.0
