@@ -166,7 +166,7 @@ def _sheet(path: Path, columns: Mapping[str, str], known: Sequence[str]) -> _She
     heads = []
     for cell in rows[0][1] if rows else ():
         name, unit = _split(cell)
-        key = wanted.get(_plain(name))
+        key = wanted.get(_plain(cell)) or wanted.get(_plain(name))  # --columns may name the unit, too
         free = _plain(name) in ours and ours[_plain(name)] not in columns
         heads.append((key or (ours[_plain(name)] if free else name), unit))
     if len(rows) > 1 and _are_units(heads, rows[1][1]):
@@ -180,7 +180,8 @@ def _sheet(path: Path, columns: Mapping[str, str], known: Sequence[str]) -> _She
 def _heading_line(lines: Sequence[str], names: set[str]) -> int:
     """Index of the line with the heading: of the first ones that with most of the ``names``, or else the first."""
     filled = [k for k, line in enumerate(lines) if line.strip(" \t\r\n,;")][:FIRST_LINES]
-    met = {k: sum(_plain(_split(cell)[0].strip(' "\r\n')) in names for cell in re.split(r"[;\t,]", lines[k]))
+    met = {k: sum(not names.isdisjoint({_plain(cell), _plain(_split(cell)[0])})
+                  for cell in (cell.strip(' "\r\n') for cell in re.split(r"[;\t,]", lines[k])))
            for k in filled}  # fmt: skip
     return max(filled, key=lambda k: met[k] if met[k] > 1 else 0, default=0)
 

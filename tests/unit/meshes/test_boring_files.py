@@ -278,6 +278,16 @@ def test_columns_of_other_names(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert "--columns top=F: there is no column 'F'; expected one of Bore No" in err
 
 
+def test_columns_may_be_named_with_their_unit(tmp_path: Path) -> None:
+    """As they stand in the file; of two that differ in their unit alone the named one is read."""
+    text = "Bore No;Chainage [m];Ground Level (ft);From (m);From (ft);To (ft);Stratum\n"
+    path = written(tmp_path, text + "A;0;40;99;0;8;Sand\n", "b.csv")
+    named = {"boring": "Bore No", "x": "Chainage [m]", "ground_level": "ground level (ft)", "top": "From (ft)",
+             "bottom": "To", "layer": "Stratum"}  # fmt: skip
+    (log,) = read_csv(path, named).logs
+    assert (log.ground_level, log.layers[0].top, log.layers[0].bottom) == pytest.approx((40 * FOOT, 0.0, 8 * FOOT))
+
+
 def test_a_grain_size_without_a_unit_is_no_quarter_of_a_metre(tmp_path: Path) -> None:
     head = "boring,x,ground_level,top,bottom,layer,N,d50{},unit_weight\n"
     [text] = told(tmp_path, head.format("") + "A,0,5,0,2,s,4,0.25,18 kN/m^3\n", "b.csv")
