@@ -78,7 +78,7 @@ def work(job: Job) -> None:
     except FloatingPointError as error:
         PointSlidesAnswer(section=SectionLabel.of(config.section), not_possible=str(error)).write(job.store)
         return
-    alike = _alike(config, wanted)
+    alike = alike_by_strength(config, wanted)
     runs = [
         run
         for number in dict.fromkeys(alike.values())
@@ -115,7 +115,7 @@ def work(job: Job) -> None:
     draw(job)
 
 
-def _alike(config: Config, wanted: Sequence[int]) -> dict[int, int]:
+def alike_by_strength(config: Config, wanted: Sequence[int]) -> dict[int, int]:
     """For every case the first one in which the same layers keep the same strength: material points do not depend on
     the other numbers of a case, so that both slides are the same.
     """

@@ -1,0 +1,68 @@
+"""How long a run takes, roughly, which is told before it."""
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+
+from workflow.config import Config
+from workflow.run.plan import Decision
+from workflow.stages.liquefaction import liquefying
+from workflow.stages.mpm import alike_by_strength
+
+LEAST = 30.0  # s: a run of less is not announced
+SHARE = 0.1  # of the whole: stages that take more are named
+DISCS, CELLS = 2500, 3000  # to which the seconds of discs and material points belong
+POWER = 1.5  # by which these rise with the number: smaller ones need shorter steps as well
+
+
+def _cases(config: Config) -> int:
+    """Cases of liquefaction that have to be computed: those of the same strength once."""
+    return len(set(alike_by_strength(config, list(liquefying(config))).values()))
+
+
+def _discs(config: Config) -> float:
+    area = float(config.section.layering.areas().sum())
+    discs = area / (12.0**0.5 * config.dem.mean_radius(config.section) ** 2)
+    return float((discs / DISCS) ** POWER)
+
+
+def _packings(config: Config) -> int:
+    return 1 + len(config.slide.packings(config.dem.model))
+
+
+# Seconds of one processor by stage: S-13, the river bank and the sections of `python -m tests.benchmarks sections` lie
+# within a factor of two of their sum.
+SECONDS: Mapping[str, Callable[[Config], float]] = {
+    "triggering": lambda config: 2.0,
+    "response": lambda config: 10.0,
+    "mesh": lambda config: 3.0,
+    "fem": lambda config: 25.0 if config.fem.accuracy else 10.0,
+    "variants": lambda config: 10.0 * len(config.variants.which),
+    "bounds": lambda config: 10.0 + 0.8 * config.bounds.seconds,
+    "slices": lambda config: 5.0,
+    "residual": lambda config: 40.0,
+    "liquefied": lambda config: 30.0 * _cases(config),
+    "mpm": lambda config: 70.0 * _cases(config) * (config.slide.mpm_cells / CELLS) ** POWER,
+    "calibrate": lambda config: (
+        5.0 * len(config.section.strata) * config.dem.element_tests + 35.0 * _packings(config) * _discs(config)
+    ),
+    "slide": lambda config: 12.0 * (1 + _packings(config) * _cases(config)) * _discs(config),
+    "report": lambda config: 10.0,
+}
+
+
+def announcement(decisions: Sequence[Decision], config: Config) -> str:
+    """How long the stages that will run take, in a sentence; empty where that is half a minute or less."""
+    costs = {item.stage.name: SECONDS[item.stage.name](config) for item in decisions if item.action == "run"}
+    processors = max(1, min(os.cpu_count() or 1, config.dem.workers))
+    total = sum(costs.values())
+    if total / processors <= LEAST:
+        return ""
+    names = ", ".join(sorted((name for name in costs if costs[name] > SHARE * total), key=lambda name: -costs[name]))
+    on = "a free processor" if processors == 1 else f"{processors} free processors"
+    return f"This takes about {_about(total / processors)} on {on}, or half or twice that; longest: {names}."
+
+
+def _about(seconds: float) -> str:
+    if seconds < 90.0:
+        return f"{10 * round(seconds / 10.0)} s"
+    return f"{round(seconds / 60.0)} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"
