@@ -38,12 +38,12 @@ _left: WeakSet["Future[Any]"] = WeakSet()
 
 
 class Executor(futures.Executor):
-    """Does tasks in order, each when it is handed in; those that do not are derived from it.
+    """Executes tasks one after the other, each when it is submitted; base class of concurrent executors.
 
     Attributes
     ----------
     count : int
-        How many tasks it does side by side.
+        Number of concurrent tasks.
     """
 
     count = 1

@@ -1,1 +1,1 @@
-"""What a person runs: commands, pictures, results on disk."""
+"""The program that a user runs: commands, stages, pictures, report, results on disk."""

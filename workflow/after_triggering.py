@@ -25,15 +25,15 @@ def config_after_triggering(config: Config, source: str = "section") -> Config:
     Parameters
     ----------
     config : Config
-        As it was read.
+        The config as it was read.
     source : str
         The file that it was read from, as errors name it.
 
     Returns
     -------
     Config
-        With strata that liquefy in all cases of the slides where their blow counts say so, the excess pore pressure
-        ratios of others where these are left to them, the cases that follow from blow counts, and a Kh in numbers.
+        The config with all values that follow from blow counts and earthquake: strata that liquefy in all cases, excess
+        pore pressure ratios of other strata, cases of the slides, and a numerical Kh.
 
     Raises
     ------
@@ -148,7 +148,7 @@ def _driven(config: Config) -> tuple[SlideSettings, list[str]]:
 
 
 def _assumed(config: Config, section: Section, slide: SlideSettings) -> SlideSettings:
-    """Settings of the slides with the assumed values filled in, where ground liquefies.
+    """Settings of the slides, with assumed values where ground liquefies and the input gives none.
 
     ``config``: as it was read; ``section``: its ground after triggering; ``slide``: settings after the earthquake.
     """

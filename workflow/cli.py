@@ -255,7 +255,7 @@ def report(
     verbose: Verbose = False,
     json: Json = False,
 ) -> None:
-    """Write summary and report of a run again, from what is there."""
+    """Write summary and report of a run again, from the stored results."""
     from workflow.run.plan import Choice
     from workflow.terminal import execute, warn_of_old_words
 
@@ -272,7 +272,7 @@ def compare(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Put runs side by side: where their inputs differ, what they found; with --page their pictures, too."""
+    """Compare runs: differences of their inputs, and their results; with --page their pictures, too."""
     from workflow.report import side_by_side
     from workflow.terminal import say, say_data, show_runs
 
@@ -349,7 +349,7 @@ def slide(
     verbose: Verbose = False,
     json: Json = False,
 ) -> None:
-    """How far the ground slides once layers have liquefied, by calibrated discs and by material points."""
+    """Slides after liquefaction, by calibrated discs and by material points."""
     from workflow.invocation import Invocation
 
     invocation, cases = Invocation.of(section, folder, {}, settings), tuple(case) if case else None
@@ -378,7 +378,7 @@ def _up_to(
 
 
 def _warn(verbosity: "Verbosity", invocation: "Invocation", command: str, chosen: Sequence[str]) -> list[str]:
-    """Print, and return, warnings: options of an earlier command that still hold, and settings that are not read."""
+    """Print, and return, warnings: options of an earlier command that still apply, and settings that are not read."""
     from workflow.terminal import warn
     from workflow.unread import in_words
 
@@ -387,7 +387,7 @@ def _warn(verbosity: "Verbosity", invocation: "Invocation", command: str, chosen
 
 
 def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) -> None:
-    """Run a command and leave with its exit code: 0 done, 2 bad input, 3 no answer, 130 stopped, 1 our fault."""
+    """Run a command and exit with its code: 0 done, 2 bad input, 3 no answer, 130 stopped, 1 fault of the program."""
     (ended_as_program if arguments is None else ended)(lambda: literal_help(command)(arguments, standalone_mode=True))
 
 

@@ -1,4 +1,4 @@
-"""The config of a run: a section, and how to mesh it, compute with it and draw it."""
+"""The config of a run: a section, and the settings of mesh, analyses and pictures."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property, partial
@@ -90,10 +90,10 @@ class Config(Tables):
         return self
 
     def with_drawn(self, drawn: Mapping[str, Any], judged: bool = False) -> "Config":
-        """The config with values in the place of uncertain numbers, by their paths; itself it has no [uncertain].
+        """The config with drawn values of the uncertain numbers, by their paths, and without [uncertain].
 
-        Drawn values may be unusual for soils, unless they are ``judged`` as values that a person wrote. Raises
-        ValueError for a path that leads nowhere, InputError for values that do not fit.
+        Drawn values may be unusual for soils, unless ``judged`` checks them like values of a section file. Raises
+        ValueError for an unknown path, InputError for invalid values.
         """
         data = changed(self._before_the_cut(), drawn, self.uncertain.numbers)
         return Config.parse(data if judged else {**data, "unusual": True}, self.section.name)
@@ -113,7 +113,7 @@ class Config(Tables):
         return {**self._written, **used, "slide": {**slide, **left}}
 
     def to_data(self, tables: Collection[str] | None = None) -> dict[str, Any]:
-        """The config as a TOML file or JSON holds it: the section, and the ``tables``, or all of them."""
+        """The config as data for TOML or JSON: the section, and the ``tables``, or all tables."""
         wanted = set(self.tables() if tables is None else tables)
         section = self.section.model_dump(mode="json", exclude_none=True, by_alias=True)
         return {**section, **self.model_dump(mode="json", exclude_none=True, by_alias=True, include=wanted)}
@@ -121,7 +121,7 @@ class Config(Tables):
     def to_toml(self) -> str:
         """The config as TOML with all defaults filled in and quantities as they were written.
 
-        Where numbers are uncertain the strata are those of the file, to which their paths lead.
+        With uncertain numbers the strata are those of the file, to which their paths refer.
         """
         if not self.uncertain.numbers:
             return tomli_w.dumps(self.to_data())
@@ -147,7 +147,9 @@ class Config(Tables):
 
     @property
     def notices_of_slides(self) -> list[str]:
-        """Notices on the earthquake and its records, on their effect on the slides, and on strengths assumed there."""
+        """Notices on the earthquake and its records, on their effect on the slides, and on assumed residual
+        strengths.
+        """
         slides = self.section.liquefies
         notices = [*remarks(self), *self.earthquake.notices(self.slide if slides else None)]
         notices += below_loads(self.section, self.triggering)
@@ -160,9 +162,8 @@ class Config(Tables):
 
     @classmethod
     def parse(cls, data: Mapping[str, Any], source: str = "section") -> Self:
-        """Make the config from the content of a TOML file; raises InputError with every problem found.
-        `config_after_triggering` completes it by analyses. Cases that follow from blow counts take the place of the
-        default ones.
+        """Make the config from the content of a TOML file; raises InputError with every problem.
+        `config_after_triggering` completes it by analyses. Cases from blow counts replace the default ones.
         """
         data = current(data)
         slide = data.get("slide", {})
@@ -192,7 +193,7 @@ class Config(Tables):
         return config
 
     def with_settings(self, table: str, **values: Any) -> Self:
-        """The config with other values in one table of settings; raises ValidationError for one that does not fit."""
+        """The config with other values in one table of settings; raises ValidationError for an invalid one."""
         return self.model_copy(update={table: getattr(self, table).changed(**values)})
 
     @property
@@ -213,7 +214,7 @@ class Config(Tables):
 
     @classmethod
     def _validated(cls, data: Mapping[str, Any], source: str) -> Self:
-        """The section and every table on its own, then together; raises InputError with every problem found."""
+        """The section and the tables, validated one by one, then together; raises InputError with every problem."""
         tables = {key: value for key, value in data.items() if key in cls.tables() or _is_unknown_table(key, value)}
         section, settings = None, None
         problems: list[str] = []
@@ -266,8 +267,8 @@ class Config(Tables):
     def load(cls, path: Path | str, overrides: Mapping[str, Mapping[str, Any]] | None = None) -> Self:
         """The input in a TOML file, with settings of the command line put over those of the file.
 
-        Files that it names are looked for beside it, those of the command line where that is given. Raises InputError
-        with every problem found.
+        Relative paths of files refer to the folder of the TOML file; those of the command line to the working folder.
+        Raises InputError with every problem found.
         """
         data = read_toml(path)
         _find_beside(data, Path(path).parent)
@@ -297,7 +298,7 @@ class Config(Tables):
 
 
 def _peak(settings: Tables) -> float | None:
-    """Peak acceleration of the ground over gravity; None where the earthquake does not tell it."""
+    """Peak acceleration of the ground over gravity; None if the earthquake does not determine it."""
     try:
         motion = settings.earthquake.motion()
     except InputError:
@@ -318,7 +319,7 @@ def _find_beside(data: Mapping[str, Any], folder: Path) -> None:
 
 
 def merged(lower: Mapping[str, Any], upper: Mapping[str, Any]) -> dict[str, Any]:
-    """Merge two nested tables; the upper one counts where both have a key."""
+    """Merge two nested tables; values of the upper one replace those of the lower one."""
     both = {**lower, **upper}
     for key in lower.keys() & upper.keys():
         if isinstance(lower[key], Mapping) and isinstance(upper[key], Mapping):

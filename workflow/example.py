@@ -1,4 +1,4 @@
-"""Sections to start from: a commented one, and those that come with the program."""
+"""Example sections: a commented one, and those that come with the program."""
 
 import json
 from importlib import resources

@@ -31,7 +31,7 @@ class Invocation:
     config : the section with all settings
     store : the folder
     mesh_options : settings of the mesh by the command line, of this command or of an earlier one
-    carried : whether those are of an earlier one
+    carried : whether the options of the mesh are of an earlier command
     section : the file of the section
     tables : settings and options of the command line
     """
@@ -47,9 +47,8 @@ class Invocation:
     def of(
         cls, section: Path, folder: Path | None, options: Tables, settings: list[str] | None, afresh: bool = False
     ) -> "Invocation":
-        """Read the section file, with settings and then options of the command line put over it. A command without
-        options of the mesh takes those of the folder, unless it begins ``afresh``. Raises InputError with every problem
-        found.
+        """Read the section file, and replace its settings by settings and options of the command line. Without options
+        of the mesh those of the folder are used, unless ``afresh``. Raises InputError with every problem.
         """
         asked = {
             table: {key: value for key, value in values.items() if value is not None}
@@ -72,7 +71,9 @@ class Invocation:
         return cls(read, store, mesh or carried, bool(carried), section, tables)
 
     def refuse_unknown(self, cases: Sequence[int]) -> None:
-        """Raise InputError for numbers of cases in which no stratum liquefies, and where none liquefies in any."""
+        """Raise InputError for numbers of cases in which no stratum liquefies, and if there is no case with a
+        liquefying stratum.
+        """
         if not self.config.section.liquefies:
             wanted = 'expected liquefies_in = [1] in one that liquefies, or "triggered" with blow counts'
             raise InputError(str(self.section), [f"strata: no layer liquefies, so no slide can be computed; {wanted}"])
@@ -87,11 +88,11 @@ class Invocation:
         return Job(self.config, self.store, stages.STAGES, **own, **more)
 
     def with_bounds(self) -> "Invocation":
-        """The invocation with bounds, whatever bounds.run says."""
+        """The invocation with bounds, whatever the setting bounds.run."""
         return replace(self, config=self.config.with_settings("bounds", run=True))
 
     def with_safety_factors(self) -> "Invocation":
-        """The invocation with factors of safety and their bounds, at Kh = 0 and at every Kh whose fields are kept."""
+        """The invocation with factors of safety and their bounds, at Kh = 0 and at every Kh whose fields are stored."""
         asked = tuple(sorted({0.0, *self.config.fem.kh, *self.config.fem.safety_factor_at}))
         others = {key: value for key, value in self.tables.get("bounds", {}).items() if key != "run"}  # this reads it
         config = self.config.with_settings("fem", safety_factor_at=asked).with_settings("bounds", safety_factor=True)
@@ -111,7 +112,7 @@ class Invocation:
 
     @property
     def notices(self) -> list[str]:
-        """Notices: old names of settings with the new ones, and options of an earlier command that still hold."""
+        """Notices: old names of settings with the new ones, and options of an earlier command that still apply."""
         old_words = renamed.notices(merged(read_toml(self.section), self.tables))
         if not self.carried:
             return old_words
@@ -146,7 +147,8 @@ def mesh_options(
 def dotted(texts: Sequence[str]) -> dict[str, dict[str, Any]]:
     """Settings of the command line, such as ``fem.sides=fixed``, as tables.
 
-    A value is read as TOML; what is not TOML is text. Raises InputError with every one that cannot be understood.
+    A value is read as TOML; other values are taken as text. Raises InputError with every setting that is not
+    understood.
     """
     tables: dict[str, Any] = {}
     problems = []

@@ -1,4 +1,4 @@
-"""The command `noshiro migrate`: a section file in the words of this version."""
+"""The command `noshiro migrate`: it rewrites a section file with the names of settings of this version."""
 
 from pathlib import Path
 from typing import Annotated

@@ -35,7 +35,7 @@ class Panel(StrEnum):
 
 
 class Verbosity(Enum):
-    """How much a command prints: faults alone, sentences, every step, or the answers as JSON."""
+    """How much a command prints: only errors, sentences, every step, or the answers as JSON."""
 
     QUIET, NORMAL, VERBOSE, JSON = range(4)
 
@@ -91,7 +91,7 @@ Model = Annotated[
 
 
 def literal_help(call: Callable[..., Any]) -> Any:
-    """A command line whose help shows every word in brackets as it was written; another call as it is."""
+    """Make a command line show words in brackets unchanged in its help; other calls are returned unchanged."""
     from rich.markup import escape
 
     if not isinstance(call, typer.Typer):

@@ -1,6 +1,6 @@
-"""Old words of settings: read for now, with a notice, and rewritten by `noshiro migrate`.
+"""Old names of settings: they are still read, with a notice, and rewritten by `noshiro migrate`.
 
-No other module knows an old word. A later renaming is one more entry of ``RENAMED``.
+No other module has an old name. A later renaming is one more entry of ``RENAMED``.
 """
 
 import re
@@ -35,7 +35,7 @@ class Renamed:
 
     @property
     def path(self) -> str:
-        """Table and old key, as [uncertain] and --set have them."""
+        """Table and old key, in the form of [uncertain] and --set."""
         return f"{self.table}.{self.key}"
 
     def value(self, old: Any) -> Any:
@@ -112,7 +112,7 @@ def notices(data: Mapping[str, Any]) -> list[str]:
 
 
 def _old_words(rule: Renamed, value: Any) -> list[str]:
-    """The old words within a value."""
+    """The old words in a value."""
     if isinstance(value, str):
         return [value] if value in rule.values else []
     inside = value.values() if isinstance(value, Mapping) else value if isinstance(value, list | tuple) else ()
@@ -126,7 +126,7 @@ def _notice(rule: Renamed, word: str) -> str:
 
 
 def rewritten(text: str, source: str) -> tuple[str, list[str]]:
-    """Rewrite the text of a section file with the new words; all else, comments too, stays as it is.
+    """Rewrite the text of a section file with the new words; everything else, including comments, is unchanged.
 
     A word is replaced only where the file then reads as ``current`` returns it, so that a stratum may have an old word
     as its name.
@@ -168,7 +168,7 @@ def rewritten(text: str, source: str) -> tuple[str, list[str]]:
 
 
 def _places(text: str) -> Iterator[tuple[int, int, str]]:
-    """Places in a text where an old key or value may stand: start, end, and its replacement."""
+    """Possible places of old keys and values in a text: start, end, and replacement."""
     for rule in RENAMED:
         for old, new in rule.values.items():
             for place in re.finditer(f"([\"']){re.escape(old)}\\1", text):

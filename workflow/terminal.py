@@ -100,7 +100,7 @@ def show_plan(job: Job, choice: Choice, verbosity: Verbosity) -> None:
 
 
 def _show_shaking(job: Job) -> None:
-    """Print corrections of records, warnings about them and the earthquake, and the Kh that follows."""
+    """Print corrections of records, warnings about them and the earthquake, and the resulting Kh."""
     for line in notice_lines(job.config.notices_of_slides):
         say(line)
 
@@ -136,7 +136,9 @@ def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[s
 
 
 def _tell(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str], pdf: bool) -> None:
-    """Print the results of the stages, in sentences or as JSON, and where the files are; write the PDF if asked."""
+    """Print the results of the stages, in sentences or as JSON, and the folder of the files; write the PDF if
+    ``pdf``.
+    """
     if pdf:
         from workflow.report.pdf import write_pdf
 
@@ -148,8 +150,8 @@ def _tell(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str
 
 
 def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
-    """Print the results of a whole run in at most twelve lines; of single stages what was asked for, then warnings
-    of those that they need; of ``every`` stage with how it was found.
+    """Print the results of a whole run in at most twelve lines, or those of the requested stages, then warnings of the
+    stages that they need; with ``every`` those of all stages with details.
     """
     from workflow.report.console import run_lines, sentences
     from workflow.results.results import Results
@@ -182,7 +184,7 @@ def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
 
 
 def redraw(job: Job, json: bool) -> None:
-    """Draw all pictures of a folder again, and tell which could not be."""
+    """Draw all pictures of a folder again, and name those that could not be drawn."""
     from workflow.run import pipeline
     from workflow.run.display import Display
 
@@ -195,7 +197,7 @@ def redraw(job: Job, json: bool) -> None:
 
 
 def show_runs(runs: "Sequence[ComparedRun]") -> None:
-    """Runs side by side: their results, and the settings in which they differ."""
+    """Print several runs in adjacent columns: their results, and the settings in which they differ."""
     from workflow.report import side_by_side
 
     folders = side_by_side.run_names(runs)

@@ -1,6 +1,7 @@
 """Settings of the command line that a command does not use, and the commands that use them.
 
-What a command reads follows from what its stages declare (``Stage.reads``), and from what changes their inputs.
+The settings that a command reads follow from the declarations of its stages (``Stage.reads``), and from their influence
+on the inputs.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -29,7 +30,7 @@ def is_read(key: str, reads: Iterable[str]) -> bool:
 
 
 def reads_of(stages: Sequence[Stage]) -> list[str]:
-    """The settings that stages, and the engine that runs them, read; without those of studies for the report."""
+    """The settings that stages and the engine of a run read; without those of studies for the report."""
     names = [name for stage in stages for name in stage.reads if not (stage.of_all and name in OF_STUDIES)]
     return [*names, *OF_EVERY_RUN]
 
@@ -37,7 +38,7 @@ def reads_of(stages: Sequence[Stage]) -> list[str]:
 def unread(settings: Sequence[str], job: Job, chosen: Sequence[str], without: Callable[[str], Job]) -> list[str]:
     """The ``settings`` that no ``chosen`` stage uses; ``without`` is the job without one setting.
 
-    A setting that acts through others, such as a blow count that determines strengths, shows in the inputs of a stage.
+    A setting that acts through others, such as a blow count that determines strengths, changes the inputs of a stage.
     """
     stages = [stage for stage in job.stages if stage.name in chosen]
     reads = reads_of(stages)
@@ -57,7 +58,7 @@ def _changes(stages: Sequence[Stage], job: Job, key: str, without: Callable[[str
 
 
 def in_words(keys: Sequence[str], command: str, commands: Sequence[str]) -> list[str]:
-    """One sentence for each setting that a ``command`` does not read, with those of the ``commands`` that do."""
+    """One sentence on each setting that a ``command`` does not read, with those of the ``commands`` that read it."""
     from workflow.stages import STAGES, command_of
 
     reads = {command_of(stage.name): stage.reads for stage in STAGES if not stage.of_all}

@@ -74,7 +74,9 @@ class Slide:
     notes: list[str] = field(default_factory=list)
 
     def as_json(self, alone: "Slide | None" = None) -> dict[str, Any]:
-        """The numbers of a case. alone: the same ground under Kh alone, for the difference that liquefaction makes."""
+        """The numbers of a case. alone: the same ground under Kh alone; a disc slides if it moves twice as far as
+        there.
+        """
         last = asdict(self.rows[-1])
         kept = {key: last[key] for key in last if key.startswith(("settlement", "slide", "crack_"))}
         out = {

@@ -238,7 +238,7 @@ def cut_at_cracks(
 ) -> tuple[Stratum, ...]:
     """The strata, those with a cohesion that the ``bottom`` (n, 2) of tension cracks crosses in two; what is above it
     has no tensile strength, the name of the soil with ``CRACKED``, and what ``of_crack`` changes in it.
-    ``layers``, ``given``: as in ``cut_strata``.
+    ``layers``, ``extent``: as in ``cut_strata``.
     """
     cut: list[Stratum] = []
     for k, stratum in enumerate(strata):
@@ -262,7 +262,7 @@ def cut_films(
     """The strata of ``cut_strata``, with pockets smaller than cells that water cuts off as strata of their own.
 
     These have the weight of their side of the water, and the name of the stratum with ``FILM_IN``.
-    ``layers``, ``levels``, ``given``: as in ``cut_strata``.
+    ``layers``, ``levels``, ``extent``: as in ``cut_strata``.
     """
     cut: list[Stratum] = []
     for k, (stratum, level) in enumerate(zip(strata, levels, strict=True)):

@@ -14,14 +14,15 @@ Preset = Literal["hynes_griffin_franklin_1984", "nchrp_611"]
 
 @dataclass(frozen=True)
 class PublishedCriterion:
-    """A factor of safety under a share of the peak acceleration, and the displacement that it stands for.
+    """A published criterion: a factor of safety under a share of the peak acceleration, and the displacement that it
+    limits.
 
     Attributes
     ----------
     factor : least factor of safety
     share : Kh over the peak acceleration of the ground over gravity
-    displacement : m, up to which ground moves that has this factor
-    source : where that is published, and what it holds for
+    displacement : largest displacement (m) of ground with this factor
+    source : the publication, and its range of validity
     """
 
     factor: float
@@ -83,7 +84,7 @@ class FreeboardCriterion(Model):
 
 
 class CriteriaSettings(Model):
-    """Limits, each with its source; a quantity without one is not judged."""
+    """Limits, each with its source; quantities without a limit have no verdict."""
 
     preset: Preset | None = Field(
         default=None,
@@ -117,5 +118,5 @@ class CriteriaSettings(Model):
 
     @property
     def lacks_peak(self) -> bool:
-        """Whether a preset could not be resolved for want of a peak acceleration."""
+        """Whether a preset could not be resolved because there is no peak acceleration."""
         return self.preset is not None and self.factor_of_safety is None

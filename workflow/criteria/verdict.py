@@ -13,7 +13,7 @@ def judge(low: float | None, high: float | None, limit: float, at_least: bool) -
     low, high : float or None
         Ends of the interval in which the quantity lies; None where there is no answer.
     limit : float
-        In the unit of the quantity.
+        The limit in the unit of the quantity.
     at_least : bool
         Whether the limit is the least value that is allowed; otherwise it is the largest one.
 
@@ -29,7 +29,7 @@ def judge(low: float | None, high: float | None, limit: float, at_least: bool) -
 
 
 def together(verdicts: tuple[Verdict, ...]) -> Verdict:
-    """The verdict of several that must all be satisfied."""
+    """The verdict on several criteria together, all of which must be satisfied."""
     if "not satisfied" in verdicts:
         return "not satisfied"
     return "satisfied" if verdicts and set(verdicts) == {"satisfied"} else "not decided"

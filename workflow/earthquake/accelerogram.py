@@ -1,4 +1,4 @@
-"""Records of the ground's acceleration, whatever file they come in, and warnings about them."""
+"""Records of ground acceleration in files of any format, and warnings about them."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -28,10 +28,10 @@ class Accelerogram:
 
     Attributes
     ----------
-    name, kind : of the file, and of its format
+    name, kind : name of the file, and of its format
     time : (n,) in s, rising or with steps
     acceleration : (n,) in m/s²
-    remarks : what was done to it, and warnings about it, one sentence without its full stop each
+    remarks : corrections and warnings, one sentence without its full stop each
     """
 
     name: str
@@ -53,9 +53,9 @@ class Accelerogram:
 
 
 def read(path: Path, unit: str = "", component: str = "") -> Accelerogram:
-    """A record of acceleration in any of the formats, which is known by what stands in the file.
+    """A record of acceleration in any of the formats; the format is recognised by the content of the file.
 
-    Velocity and displacement are differentiated in time, and an offset is taken off: both are told as remarks.
+    Velocity and displacement are differentiated in time, and an offset is subtracted; remarks say so.
 
     Parameters
     ----------
@@ -63,9 +63,9 @@ def read(path: Path, unit: str = "", component: str = "") -> Accelerogram:
         A file of PEER (.AT2, .VT2, .DT2), K-NET or KiK-net, COSMOS or CSMIP (V1, V2), RENADIC, ESM, GeoNet, BHRC, or
         columns.
     unit : str
-        Of a file whose heading names none.
+        Unit of the values if the heading of the file names none.
     component : str
-        Which one of a file with several: as the heading names it, or its number from 1.
+        Component of a file with several: its name in the heading, or its number from 1.
 
     Returns
     -------
@@ -159,7 +159,7 @@ def _accelerogram(name: str, series: RecordedSeries, unit: str) -> Accelerogram:
 
 
 def _unit(series: RecordedSeries, given: str) -> MotionUnit:
-    """What the values measure and in which unit. Raises ValueError where nothing says it, or two things say two."""
+    """Quantity and unit of the values. Raises ValueError if they are missing or contradictory."""
     named = motion_unit(series.unit) if series.unit else None
     if series.unit and named is None:
         raise ValueError(f'its heading gives the unit "{series.unit}", which is not understood; {EXPECTED}')
@@ -191,8 +191,8 @@ def _differentiated(time: np.ndarray, values: np.ndarray, times: int) -> np.ndar
 def _without_offset(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, list[str]]:
     """Accelerations without a constant offset, and a remark where one was removed.
 
-    Ground that ends at rest has a mean acceleration of 0. Where the middle value agrees with the mean, the whole record
-    is shifted; where it does not, the record is a pulse, or cut off, and stays.
+    Ground that ends at rest has a mean acceleration of 0. If the median agrees with the mean, the whole record has an
+    offset; if not, the record is a pulse, or cut off, and is not changed.
     """
     mean = float(0.5 * (values[1:] + values[:-1]) @ np.diff(time)) / max(float(time[-1] - time[0]), 1e-9)
     middle, peak = float(np.median(values)), float(np.abs(values).max())

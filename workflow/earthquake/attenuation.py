@@ -1,4 +1,4 @@
-"""Peak acceleration from magnitude and distance, by the two Japanese relations that no light library holds.
+"""Peak acceleration from magnitude and distance, by two Japanese relations.
 
 Accelerations in m/s², distances and depths in m, magnitudes without a unit; σ is the standard deviation of log10.
 """
@@ -42,7 +42,7 @@ class Range:
 
 @dataclass(frozen=True)
 class Motion:
-    """A peak acceleration: the median (m/s²), its spread (of log10), and where the relation comes from."""
+    """A peak acceleration: the median (m/s²), its standard deviation (of log10), and the source of the relation."""
 
     median: float
     sigma: float

@@ -1,6 +1,7 @@
 """Peak acceleration of shallow crustal earthquakes anywhere: Boore, Stewart, Seyhan & Atkinson (2014).
 
-The library that holds it, pygmm, asks for another numpy than dolfinx was built with; the tests have its numbers.
+The library pygmm has this relation, but requires another numpy than dolfinx was built with; the tests compare with its
+numbers.
 """
 
 import math

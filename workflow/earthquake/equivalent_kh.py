@@ -1,7 +1,7 @@
-"""The reversing seismic coefficient that stands for an earthquake where no record shakes the ground.
+"""The cyclic seismic coefficient that is equivalent to an earthquake where there is no record.
 
-Uniform cycles of 0.65 of the peak have the effect of the irregular ones (Seed & Idriss 1971). Their number is the one
-behind the magnitude scaling factor of the triggering relations; their period is the mean period of the motion.
+Uniform cycles of 0.65 of the peak are equivalent to the irregular ones (Seed & Idriss 1971). Their number is that of
+the magnitude scaling factor of the triggering relations; their period is the mean period of the motion.
 """
 
 import math
@@ -29,7 +29,7 @@ BAND = (0.25, 20.0)  # Hz over which the mean period of a record is taken
 
 @dataclass(frozen=True)
 class EquivalentKh:
-    """Uniform ``cycles`` of a Kh (-) that reverses with a ``period`` (s); and where all three come from, in words."""
+    """Uniform ``cycles`` of a cyclic Kh (-) with a ``period`` (s); and the sources of all three, in words."""
 
     kh: float
     cycles: float
@@ -40,7 +40,7 @@ class EquivalentKh:
 def cycles_of_magnitude(magnitude: float) -> float:
     """Uniform cycles at 0.65 of the peak: N = 15 MSF^(-1/0.34), MSF = 6.9 exp(-M/4) - 0.058 (Idriss & Boulanger 2008).
 
-    15 at M 7.5, 7 at 6.5. Unlike the factor itself, which ends at 1.8, so many cycles are at least one.
+    15 at M 7.5, 7 at 6.5, at least 1; the limit of 1.8 of MSF is disregarded.
     """
     factor = max(6.9 * math.exp(-magnitude / 4.0) - 0.058, 0.2)
     return max(1.0, CYCLES_OF_7_5 * factor ** (-1.0 / POWER))
@@ -76,16 +76,16 @@ def mean_period_of_record(record: Accelerogram) -> float:
 def equivalent_kh(
     motion: Motion, magnitude: float | None, distance: float | None, site: Site, record: Accelerogram | None
 ) -> EquivalentKh:
-    """Cycles of Kh = 0.65 a_max/g that stand for an earthquake.
+    """Cycles of Kh = 0.65 a_max/g that are equivalent to an earthquake.
 
     Parameters
     ----------
     motion : Motion
-        Its peak acceleration.
+        Peak acceleration of the earthquake.
     magnitude, distance, site : float or None, float or None (m), str
-        By which cycles and period are found where there is no record; M 7.5 and 20 km where they are not given.
+        They determine cycles and period where there is no record; by default M 7.5 and 20 km.
     record : Accelerogram or None
-        Of the ground surface: its cycles are counted, and its mean period is taken.
+        Record of the ground surface, which determines cycles and mean period.
 
     Returns
     -------

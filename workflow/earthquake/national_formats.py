@@ -74,7 +74,7 @@ def _row(lines: Lines, place: int) -> np.ndarray:
 
 
 def _recorded(values: np.ndarray) -> np.ndarray:
-    """The values without samples that are missing at either end. Raises ValueError where some are missing between."""
+    """The values without missing samples at either end. Raises ValueError for missing samples in between."""
     there = ~np.isin(values, NOT_RECORDED)
     known = np.flatnonzero(there)
     if not len(known) or not there[known[0] : known[-1] + 1].all():

@@ -95,7 +95,7 @@ def peer(lines: Lines) -> list[RecordedSeries]:
 
 
 def knet(lines: Lines) -> list[RecordedSeries]:
-    """K-NET and KiK-net: counts of one component after 17 lines of heading, apart by blanks or commas."""
+    """K-NET and KiK-net: counts of one component after 17 lines of heading, separated by blanks or commas."""
     head = "\n".join(lines[:KNET_LINES])
     scale, rate = KNET_SCALE.search(head), KNET_RATE.search(head)
     if scale is None or rate is None:
@@ -225,7 +225,7 @@ def _wrong_number(count: int, stated: int, where: str, what: str) -> str:
 
 
 def unit_in(heading: str) -> str:
-    """The unit that a heading names behind "units of", "units:", "units =" or in brackets; empty without one."""
+    """The unit in a heading after "units of", "units:", "units =" or in brackets; empty without one."""
     if match := IN_UNITS.search(heading):
         return (match[1] or match[2]).strip(" .,;:")
     brackets = re.findall(r"[(\[]\s*([^)\]]+?)\s*[)\]]", heading)
@@ -233,7 +233,7 @@ def unit_in(heading: str) -> str:
 
 
 def word_of(heading: str) -> str:
-    """The word of a heading that says acceleration, velocity or displacement; empty without one."""
+    """The word of a heading for the quantity: acceleration, velocity or displacement; empty without one."""
     match = QUANTITY.search(heading)
     return match[0] if match else ""
 

@@ -1,7 +1,7 @@
-"""Records in columns: time and components under a heading, apart by commas, semicolons, tabs or blanks.
+"""Records in columns: time and components under a heading, separated by commas, semicolons, tabs or blanks.
 
-Also without a column of time, where the heading has a time step or a sampling rate (as in the CSV files of the Japan
-Meteorological Agency), and with decimal commas where semicolons or tabs part the columns.
+A column of time may be missing if the heading has a time step or a sampling rate (as in the CSV files of the Japan
+Meteorological Agency). Numbers may have decimal commas if semicolons or tabs separate the columns.
 """
 
 import re
@@ -48,7 +48,7 @@ class Column:
 
 
 def table(lines: Sequence[str]) -> list[RecordedSeries]:
-    """The components of a record in columns. Raises ValueError for what is no such table, or has no times."""
+    """The components of a record in columns. Raises ValueError if the lines are no such table, or have no times."""
     try:
         return _components(lines)
     except ValueError as error:
@@ -111,9 +111,9 @@ def _without_count(rows: list[list[float]]) -> list[list[float]]:
 
 
 def _split(lines: Sequence[str]) -> tuple[list[str], list[list[float]]]:
-    """The lines before the first row of numbers, and all rows, of which each has as many numbers as the first.
+    """The lines before the first row of numbers, and all rows; each row has as many numbers as the first.
 
-    The last row of a series that stands in rows may have fewer.
+    The last row of a series that is written in rows may have fewer.
     """
     heading: list[str] = []
     rows: list[list[float]] = []
@@ -144,7 +144,7 @@ def _numbers(count: int) -> str:
 
 
 def _row(text: str) -> list[float] | None:
-    """The numbers of a line; none of a blank one, None of a line that holds anything else."""
+    """The numbers of a line; an empty list for a blank line, None for a line with other text."""
     text = CLOCK.sub(_seconds, text.replace('"', "").strip())
     if APART_BY_BLANKS.fullmatch(text):
         text = text.replace(",", ".")
@@ -211,7 +211,7 @@ def _step(text: str) -> float | None:
 
 
 def _times(values: np.ndarray, column: Column) -> np.ndarray:
-    """Times in s, in the unit of their heading. Raises ValueError where they fall, or cannot be seconds."""
+    """Times in s, converted from the unit of their heading. Raises ValueError if they fall, or cannot be seconds."""
     if not np.isfinite(values).all():
         raise ValueError("holds a time that is not finite")
     second = time_unit(column.unit) if column.unit else 1.0

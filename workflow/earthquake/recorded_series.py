@@ -1,4 +1,4 @@
-"""A series of a record file as it stands there, and the numbers of a file in fixed or free columns."""
+"""A series of a record file in its original unit, and the numbers of a file in fixed or free columns."""
 
 import re
 from collections.abc import Sequence
@@ -20,10 +20,10 @@ class RecordedSeries:
     Attributes
     ----------
     format : of the file, such as "K-NET"
-    component : how the file names it; empty where it names none
+    component : its name in the file; empty without a name
     time : (n,) in s
     values : (n,) in ``unit``
-    unit : as the heading has it; empty where it names none
+    unit : unit in the heading; empty without one
     quantity : the word of the heading, such as "VELOCITY"; empty where it has none
     peak : the largest value without regard to sign that the heading states; None where it states none
     counts : whether the values are counts of a recorder, whose zero is their mean
@@ -40,7 +40,9 @@ class RecordedSeries:
 
 
 def free_numbers(lines: Sequence[str], first: int) -> np.ndarray:
-    """All numbers from a line on, apart by blanks or commas. Raises ValueError that names a line without."""
+    """All numbers from a line on, separated by blanks or commas. Raises ValueError, which names the line, for a line
+    without numbers.
+    """
     values: list[float] = []
     for number, line in enumerate(lines[first:], start=first + 1):
         if (numbers := _free(line)) is None:
@@ -50,7 +52,7 @@ def free_numbers(lines: Sequence[str], first: int) -> np.ndarray:
 
 
 def fixed_numbers(lines: Sequence[str], first: int, count: int, form: str) -> tuple[np.ndarray, int]:
-    """``count`` numbers from a line on by a Fortran format such as (8F10.5), and the line behind them.
+    """``count`` numbers from a line on by a Fortran format such as (8F10.5), and the number of the line after them.
 
     ``lines``: of the file; ``first``: number of the line to begin with; ``form``: the Fortran format.
     Raises ValueError where the numbers end before.
@@ -74,7 +76,7 @@ def fixed_numbers(lines: Sequence[str], first: int, count: int, form: str) -> tu
 
 
 def _free(line: str) -> list[float] | None:
-    """The numbers of a line, apart by blanks or commas; None where it holds anything else."""
+    """The numbers of a line, separated by blanks or commas; None for a line with other text."""
     try:
         return [float(cell.translate(EXPONENT)) for cell in re.split(r"[,;\s]+", line.strip(" \t\r\n,;")) if cell]
     except ValueError:
@@ -89,7 +91,9 @@ def finite(values: Sequence[float]) -> np.ndarray:
 
 
 def steps(count: int, step: float, where: str) -> np.ndarray:
-    """Times (n,) from 0 in equal steps. Raises ValueError for a step that is not above 0, or no record can have."""
+    """Times (n,) from 0 in equal steps. Raises ValueError for a step that is not above 0, or is too large or small
+    for a record.
+    """
     if not (np.isfinite(step) and 0.0 < step <= LONGEST_STEP):
         unit = "; is it in milliseconds?" if step > LONGEST_STEP else ""
         raise ValueError(

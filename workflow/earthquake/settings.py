@@ -68,7 +68,7 @@ class EarthquakeSettings(Model):
     scale: RecordScale = 1.0
 
     def motion(self) -> Motion | None:
-        """The peak acceleration with its spread; None where nothing says it.
+        """The peak acceleration with its standard deviation; None if the input does not determine it.
 
         Raises InputError outside the range of the relation, or where the record cannot be read.
         """
@@ -90,8 +90,8 @@ class EarthquakeSettings(Model):
             raise InputError("earthquake", [f"record = {self.record}: {text}" for text in error.problems]) from None
 
     def contradiction(self) -> str:
-        """A sentence where the peak differs from that by magnitude and distance by more than one standard deviation;
-        else empty. The peak counts then, and the distance does not.
+        """A sentence if the given peak differs from the one by magnitude and distance by more than one standard
+        deviation, else empty. Then the peak counts, and the distance is not used.
         """
         has_peak = self.peak_acceleration is not None or bool(self.record)
         if not has_peak or self.magnitude is None or self.distance is None:
@@ -129,7 +129,7 @@ class EarthquakeSettings(Model):
         return [text for text in notices if text]
 
     def _overruled(self, slide: SlideSettings) -> str:
-        """That slides have another Kh, or another duration of it, than that of the earthquake; else empty."""
+        """A notice that slides have another Kh or duration than that of the earthquake; else empty."""
         cycles = None if slide.accelerogram or slide.kh == 0.0 else self.equivalent()
         if cycles is None:
             return ""
@@ -140,7 +140,7 @@ class EarthquakeSettings(Model):
         )
 
     def _unlike_record(self) -> str:
-        """That a record is not used beside a peak which is not its own; else empty."""
+        """A notice that a record is not used because its peak differs from the given one; else empty."""
         if self.peak_acceleration is None or not self.record:
             return ""
         try:
@@ -156,7 +156,7 @@ class EarthquakeSettings(Model):
         )
 
     def _unlikely_peak(self) -> str:
-        """That a peak is above what was recorded, or a plain number that may be meant in g; empty where neither."""
+        """A notice that a peak is above all recorded ones, or a plain number that may be meant in g; else empty."""
         if self.peak_acceleration is None:
             return ""
         peak = float(self.peak_acceleration)
@@ -172,12 +172,12 @@ class EarthquakeSettings(Model):
         return cycles if cycles is not None and (slide.kh, slide.kh_cycles) == (cycles.kh, cycles.cycles) else None
 
     def is_assumed(self, slide: SlideSettings) -> bool:
-        """Whether nothing says how the ground shakes, and ``slide`` has what is assumed then."""
+        """Whether the input does not determine the shaking, so that ``slide`` has assumed values."""
         push = {key: getattr(slide, key) for key in ("kh", *CYCLES)}
         return self.equivalent() is None and not slide.accelerogram and push == assumed_push(self.magnitude)
 
     def equivalent(self) -> EquivalentKh | None:
-        """The equivalent cycles of Kh, those of a record also beside a peak that is its own; None without a peak."""
+        """The equivalent cycles of Kh; those of a record also if its own peak is given. None without a peak."""
         try:
             motion = self.motion()
             record = self._recorded if self.record and not self._unlike_record() else None
@@ -199,7 +199,7 @@ class EarthquakeSettings(Model):
 
 
 class SiteResponseSettings(Model):
-    """How the layers under a point of the section answer a record at their base, a table [site_response]."""
+    """Site response: the layers under a point of the section and a record at their base, a table [site_response]."""
 
     record: str = Field(
         default="",
@@ -226,11 +226,11 @@ class SiteResponseSettings(Model):
 
 
 def push_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], source: str) -> dict[str, Any]:
-    """Kh of the slides, its cycles and their period, where these are left to the earthquake of an input.
+    """Kh of the slides, its cycles and their period, where the earthquake of the input determines them.
 
-    Nothing where there is no earthquake, or its table has faults, which are reported elsewhere. Kh that is given, or
-    seconds for which it is held, leave the cycles out unless these are asked for. Raises InputError where
-    ``"earthquake"`` is asked for and nothing says its peak, or a record shakes the slides instead.
+    Empty without an earthquake, or if its table has errors, which are reported elsewhere. With a given Kh or duration
+    there are no cycles unless the settings request them. Raises InputError if a setting is ``"earthquake"`` and there
+    is no peak, or a record shakes the slides instead.
     """
     asked = [key for key in ("kh", *CYCLES) if slide.get(key) == EARTHQUAKE]
     kh_left = slide.get("kh", EARTHQUAKE) == EARTHQUAKE
@@ -254,10 +254,10 @@ def push_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], sou
 
 
 def assumed_push(magnitude: float | None) -> dict[str, float]:
-    """Kh of the slides, its cycles and their period where nothing says how strongly the ground shakes.
+    """Assumed Kh of the slides, its cycles and their period, where the input does not determine the shaking.
 
-    The default Kh in the cycles and with the period of the ``magnitude`` (7.5 where it is None) at 20 km, both ways: a
-    Kh held for ever would carry even level ground away once its residual strength is less.
+    The default Kh with the cycles and the period of the ``magnitude`` (7.5 if None) at 20 km. A constant Kh without end
+    would move even level ground without limit once its residual strength is exceeded.
     """
     kh = float(SlideSettings.model_fields["kh"].default)
     magnitude = REFERENCE if magnitude is None else magnitude

@@ -52,13 +52,13 @@ class Response:
     Attributes
     ----------
     depth : (n + 1,) of the tops of the layers, and of the half-space
-    acceleration : (n + 1,) largest there, either way
+    acceleration : (n + 1,) largest acceleration there, either way
     strain : (n,) largest shear strain in the middle of each layer
     stress : (n,) largest shear stress at the bottom of each layer
-    average : (n, t) acceleration of all that lies above the bottom of each layer, in time
-    layers : with the stiffness and the damping that they ended with
-    rounds : how many it took
-    change : the largest change of a stiffness or a damping that one more round would make, over itself
+    average : (n, t) average acceleration of the soil above the bottom of each layer, in time
+    layers : the layers with their final stiffness and damping
+    rounds : number of iterations
+    change : the largest relative change of a stiffness or a damping by one more iteration
     """
 
     depth: np.ndarray
@@ -125,17 +125,17 @@ def response(layers: Sequence[Layer], base: HalfSpace, step: float, outcrop: np.
     """The layers under a motion of the half-space where it crops out.
 
     Stiffness and damping are those at 0.65 of the largest strain of each layer, found by iteration as in SHAKE, until
-    they change by less than 0.2 %. Under strong motions the iteration converges slowly; its last values are taken where
-    they change by a few per cent, which SHAKE takes as enough (5 to 10 %: Schnabel, Lysmer & Seed 1972).
+    they change by less than 0.2 %. Under strong motions the iteration converges slowly; then a change of a few per cent
+    is accepted, as in SHAKE (5 to 10 %: Schnabel, Lysmer & Seed 1972).
 
     Parameters
     ----------
     layers : sequence of Layer
         From the surface down.
     base : HalfSpace
-        Below them.
+        Half-space below the layers.
     step : float
-        Of time (s).
+        Time step (s).
     outcrop : (t,) array
         Acceleration (m/s²) of the half-space where it crops out.
 
@@ -146,7 +146,7 @@ def response(layers: Sequence[Layer], base: HalfSpace, step: float, outcrop: np.
     Raises
     ------
     ValueError
-        Where one more round would still change a stiffness or a damping by more than 5 %.
+        If one more iteration would still change a stiffness or a damping by more than 5 %.
     """
     motion = _Motion.of(step, outcrop)
     now = best = tuple(layers)
@@ -195,7 +195,7 @@ def _change(new: Layer, old: Layer) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
-    """The outcrop's motion by frequency: circular frequencies, spectrum, and how many steps of time there are."""
+    """The outcrop motion by frequency: angular frequencies, spectrum, and number of time steps."""
 
     omega: np.ndarray
     spectrum: np.ndarray

@@ -33,13 +33,13 @@ __all__ = ["BlockDrive", "Estimate", "Kind", "block_drive", "constant_kh", "esti
 
 
 def constant_kh(settings: Tables) -> float:
-    """The constant Kh as set for the sliding block, or that of the slides."""
+    """The constant Kh of the settings of the sliding block, or else that of the slides."""
     return settings.slide.kh if settings.sliding_block.kh is None else settings.sliding_block.kh
 
 
 @dataclass(frozen=True)
 class BlockDrive:
-    """Loading of the block without a record: Kh that is held for ``seconds`` (perhaps infinite), or reverses in
+    """Loading of the block without a record: Kh that is constant for ``seconds`` (possibly infinite), or cyclic with
     ``cycles`` of a ``period`` (s).
     """
 
@@ -48,21 +48,21 @@ class BlockDrive:
     period: float = 0.0
 
     def slide(self, kc: float, kh: float) -> float:
-        """How far (m) a block that resists ``kc`` slides under ``kh`` (-); infinite where it never stops."""
+        """Slide (m) of a block with yield coefficient ``kc`` under ``kh`` (-); infinite if it never stops."""
         if self.cycles is None:
             return rectangular_pulse(kc, kh, self.seconds)
         return newmark(*cyclic_acceleration(kh, self.cycles, self.period), kc).permanent
 
     @property
     def words(self) -> str:
-        """How Kh acts."""
+        """The loading in words."""
         if self.cycles is not None:
             return f"both ways, {self.cycles:g} cycles of {self.period:g} s"
         return "held" if math.isinf(self.seconds) else f"for {self.seconds:g} s"
 
 
 def block_drive(settings: Tables) -> BlockDrive:
-    """How Kh drives the block: for the seconds set for it, else as it drives the slides."""
+    """Loading of the block by Kh: for the duration in its settings, else as for the slides."""
     slide, seconds = settings.slide, settings.sliding_block.seconds
     if seconds is None and slide.kh_cycles is not None and slide.kh_period is not None:
         return BlockDrive(slide.kh_cycles * slide.kh_period, slide.kh_cycles, slide.kh_period)
@@ -77,10 +77,10 @@ def is_s13(section: Section) -> bool:
 def estimates(
     section: Section, settings: Tables, kc: float | None, slip_surface: np.ndarray = NO_LINE
 ) -> list[Estimate]:
-    """All estimates that this input allows; those of a block that resists need the critical Kh found.
+    """All estimates that this input allows; those of a block with resistance need the critical Kh.
 
-    ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty. Estimates that the paper alone makes
-    are of its own section only.
+    ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty. Estimates of the paper are only made
+    for its own section.
     ``settings``: of all tables; ``kc``: critical Kh, None where there is none.
     """
     rows: list[Estimate] = []
@@ -97,7 +97,7 @@ def estimates(
 
 @dataclass(frozen=True)
 class BlockSlide:
-    """How far a rigid block slides (m), by both ways of a record or under Kh, and what drives it in words."""
+    """Slide of a rigid block (m) in both directions of a record, or under Kh, and its loading in words."""
 
     low: float
     high: float
@@ -111,9 +111,10 @@ class BlockSlide:
 
 
 def block_slide(settings: Tables, kc: float) -> BlockSlide | None:
-    """The slide of a rigid block that resists ``kc`` (above 0): both ways under the record, else under Kh.
+    """The slide of a rigid block with yield coefficient ``kc`` (above 0): in both directions of the record, else under
+    Kh.
 
-    None where Kh is held for ever and exceeds ``kc``, so that the block never stops.
+    None if Kh is constant without end and exceeds ``kc``, so that the block never stops.
     """
     if not settings.sliding_block.accelerogram:
         kh, drive = constant_kh(settings), block_drive(settings)

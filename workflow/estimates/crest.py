@@ -16,7 +16,7 @@ class Crest:
 
     Attributes
     ----------
-    start, end : the feet, between which the structure stands
+    start, end : the feet of the structure
     left, right : the ends of the crest; equal where it is a ridge
     elevation : of its highest point (m)
     """
@@ -34,7 +34,7 @@ class Crest:
 
 
 def crest_between(ground: np.ndarray, start: float, end: float) -> Crest:
-    """Find the crest of a structure: the ground beside its highest point that is less than 10 % of its height lower.
+    """Find the crest of a structure: the ground around its highest point that is lower by less than 10 % of its height.
 
     Parameters
     ----------
@@ -62,9 +62,9 @@ def crest_between(ground: np.ndarray, start: float, end: float) -> Crest:
 def embankments(ground: np.ndarray) -> tuple[Crest, ...]:
     """Find the crests that stand out on both sides, from left to right.
 
-    A crest stands out by its prominence: its height above the higher of the lowest points on either side, as far as
-    the ground is lower than the crest. It is an embankment where that is at least 1 m and 20 % of the relief of the
-    section, and where both faces are steeper than 1 in 10.
+    The prominence of a crest is its height above the higher one of the lowest points on either side, within the ground
+    that is lower than the crest. The crest belongs to an embankment if its prominence is at least 1 m and 20 % of the
+    relief of the section, and both faces are steeper than 1 in 10.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def _standing_out(ground: np.ndarray) -> Iterator[Crest]:
 
 
 def _foot(points: np.ndarray, base: float, height: float) -> float:
-    """Where the ground, followed from the top (the first of the ``points``), comes down to the elevation ``base``."""
+    """x at which the ground, followed from the top (the first of the ``points``), reaches the elevation ``base``."""
     k = int(np.argmax(points[:, 1] <= base + NEAR * height))
     (x0, z0), (x1, z1) = points[k - 1], points[k]
     return float(x1 if z1 >= base - NEAR * height else x0 + (x1 - x0) * (z0 - base) / (z0 - z1))

@@ -1,4 +1,4 @@
-"""How much a crest settles in a slide and by reconsolidation, and the freeboard that is left above the water."""
+"""Settlement of a crest by a slide and by reconsolidation, and remaining freeboard."""
 
 from collections.abc import Sequence
 
@@ -12,9 +12,9 @@ PLACES = 401  # of the crest's width between the feet
 def crest_level(surface: np.ndarray, crest: Crest) -> float | None:
     """Elevation of the highest ground as wide as the crest between the feet of a structure.
 
-    Water flows over a structure where its highest ground is lower than the water. The mean over the width of the crest
-    is taken because a surface of discs is rough, and at its highest place because a crest that moves aside still holds
-    water back.
+    Water flows over a structure where its highest ground is lower than the water. The level is a mean over the width of
+    the crest, because a surface of discs is rough. It is taken at the highest place, because a crest that moved
+    sideways still retains water.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def crest_level(surface: np.ndarray, crest: Crest) -> float | None:
 
 
 def crest_settlement(before: np.ndarray, after: np.ndarray, crest: Crest) -> float | None:
-    """By how much the highest ground of a structure is lower after a slide.
+    """Decrease of the highest level of a structure by a slide.
 
     Parameters
     ----------
@@ -69,9 +69,9 @@ def reconsolidation_settlement(thickness: Sequence[float], volumetric_strain: Se
     Parameters
     ----------
     thickness : sequence of float
-        Of the layers that liquefied, below the crest (m).
+        Thickness of the liquefied layers below the crest (m).
     volumetric_strain : sequence of float
-        Of each of them (-).
+        Volumetric strain of each layer (-).
 
     Returns
     -------
@@ -87,9 +87,9 @@ def freeboard(elevation: float, settlement: float, water: float) -> float:
     Parameters
     ----------
     elevation : float
-        Of the crest before the earthquake (m).
+        Elevation of the crest before the earthquake (m).
     settlement : float
-        Of the crest (m), down positive.
+        Settlement of the crest (m), down positive.
     water : float
         Elevation of the water beside the structure (m).
 

@@ -1,5 +1,5 @@
-"""Slip circles in ground with cohesionless faces: faces that would slide first in a thin layer are strengthened, as in
-the finite elements.
+"""Slip circles in ground with cohesionless faces: faces with a governing shallow failure are strengthened, as in the
+finite elements.
 """
 
 import numpy as np
@@ -22,31 +22,31 @@ def ground_of_circles(
 ) -> tuple[Section, SlipCircle | None]:
     """The ground in which slip circles are sought, and the critical circle in it.
 
-    Where a cohesionless face slides before any circle does, by the infinite slope, the circles would be the shallowest
-    that are sought. There the ground is that of the finite elements and of the bounds, with an apparent cohesion below
-    such faces, so that all methods speak of the slope as a whole.
+    Where a cohesionless face fails before any circle slides, as an infinite slope, the critical circle would be the
+    shallowest one of the search. Then the ground has an apparent cohesion below such faces, as in finite elements and
+    bounds, so that all methods describe the whole slope.
 
     Parameters
     ----------
     section : Section
         Strata cut at the water.
     towards : int
-        LEFT or RIGHT, where the mass slides to.
+        LEFT or RIGHT, the side to which the mass slides.
     kh : float or None
         Horizontal seismic coefficient at which the factor of safety is sought; None to seek the critical Kh.
     least_depth : float
-        Shallower circles are left out, and faces are strengthened down to it (m).
+        Smallest depth of circles, and depth to which faces are strengthened (m).
     vertical : float
         Vertical seismic coefficient, positive upwards.
     crack : TensionCrack
-        Where circles end at a crack, and the water in it.
+        Depth of the crack at which circles end, and the water in it.
 
     Returns
     -------
     ground : Section
         The section, or the section with its faces strengthened.
     circle : SlipCircle or None
-        The critical circle in it; None where no circle slides.
+        The critical circle in this ground; None if no circle slides.
     """
     circle = critical_circle(section, towards, kh, least_depth, vertical, crack=crack)
     direction: Direction = "downhill" if sign_of(section, "downhill") == towards else "uphill"

@@ -1,4 +1,4 @@
-"""Empirical relations for displacement by earthquake, blow counts or the layer above, each within its range."""
+"""Empirical relations for the displacement by earthquake, blow counts or the overlying layer, each within its range."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -128,7 +128,7 @@ def _block_under_average(section: Section, settings: Tables, kc: float, slip_sur
 
 
 def _depth_of(slip_surface: np.ndarray, section: Section, x: float) -> float | None:
-    """Depth (m) of a slip surface below the ground at x, or where it is deepest if it does not pass there."""
+    """Depth (m) of a slip surface below the ground at x, or its largest depth if it does not reach x."""
     if not len(slip_surface):
         return None
     depths = depth_below_ground(section, slip_surface)
@@ -214,7 +214,7 @@ def _zhang(section: Section, settings: Tables, tests: Sequence[Judged]) -> Estim
 
 
 def _mean_of_borings(tests: Sequence[Judged], of_one: Callable[[Sequence[Judged]], float]) -> float:
-    """Mean over the borings, weighted by the length of the section that is nearest to each."""
+    """Mean over the borings, weighted by the length of the section that is nearest to each boring."""
     borings: dict[str, list[Judged]] = {}
     for test in tests:
         borings.setdefault(test.boring, []).append(test)

@@ -18,12 +18,12 @@ class Estimate:
 
     Attributes
     ----------
-    kind : what sort of method it is
+    kind : kind of the method
     method : the method in words
     displacement_m : the displacement; None where the method gives none
-    words : what went into it, and what came out
-    source : where the method was published
-    validity : what it is valid for
+    words : input and result in words
+    source : publication of the method
+    validity : range of validity
     """
 
     kind: Kind
@@ -35,13 +35,13 @@ class Estimate:
 
 
 def mean_inclination(section: Section) -> float:
-    """By how much the ground is inclined from one end to the other (rad), whichever way it falls: never negative."""
+    """Mean inclination of the ground between its ends (rad), never negative."""
     (x0, z0), (x1, z1) = section.ground[0], section.ground[-1]
     return math.atan(abs(z1 - z0) / (x1 - x0))
 
 
 def depth_below_ground(section: Section, line: np.ndarray) -> np.ndarray:
-    """How deep the points of a ``line`` (n, 2), such as a slip surface, lie below the ground (n,), in m."""
+    """Depth (n,) below the ground (m) of the points of a ``line`` (n, 2), such as a slip surface."""
     depth: np.ndarray = np.interp(line[:, 0], *section.ground.T) - line[:, 1]
     return depth
 

@@ -1,4 +1,4 @@
-"""Lateral spreading by regression and by strains that are added up over depth."""
+"""Lateral spreading by regression, and by integration of strains over depth."""
 
 import math
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ class Spreading:
     Attributes
     ----------
     magnitude, distance : of the earthquake; the distance in km
-    slope : of the ground (%), or W = 100 H/L (%) where a free face of height H lies L away
+    slope : of the ground (%), or W = 100 H/L (%) at a distance L from a free face of height H
     thickness : of saturated layers with (N1)60 below 15 (m)
     fines : their mean content of fines (%)
     d50 : their mean grain size (mm)
@@ -46,8 +46,8 @@ def youd(site: Spreading) -> float:
     """Displacement (m): Youd, Hansen & Bartlett (2002), Eq. 6b for gently sloping ground, 6a towards a free face.
 
     log D = -16.213 + 1.532 M - 1.406 log R* - 0.012 R + 0.338 log S + 0.540 log T + 3.413 log(100 - F)
-    - 0.795 log(D50 + 0.1), R* = R + 10^(0.89 M - 5.64), R at least 0.5 km; towards a free face -16.713 and
-    0.592 log W in the place of the first and of the fourth but one.
+    - 0.795 log(D50 + 0.1), R* = R + 10^(0.89 M - 5.64), R at least 0.5 km; towards a free face -16.713 and 0.592 log W
+    instead of -16.213 and 0.338 log S.
     """
     distance = max(0.5, site.distance)
     near = distance + 10.0 ** (0.89 * site.magnitude - 5.64)
@@ -59,7 +59,7 @@ def youd(site: Spreading) -> float:
 
 
 def why_not_youd(site: Spreading) -> str:
-    """Why a site lies outside the range of Youd et al.; empty where it does not."""
+    """Why a site is outside the range of Youd et al.; empty if it is inside."""
     limits = (
         ("magnitude", site.magnitude, 6.0, 8.0, ""),
         ("free-face ratio", site.slope, 1.0, 20.0, " %") if site.free_face else ("slope", site.slope, 0.1, 6.0, " %"),
@@ -78,7 +78,7 @@ def why_not_youd(site: Spreading) -> str:
 def maximum_shear_strain(factor: float, clean: float) -> float:
     """γ_max by Zhang et al. (2004), without a unit, from F_L and (N1)60cs; D_r = 14 √(N1)60cs, at most 42 blows.
 
-    Between two densities their curves are interpolated. Nothing from F_L = 2 on.
+    The curves are interpolated between two densities; 0 from F_L = 2 on.
     """
     if factor >= 2.0:
         return 0.0

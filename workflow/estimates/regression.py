@@ -30,9 +30,9 @@ class Liquefied:
 
     Attributes
     ----------
-    thickness : mean thickness of what liquefies, along the part of x where there is any (m)
-    gradient : slope of the ground, or of the lower boundary of what liquefies if that is steeper (%)
-    thickest : largest thickness of what liquefies (m)
+    thickness : mean thickness of liquefying layers (m), over the part of the section that has any
+    gradient : slope of the ground, or of the lower boundary of the liquefying layers if steeper (%)
+    thickest : largest thickness of liquefying layers (m)
     """
 
     thickness: float
@@ -43,8 +43,8 @@ class Liquefied:
 def liquefied(section: Section, case: int, columns: int = 400) -> Liquefied | None:
     """The liquefied layers of a case taken together; None if none liquefies.
 
-    The thickness is the mean of their sum along the part of x where there are any, and the gradient that of the
-    straight line fitted there to the ground or to the lowest boundary of them, whichever is steeper.
+    The thickness is the mean of their total thickness over the part of the section that has any. The gradient is that
+    of a straight line fitted there to the ground or to their lowest boundary, whichever is steeper.
     """
     which = [k for k, stratum in enumerate(section.strata) if case in stratum.liquefies_in]
     left, right = section.extent

@@ -73,7 +73,7 @@ def bishop_critical_kh(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.
 
 
 def _moments(slices: Slices, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Moments (surfaces, 2) about the centres, counter-clockwise: of the known forces, and of what Kh = 1 adds."""
+    """Moments (surfaces, 2) about the centres, counter-clockwise: of the known forces, and of the forces by Kh = 1."""
     right, up = slices.x - x[:, None], slices.z - z[:, None]
     still = slices.moment + right * slices.vertical - up * slices.horizontal
     added = slices.inertia_moment + right * slices.inertia_vertical - up * slices.inertia
@@ -164,8 +164,8 @@ def _residuals(slices: Slices, factor: np.ndarray, kh: float, theta: float) -> t
     """Sums over the slices of one surface of the side forces Q and of their moments, (factors,); NaN where the normal
     force of a slice has no meaning.
 
-    Q is the resultant of both side forces of a slice, at the angle θ; its line passes the middle of the base at the
-    distance at which it balances the moments of the known forces.
+    Q is the resultant of both side forces of a slice, at the angle θ; its distance from the middle of the base follows
+    from the moments of the known forces.
     """
     up = (slices.vertical + kh * slices.inertia_vertical)[0]
     right = (slices.horizontal + kh * slices.inertia)[0]
@@ -200,7 +200,7 @@ def _moment_balance(
 
 
 def _root(function: Callable[[float], float], low: float, high: float, tolerance: float = 2e-12) -> float:
-    """Where a function of one variable is zero between two ends, by Brent's method."""
+    """Zero of a function of one variable between two ends, by Brent's method."""
     from scipy.optimize import brentq  # what only reads answers of slices does without it
 
     return float(brentq(function, low, high, xtol=tolerance))

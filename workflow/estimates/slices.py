@@ -1,9 +1,8 @@
 """The mass above trial slip surfaces, divided into vertical slices: weights, loads, strength and water at their bases.
 
-Limit equilibrium of slices is what reviewers know beside finite elements and strict bounds. Here many trial surfaces
-are divided at once: arrays are (surfaces, slices). Lengths are in m, forces in N per m of width, stresses in Pa; x to
-the right, elevation upwards. A mass that would slide to the right is mirrored first, so that every mass here slides to
-the left and the base of a driving slice rises to the right (angle α > 0).
+Many trial surfaces are divided together: arrays are (surfaces, slices). Lengths are in m, forces in N per m of width,
+stresses in Pa; x to the right, elevation upwards. A mass that would slide to the right is mirrored first, so that every
+mass here slides to the left and the base of a driving slice rises to the right (angle α > 0).
 """
 
 from dataclasses import dataclass, replace
@@ -29,8 +28,8 @@ class Slices:
     length : length of the base (m)
     vertical, horizontal : known forces (N/m), upwards and to the right, at Kh = 0
     moment : of the known forces about the middle of the base at Kh = 0, counter-clockwise (N)
-    inertia, inertia_moment : what Kh = 1 adds to ``horizontal`` and to ``moment``
-    inertia_vertical : what Kh = 1 adds to ``vertical``
+    inertia, inertia_moment : changes of ``horizontal`` and ``moment`` by Kh = 1
+    inertia_vertical : change of ``vertical`` by Kh = 1
     cohesion, friction : c (Pa) and tan φ at the base
     pressure : pore pressure (Pa) at the base
     """
@@ -66,11 +65,11 @@ def divide(
     x, z : (surfaces, slices + 1) ndarray
         Corners of the bases from left to right (m), inside the section and not above the ground.
     towards : int
-        LEFT or RIGHT, where the mass slides to; the seismic force acts that way.
+        LEFT or RIGHT, the side to which the mass slides and the seismic force acts.
     shaken : bool
-        Whether the excess pore pressures of shaking act.
+        Whether excess pore pressures by shaking act.
     vertical : float
-        Vertical seismic coefficient, positive upwards: it takes this share of the mass off the weight.
+        Vertical seismic coefficient, positive upwards: it reduces the weight by this share of the mass.
 
     Returns
     -------
@@ -117,8 +116,8 @@ def pushed_by_crack(
 ) -> Slices:
     """The slices with the thrust of the water in tension cracks at their heads.
 
-    Water of depth h presses with γ_w h² / 2 at h / 3 above the bottom. Under free water, which presses with p on the
-    ground, the crack is full, and p acts on all of its face, too. Shaking adds nothing to it.
+    Water of depth h has a thrust of γ_w h² / 2 at h / 3 above the bottom. Under free water with a pressure p on the
+    ground the crack is full, and p acts on its whole face in addition. The thrust does not change with Kh.
 
     Parameters
     ----------
@@ -152,10 +151,10 @@ def pushed_by_crack(
 def _ground_forces(section: Section, x: np.ndarray, towards: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Loads on the ground above slices with corners at ``x``, per horizontal area, and their elevation (m).
 
-    That is still water with surcharges, and what Kh = 1 adds to them, both (surfaces, slices, 2) in Pa.
+    These are still water and surcharges, and the changes of both by Kh = 1, each (surfaces, slices, 2) in Pa.
 
-    A slice takes the rise of the ground from corner to corner, so that the thrust of still water adds up over kinks and
-    steps of the ground, too.
+    The inclination of the ground above a slice is taken from corner to corner, so that the thrust of still water is
+    exact over kinks and steps of the ground, too.
     """
     ground = section.layering.interfaces(x.ravel())[:, 0].reshape(x.shape)
     middle, height = 0.5 * (x[:, 1:] + x[:, :-1]), 0.5 * (ground[:, 1:] + ground[:, :-1])
@@ -171,6 +170,6 @@ def _ground_forces(section: Section, x: np.ndarray, towards: int) -> tuple[np.nd
 
 
 def _stratum(levels: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """The stratum at each base: the deepest one that has a thickness and whose top is not below it."""
+    """The stratum at each base: the deepest stratum of non-zero thickness whose top is not below the base."""
     below_top = (z[:, None] <= levels[:, :-1]) & (levels[:, :-1] > levels[:, 1:])
     return below_top.shape[1] - 1 - np.argmax(below_top[:, ::-1], axis=1)

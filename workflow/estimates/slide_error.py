@@ -1,4 +1,4 @@
-"""Error of predicted slides on known slides, for the report.
+"""Error of the predictions of known slides, for the report.
 
 The table beside this file is written by `python -m docs.known_slides` from the answers of the collection.
 """
@@ -21,20 +21,20 @@ FEW = 3  # cases, below which those of other kinds are counted as well
 
 @dataclass(frozen=True)
 class SlideError:
-    """Error of the model on known slides.
+    """Error of a method in predicting known slides.
 
     Attributes
     ----------
     kind : str
-        Which slides were counted, in words.
+        Kind of the slides that were compared, in words.
     factor : float
-        Within which a prediction was of what was measured.
+        Factor between prediction and measurement in most cases.
     held, cases : int
-        In how many of how many cases.
+        Number of cases within the factor, and number of all cases.
     middle : float
-        Within which half of the predictions were.
+        Factor that half of the predictions did not exceed.
     method : str
-        Whose predictions they were: "discs" or "mpm".
+        Method of the predictions: "discs" or "mpm".
     """
 
     kind: str
@@ -63,19 +63,20 @@ class SlideError:
 
 
 def slide_error(flows: bool | None = None, method: SlideMethod = "discs") -> SlideError | None:
-    """The error on known slides of the field, of flow failures or spreads alone where there are enough.
+    """The error in predicting known slides of the field; only of flow failures, or only of spreads, if there are enough
+    of them.
 
     Parameters
     ----------
     flows
         Whether the slide flows by its weight alone; None where that is not known.
     method
-        Whose predictions count.
+        Method of the predictions.
 
     Returns
     -------
     SlideError or None
-        None where the collection has no field case that was run.
+        None if no field case of the collection was computed.
     """
     rows = _rows(method)
     field = [(kind, ratio) for group, kind, ratio in rows if group == "field"]

@@ -1,4 +1,4 @@
-"""The rigid block on the slip surface, to compare the slide of the discs with (Newmark 1965)."""
+"""The rigid block on the slip surface (Newmark 1965), for comparison with the slide of the discs."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -18,24 +18,24 @@ class Slide:
 
     @property
     def permanent(self) -> float:
-        """How far it is in the end (m)."""
+        """Displacement at the end (m)."""
         return float(self.displacement[-1])
 
     @property
     def moving(self) -> bool:
-        """Whether it still moves when the record is over."""
+        """Whether the block still moves when the record ends."""
         return bool(self.velocity[-1] > 0.0)
 
 
 def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float) -> Slide:
     """The slide of a rigid block that resists kc g, under a record of the ground's acceleration.
 
-    N. M. Newmark, Effects of earthquakes on dams and embankments, Géotechnique 15 (1965) 139-160: the block lags
-    behind by the acceleration beyond kc g from the moment that is exceeded until both move alike again; it does not
-    slide back. ``time`` (n,) in s, not falling, with two equal times for a step; ``acceleration`` (n,) in m/s², linear
-    in between, positive where it drives the block; kc > 0. The motion is integrated in closed form from corner to
-    corner, so that there is no time step. Where the record ends while the block slides it slides on, with no
-    acceleration, until it stops. Raises ValueError if kc is not above 0.
+    N. M. Newmark, Effects of earthquakes on dams and embankments, Géotechnique 15 (1965) 139-160: from the moment when
+    the ground acceleration exceeds kc g, the relative acceleration of the block is the excess over kc g, until both
+    have the same velocity again; the block does not slide back. ``time`` (n,) in s, not falling, with two equal times
+    for a step; ``acceleration`` (n,) in m/s², linear in between, positive where it drives the block; kc > 0. The motion
+    is integrated in closed form from corner to corner, so that there is no time step. Where the record ends while the
+    block slides it slides on, with no acceleration, until it stops. Raises ValueError if kc is not above 0.
     """
     if not kc > 0.0:
         raise ValueError(f"kc = {kc:g}: expected a critical seismic coefficient above 0; such a block never stops")
@@ -94,7 +94,7 @@ def _first_stop(speed: float, a: float, slope: float, span: float) -> float | No
 
 
 def rectangular_pulse(kc: float, k: float, duration: float) -> float:
-    """How far (m) a block that resists kc g slides under k g held for a duration (s).
+    """Slide (m) of a block with yield acceleration kc g under a constant k g of a duration (s).
 
     Newmark (1965), the closed form for a rectangular pulse: u = V² / (2 g kc) (1 - kc / k) with V = k g t.
     """
@@ -106,22 +106,22 @@ def rectangular_pulse(kc: float, k: float, duration: float) -> float:
 
 @dataclass(frozen=True)
 class SmoothPlane:
-    """A block without friction on a plane, as in Sec. 5 of the paper: ``slope`` (rad), pushed by ``kh``."""
+    """A block without friction on a plane, as in Sec. 5 of the paper: ``slope`` (rad), seismic coefficient ``kh``."""
 
     slope: float
     kh: float = 0.0
 
     @property
     def acceleration(self) -> float:
-        """Along the plane (m/s²): g (sin β + Kh cos β)."""
+        """Acceleration along the plane (m/s²): g (sin β + Kh cos β)."""
         return GRAVITY * float(np.sin(self.slope) + self.kh * np.cos(self.slope))
 
     def speed(self, seconds: float) -> float:
-        """m/s after a time from rest."""
+        """Speed (m/s) after a time from rest."""
         return self.acceleration * seconds
 
     def distance(self, seconds: float) -> float:
-        """m after a time from rest."""
+        """Distance (m) after a time from rest."""
         return 0.5 * self.acceleration * seconds**2
 
     def time_for(self, distance: float) -> float:

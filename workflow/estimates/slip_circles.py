@@ -1,7 +1,8 @@
-"""The critical slip circle of a section, by Bishop's simplified method, and Spencer's number on the same circle.
+"""The critical slip circle of a section by Bishop's simplified method, and the result of Spencer's method on the same
+circle.
 
-All circles through two points of the ground are tried on a grid, then on ever finer ones about the best; the search is
-for the least factor of safety, or for the least Kh at which the factor is 1, in both directions.
+All circles through two points of the ground are tried on a grid, then on ever finer grids around the best circle; the
+search is for the least factor of safety, or for the least Kh at which the factor is 1, in both directions.
 """
 
 from dataclasses import dataclass
@@ -36,7 +37,7 @@ class SlipCircle:
     towards : the side of the section to which it slides, "left" or "right"
     centre : (x, z) of its centre (m)
     radius : m
-    surface : (n, 2) points of the slip surface from left to right (m), up the crack where it ends at one
+    surface : (n, 2) points of the slip surface from left to right (m), including the tension crack
     kh : seismic coefficient of ``bishop`` and ``spencer`` where these are factors of safety; None where they are Kh
     bishop : factor of safety, or critical Kh, by Bishop's simplified method
     spencer : the same by Spencer's method on the same circle; None where forces and moments do not balance
@@ -72,13 +73,13 @@ def critical_circle(
         Horizontal seismic coefficient at which the factor of safety is sought; None to seek the least Kh at which the
         factor is 1, with the excess pore pressures of shaking.
     least_depth : float
-        Shallower circles are left out (m); at least 2 % of the height of the section.
+        Smallest depth of circles (m); at least 2 % of the height of the section.
     vertical : float
         Vertical seismic coefficient, positive upwards.
     crest : (left, right) or None
-        x (m) of the ends of a crest that slides, or some of it; any circle counts where this is None.
+        x (m) of the ends of a crest of which at least a part has to slide; None for any circle.
     crack : TensionCrack
-        Where circles end at a crack, and the water in it.
+        Depth of the crack at which circles end, and the water in it.
 
     Returns
     -------
@@ -99,7 +100,7 @@ def surface_balance(
     section : Section
         Strata cut at the water.
     line : (n, 2) ndarray
-        Points of the slip surface (m), x ascending; its ends are taken to the ground.
+        Points of the slip surface (m), x ascending; its ends are extended to the ground.
     towards : int
         LEFT or RIGHT, where the mass slides to.
     kh, vertical
@@ -137,14 +138,14 @@ def least_balance(section: Section, line: np.ndarray, kh: float | None = 0.0, ve
 
 
 def _by_spencer(slices: Slices, kh: float | None) -> float | None:
-    """Spencer's factor of safety of one surface at a Kh, or its critical Kh where that is None."""
+    """Spencer's factor of safety of one surface at a Kh, or its critical Kh if ``kh`` is None."""
     if kh is None:
         return None if (balance := spencer_critical_kh(slices)) is None else balance.kh
     return None if (balance := spencer_factor(slices, kh)) is None else balance.factor
 
 
 def _to_the_ground(section: Section, line: np.ndarray, towards: int) -> np.ndarray:
-    """A slip surface with its ends taken to the ground: out of it at the toe, into it at the crest."""
+    """A slip surface whose ends are extended to the ground at the toe and at the crest."""
     angles = (OUT, INTO) if towards == LEFT else (INTO, OUT)
     left, right = section.extent
     ground = section.layering.interfaces(line[[0, -1], 0])[:, 0]
@@ -217,13 +218,14 @@ class _Search:
 
     @property
     def _head(self) -> int:
-        """Which end of a slip surface is its upper one: the last for a mass that slides to the left."""
+        """Index of the upper end of a slip surface: the last point for a mass that slides to the left."""
         return -1 if self.towards == LEFT else 0
 
     def _surfaces(self, circles: np.ndarray, number: int) -> tuple[np.ndarray, ...]:
         """Corners x, z (circles, number + 1) of the slices, centres (circles, 2), radii, and which circles are sound.
 
-        A sound circle is below the ground all along, above the base of the section, deep enough and nowhere upright.
+        A sound circle is everywhere below the ground and above the base of the section, deep enough, and nowhere
+        vertical.
         """
         section = self.section
         left, right = section.extent

@@ -25,7 +25,7 @@ def bray_macedo(kc: float, peak: float, magnitude: float) -> float:
     """Median displacement (m) of a rigid mass, ordinary motions of shallow crustal earthquakes: Bray & Macedo (2019).
 
     ln D = -4.684 - 2.482 ln ky - 0.244 (ln ky)² + 0.344 ln ky ln a + 2.649 ln a - 0.090 (ln a)² + 0.603 M, D in cm,
-    where it is not nought.
+    if it is not zero.
     """
     k, a = math.log(kc), math.log(peak)
     value = -4.684 - 2.482 * k - 0.244 * k**2 + 0.344 * k * a + 2.649 * a - 0.090 * a**2 + 0.603 * magnitude

@@ -12,19 +12,19 @@ from workflow.estimates.slip_circles import NO_CRACK, SlipCircle, critical_circl
 
 @dataclass(frozen=True)
 class Standing:
-    """A structure, as the file names it or as the ground shows it, and its crest."""
+    """A structure of the section file, or an embankment found in the ground surface, with its crest."""
 
     name: str
     kind: Kind
     crest: Crest
 
     def slides_with(self, surface: Sequence[tuple[float, float]]) -> bool:
-        """Whether some of the crest lies above a slip surface, whose points (m) go from left to right."""
+        """Whether a part of the crest lies above a slip surface, whose points (m) go from left to right."""
         return surface[0][0] <= self.crest.right and surface[-1][0] >= self.crest.left
 
 
 def structures_of(section: Section) -> tuple[Standing, ...]:
-    """The structures of a section: those of its file, or else the embankments that stand out on both sides."""
+    """The structures of a section: those of its file, or else its embankments."""
     ground = section.ground
     if section.structures:
         return tuple(
@@ -47,10 +47,10 @@ def face_circle(
     vertical: float,
     crack: TensionCrack = NO_CRACK,
 ) -> SlipCircle | None:
-    """The critical slip circle of one face of a structure, with which some of its crest slides ``towards`` a side.
+    """The critical slip circle of one face of a structure: a part of the crest slides with it ``towards`` a side.
 
-    ``critical`` is the critical circle of the ``section`` towards that side, for the same question: it is the circle of
-    the face where some of the crest slides with it. The other arguments are those of `critical_circle`.
+    ``critical`` is the critical circle of the ``section`` towards this side; it is also the circle of the face if a
+    part of the crest slides with it. The other arguments are those of `critical_circle`.
     ``kh``, ``least_depth``, ``vertical``, ``crack``: as there.
     """
     if critical is not None and structure.slides_with([(x, z) for x, z in critical.surface]):

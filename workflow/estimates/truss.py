@@ -32,7 +32,7 @@ class Truss:
     modulus: float
 
     def displacement(self, along: float) -> float:
-        """Displacement (m) at a distance from the end that is held: γ sin β (L s - s²/2) / E'.
+        """Displacement (m) at a distance s from the held end: γ sin β (L s - s²/2) / E'.
 
         E' u'' + γ sin β = 0 with u = 0 at the end that is held and u' = 0 at the free one. The thickness of the bar
         cancels; the displacement is largest at the free end, γ sin β L² / 2 E'.
@@ -49,8 +49,8 @@ class Truss:
 def truss_of(section: Section, case: int) -> Truss | None:
     """The strata above the uppermost one that liquefies in a case, as one bar; None where nothing lies above it.
 
-    Its length is that of the part of the section where something liquefies; its density and modulus are means over its
-    area; it is inclined as the bottom of the bar on average.
+    Its length is that of the part of the section with liquefying layers; density and modulus are means over its area;
+    its inclination is the mean of its lower boundary.
     """
     which = [k for k, stratum in enumerate(section.strata) if case in stratum.liquefies_in]
     left, right = section.given_extent

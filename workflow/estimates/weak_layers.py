@@ -1,4 +1,6 @@
-"""Thin layers that are weaker than what lies above and below: a slip circle cuts across them and cannot follow them."""
+"""Thin layers that are weaker than the layers above and below: a slip circle cuts across them and cannot follow
+them.
+"""
 
 import numpy as np
 
@@ -15,8 +17,8 @@ COLUMNS = 200  # vertical lines on which layers are looked at
 def thin_weak_layers(section: Section) -> tuple[str, ...]:
     """The soils of a section that slip circles cannot follow, from the top down.
 
-    Strengths are c + σ'v tan φ in the middle of a layer, its own and that of the soils above and below it. What lies on
-    the base is as weak as what lies on firm ground.
+    Strengths are c + σ'v tan φ in the middle of a layer, its own and that of the soils above and below it. The base
+    counts as firm ground.
 
     Parameters
     ----------
@@ -26,7 +28,7 @@ def thin_weak_layers(section: Section) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        Names as in the file.
+        Names of the soils in the section file.
     """
     layers = section.layering
     left, right = section.extent

@@ -1,1 +1,1 @@
-"""Answers as pictures."""
+"""Pictures of the results."""

@@ -17,7 +17,7 @@ HEIGHT = 5.0  # inches
 
 
 def draw(connected: Connected, title: str, path: Path) -> None:
-    """The strata as they are connected, the borings as far as they go, N beside them; heights are exaggerated."""
+    """Draw the interpolated strata, and the borings to their depth with blow counts N; heights are exaggerated."""
     figure = Figure(figsize=(WIDTH / DPI, HEIGHT), dpi=DPI, facecolor="white", layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
@@ -53,7 +53,7 @@ def draw(connected: Connected, title: str, path: Path) -> None:
 
 
 def _signs(connected: Connected) -> Iterator[Line2D]:
-    """What stands for blow counts, water and cones, as far as there are any."""
+    """Legend entries for blow counts, water and cones, if there are any."""
     logs = [boring.log for boring in connected.borings]
     if any(log.samples for log in logs):
         yield Line2D([], [], color=INK, linewidth=2.0, marker="o", markersize=3, label="boring, with blow counts N")

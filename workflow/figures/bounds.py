@@ -32,7 +32,7 @@ MOVES, NARROW, AROUND = 0.02, 0.3, 0.5
 
 
 def draw_all(config: Config, bounds: KhBounds, store: Store) -> None:
-    """bounds_mechanism.png and bounds_stress.png, where there is such a bound, and bounds_mesh.png."""
+    """Draw bounds_mechanism.png and bounds_stress.png, if there is such a bound, and bounds_mesh.png."""
     window = Window.around(config.section.outline())
     if bounds.mechanism:
         with store.writing("figures/bounds_mechanism.png") as path:

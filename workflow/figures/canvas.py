@@ -1,6 +1,6 @@
-"""Common parts of pictures: the ground rendered by pyvista, axes in metres, legends and notes.
+"""Common parts of pictures: ground rendered by pyvista, axes in metres, legends and notes.
 
-A picture shows true proportions, and a flat section once more with its heights exaggerated. pyvista renders without
+A picture has true proportions; a flat section is drawn a second time with exaggerated heights. pyvista renders without
 a screen; matplotlib sets the axes, legend and notes.
 """
 
@@ -65,13 +65,13 @@ SOILS = (
 
 
 def soil_colour(index: int) -> str:
-    """The colour of the stratum with this index; beyond the twelfth they come again, darker."""
+    """The colour of the stratum with this index; after the twelfth the colours repeat, darker."""
     again, place = divmod(index, len(SOILS))
     return to_hex(np.array(to_rgb(SOILS[place])) * 0.72**again)
 
 
 def soil_colours(names: Sequence[str]) -> list[str]:
-    """The colours of strata by their names: parts of one soil have one colour."""
+    """The colours of strata by their names; parts of one soil have the same colour."""
     return [soil_colour(number) for number in soil_numbers(names)]
 
 
@@ -98,7 +98,7 @@ class Window:
         return (self.top - self.bottom) / (self.right - self.left)
 
     def exaggerations(self) -> list[int]:
-        """By how much to exaggerate the heights in each view: 1, and more in a second one if all is too flat."""
+        """Exaggeration of heights in each view: 1, and a larger one in a second view if the section is too flat."""
         if self.proportion >= FLATTEST:
             return [1]
         return [1, next((much for much in EXAGGERATIONS if much * self.proportion >= FLATTEST), EXAGGERATIONS[-1])]
@@ -199,7 +199,7 @@ class Sheet:
         return axes
 
     def legend(self, handles: Sequence[Artist], columns: int, below: float = 0.0) -> None:
-        """One legend under the views; ``below`` so many of its rows."""
+        """A legend under the views, ``below`` so many rows of it."""
         left, top = self.legend_at
         legend = self.figure.legend(
             handles=handles, loc="upper left", ncols=columns, fontsize=7.5,
@@ -210,7 +210,7 @@ class Sheet:
             text.set_parse_math(False)
 
     def colour_bar(self, scale: ScalarMappable, label: str, limits: Sequence[float] | None = None) -> None:
-        """A scale of colours under the views, on the left; ``limits`` are those of its classes, where it has any."""
+        """A colour bar under the views, on the left; ``limits`` of its classes, if it has classes."""
         left, top = self.legend_at
         height = self.figure.get_figheight()
         box = self.figure.add_axes((left, top - 0.2 / height, 0.42, 0.12 / height))
@@ -266,7 +266,7 @@ def in_classes(limits: Sequence[float], colours: Sequence[str]) -> ScalarMappabl
 
 
 def spread(points: np.ndarray, window: Window, across: int = 45) -> np.ndarray:
-    """Indices of points about evenly spread over the window, one for each box of a grid."""
+    """Indices of about uniformly spaced points in the window, one for each box of a grid."""
     box = (window.right - window.left) / across
     cells = np.floor((points - [window.left, window.bottom]) / box).astype(np.int64)
     _, first = np.unique(cells[:, 0] * 100_000 + cells[:, 1], return_index=True)
@@ -274,6 +274,6 @@ def spread(points: np.ndarray, window: Window, across: int = 45) -> np.ndarray:
 
 
 def legend_columns(handles: Sequence[Artist], most: int = 3) -> int:
-    """How many columns of a legend fit side by side: three, or fewer where labels are long."""
+    """Number of columns of a legend: three, or fewer with long labels."""
     longest = max(len(str(handle.get_label()).encode()) for handle in handles)
     return int(np.clip(LEGEND_CHARACTERS // (longest + 6), 1, most))

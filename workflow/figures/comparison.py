@@ -28,7 +28,7 @@ SEEN = 0.005  # of Kh: less is no interval
 
 
 def draw_all(results: Results) -> list[str]:
-    """Draw what the results allow, and remove what they no longer do; returns the names of the pictures."""
+    """Draw the pictures that the results allow, and remove outdated ones; returns the names of the pictures."""
     drawn = []
     for name, draw in (
         (FRONT, front), (CURVES, _curves), (SURFACES, _surfaces), (CALIBRATION, _calibration), (BLOCK, _block),
@@ -101,7 +101,9 @@ def _curves(results: Results, name: str) -> bool:
 
 
 def _discs(axes: Any, search: DiscSearch, look: dict[str, Any], soil: bool) -> float:
-    """All points of the push of soil discs, or the states of others that stood; returns how far they reach (m)."""
+    """Draw all points of the displacement-controlled test of soil discs, or the stable states of the paper's discs;
+    returns the largest displacement (m).
+    """
     points = [(trial.kh, trial.displacement_m) for trial in search.trials] if soil else search.curve
     curve = np.array(sorted(points, key=lambda point: point[1])).reshape(-1, 2)
     axes.plot(curve[:, 1], curve[:, 0], **look, markersize=3.5, linewidth=1.0)
@@ -172,7 +174,9 @@ def _one_at_a_time(sheet: Sheet, answer: CalibrationAnswer, parameters: list[str
 
 
 def _calibration(results: Results, name: str) -> bool:
-    """Which parameter moves the critical Kh of the discs, and the trials of the one that was solved for."""
+    """Draw the influence of each parameter on the critical Kh of the discs, and the trials of the calibrated
+    parameter.
+    """
     answer = results.calibration
     if answer is None or answer.target_kc is None:
         return False
@@ -204,7 +208,7 @@ def _calibration(results: Results, name: str) -> bool:
 
 
 def _factors(axes: Axes) -> None:
-    """An axis of factors, alike for halves and doubles."""
+    """A logarithmic axis of factors."""
     axes.set_xscale("log")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 1.2, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0, 8.0, 9.0)))
     axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
@@ -212,7 +216,7 @@ def _factors(axes: Axes) -> None:
 
 
 def _block(results: Results, name: str) -> bool:
-    """The accelerogram, and the slide of the rigid block under it, both ways."""
+    """Draw the accelerogram, and the slide of the rigid block under it in both directions."""
     if not results.config.sliding_block.accelerogram or results.kc is None:
         return False
     record = results.config.sliding_block.in_use()

@@ -1,6 +1,7 @@
 """Pictures of the discs: layers, states, pore springs, velocities and force chains, in true proportions.
 
-Each function takes a model, and writes one picture to a path. `in_section` gives a model as it lies in the section.
+Each function draws a model, and writes one picture to a path. `in_section` converts a model to coordinates of the
+section.
 """
 
 import copy
@@ -33,7 +34,7 @@ NO_LINE = np.zeros((0, 2))
 
 
 class Circles(Protocol):
-    """What can be drawn as discs: centres and radii (m)."""
+    """Discs to be drawn: centres and radii (m)."""
 
     @property
     def x(self) -> np.ndarray: ...
@@ -74,7 +75,7 @@ def discs(model: Circles, which: np.ndarray, height: float = 0.0) -> pv.PolyData
 def bars(model: DiscModel, which: np.ndarray, width: np.ndarray, height: float = 0.1) -> pv.PolyData:
     """Some of the pairs as bars between the centres; width in m.
 
-    model: the discs; which: numbers of the pairs; height: above the plane, for what lies over what.
+    model: the discs; which: numbers of the pairs; height: above the plane, which determines what covers what.
     """
     i, j = model.pair_i[which], model.pair_j[which]
     if not len(i):
@@ -89,7 +90,7 @@ def bars(model: DiscModel, which: np.ndarray, width: np.ndarray, height: float =
 
 
 def layers(model: DiscModel, path: Path | str, title: str = "Discs by layer") -> None:
-    """Every disc in the colour of its layer; boundary discs dark. A spoke shows how far a disc has turned."""
+    """Every disc in the colour of its layer; boundary discs dark. A spoke shows the rotation of a disc."""
     window = window_of(model)
     colours = soil_colours([layer.name for layer in model.springs.layers])
 
@@ -115,7 +116,7 @@ def layers(model: DiscModel, path: Path | str, title: str = "Discs by layer") ->
 
 
 def pore_springs(model: DiscModel, path: Path | str, title: str = "Pore springs") -> None:
-    """Whole pore springs green, cracked ones red."""
+    """Intact pore springs in green, cracked ones in red."""
     whole, cracked = model.pore_length > 0.0, model.pore_length < 0.0
     handles = [
         Line2D([], [], color=WHOLE, lw=3, label=f"whole ({whole.sum()})"),
@@ -125,7 +126,9 @@ def pore_springs(model: DiscModel, path: Path | str, title: str = "Pore springs"
 
 
 def draw_pore_springs(plotter: pv.Plotter, model: DiscModel) -> None:
-    """Pore springs as bars over pale discs; those between discs that parted long ago would cross the picture."""
+    """Pore springs as bars over pale discs; springs between discs far apart are left out, since they would cross the
+    picture.
+    """
     plotter.add_mesh(discs(model, np.ones(len(model), bool)), color=PALE, lighting=False)
     near = model.distance() < 1.5 * np.abs(model.pore_length)
     width = np.full(len(model.pair_i), 0.35 * model.radius.mean())
@@ -136,7 +139,7 @@ def draw_pore_springs(plotter: pv.Plotter, model: DiscModel) -> None:
 
 
 def state(model: DiscModel, before: DiscModel, path: Path | str, title: str) -> None:
-    """How far every disc has come since `before` and, of discs that have them, the pore springs: Figs 12 and 13.
+    """Displacement of every disc since `before` and, for discs with pore springs, these springs: as Figs 12 and 13.
 
     model: the discs; path: of the picture; title: above it.
     """
@@ -164,7 +167,7 @@ def nice(value: float) -> float:
 
 
 def draw_values(plotter: pv.Plotter, model: Circles, values: np.ndarray, norm: Normalize, dark: np.ndarray) -> None:
-    """Discs in the colour of a value, and some of them dark.
+    """Discs coloured by a value, and some of them dark.
 
     plotter: to draw into; model: the discs; values: one for each disc; norm: of the colours; dark: mask of the dark
     ones.
@@ -203,7 +206,7 @@ def velocities(model: DiscModel, path: Path | str, title: str = "Velocity") -> N
 
 
 def force_chains(model: DiscModel, path: Path | str, title: str = "Force chains") -> None:
-    """Bars between touching discs, as wide as they push; pulling pore springs in red."""
+    """Bars between touching discs, their width proportional to the force; pore springs in tension in red."""
     normal = contact_forces(model).normal
     size = np.abs(normal)
     # the strongest few would leave the rest as hairs
@@ -241,7 +244,7 @@ def _write(
     handles: Sequence[Artist],
     scale: tuple[ScalarMappable, str] | None = None,
 ) -> None:
-    """One view with a legend, or with a scale of colours and what it shows."""
+    """Write a picture of one view with a legend, or with a labelled colour bar."""
     columns = min(6, max(1, len(handles)))
     rows = -(-len(handles) // columns) if handles else 2
     sheet = Sheet(title, [window.proportion], f"{_count(model)}; t = {model.time:.4g} s", rows)

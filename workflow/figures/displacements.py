@@ -1,4 +1,4 @@
-"""Displacements by all methods in one picture: other methods, discs, material points, and what was measured."""
+"""Displacements by all methods in one picture: other methods, discs, material points, and measurements."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ BLANK = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
 
 @dataclass(frozen=True)
 class Row:
-    """A method, how it is drawn, and its displacement (m); None, and why, where it gives none."""
+    """A method, its marker, and its displacement (m); None, with the reason, if it gives none."""
 
     words: str
     look: tuple[str, str]
@@ -36,7 +36,7 @@ class Row:
 
 
 def displacements(results: Results, name: str) -> bool:
-    """A point for each method, discs and estimates, on a logarithmic axis; false where there are less than two."""
+    """Draw a point for each method, discs and estimates, on a logarithmic axis; false if there are fewer than two."""
     rows = [*_others(results), *slides(results)]
     known = [row for row in rows if row.value is not None]
     if len(known) < 2:
@@ -67,7 +67,7 @@ def displacements(results: Results, name: str) -> bool:
 
 
 def _draw(axes: Axes, row: Row, at: int) -> None:
-    """A point with its number beside it, an arrow where it lies off the axis, or the reason why there is none."""
+    """Draw a point with its number, an arrow if it lies off the axis, or the reason why there is none."""
     if row.value is None:
         axes.annotate(
             row.why_not, (SMALLEST, at), (-2, -2), textcoords="offset points", fontsize=6.5, color=GREY, bbox=BLANK
@@ -103,7 +103,7 @@ def slides(results: Results) -> Iterator[Row]:
 
 
 def _why_not(words: str) -> str:
-    """Find in the words of an estimate why it gives no displacement."""
+    """The reason why an estimate gives no displacement, from its words."""
     for sign in ("outside its range: ", "not computed: "):
         _, separator, reason = words.partition(sign)
         if separator:
@@ -114,7 +114,7 @@ def _why_not(words: str) -> str:
 def _of_cases(
     results: Results, cases: Mapping[int, CaseAnswer | PointCase], method: str, look: tuple[str, str]
 ) -> Iterator[Row]:
-    """The slide of each case by a method: at every place where something was measured, and at most."""
+    """The slide of each case by a method: at every place of a measurement, and the largest one."""
     observed = dict.fromkeys(row.x for row in results.config.report.observed if row.x is not None)
     places = [x for x in observed if all(case.slide_at(x) is not None for case in cases.values())]
     for numbers, case in alike(cases).items():

@@ -29,8 +29,9 @@ DASHES = ((0, ()), (0, (5, 2)), (0, (2, 2)), (0, (1, 2)))
 
 
 def draw_all(config: Config, results: FemResults, store: Store) -> None:
-    """fem_kh_*.png for every state that was asked for, fem_plateau.png, fem_curve.png, and fem_safety.png with the
-    slip surfaces of factors of safety; removes older ones."""
+    """Draw fem_kh_*.png for every requested state, fem_plateau.png, fem_curve.png, and fem_safety.png with the slip
+    surfaces of factors of safety; remove older ones.
+    """
     drawn: dict[int, Views] = {}
     names = ["figures/fem_curve.png"]
     for state in results.states:
@@ -106,7 +107,7 @@ def _dilations(section: Section) -> str:
 
 
 class Views(NamedTuple):
-    """The rendered views of a state, where its arrows begin, and how much longer than true they are."""
+    """The rendered views of a state, the places of its arrows, and their scale."""
 
     outline: np.ndarray
     every: np.ndarray

@@ -1,4 +1,4 @@
-"""Fonts for names in any script: one that has their characters is found on this machine, or asked for by its name."""
+"""Fonts for names in any script: a font on this machine that has their characters, or the name of a font to install."""
 
 from collections.abc import Iterable
 from functools import cache
@@ -15,7 +15,9 @@ ASKED_FOR = "Noto's fonts have them: on Debian and Ubuntu apt install fonts-noto
 
 
 def files_for(text: str) -> tuple[str, ...]:
-    """The font files that together have the characters of a text, the plain one first, as far as there are any."""
+    """The font files that together have the characters of a text, the default font first, as far as they are
+    installed.
+    """
     files = [font_manager.findfont(PLAIN)]
     left = _lacking(files, frozenset(text))
     for file in _others() if left else ():
@@ -26,7 +28,7 @@ def files_for(text: str) -> tuple[str, ...]:
 
 
 def file_for(text: str) -> str:
-    """The file of one font that has most of a text, for drawing that knows but one at a time."""
+    """The file of the font with most characters of a text, for programs that use only one font at a time."""
     return min(files_for(text), key=lambda file: len(_lacking([file], frozenset(text))))
 
 

@@ -1,4 +1,6 @@
-"""The picture of the report's first page: the section, how it fails, and where the surface comes to lie."""
+"""The picture of the first page of the report: the section, its slip surface, and the surface after the largest
+slide.
+"""
 
 from collections.abc import Mapping
 
@@ -45,7 +47,7 @@ def front(results: Results, name: str) -> bool:
 
 
 def _largest(results: Results) -> tuple[int, CaseAnswer | PointCase | None]:
-    """The largest slide of the set of discs that counts, or else of material points; None without slides."""
+    """The largest slide of the governing set of discs, or else of material points; None without slides."""
     _, discs = results.case_set()
     cases: Mapping[int, CaseAnswer | PointCase] = discs or (results.mpm.cases if results.mpm is not None else {})
     if not cases:
@@ -55,7 +57,7 @@ def _largest(results: Results) -> tuple[int, CaseAnswer | PointCase | None]:
 
 
 def _marks(axes: Axes, results: Results) -> None:
-    """The borings as deep as they were tested, and an arrow in the direction of the seismic force."""
+    """Draw the borings to their depth, and an arrow in the direction of the seismic force."""
     section, fem = results.config.section, results.fem
     for boring in results.triggering.borings if results.triggering is not None else ():
         tests = [test for test in results.triggering.tests if test.boring == boring.name] if results.triggering else []

@@ -53,7 +53,7 @@ def foot(section: Section) -> str:
 
 
 class Overlay(NamedTuple):
-    """A line drawn over a section: its points (n, 2) in m, colour, pattern of dashes, and what it is."""
+    """A line drawn over a section: its points (n, 2) in m, colour, dash pattern, and label."""
 
     points: np.ndarray
     colour: str
@@ -69,9 +69,9 @@ def draw_section(
     decorate: Callable[[Axes], None] | None = None,
     above: float = 0.0,
 ) -> None:
-    """The layers in colour, the liquefiable ones dotted, the water table, true proportions; lines over it.
+    """Draw the layers in colour, liquefying ones dotted, the water table, and lines over them, in true proportions.
 
-    ``decorate`` draws more into each view, ``above`` is the room for it above the ground (of the height).
+    ``decorate``: function that draws more into each view; ``above``: room above the ground as a share of the height.
     ``section``: the ground; ``path``: of the picture; ``title``: above it.
     """
     outline = section.outline()
@@ -167,7 +167,9 @@ def borders(section: Section) -> list[np.ndarray]:
 
 
 def room_for_loads(section: Section) -> np.ndarray:
-    """Points (n, 2) in m above the ground that a picture with arrows of surcharges has to hold; none without any."""
+    """Points (n, 2) in m above the ground, for which a picture with arrows of surcharges needs room; empty without
+    surcharges.
+    """
     above = ARROW * float(np.ptp(section.ground[:, 0])) * np.array([0.0, 1.0])
     return section.ground + above if section.surcharges else np.zeros((0, 2))
 
@@ -178,7 +180,7 @@ def pressure_of(load: Surcharge) -> str:
 
 
 def draw_loads(axes: Axes, section: Section) -> None:
-    """Surcharges as arrows on the ground, their length by their size."""
+    """Draw surcharges as arrows on the ground, their length in proportion to the pressure."""
     largest = max((max(load.pressure) for load in section.surcharges), default=0.0)
     for load in section.surcharges:
         x = np.linspace(load.start, load.end, 8)
@@ -193,7 +195,7 @@ def draw_loads(axes: Axes, section: Section) -> None:
 def _number_strata(axes: Axes, section: Section) -> None:
     """The number of every stratum where it is thickest, so that layers are told apart without colours, too.
 
-    A number that is higher than its stratum would cover the lines of the stratum: it stands above the ground, at the
+    A number that is higher than its stratum would cover the lines of the stratum: then it is above the ground, at the
     end of a line from the stratum.
     """
     layers = section.layering
@@ -227,7 +229,7 @@ def _number_strata(axes: Axes, section: Section) -> None:
 
 
 def _fill_water(axes: Axes, section: Section, table: np.ndarray) -> None:
-    """What stands on the ground below the water table."""
+    """Draw free water: the area between the ground and a higher water table."""
     x = np.union1d(section.ground[:, 0], table[:, 0])
     x = np.union1d(x, np.linspace(x[0], x[-1], 2000))
     level, ground = np.interp(x, *table.T), np.interp(x, *section.ground.T)
@@ -244,7 +246,7 @@ def _line_width(section: Section) -> float:
 
 
 def _legend_of(section: Section, water: bool = True) -> list[Artist]:
-    """A patch for every stratum, or for as many as there is room for; beside the picture of a mesh without water."""
+    """Legend entries for the strata for which there is room, and for water unless the picture is one of a mesh."""
     handles: list[Artist] = []
     numbers, colours = soil_numbers([stratum.name for stratum in section.strata]), _colours(section)
     for k in sorted({numbers.index(number) for number in numbers}):  # the first part of every soil

@@ -59,7 +59,7 @@ FIELDS: Mapping[str, Field] = {
 
 
 def draw(job: Job, field: str | None, at: float | None) -> list[Path]:
-    """Draw one field, or the usual picture without one, of the states at one Kh, or of all without it.
+    """Draw one field, by default the usual picture, of the states at one Kh, by default of all states.
 
     Returns the files. Raises InputError if there is no such field or no state at that Kh.
     """
@@ -131,7 +131,7 @@ def window(job: Job, field: str, at: float | None) -> None:
 
 
 def no_screen() -> str:
-    """Why no window can be opened, empty if one can. VTK draws by X, and only warns where that does not answer."""
+    """Why no window can be opened; empty if one can. VTK needs an X server, and only warns if there is none."""
     if sys.platform != "linux":
         return ""
     display = os.environ.get("DISPLAY")

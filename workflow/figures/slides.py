@@ -1,4 +1,4 @@
-"""Pictures of the slides: where the discs came to lie, an animation, settlement and slide in time."""
+"""Pictures of the slides: final positions of the discs, an animation, settlement and slide in time."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -58,7 +58,7 @@ class Frame:
 
     @classmethod
     def read(cls, path: Path) -> "Frame":
-        """The state in a .vtp."""
+        """Read the state from a .vtp file."""
         grid = pv.read(path)
         moved = np.hypot(*np.asarray(grid.point_data["displacement_m"])[:, :2].T)
         x, z, _ = np.asarray(grid.points, float).T
@@ -71,13 +71,13 @@ class Frame:
         return self.stratum >= 0
 
     def scale(self) -> Normalize:
-        """A colour scale that a few discs rolling away do not stretch."""
+        """A colour scale whose range is not stretched by a few discs that roll away."""
         return Normalize(0.0, nice(float(np.percentile(self.moved[self.free], 99.0))))
 
 
 def shown_window(states: Sequence[Frame], springs: str, line: np.ndarray = NO_LINE) -> Window:
-    """Window of a slide: the first state of discs with their box; of material points the ground of all states, since
-    the base of their grid continues beyond the section.
+    """Window of a slide. For discs it holds the first state with the box; for material points the ground of all states,
+    since the base of their grid continues beyond the section.
     """
     if springs != "mpm":
         return window_of(states[0], line)
@@ -86,7 +86,7 @@ def shown_window(states: Sequence[Frame], springs: str, line: np.ndarray = NO_LI
 
 
 def smoothed(line: np.ndarray, size: float) -> np.ndarray:
-    """The surface that discs of a diameter ``size`` (m) resolve: single discs upon it or missing in it make no spike.
+    """The surface that discs of a diameter ``size`` (m) resolve, without spikes by single additional or missing discs.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def name_of(config: Config, springs: str, case: int) -> str:
 
 
 def left_by(case: Case) -> str:
-    """What liquefaction leaves of stiffness and strength of a layer, in words."""
+    """Stiffness and strength of a layer after liquefaction, in words."""
     shares = {"stiffness": case.stiffness, "friction": case.friction, "cohesion": case.cohesion}
     phrases = [
         f"their {name}" if share == 1.0 else f"{share:g} of their {name}" for name, share in shares.items() if share
@@ -132,7 +132,8 @@ def left_by(case: Case) -> str:
 
 
 def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, number: int, out: Path) -> None:
-    """Two views of the end, as in Figs 14 to 16: displacement with the surface before and after, and layers.
+    """Draw two views of the final state, as in Figs 14 to 16: displacement with the surface before and after, and
+    layers.
 
     config: of the run; path: file of the last state; case: its answer; springs: set of the discs; number: of the case;
     out: the picture.
@@ -188,10 +189,10 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
 
 
 def animate(config: Config, paths: Sequence[Path], springs: str, out: Mapping[int, Path]) -> None:
-    """An animated WebP of all states of a case, displacement in colour; it is a third as large as a GIF.
+    """Write an animated WebP of all states of a case, coloured by displacement; a GIF would be three times as large.
 
-    config: of the run; paths: files of the states; springs: set of the discs; out: the pictures, by the numbers of the
-    cases that these are the states of.
+    config: of the run; paths: files of the states; springs: set of the discs; out: the files to write, by the numbers
+    of the cases with these states.
     """
     last = Frame.read(paths[-1])
     norm, window = last.scale(), shown_window([Frame.read(paths[0]), last], springs)
@@ -216,7 +217,7 @@ def animate(config: Config, paths: Sequence[Path], springs: str, out: Mapping[in
 
 
 def draw_frame(plotter: pv.Plotter, frame: Frame, norm: Normalize) -> None:
-    """The discs of a frame in the colour of their displacement."""
+    """Draw the discs of a frame, coloured by displacement."""
     draw_values(plotter, frame, frame.moved, norm, ~frame.free)
 
 
@@ -251,7 +252,7 @@ def _colour(case: int) -> str:
 
 
 def profiles(config: Config, cases: Mapping[int, Profile], seeds: int, out: Path) -> None:
-    """The surface of every case over all packings: its median, and the band in which nine of ten lie.
+    """Draw the surface of every case over all packings: its median, and the band of 5 to 95 %.
 
     config: of the run; cases: profiles by number of the case; seeds: number of packings; out: the picture.
     """

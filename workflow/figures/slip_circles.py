@@ -13,7 +13,9 @@ WHOLE, DASHED = (0, ()), (0, (5, 2))
 
 
 def draw(section: Section, answer: SlicesAnswer, path: Path) -> None:
-    """The circle with the least factor of safety at each Kh, and that with the least critical Kh, towards each side."""
+    """Draw the circle with the least factor of safety at each Kh, and the one with the least critical Kh, towards
+    each side.
+    """
     lines = [
         _line(circle, CONTINUUM, f"factor of safety {_value(circle, 2)} at Kh = {factors.kh:g}")
         for factors in answer.factors[:1]

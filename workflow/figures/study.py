@@ -1,4 +1,6 @@
-"""Pictures of a study: the distribution of the critical Kh, what matters most, fragility, and all samples."""
+"""Pictures of a study: distribution of the critical Kh, effects of the uncertain numbers, fragility, and all
+samples.
+"""
 
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -62,7 +64,7 @@ def effects(results: Sequence[Result], title: str, path: Path) -> None:
 
 
 def fragility(curves: Sequence[Curve], title: str, path: Path) -> None:
-    """Families of curves side by side: those whose names begin alike."""
+    """Draw families of curves in adjacent frames; a family has names with the same beginning."""
     families: dict[str, list[Curve]] = {}
     for curve in curves:
         families.setdefault(curve.name.split(": ")[0], []).append(curve)
@@ -82,7 +84,7 @@ def fragility(curves: Sequence[Curve], title: str, path: Path) -> None:
 
 
 def single(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], title: str, path: Path) -> None:
-    """A result over every uncertain number, a point for each sample; words stand side by side.
+    """Draw a result over every uncertain number, with a point for each sample; words are categories.
 
     name: of the result; values (samples,): of it; drawn: values of the uncertain numbers; title: above it; path: of the
     picture.
@@ -102,7 +104,7 @@ def single(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], ti
 
 
 def _broken(path: str) -> str:
-    """A path over several lines, broken where it has dots."""
+    """A settings path in several lines, broken at its dots."""
     return "\n".join(textwrap.wrap(path.replace(".", ". "), 26, break_long_words=False)).replace(". ", ".")
 
 

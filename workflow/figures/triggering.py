@@ -22,7 +22,7 @@ NAMED = 0.04  # of the depth that is shown: thinner strata have no room for thei
 
 
 def draw(section: Section, answer: TriggeringAnswer, path: Path) -> None:
-    """Every boring in two frames: N or qc in the strata, F_L beside it."""
+    """Draw every boring in two frames: N or qc in the strata, and F_L."""
     names = [boring.name for boring in answer.borings]
     rows = -(-len(names) // ABREAST)
     figure = Figure(figsize=(WIDTH / DPI, ROW * rows + 0.9), dpi=DPI, facecolor="white", layout="constrained")
@@ -89,7 +89,7 @@ def _boring(
 
 
 def _name_strata(section: Section, depths: np.ndarray, deepest: float, axes: Axes) -> None:
-    """What the strata are called, where they are thick enough for it."""
+    """Write the names of the strata where they are thick enough."""
     for stratum, top, bottom in zip(section.strata, depths[:-1], depths[1:], strict=True):
         if min(bottom, deepest) - top > NAMED * deepest:
             name = whole_soil(stratum.name)

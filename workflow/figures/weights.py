@@ -1,4 +1,4 @@
-"""Picture of unit weights and pore pressures, as all analyses take them."""
+"""Picture of the unit weights and pore pressures of all analyses."""
 
 import textwrap
 from pathlib import Path
@@ -25,7 +25,7 @@ APART = 0.06  # of the scale: weights that lie closer together share a tick
 
 
 def draw_weights(section: Section, path: Path) -> None:
-    """Unit weights, surcharges, and pore pressure at rest, in colours that say how much."""
+    """Draw unit weights, surcharges, and pore pressure at rest, coloured by their size."""
     window = _window(section)
     height = float(np.ptp(section.outline()[:, 1]))
     mesh = triangulate(section, FINE * height)
@@ -99,7 +99,7 @@ def _ticks(weights: np.ndarray, apart: float) -> list[float]:
 
 
 def _said(section: Section) -> str:
-    """The note below the picture."""
+    """The text of the note below the picture."""
     phrases = []
     for load in section.surcharges:
         phrases.append(f"{pressure_of(load)} from x = {load.start:g} to {load.end:g} m")

@@ -1,1 +1,1 @@
-"""Answers in words: the page, the terminal, the summary, the table of the paper."""
+"""Results in words: report page, terminal, summary, comparison with the paper."""

@@ -23,16 +23,16 @@ METHODS = (
 
 @dataclass(frozen=True)
 class Accuracy:
-    """The interval of the critical Kh of the same assumptions on ever finer meshes.
+    """The interval of the critical Kh, for fixed assumptions, by numerical error.
 
     Attributes
     ----------
     low, high : float
-        Its ends (-).
+        Ends of the interval (-).
     by : str
-        What it follows from.
+        Source of the interval.
     sure : bool
-        Whether the sequence of meshes has converged, or strict bounds close it.
+        Whether the sequence of meshes has converged, or strict bounds limit the interval.
     """
 
     low: float
@@ -46,12 +46,12 @@ class Accuracy:
         return self.by.partition(",")[0]
 
     def error(self, kc: float) -> float:
-        """By how much ``kc`` may be off (-)."""
+        """Possible error of ``kc`` (-)."""
         return max(abs(kc - self.low), abs(kc - self.high))
 
 
 def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
-    """The interval by meshes and bounds; None where there is one mesh and there are no bounds of its flow rule."""
+    """The interval by meshes and bounds; None if there is only one mesh and no bounds of its flow rule."""
     meshes, strict = of_meshes(fem, _halved(results)), _strict(results, fem)
     if strict is None:
         return meshes
@@ -63,15 +63,15 @@ def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
 
 
 def proven_by(strengthened: bool) -> str:
-    """Name of the bounds that give an interval: of the ground as given, or with its bare faces ``strengthened``."""
+    """Name of the bounds of an interval: of the ground of the section file, or with its bare faces ``strengthened``."""
     return "by bounds of deeper failures" if strengthened else "by strict bounds"
 
 
 def of_meshes(fem: FemAnswer, halved: float | None = None) -> Accuracy | None:
-    """The interval that the sequence of meshes leaves, wider where it has not converged; None for one mesh.
+    """The interval by the sequence of meshes, wider if it has not converged; None for one mesh.
 
-    ``halved`` is the critical Kh on cells of half the size, where that was looked at after a single mesh: the error
-    goes with one over the number of cells, so that a third of the difference is left (Richardson 1911).
+    ``halved`` is the critical Kh on cells of half the size, if it was computed after a single mesh: the error is
+    proportional to one over the number of cells, so that a third of the difference remains (Richardson 1911).
     """
     values = [mesh.kc for mesh in fem.meshes]
     if len(values) >= 2 and fem.kc_limit is not None:
@@ -89,7 +89,7 @@ def of_meshes(fem: FemAnswer, halved: float | None = None) -> Accuracy | None:
 
 
 def _converges(values: Sequence[float]) -> bool:
-    """Whether answers on ever finer meshes fall by less and less; two of them must be close."""
+    """Whether answers on ever finer meshes fall by ever smaller amounts; two answers must be close."""
     last = values[-2] - values[-1]
     if last < 0.0:
         return False
@@ -99,13 +99,13 @@ def _converges(values: Sequence[float]) -> bool:
 
 
 def _halved(results: Results) -> float | None:
-    """The critical Kh on cells of half the size, if that was asked for."""
+    """The critical Kh on cells of half the size, if it was computed."""
     variants = results.variants.variants if results.variants is not None else ()
     return next((variant.kc for variant in variants if variant.name == "mesh" and variant.kc_without is None), None)
 
 
 def _strict(results: Results, fem: FemAnswer) -> tuple[float, float] | None:
-    """Strict bounds of the same sides, direction and flow rule, closed from both sides."""
+    """Strict lower and upper bound of the same sides, direction and flow rule."""
     bounds = results.bounds
     if bounds is None or bounds.sides != fem.settings.sides:
         return None
@@ -124,7 +124,7 @@ def _strict(results: Results, fem: FemAnswer) -> tuple[float, float] | None:
 
 
 def rounded_up(value: float) -> float:
-    """A positive number to one digit, no less than it was: 0.0043 is 0.005."""
+    """A positive number rounded up to one digit: 0.0043 becomes 0.005."""
     value = max(value, LEAST)
     power = 10.0 ** math.floor(math.log10(value) + 1e-9)
     return float(f"{math.ceil(value / power - 1e-6) * power:.3g}")

@@ -15,8 +15,8 @@ FLOWS = 0.1  # of the height of the ground, below which a displacement was no fl
 
 
 def in_short(results: Results) -> Iterator[str]:
-    """One sentence for each residual strength, one on the strength for a factor of safety of 1, and one on measured
-    displacements; none without this analysis.
+    """Sentences on each residual strength, on the strength for a factor of safety of 1, and on measured displacements;
+    empty without this analysis.
     """
     answer = results.liquefied
     if answer is None:
@@ -42,7 +42,7 @@ def outcome(case: LiquefiedCase) -> str:
 
 
 def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
-    """The slide of the discs by their weight alone, where the continuum fails and the discs do not flow."""
+    """A sentence on the slide of the discs by their weight alone, if the continuum fails and the discs do not flow."""
     _, cases = results.case_set()
     discs = {number: cases[number] for number in case.cases if number in cases and not cases[number].flows}
     far = {number: slide for number, each in discs.items() if (slide := each.slide_by_weight_m) is not None}
@@ -56,7 +56,7 @@ def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
 
 
 def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[str]:
-    """The contradiction that discs slide by their weight alone where the continuum stands."""
+    """The contradiction that discs slide by their weight alone although the continuum stands."""
     _, cases = results.case_set()
     far = max((cases[number].slide_max_m for number in case.cases if number in cases), default=0.0)
     slide = results.config.slide
@@ -79,7 +79,7 @@ def _which(case: LiquefiedCase) -> str:
 
 @dataclass(frozen=True)
 class Enough:
-    """The residual strength (kPa) of each stratum with a factor of safety of 1, and whether it is a bound."""
+    """The residual strength (kPa) of each stratum for a factor of safety of 1, and whether it is a bound."""
 
     how: str
     strata: Strata
@@ -98,11 +98,11 @@ class Enough:
 def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
     """The residual strength with which the ground just stands without shaking; None without a factor of safety.
 
-    Between two cases of which one flows it is found from their factors F, straight between them. If all strengths are
-    divided by F the ground just stands. The residual strength alone therefore has to be larger than that where the
-    ground flows (F below 1), and may be smaller where it stands: a bound on one side where all cases lie on one side. F
-    is concave in the strength, as the minimum over mechanisms of linear functions: a line through two cases that flow
-    gives a better lower bound.
+    Between a case that flows and one that stands it follows from linear interpolation of their factors F. If all
+    strengths are divided by F the ground just stands. So the residual strength alone has to be larger than its value
+    divided by F where the ground flows (F below 1), and may be smaller where it stands: a bound on one side if all
+    cases are on one side. F is concave in the strength, as the minimum over mechanisms of linear functions, so that a
+    line through two cases that flow gives a better lower bound.
     """
     known = [(0.5 * (case.factor_lower + case.factor_upper), case) for case in cases
              if case.factor_lower is not None and case.factor_upper is not None

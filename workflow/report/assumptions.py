@@ -29,7 +29,7 @@ DIRECTIONS: Mapping[DirectionSetting, str] = {
 
 
 def assumptions(config: Config) -> Iterator[tuple[str, str]]:
-    """Pairs of a heading and sentences."""
+    """Assumptions as pairs of a heading and sentences."""
     yield "Plane strain", "The slope is taken to be endless across the section: nothing holds it at its ends."
     yield (
         "Shaking",
@@ -74,7 +74,7 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
 
 
 def _onset(config: Config) -> str:
-    """How fast layers liquefy."""
+    """A sentence on the duration of the onset of liquefaction."""
     seconds = config.slide.onset_of(config.dem.model)
     return f"over {seconds:g} s" if seconds > 0.0 else "at once"
 
@@ -106,7 +106,7 @@ def _water(section: Section) -> str:
 
 
 def _of_the_paper(config: Config) -> str:
-    """What pushes the paper's own discs, if they are computed beside discs of soil."""
+    """The loading of the paper's own discs, if they are computed in addition to soil discs."""
     beside = config.dem.model == "soil" and config.dem.paper
     return f"The paper's own discs are pushed by its Kh = {PAPER_PUSH['kh']:g} for ever. " if beside else ""
 

@@ -1,4 +1,4 @@
-"""The pictures of a folder as a report holds them: with captions, and as data within the page."""
+"""The pictures of a report: with captions, and embedded in the page as data."""
 
 import base64
 import io
@@ -21,7 +21,7 @@ QUALITY = 60  # of WebP, where shades are many: no difference can be seen at arm
 class Caption(NamedTuple):
     """A pattern of file names, the section of the report for these pictures, and their caption.
 
-    Pictures that are not ``main`` stand at the end of the page, and are left out in print.
+    Pictures that are not ``main`` are at the end of the page, and are not printed.
     """
 
     pattern: str

@@ -59,8 +59,8 @@ def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
 def fem_sentences(answer: FemAnswer, section: Section, every: bool = True) -> Iterator[str]:
     """The critical Kh with its interval, and the factors of safety, from fem/critical.json.
 
-    With ``every`` also how each was found: the end of the path, the sequence of meshes, and when Davis's estimate
-    counts. An answer that is no failure at its limit load always tells why.
+    With ``every`` also details: the end of the path, the sequence of meshes, and the use of Davis's estimate. An answer
+    without a limit load always has its reason.
     """
     error = of_meshes(answer)
     interval = f" Range by the sequence of meshes: {between([error.low, error.high])}." if error is not None else ""
@@ -85,7 +85,7 @@ def fem_sentences(answer: FemAnswer, section: Section, every: bool = True) -> It
 
 
 def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = True) -> str:
-    """A factor of safety and the extent of its slip surface; with ``every`` also how it was found."""
+    """A factor of safety and the extent of its slip surface; with ``every`` also details of its computation."""
     most = f", on this mesh at most {factor.upper:.3f}" if factor.upper > factor.factor else ""
     rest = f", with an error of the mesh of {100 * factor.rest:.1f} % or less" if factor.rest is not None else ""
     beside = factor.davis if factor.davis is not None else factor.associated
@@ -148,7 +148,7 @@ def edge_sentence(stratum: str, start: float, end: float, kh: float) -> str:
 
 
 def _out_at(sides: tuple[str, ...]) -> str:
-    """The sides of the section at which the failing ground slides out; empty without any."""
+    """A clause on the sides of the section through which the failing ground slides out; empty without any."""
     return f", where the ground slides out at the {' and the '.join(sides)} side" if sides else ""
 
 
@@ -223,7 +223,9 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
 
 
 def _asked(answer: CalibrationAnswer, target: float) -> str:
-    """The target of the calibration: a range where the continuum has one and the discs lie within it."""
+    """The target of the calibration in words: a range if the critical Kh of the continuum is one and the discs are
+    within it.
+    """
     low, high = answer.continuum_kc or (target, target)
     return f"a target of {between([low, high] if low < target < high else [target])}"
 
@@ -235,7 +237,7 @@ def _bracket(kc: float, answer: CalibrationAnswer) -> str:
 
 
 def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
-    """The cases, and how far each of them slides, from dem/cases.json."""
+    """The cases and their slides, from dem/cases.json."""
     heads = [name for name, _ in case_heads(config)]
     phrases = []
     for number, layers, *factors in case_rows(config):
@@ -282,7 +284,7 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
 
 
 def stratum_sentence(stratum: StratumPart) -> str:
-    """Whether a stratum liquefies, or why that was not judged."""
+    """Whether a stratum liquefies, or why this was not assessed."""
     name = shown_name(stratum.name)
     if not stratum.judged or stratum.share is None:
         return f"{name} was not judged ({stratum.reason})."
@@ -295,7 +297,7 @@ def stratum_sentence(stratum: StratumPart) -> str:
 
 
 def mpm_sentences(config: Config, answer: PointSlidesAnswer) -> Iterator[str]:
-    """How far every case slides by the material point method, from mpm/slides.json."""
+    """The slide of every case by the material point method, from mpm/slides.json."""
     if answer.not_possible:
         yield f"Not possible by material points: {answer.not_possible}."
     for number, case in sorted(answer.cases.items()):
@@ -331,7 +333,7 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
 
 
 def _slides(config: Config, store: Store) -> Iterator[str]:
-    """How far discs slide, compared with material points of the same section."""
+    """The slides of the discs, compared with those of material points of the same section."""
     answer, label = CasesAnswer.read(store), SectionLabel.of(config.section)
     yield from slide_sentences(config, answer)
     if "mpm" in config.slide.methods and (store.folder / PointSlidesAnswer.FILE).is_file():
@@ -349,7 +351,7 @@ def _slices(config: Config, answer: SlicesAnswer) -> Iterator[str]:
 
 
 def sentences(name: str, config: Config, store: Store, every: bool = True) -> Iterator[str]:
-    """The result of one stage in sentences; with ``every`` also how the finite elements found theirs."""
+    """The result of one stage in sentences; with ``every`` also details of the finite elements."""
     of_stage: dict[str, Callable[[], Iterator[str]]] = {
         "triggering": lambda: triggering_sentences(TriggeringAnswer.read(store)),
         "response": lambda: response_sentences(SiteResponseAnswer.read(store)),
@@ -368,7 +370,7 @@ def sentences(name: str, config: Config, store: Store, every: bool = True) -> It
 
 
 def run_lines(answer: Summary) -> list[str]:
-    """Tell what a run found, in at most ten lines: the three numbers, criteria, stages without answer, warnings."""
+    """The results of a run in at most ten lines: the three numbers, criteria, stages without answer, warnings."""
     lines = [
         f"{part.name}: {part.value}" + (f" ({part.interval})" if part.interval else "")
         if part.value != NO_NUMBER else part.conclusion

@@ -1,4 +1,4 @@
-"""Contradictions within the results of the discs, each with what to do."""
+"""Contradictions within the results, each with a remedy."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
@@ -51,7 +51,7 @@ def contradictions(results: Results) -> Iterator[tuple[Weight, str]]:
 
 
 def of_circles(results: Results) -> Iterator[str]:
-    """Slip circles above strict upper bounds: a reviewer who knows circles alone would take the larger number."""
+    """Warn of slip circles above strict upper bounds: a reviewer who only uses circles would take the larger number."""
     circles, bounds = results.slices, results.bounds
     if circles is None or bounds is None or results.config.fem.direction != "both":
         return
@@ -89,7 +89,8 @@ def deepest_fall(search: DiscSearch, soil: bool) -> tuple[float, float] | None:
     Parameters
     ----------
     search : DiscSearch
-        The search; of ``soil`` discs all trials are points of one push, of others the states that stood are.
+        The search; its curve has all trials of ``soil`` discs, which are points of one test, and only the stable states
+        of other discs.
     soil : bool
         Whether the discs are soil discs.
 
@@ -109,7 +110,7 @@ def deepest_fall(search: DiscSearch, soil: bool) -> tuple[float, float] | None:
 
 
 def of_sides(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
-    """Slides that a side of the disc model stopped."""
+    """Warn of slides that a side of the disc model stopped."""
     for side in ("left", "right"):
         held = [number for number, case in cases.items() if case.stopped_by == side]
         if held:
@@ -121,9 +122,9 @@ def of_sides(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
 
 
 def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
-    """Slides by material points that a side held or let out, or that took ground along as far as the uphill end.
+    """Warn of slides by material points that a side stopped or let out, or that move the uphill end.
 
-    Ground that slides as one, such as an endless slope, moves at its ends as anywhere else.
+    Ground that slides as a whole, such as an infinite slope, is excluded: it moves at its ends as everywhere else.
     """
     points = answer.cases if answer is not None else {}
     stopped = {number: case for number, case in points.items() if case.stopped_by is not None}
@@ -163,7 +164,7 @@ def liquefied_strata(results: Results) -> dict[int, list[str]]:
 def of_order(
     cases: Mapping[int, Case], slides: Mapping[int, float], strata: Mapping[int, Sequence[str]], by: str = "discs"
 ) -> Iterator[str]:
-    """Cases that leave less strength than others and slide less (m), by discs or material points.
+    """Warn of cases that have less strength than others and yet slide less (m), by discs or material points.
 
     ``strata``: the names of those that liquefy in each case.
     """
@@ -183,10 +184,10 @@ def of_order(
 
 
 def is_weaker(case: Case, other: Case, strata: Sequence[str], of_other: Sequence[str]) -> bool:
-    """Whether a case leaves the ground less stiffness or strength than another, and no more of either.
+    """Whether a case has less stiffness or strength than another, and no more of either.
 
-    ``strata`` are those that liquefy in the case, ``of_other`` those that do in the other one: what does not liquefy
-    keeps more than whatever liquefies.
+    ``strata`` are those that liquefy in the case, ``of_other`` those that liquefy in the other one. A stratum that does
+    not liquefy counts as stronger than one that does.
     """
     if not set(of_other) <= set(strata):
         return False
@@ -204,9 +205,10 @@ def is_weaker(case: Case, other: Case, strata: Sequence[str], of_other: Sequence
 
 
 def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "discs") -> Iterator[str]:
-    """Surfaces that fall much further somewhere than the settlement (m) that is told of the case beside them.
+    """Warn of surfaces that fall much further at one place than the reported settlement (m) of the case.
 
-    That is the mean of the uphill third for discs, and that of the highest point for material points.
+    The reported settlement is the mean of the uphill third for discs, and that of the highest point for material
+    points.
     """
     falls = {number: surface.largest_fall for number, (surface, _) in cases.items()}
     far = {k: fall for k, fall in falls.items() if fall[0] > max(FALLS, FALLS_TIMES * abs(cases[k][1]))}

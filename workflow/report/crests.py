@@ -23,7 +23,7 @@ Settlements = tuple[float, float, float]  # by the slide: its value, and the int
 def crest_parts(
     config: Config, cases: CasesAnswer | None = None, points: PointSlidesAnswer | None = None
 ) -> Iterator[CrestPart]:
-    """The crest of every structure after the slides of discs on the springs that count, and of material points."""
+    """The crest of every structure after the slides of the governing set of discs, and of material points."""
     for structure in structures_of(config.section):
         if cases is not None and cases.first_set:
             for number, case in sorted(cases.sets[cases.first_set].items()):
@@ -42,7 +42,7 @@ def crest_parts(
 
 
 def _over_packings(value: float | None, profile: Profile | None, crest: Crest) -> Settlements | None:
-    """The settlement of a slide with that of the surfaces below and above which 5 % of packings are expected."""
+    """The settlement of a slide, with those of the surfaces at 5 and 95 % of packings."""
     if value is None:
         return None
     ends = [value]
@@ -79,9 +79,10 @@ def _part(config: Config, structure: Standing, by: str, case: int, slide: Settle
 
 
 def reconsolidation_below(config: Config, crest: Crest, case: int) -> float | None:
-    """Settlement (m) of the middle of a crest as what liquefied in a case drains; None where no strain is known.
+    """Settlement (m) of the middle of a crest by drainage of the strata that liquefied in a case; None if no strain is
+    known.
 
-    The volumetric strain is that of the case where it has one, or else that of the blow counts of each stratum.
+    The volumetric strain is that of the case, or else that by the blow counts of each stratum.
     """
     levels = config.section.layering.interfaces(np.array([0.5 * (crest.left + crest.right)]))[0]
     strata = [k for k, stratum in enumerate(config.section.strata) if case in stratum.liquefies_in]
@@ -104,7 +105,7 @@ def _strains_of_borings(config: Config) -> dict[int, float]:
 
 
 def water_beside(config: Config, crest: Crest) -> float | None:
-    """Elevation (m) of the water that a structure holds back: that of the criteria, or the higher one at its feet."""
+    """Elevation (m) of the water that a structure retains: that of the criteria, or the higher one at its feet."""
     limit = config.criteria.freeboard
     if limit is not None and limit.water is not None:
         return float(limit.water)
@@ -113,7 +114,7 @@ def water_beside(config: Config, crest: Crest) -> float | None:
 
 
 def holds_water(config: Config) -> bool:
-    """Whether freeboard means something: a criterion asks for it, or water stands on the ground."""
+    """Whether freeboard is relevant: there is a criterion for it, or free water."""
     if config.criteria.freeboard is not None:
         return True
     points, ground = config.section.water_points(), config.section.ground
@@ -121,7 +122,7 @@ def holds_water(config: Config) -> bool:
 
 
 def crest_sentences(parts: Iterator[CrestPart]) -> Iterator[str]:
-    """Every crest after every slide."""
+    """A sentence on every crest after every slide."""
     for part in parts:
         low, high = metres(part.settlement_low_m), metres(part.settlement_high_m)
         spread = "" if low == high else f" ({low} to {high} over packings)"

@@ -1,4 +1,4 @@
-"""Answers as data: what a command prints with ``--json`` in place of sentences."""
+"""Answers as data: the output of commands with ``--json``."""
 
 import json
 from collections.abc import Iterable
@@ -61,7 +61,7 @@ def of_plan(decisions: Iterable[Decision]) -> list[dict[str, str]]:
 def of_stages(job: Job, names: Iterable[str], warnings: Iterable[str] = ()) -> dict[str, Any]:
     """Outcome and answers of stages, as JSON: every answer file by its name, and the quality of the mesh.
 
-    ``warnings`` are of the command; those of the section stand with them.
+    ``warnings`` of the command are followed by those of the section.
     """
     record = Record(job.store)
     stages: dict[str, Any] = {}

@@ -57,7 +57,7 @@ def fail_alike(results: Results) -> str:
 
 
 def findings(results: Results) -> list[str]:
-    """Paragraphs on what the first page leaves out: cases, accuracy and assumptions, slides, and other methods."""
+    """Paragraphs of details after the first page: cases, accuracy and assumptions, slides, and other methods."""
     paragraphs = (
         _cases(results), _failure(results), in_short(results), _slides(results), _disagreement(results),
         _measured(results),
@@ -71,7 +71,7 @@ def _cases(results: Results) -> Iterator[str]:
 
 
 def _failure(results: Results) -> Iterator[str]:
-    """How far the critical Kh of the continuum may be off, and what it depends on."""
+    """Sentences on the error of the critical Kh of the continuum, and on the influence of assumptions."""
     fem = results.fem
     if results.kc is None or fem is None:
         return
@@ -85,7 +85,9 @@ def _failure(results: Results) -> Iterator[str]:
 
 
 def _assumed(results: Results, fem: FemAnswer, error: Accuracy | None) -> Iterator[str]:
-    """The critical Kh with other assumptions, and whether they matter more than the numerical error."""
+    """A sentence on the critical Kh with other assumptions, and on whether they matter more than the numerical
+    error.
+    """
     most, variants = _most(results, fem), results.variants.variants if results.variants is not None else ()
     others = {variant: kc for variant in variants if variant.name in ASSUMED and (kc := variant.of(fem.kc)) is not None}
     others = {variant: kc for variant, kc in others.items() if variant.name != "dilation" or kc <= MESH_ERROR * most}
@@ -101,8 +103,9 @@ def _assumed(results: Results, fem: FemAnswer, error: Accuracy | None) -> Iterat
 
 
 def _most(results: Results, fem: FemAnswer) -> float:
-    """The critical Kh that no flow can exceed: of strict bounds between the same sides, or of ψ = φ. A path of smaller
-    ψ that exceeds it was followed on too coarse a mesh, and tells nothing."""
+    """The largest possible critical Kh for any flow rule: by strict bounds with the same sides, or with ψ = φ. A
+    path of smaller ψ that exceeds it had too coarse a mesh, and is disregarded.
+    """
     bounds, full = results.bounds, fem.kc if fem.flow == "associated" else math.inf
     if fem.associated is not None:
         full = fem.associated.kc
@@ -127,7 +130,7 @@ def _shallow(results: Results, fem: FemAnswer) -> Iterator[str]:
 
 
 def _slides(results: Results) -> Iterator[str]:
-    """How far each case slides, and whether it comes to rest: on the springs that count first."""
+    """Sentences on the slide of each case and on its end, the governing set of discs first."""
     first, cases = results.case_set()
     if not cases:
         return
@@ -198,20 +201,20 @@ def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
 
 
 def lies_still(case: CaseNumbers) -> bool:
-    """Whether a slide that never came to rest moved next to nothing in its last 10 s."""
+    """Whether a slide that did not come to rest hardly moved in its last 10 s."""
     still = max(STILL, STILL_SHARE * abs(case.slide_max_m))
     return case.moved_lately_m is not None and case.moved_lately_m < still
 
 
 def at_rest(case: CaseNumbers | PointCase) -> bool:
-    """Whether a slide came to rest, or lies as good as still, and no side of the model stopped it."""
+    """Whether a slide came to rest, or almost, and no side of the model stopped it."""
     if case.stopped_by is not None:
         return False
     return case.settled or (isinstance(case, CaseNumbers) and lies_still(case))
 
 
 def moved_lately(cases: Sequence[CaseNumbers]) -> str:
-    """How far slides that lie still moved at most in their last 10 s."""
+    """Largest movement, in their last 10 s, of slides that are almost at rest."""
     most = max(case.moved_lately_m or 0.0 for case in cases)
     return f"less than {100 * STILL:.0f} cm" if most < STILL else f"{100 * most:.0f} cm"
 
@@ -226,7 +229,7 @@ APART = {
 
 
 def _cases_are(config: Config) -> Iterator[str]:
-    """Strength and stiffness left to the layers that liquefy in each case, for the first sentence on cases."""
+    """Strength and stiffness of the layers that liquefy in each case, for the first sentence on cases."""
     numbers = sorted({number for stratum in config.section.strata for number in stratum.liquefies_in})
     cases = [{**dict(assumed := config.cases[number - 1]), "damping": assumed.damping_left} for number in numbers]
     liquefied = [stratum.name for stratum in config.section.strata if stratum.liquefies_in]
@@ -250,7 +253,7 @@ def _cases_are(config: Config) -> Iterator[str]:
 
 
 def _shown(name: str, values: Sequence[Any]) -> str:
-    """The share of one property that each case leaves; stratum by stratum where these differ."""
+    """The remaining share of one property in each case; by stratum if these differ."""
     strata = list(dict.fromkeys(stratum for value in values if isinstance(value, dict) for stratum in value))
     each = []
     for stratum in strata or [""]:
@@ -282,16 +285,14 @@ def _interval(results: Results) -> str:
 
 
 def _spread(mean: float, values: Sequence[float], interval: Sequence[float]) -> str:
-    """A slide on several packings: its mean, and how far packings differ, where they differ by more than the digits
-    shown.
-    """
+    """A slide on several packings: its mean, and the range of packings if it is larger than the digits shown."""
     phrases = [span(values)] if span(values) != about([mean]) else []
     phrases += [f"mean of all packings {span(interval)} with 95 %"] if span(interval) != about([mean]) else []
     return about([mean]) + (f" ({'; '.join(phrases)})" if phrases else "")
 
 
 def _disagreement(results: Results) -> Iterator[str]:
-    """A sentence where methods disagree by more than a factor of three."""
+    """A sentence if methods disagree by more than a factor of three."""
     _, cases = results.case_set()
     discs = [max(case.slide_max_m, 0.0) for case in cases.values()]
     observed, blocks = _displacements(results, "regression"), _displacements(results, "block")
@@ -319,7 +320,7 @@ def _disagreement(results: Results) -> Iterator[str]:
 
 
 def _measured(results: Results) -> Iterator[str]:
-    """Measured displacements compared with the discs: at the same place where it is given, else with their largest
+    """A comparison of measured displacements with the discs: at the same place if it is given, else with their largest
     slide.
     """
     _, cases = results.case_set()

@@ -39,7 +39,7 @@ def headlines(results: Results, _: Texts) -> tuple[HeadlinePart, ...]:
     Parameters
     ----------
     results : Results
-        What the stages found; a number that was not found is a dash with its reason.
+        Results of the stages; a missing number becomes a dash with its reason.
     _ : Texts
         The texts in the language of the report.
     """
@@ -95,8 +95,8 @@ def _way(results: Results, fem: FemAnswer, _: Texts) -> str:
 
 
 def _contradicted(results: Results, fem: FemAnswer, error: Accuracy, conditions: str, _: Texts) -> HeadlinePart:
-    """The sentence on the critical Kh where strict bounds are below the finite elements: the bounds themselves where
-    they are close, else the upper bound as a limit.
+    """The sentence on the critical Kh if strict bounds are below the finite elements: the bounds themselves if they are
+    close, else the upper bound as a limit.
     """
     if error.low >= CLOSE_BOUNDS * error.high:
         phrase = _(
@@ -166,8 +166,8 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
 
 
 def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Texts) -> str:
-    """The interval of a factor of safety: strict bounds of the same conditions, else what its mesh leaves open, else
-    how far the critical Kh of the same mesh lies from its strict bounds. Empty where there is neither.
+    """The interval of a factor of safety: strict bounds of the same conditions, else the error of its mesh, else the
+    distance of the critical Kh of the same mesh from its strict bounds. Empty without any of them.
     """
     bounds = results.bounds
     if bounds is not None and bounds.sides == fem.settings.sides and fem.flow == "associated":
@@ -235,7 +235,7 @@ def _end(cases: Sequence[CaseAnswer | PointCase], _: Texts) -> str:
 
 
 def _of_slides(results: Results, _: Texts) -> str:
-    """The interval of the largest slide by the method that was nearer to known slides, with its error on them."""
+    """The interval of the largest slide by the method that predicted known slides better, with its error."""
     predicted = _predicted(results)
     known = {case.flows for case in results.case_set()[1].values()}
     flows = known.pop() if len(known) == 1 else None
@@ -267,7 +267,7 @@ def _of_slides(results: Results, _: Texts) -> str:
 
 
 def _predicted(results: Results) -> dict[SlideMethod, list[float]]:
-    """Largest slides (m) by method, over cases and packings, of those that slide downhill at all."""
+    """Largest slides (m) by method, over cases and packings that slide downhill."""
     random = results.cases.random if results.cases is not None else None
     discs = [case.slide_max_m for case in results.case_set()[1].values()]
     for case in random.cases.values() if random is not None else ():
@@ -279,7 +279,7 @@ def _predicted(results: Results) -> dict[SlideMethod, list[float]]:
 
 
 def conclusions(results: Results, _: Texts) -> Iterator[str]:
-    """Sentences of the first page behind the numbers: why this Kh, which slide counts, and the paper."""
+    """Sentences of the first page after the numbers: choice of Kh, governing slide, and the paper."""
     yield from _without_shaking(results, _)
     if results.residual is not None:
         yield residual_verdict(results.residual.steps, _)
@@ -303,7 +303,7 @@ def conclusions(results: Results, _: Texts) -> Iterator[str]:
 
 
 def _without_shaking(results: Results, _: Texts) -> Iterator[str]:
-    """Whether the continuum still stands after liquefaction, once the shaking is over."""
+    """A sentence on whether the continuum still stands after liquefaction, without shaking."""
     cases = results.liquefied.cases if results.liquefied is not None else ()
     flows = [number for case in cases if case.stands == "flows" for number in case.cases]
     stands = [number for case in cases if case.stands == "stands" for number in case.cases]
@@ -316,7 +316,7 @@ def _without_shaking(results: Results, _: Texts) -> Iterator[str]:
 
 
 def _why_kh(results: Results, _: Texts) -> Iterator[str]:
-    """The constant Kh of the slides compared with the limit load after liquefaction."""
+    """A comparison of the constant Kh of the slides with the limit load after liquefaction."""
     slide = results.config.slide
     if results.liquefied is None or not results.case_set()[1] or slide.accelerogram or slide.kh_cycles or not slide.kh:
         return

@@ -33,11 +33,11 @@ def with_flow(value: float, flow: Flow, beside: float | None, estimate: str, sho
     flow : {"davis", "associated", "section"}
         The flow rule of the analysis.
     beside : float or None
-        The number by the other flow rule, if it is another ground (-).
+        The number by the other flow rule, if this differs (-).
     estimate : str
-        What Davis's estimate is called.
+        Name of Davis's estimate.
     shown : callable
-        How numbers are written.
+        Function that writes a number.
 
     Returns
     -------
@@ -58,7 +58,7 @@ def with_flow(value: float, flow: Flow, beside: float | None, estimate: str, sho
 
 
 def _low(value: float, shown: Callable[[float], str]) -> str:
-    """Davis's estimate; of ground that fails by itself by it there is none above 0."""
+    """Davis's estimate in words; if such ground fails under its weight there is no Kh above 0."""
     return shown(value) if value > 0.0 else "0, it fails under its own weight"
 
 

@@ -1,4 +1,4 @@
-"""The numbers of sections, tables, figures and notes, so that text can refer to what stands further on."""
+"""The numbers of sections, tables, figures and notes, so that text can refer to later ones."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -8,17 +8,17 @@ from workflow.report.texts import Texts
 
 @dataclass
 class Labels:
-    """Numbers are given in the order in which things stand. A page is rendered twice: the second time ``known`` holds
-    what the first one found.
+    """Numbers of sections, tables and figures in their order on a page. A page is rendered twice: ``known`` holds the
+    numbers of the first time.
 
     Attributes
     ----------
     texts : the texts in the language of the page
-    known : what was found before: "Table 3", "Figure 7", by name
-    found : what is found now
+    known : numbers of the first rendering: "Table 3", "Figure 7", by name
+    found : numbers of this rendering
     sections : headings by name, with their numbers
-    contents : the sections that were found before
-    counts : how many there are so far, by kind
+    contents : the sections of the first rendering
+    counts : numbers of items so far, by kind
     """
 
     texts: Texts = field(default_factory=Texts)
@@ -33,15 +33,15 @@ class Labels:
         return self.counts[kind]
 
     def table(self, name: str) -> str:
-        """The number of the table that stands here."""
+        """Number the table at this place."""
         return self._named(name, self.texts("Table {number}", number=self._next("table")))
 
     def figure(self, name: str) -> str:
-        """The number of the figure that stands here."""
+        """Number the figure at this place."""
         return self._named(name, self.texts("Figure {number}", number=self._next("figure")))
 
     def section(self, name: str, title: str) -> str:
-        """The heading of the section that begins here, with its number."""
+        """Number the section that begins at this place, and return its heading."""
         self.sections[name] = f"{self._next('section')} {title}"
         return self.sections[name]
 
@@ -50,16 +50,16 @@ class Labels:
         return number
 
     def __contains__(self, name: str) -> bool:
-        """Whether there is something with this name, here or further on."""
+        """Whether the page has an item with this name."""
         return name in self.known
 
     def see(self, name: str) -> str:
-        """The number of the item of this name, wherever it stands."""
+        """The number of the item with this name, anywhere on the page."""
         return self.known.get(name, "")
 
 
 class Notes:
-    """Notes below a table, each once, to which rows refer by a letter."""
+    """Notes below a table, without repetitions, to which rows refer by letters."""
 
     def __init__(self) -> None:
         self.letters: dict[str, str] = {}

@@ -28,8 +28,8 @@ def model_error(results: Results) -> Iterator[str]:
 def error_sentence(slides: Sequence[float], flows: bool | None, method: SlideMethod = "discs") -> str:
     """The error of discs or material points on known slides, and the interval of these slides (m) with it.
 
-    Empty where the collection has nothing to say, or nothing slides. flows: whether they flow by their weight alone;
-    None where that is not known.
+    Empty if the collection has no comparable slides, or nothing slides. flows: whether they flow by their weight alone;
+    None if this is not known.
     """
     error = slide_error(flows, method)
     moved = [slide for slide in slides if slide > 0.0]

@@ -7,7 +7,7 @@ from workflow.results.lengths import metres
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """A number to so many places, or a dash."""
+    """A number with some decimal places; a dash for None."""
     return "–" if value is None else f"{value:.{digits}f}"
 
 
@@ -17,24 +17,24 @@ def bracket(lower: float | None, upper: float | None, digits: int) -> str:
 
 
 def scaled(value: float | None, unit: float) -> float | None:
-    """A value in multiples of a unit, where there is one."""
+    """A value in multiples of a unit; None for None."""
     return None if value is None else value / unit
 
 
 def span(lengths: Sequence[float]) -> str:
-    """The range of some slides (m), with the digits of tables: 0.85 to 6.9 m, or one of them where all are the same."""
+    """The range of some slides (m), with the digits of tables: 0.85 to 6.9 m, or one slide if all are equal."""
     low, high = (metres(max(end, 0.0)) for end in (min(lengths), max(lengths)))
     return low if low == high else f"{low.removesuffix(' m')} to {high}"
 
 
 def about(lengths: Sequence[float]) -> str:
-    """Slides (m) in a sentence, with the digits of tables: 40, 19 and 6.9 m, or one where all come to the same."""
+    """Slides (m) in a sentence, with the digits of tables: 40, 19 and 6.9 m, or one slide if all are equal."""
     phrases = [metres(max(value, 0.0)).removesuffix(" m") for value in lengths]
     return f"{listed(phrases if len(set(phrases)) > 1 else phrases[:1])} m"
 
 
 def rough(value: float) -> float:
-    """Round to one digit, or to two where the first is 1: what an interval by a factor of error is worth."""
+    """Round to one digit, or to two if the first is 1: the accuracy of an interval by a factor of error."""
     if value == 0.0:
         return 0.0
     power = math.floor(math.log10(abs(value)))
@@ -54,17 +54,17 @@ def _plain(value: float) -> str:
 
 
 def coefficient(kh: float) -> str:
-    """A seismic coefficient to three places, as all tables and pictures have it: 0.234."""
+    """A seismic coefficient to three places, as in all tables and pictures: 0.234."""
     return f"{kh:.3f}"
 
 
 def listed(words: Sequence[str]) -> str:
-    """Words as people list them: a, b and c."""
+    """Words in a list: a, b and c."""
     return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else "".join(words)
 
 
 def of_cases(numbers: Sequence[int]) -> str:
-    """Cases as a sentence names them."""
+    """Cases as in a sentence: cases 1, 2 and 3."""
     return f"case{'s' if len(numbers) > 1 else ''} {listed([str(number) for number in numbers])}"
 
 
@@ -74,6 +74,6 @@ def joined(numbers: Sequence[int]) -> str:
 
 
 def between(values: Sequence[float]) -> str:
-    """The range of some coefficients, or the one where all come to the same: 0.23 to 0.25."""
+    """The range of some coefficients, or one of them if all are equal: 0.23 to 0.25."""
     low, high = coefficient(min(values)), coefficient(max(values))
     return low if low == high else f"{low} to {high}"

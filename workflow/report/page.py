@@ -149,7 +149,7 @@ def _css_text(text: str) -> Markup:
 
 
 def _head(report: ReportSettings) -> list[tuple[str, str]]:
-    """The head of the report: pairs of a word and a text."""
+    """The title block of the report: pairs of a word and a text."""
     return [
         (name, text) for name, text in report if name not in ("logo", "language") and isinstance(text, str) and text
     ]
@@ -170,7 +170,7 @@ def _logo(file: str) -> str:
 
 
 def _pictures(results: Results, texts: Texts) -> dict[str, list[Any]]:
-    """The pictures of this run by the part of the report."""
+    """The pictures of this run, by the section of the report."""
     names = [name for entry in results.ends.values() for name in entry.pictures]
     names += [name for name in PICTURES if results.store.has(name)]
     by_part: dict[str, list[Any]] = {}

@@ -42,7 +42,7 @@ SECTION = "the depths of the interfaces are a reconstruction"
 
 
 def rows(results: Results) -> list[PaperRow]:
-    """The paper against ours; empty for other sections."""
+    """Rows of the comparison of the paper with our results; empty for other sections."""
     if not is_s13(results.config.section):
         return []
     table = [*_fem(results)]
@@ -122,7 +122,7 @@ def _has_soil_discs(results: Results) -> bool:
 
 
 def _disc_sets(results: Results) -> tuple[SetOfSprings, ...]:
-    """The sets of discs that the paper's are compared with."""
+    """The sets of discs that are compared with those of the paper."""
     if not _has_soil_discs(results):
         return "before", "after"
     return ("paper", "after") if results.dem is not None and results.dem.paper is not None else ("after",)
@@ -145,7 +145,7 @@ def _dem(results: Results, which: SetOfSprings) -> Iterator[PaperRow]:
 
 
 def _broken(row: PaperRow, cracked: dict[str, float]) -> PaperRow:
-    """Whether pore springs break in the Asd layers, and nowhere more."""
+    """Whether pore springs crack in the Asd layers, and in no other layer more."""
     shares = {name: cracked.get(name, 0.0) for name in ASD}
     most = max(shares.values())
     others = {name: share for name, share in cracked.items() if name not in ASD and share > most}

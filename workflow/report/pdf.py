@@ -1,4 +1,4 @@
-"""report.pdf: the page as it prints, by Chromium where there is one, or by WeasyPrint."""
+"""report.pdf: the page printed by Chromium if there is one, else by WeasyPrint."""
 
 import os
 import shutil
@@ -21,12 +21,12 @@ NEEDED = (
 
 
 def browser() -> str | None:
-    """The browser of this machine that can print, if it has one."""
+    """A browser on this machine that can print; None without one."""
     return next((path for name in BROWSERS if (path := shutil.which(name))), None)
 
 
 def write_pdf(store: Store) -> Path:
-    """Print the report of a folder; raises InputError where nothing can print it, or what can does not."""
+    """Print the report of a folder; raises InputError if there is no program to print it, or this program fails."""
     page = store.folder / PAGE
     program = browser()
     if program is None and find_spec("weasyprint") is None:
@@ -46,7 +46,7 @@ def write_pdf(store: Store) -> Path:
 
 
 def _by_browser(program: str, page: Path, profile: str, printed: Path) -> list[str]:
-    """The command by which a browser prints, without a screen and with a profile that is forgotten."""
+    """The command with which a browser prints, without a screen and with a temporary profile."""
     line = [
         program, "--headless=new", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
         "--disable-background-networking", "--disable-component-update", f"--user-data-dir={profile}",
@@ -58,7 +58,7 @@ def _by_browser(program: str, page: Path, profile: str, printed: Path) -> list[s
 
 
 def _print(name: str, line: list[str], printed: Path) -> None:
-    """Run the command that prints; raises InputError where nothing is printed."""
+    """Run the command that prints; raises InputError if it prints nothing."""
     try:
         done = subprocess.run(line, capture_output=True, text=True, timeout=PATIENCE, check=False)
     except (OSError, subprocess.TimeoutExpired) as error:

@@ -1,7 +1,7 @@
 """Animations of the report: every slide as its discs in time, and the path of Kh with the stored fields.
 
-A film is a small table and an array of whole numbers: places are counted in ``quantum`` metres, and what changes from
-one picture to the next is all that is kept. `player.js` draws it; where no script runs, the still pictures serve.
+A film is a small table and an array of integers: positions in units of ``quantum`` metres, of which only the changes
+from frame to frame are stored. `player.js` draws it; without scripts the page has still pictures.
 """
 
 import base64
@@ -66,14 +66,14 @@ def _slides(results: Results) -> Iterator[Film]:
 
 
 def _thinned(files: list[str], results: Results) -> list[str]:
-    """Every so many of the files, and the last one, so that a film does not grow without end."""
+    """A subset of the files, including the last one, so that the size of a film is limited."""
     discs = len(Frame.read(results.store.folder / files[0]).x)
     every = max(1, -(-discs * len(files) // MOST))
     return [*files[:-1][::every], files[-1]]
 
 
 def _slide(results: Results, title: str, states: list[Frame], history: SlideHistory | None) -> Film:
-    """One slide: radius, stratum and place of every disc, then how far each has moved from picture to picture."""
+    """A film of one slide: radius, stratum and position of every disc, then its displacement from frame to frame."""
     first, last = states[0], states[-1]
     reach = first.radius.max()
     left, right = float(first.x.min() - reach), float(first.x.max() + reach)
@@ -110,7 +110,7 @@ def _surface(frame: Frame) -> np.ndarray:
 
 
 def _path(results: Results) -> Iterator[Film]:
-    """The path of Kh: the mesh, and displacement and mobilised strength of every state in equilibrium."""
+    """A film of the path of Kh: the mesh, and displacement and mobilised strength of every state in equilibrium."""
     if results.kc is None or not results.store.has(COLLECTION):
         return
     fields_of_fem = FemResults.load(results.config.section, results.store)
@@ -145,7 +145,7 @@ def _path(results: Results) -> Iterator[Film]:
 
 
 def _step(path: Sequence[Any], kh: float, label: str) -> int:
-    """The step of the path at which a state was kept: where it came to its Kh, or the last one."""
+    """The step of the path of a stored state: the one that reached its Kh, or the last one."""
     if not label.startswith("Kh = "):
         return len(path) - 1
     return next((place for place, step in enumerate(path) if step.factor >= kh - 1e-4), len(path) - 1)

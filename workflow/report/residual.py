@@ -1,4 +1,4 @@
-"""What peak and residual strength mean for the stability of the ground, in sentences."""
+"""Sentences on stability with peak and with residual strength."""
 
 from collections.abc import Iterator
 
@@ -10,7 +10,7 @@ from workflow.results.residual import TwoSteps
 
 
 def residual_verdict(steps: TwoSteps, _: Texts) -> str:
-    """What peak and residual strength mean together, as a sentence."""
+    """The verdict from peak and residual strength together, in a sentence."""
     if steps.verdict == "stands":
         return _("With residual strength wherever it has one the ground still stands without shaking.")
     if steps.verdict == "fails":
@@ -27,7 +27,7 @@ def residual_verdict(steps: TwoSteps, _: Texts) -> str:
 
 
 def residual_details(steps: TwoSteps) -> Iterator[str]:
-    """The strengths, the factors of safety behind the verdict, and what could not be found."""
+    """Sentences on the strengths, the factors of safety of the verdict, and missing results."""
     strata = [f"{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa and {s.friction_deg:.3g}°" for s in steps.strata]
     yield f"Residual strength: {listed(strata)}."
     if steps.peak is not None:

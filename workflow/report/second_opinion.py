@@ -1,4 +1,4 @@
-"""Whether DEM and MPM agree on how far a case slides, and which of them predicts known slides more closely."""
+"""Whether DEM and MPM agree on the slide of a case, and which of them predicts known slides better."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,17 +19,17 @@ ALIKE, CLOSE = 0.05, 1.5  # m, and times: slides that are no further apart agree
 
 @dataclass(frozen=True)
 class SecondOpinion:
-    """A case by both models; lengths in m.
+    """A case by both methods; lengths in m.
 
     Attributes
     ----------
     discs, points : float
         Largest slides.
     discs_span, points_span : (float, float)
-        Between what they lie, over packings or transfers, and with the error of the model on known slides where these
-        say something.
+        Intervals of both slides, over packings or transfers, with the error on known slides if there are comparable
+        ones.
     agreed : bool
-        Whether the two differ by less than the larger interval or are alike, or neither comes to rest.
+        Whether the two differ by less than the larger interval, or are nearly equal, or neither comes to rest.
     flows : bool or None
         Whether the ground flows by its weight alone.
     resting : (bool, bool)
@@ -55,7 +55,7 @@ class SecondOpinion:
         return f"{both}, further apart than their intervals of {intervals}{self._nearer()}"
 
     def _nearer(self) -> str:
-        """Which of the two was nearer to known slides of the kind."""
+        """A clause on which method predicted known slides of this kind better."""
         discs, points = slide_error(self.flows), slide_error(self.flows, "mpm")
         if discs is None or points is None:
             return ""
@@ -93,7 +93,7 @@ def _opinion(case: CaseAnswer, packings: Span, other: PointCase) -> SecondOpinio
 
 
 def _with_error(low: float, high: float, flows: bool | None, method: SlideMethod) -> Span:
-    """An interval with the error of the model on known slides, unless that is so large that all would agree."""
+    """An interval with the error on known slides, unless this error is so large that any two slides would agree."""
     error = slide_error(flows, method)
     return (low, high) if error is None or not error.bounds_slides else error.interval(max(low, 0.0), high)
 

@@ -1,4 +1,4 @@
-"""Several runs side by side: where their inputs differ, what they found, and their pictures."""
+"""Comparison of several runs: differences of their inputs, results, and pictures."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -55,7 +55,7 @@ def differences(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
 
 
 def _leaves(data: Any, name: str) -> Iterator[tuple[str, Any]]:
-    """The values of nested tables by their dotted names; strata by theirs."""
+    """The values of nested tables by their dotted names; strata by the names of strata."""
     if isinstance(data, dict):
         for key, value in data.items():
             yield from _leaves(value, f"{name}.{key}" if name else key)
@@ -67,7 +67,7 @@ def _leaves(data: Any, name: str) -> Iterator[tuple[str, Any]]:
 
 
 def run_names(runs: Sequence[ComparedRun]) -> list[str]:
-    """The folders of the runs, without the folders that all of them lie in."""
+    """The folders of the runs, without the common part of their paths."""
     shared = commonpath([run.folder.absolute().parent for run in runs])
     return [str(run.folder.absolute().relative_to(shared)) for run in runs]
 

@@ -1,4 +1,6 @@
-"""Limit equilibrium of slices in sentences: circles by Bishop and Spencer, and Spencer on the slip surface found."""
+"""Limit equilibrium of slices in sentences: circles by Bishop and Spencer, and Spencer's method on the slip surface
+of the elements.
+"""
 
 from collections.abc import Iterator, Sequence
 
@@ -12,7 +14,7 @@ from workflow.results.slices import CirclePart, SlicesAnswer
 
 
 def slices_sentences(answer: SlicesAnswer) -> Iterator[str]:
-    """The critical circles, one sentence for each question."""
+    """The critical circles, one sentence for each factor of safety and for the critical Kh."""
     if answer.reason:
         yield f"No slip circle: {answer.reason}."
     for factors in answer.factors:

@@ -104,7 +104,7 @@ def _circle(of: str, circle: CirclePart, section: Section, digits: int, _: Texts
 
 
 def _discs(results: Results, _: Texts) -> Iterator[Row]:
-    """The discs, and the finite elements that they are compared with."""
+    """Rows of the discs, and of the finite elements that they are compared with."""
     like, calibration, discs = results.dem_counterpart, results.calibration, results.dem
     if like is not None:
         most = _("to {kc}", kc=coefficient(like.kc_upper)) if _more(like.kc_upper, like.kc) else ""

@@ -12,7 +12,7 @@ from workflow.results.slices import FacePart, SlicesAnswer
 
 @dataclass(frozen=True)
 class FaceRow:
-    """One face: by slices its factors of safety at each Kh and its critical Kh, and how far a rigid block slides."""
+    """One face: by slices its factors of safety at each Kh and its critical Kh, and the slide of a rigid block."""
 
     face: FacePart
     factors: tuple[tuple[float, float | None], ...]

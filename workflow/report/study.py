@@ -101,7 +101,7 @@ def _strongest(result: Result) -> str:
 
 
 def in_words(distribution: Distribution) -> str:
-    """A distribution as people write it."""
+    """A distribution in words."""
     values = ", ".join(str(value) for value in getattr(distribution, distribution.kind))
     phrase = f"{distribution.kind} {values}" + ("" if distribution.does == "value" else f", as a {distribution.does}")
     return phrase + (

@@ -126,7 +126,9 @@ def _mesh(results: Results) -> MeshCount | None:
 
 
 def _fem(results: Results) -> FemSummary | None:
-    """Without a verdict there is no critical Kh, only the largest at which it was seen to stand."""
+    """The summary of the finite elements. Without a verdict there is no critical Kh, only the largest Kh in
+    equilibrium.
+    """
     answer = results.fem
     if answer is None:
         return None
@@ -150,7 +152,9 @@ def _variants(results: Results) -> dict[str, VariantSummary] | None:
 
 
 def _dem(results: Results) -> DemSummary | None:
-    """The verdict is that of the calibration where there was one, elsewhere that of the search for a critical Kh."""
+    """The summary of the discs. The verdict is that of the calibration if there was one, else that of the search for
+    the critical Kh.
+    """
     discs, calibration = results.dem, results.calibration
     if discs is None:
         return None

@@ -78,7 +78,7 @@ def _cohesion(stratum: Stratum) -> str:
 
 
 def source_of(section: Section, stratum: Stratum) -> str:
-    """Where the parameters of a stratum come from: its description, and whether the ground is a reconstruction."""
+    """Source of the parameters of a stratum: its description, and whether the ground is a reconstruction."""
     phrases = [stratum.description or FILE]
     return "; ".join([*phrases, *(["reconstruction"] if section.reconstruction else [])])
 
@@ -125,7 +125,7 @@ def case_heads(config: Config) -> list[tuple[str, str]]:
 
 
 def _changed(config: Config) -> list[str]:
-    """The fields of a case that are told."""
+    """The fields of a case that the tables show."""
     return [name for name in Case.model_fields if name not in OPTIONAL or any(getattr(c, name) for c in config.cases)]
 
 
@@ -140,7 +140,7 @@ def case_rows(config: Config) -> Iterator[list[str]]:
 
 
 def _of_one(value: Any, names: list[str]) -> Any:
-    """The value of the only stratum that liquefies, without its name."""
+    """The value without the name of the stratum if only one stratum liquefies."""
     return value[names[0]] if isinstance(value, dict) and list(value) == names[:1] == names else value
 
 
@@ -163,7 +163,7 @@ def written_columns(config: Section) -> list[tuple[str, str, str]]:
 
 
 def written_rows(config: Section) -> Iterator[list[str]]:
-    """The strata as the file gives them, with the units that were written there."""
+    """The strata as in the file, with its units."""
     for stratum in config.strata:
         cases = ", ".join(map(str, stratum.liquefies_in)) or "–"
         cases = f"triggered: {cases}" if stratum.liquefies_in.triggered else cases
@@ -181,7 +181,7 @@ def _written(stratum: Stratum, field: str, unit: str) -> str:
 
 
 def line_rows(config: Section) -> Iterator[tuple[str, str, str]]:
-    """The lines of the section: what each is, whether elevation or depth is given, and its points (m)."""
+    """The lines of the section: name, kind (elevation or depth), and points (m)."""
     yield "ground surface", "elevation", _points(config.surface)
     for stratum in config.strata:
         if stratum.bottom is not None:
@@ -204,7 +204,7 @@ def _line(line: Line) -> tuple[str, str]:
 
 
 def _points(points: Any) -> str:
-    """Points as pairs, or the number that holds all along."""
+    """Points as pairs; one number for a constant line."""
     if isinstance(points, float):
         return f"{points:g}"
     return "  ".join(f"({x:g}, {z:g})" for x, z in points)
@@ -222,7 +222,7 @@ def changed_settings(config: Config) -> Iterator[tuple[str, str, str]]:
 
 
 def plain(value: Any) -> str:
-    """A setting as people read it; of a file its name alone."""
+    """A setting as text; a file by its name alone."""
     if value is None:
         return "not given"
     if isinstance(value, Path):

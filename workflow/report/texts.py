@@ -1,7 +1,7 @@
 """Texts of the report in the language that the settings ask for, from one catalogue: ``ja.toml``.
 
 Texts are written in English where they are used, as ``_("the text with {value}", value=...)``; the catalogue has every
-text as a key and its translation as the value. `tests/unit/workflow/test_texts.py` sees to it that none is missing.
+text as a key and its translation as the value. `tests/unit/workflow/test_texts.py` checks that none is missing.
 """
 
 import re
@@ -39,7 +39,7 @@ def catalogue(language: Language) -> dict[str, str]:
 
 @cache
 def sentences(language: Language) -> dict[str, str]:
-    """Read the translations of whole sentences that stages leave, with {} in the place of their values."""
+    """Read the translations of whole sentences of the stages, with {} for their values."""
     translations: dict[str, str] = _file(language)[SENTENCES]
     return translations
 
@@ -64,9 +64,9 @@ class Texts:
         Parameters
         ----------
         text : str
-            The English text, with the names of its values in braces.
+            English text with the names of its values in braces.
         **values : object
-            What stands in place of the names.
+            Values that replace the names.
 
         Returns
         -------
@@ -78,7 +78,7 @@ class Texts:
         return translated.format(**words) if words else translated
 
     def sentence(self, text: str) -> str:
-        """Translate a whole sentence that a stage has left, numbers and all; unchanged where none fits it."""
+        """Translate a whole sentence of a stage, with its numbers; unchanged if there is no translation."""
         if text in self.translations:
             return self.translations[text]
         for pattern, translation in _patterns(self.language):
@@ -88,7 +88,7 @@ class Texts:
         return text
 
     def page(self, html: str) -> str:
-        """Translate all that is still English on a page, sentence by sentence; scripts and styles stay."""
+        """Translate the remaining English of a page, sentence by sentence; scripts and styles are unchanged."""
         if self.language == "en":
             return html
         parts = CUT.split(html)
@@ -109,11 +109,11 @@ class Texts:
         return before + translation + after if translation != words else text
 
     def _on_page(self, text: str, translation: str) -> str:
-        """The translation of a text, or the English sentence where only a part of it would be translated."""
+        """The translation of a text, or the English sentence if only a part of it would be translated."""
         return text if text.endswith(".") and not translation.endswith("。") else self._plain(translation)
 
     def _value(self, text: str) -> str:
-        """A value within a text: a text of its own, cases, and the range of two numbers."""
+        """Translate a value within a text: a whole text, cases, or a range of two numbers."""
         if self.language == "en":
             return text
         translation = self.sentence(text)
@@ -122,12 +122,12 @@ class Texts:
         return self._plain(translation)
 
     def _plain(self, text: str) -> str:
-        """A text with its cases, and its ranges of numbers."""
+        """Translate cases and ranges of numbers in a text."""
         text = CASES.sub(lambda match: f"ケース{LIST.sub('、', match[1])}", text)
         return re.sub(r"(?<=\d) to (?=\d)", "~", text)
 
     def listed(self, words: list[str]) -> str:
-        """Join words as people list them: a, b and c."""
+        """Join words in a list: a, b and c."""
         if self.language == "ja":
             return "、".join(words)
         return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else "".join(words)

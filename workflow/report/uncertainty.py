@@ -16,7 +16,7 @@ NO_MORE = 0.005  # a share of Kh that is none in whole per cent
 
 
 def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
-    """Pairs of a heading and sentences."""
+    """Sources of uncertainty as pairs of a heading and sentences."""
     if results.config.notices:
         yield "Ground and mesh", " ".join(f"{text[0].upper()}{text[1:]}." for text in results.config.notices)
     if results.older:
@@ -49,7 +49,7 @@ def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
 
 
 def _meshes(fem: FemAnswer) -> Iterator[str]:
-    """How much the critical Kh depends on the mesh, where that is known."""
+    """Sentences on the dependence of the critical Kh on the mesh."""
     phrases = list(meshes_sentences(fem))
     yield from phrases or ["A finer mesh gives less. To see by how much: --set 'variants.which=[\"mesh\"]'."]
 
@@ -66,7 +66,7 @@ def _seen(variant: Variant, kc: float | None) -> str:
 
 
 def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str]]:
-    """Heading, sentences, and the name of the variant that shows it."""
+    """Heading and sentences of every source, with the name of its variant."""
     settings, mesh = fem.settings, fem.mesh
     yield (
         "Bracket",
@@ -99,14 +99,16 @@ def _dilation(fem: FemAnswer) -> str:
 
 
 def _bounds(results: Results, bounds: BoundsAnswer) -> str:
-    """Whether the critical Kh of the FEM lies inside, where it is one of the same conditions."""
+    """Sentences on the strict bounds, and whether the critical Kh of the FEM lies within them if the conditions are
+    the same.
+    """
     phrase = f"{bounds.words} ({bounds.sides} sides; {bounds.flow.rstrip('.')})."
     contradictions = [f"{warning.what} To do: {warning.remedy}." for warning in results.warnings_by_bounds()]
     return " ".join([phrase, *(contradictions or ["Nothing that the finite elements found contradicts it."])])
 
 
 def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
-    """Of the discs; ``several`` packings of them have been computed, or one."""
+    """Sentences on the packing of the discs; ``several``: whether several packings were computed."""
     model, surfaces = dem.model, dem.slip_surface
     phrase = f"Packing: {model.packing}, {model.elements} discs of {model.radius_m:.3g} m radius."
     if model.surface_off_mean_m is not None and model.surface_off_worst_m is not None:

@@ -23,7 +23,7 @@ TINY = 1e-3  # m: slides of less have no spread
 
 
 def verdicts(results: Results) -> list[VerdictPart]:
-    """Every quantity that has a limit, of every structure and by every method that has it."""
+    """Verdicts on every quantity with a limit, for every structure and every method."""
     limits = results.config.criteria
     parts: list[VerdictPart] = []
     if (factor := limits.factor_of_safety) is not None:
@@ -78,12 +78,14 @@ def _critical(results: Results) -> Iterator[Found]:
 
 
 def _is_of_section(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) -> bool:
-    """Whether a mechanism of the finite elements counts: with faces of structures only if a crest slides with it."""
+    """Whether a mechanism of the finite elements counts: in a section with structures only if a crest slides with
+    it.
+    """
     return not any(isinstance(face, FacePart) for _, face in _sliding(results)) or not spared(results, surface)
 
 
 def spared(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) -> list[str]:
-    """Names of the structures, where none of their crests lies above a slip surface (n, 2) in m; else none."""
+    """Names of the structures if none of their crests lies above a slip surface (n, 2) in m; else empty."""
     structures = structures_of(results.config.section)
     points = [(float(x), float(z)) for x, z in surface]
     if not points or any(structure.slides_with(points) for structure in structures):
@@ -92,7 +94,7 @@ def spared(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) ->
 
 
 def _sliding(results: Results) -> list[tuple[str, FacePart | SlicesAnswer]]:
-    """The faces with which some circle slides, by name, or the section without any; none without slices."""
+    """The faces that have slip circles, by name, or the section without structures; empty without slices."""
     if results.slices is None:
         return []
     faces: list[tuple[str, FacePart | SlicesAnswer]] = [
@@ -102,7 +104,7 @@ def _sliding(results: Results) -> list[tuple[str, FacePart | SlicesAnswer]]:
 
 
 def _by_slices(of: str, circles: Sequence[CirclePart]) -> Iterator[Found]:
-    """The interval between Bishop's and Spencer's numbers on the circle with the least one."""
+    """The interval of Bishop's and Spencer's results on the circle with the smallest one."""
     if not circles:
         yield f"{of}, by slices", None, None, "no circle slides"
         return
@@ -142,7 +144,7 @@ def _displacements(results: Results) -> Iterator[Found]:
 
 
 def _share(results: Results, case: int) -> tuple[float, float]:
-    """The largest slides below and above which 5 % of packings are expected, over that of this packing."""
+    """Ratios of the 5 and 95 % quantiles of the largest slide over packings to the slide of this packing."""
     random = results.cases.random.cases.get(case) if results.cases is not None and results.cases.random else None
     largest = results.case_set()[1][case].slide_max_m
     if random is None or random.slide_max_m.low is None or random.slide_max_m.high is None or largest < TINY:
@@ -186,7 +188,7 @@ def _not_computed(results: Results) -> Iterator[Found]:
 
 
 def verdict_paragraph(parts: list[VerdictPart]) -> Iterator[str]:
-    """Every criterion in a sentence, with the quantities that decide it."""
+    """A sentence on every criterion, with the governing quantities."""
     phrases = []
     for criterion in dict.fromkeys(part.criterion for part in parts):
         parts_of_criterion = [part for part in parts if part.criterion == criterion]
@@ -208,7 +210,7 @@ def _words(part: VerdictPart) -> str:
 
 
 def limit_words(part: VerdictPart) -> str:
-    """The limit with its unit, and the Kh at which it is asked for."""
+    """The limit with its unit, and its Kh."""
     return _number(part.criterion, part.limit) + ("" if part.kh is None else f" at Kh = {part.kh:g}")
 
 

@@ -1,4 +1,4 @@
-"""The warnings of a report by weight, each with what to do; the same of several cases is one warning."""
+"""The warnings of a report by weight, each with a remedy; equal warnings of several cases are merged."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -33,7 +33,7 @@ def warnings(results: Results) -> list[WarningPart]:
 
 
 def split(text: str) -> tuple[str, str]:
-    """A warning as two sentences: what was found, and what to do, which stands behind the first colon."""
+    """Split a warning at its first colon into two sentences: the observation, and the remedy."""
     what, _, remedy = text.partition(": ")
     return _sentence(what), _sentence(remedy)
 
@@ -44,7 +44,7 @@ def _sentence(text: str) -> str:
 
 
 def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
-    """Weight and text of every warning: what was found, a colon, and what to do."""
+    """Weight and text of every warning: the observation, a colon, and the remedy."""
     fem = results.fem
     if fem is not None and fem.verdict == "undecided":
         yield 1, f"the path of the finite elements ended undecided ({fem.reason}): {fem.remedy or 'refine the mesh'}"
@@ -69,7 +69,7 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
 
 
 def _of_cases(results: Results) -> Iterator[str]:
-    """Discs that left the section, and the notes of cases."""
+    """Warnings of discs that left the section, and notes of cases."""
     _, cases = results.case_set()
     escaped = [number for number, case in cases.items() if case.escaped]
     if escaped:
@@ -85,7 +85,7 @@ def _of_cases(results: Results) -> Iterator[str]:
 
 
 def _residual_strength(results: Results) -> Iterator[str]:
-    """That layers which liquefy keep no strength, which nobody measured, or that sand has no strain potential."""
+    """A warning of liquefying layers without residual strength, or of sand without a strain potential."""
     if results.config.dem.paper or not (results.liquefied or results.mpm or results.case_set()[1]):
         return
     liquefies = [stratum for stratum in results.config.section.strata if stratum.liquefies_in]
@@ -112,7 +112,9 @@ def _residual_strength(results: Results) -> Iterator[str]:
 
 
 def _at_the_limit(results: Results) -> Iterator[str]:
-    """That the Kh which is held is about the one at which liquefied ground just stands: its slide is undetermined."""
+    """A warning that the constant Kh is close to the limit load of liquefied ground, so that the slide is
+    undetermined.
+    """
     slide = results.config.slide
     if results.liquefied is None or slide.kh_cycles or slide.accelerogram or not isinstance(slide.kh, float):
         return
@@ -127,7 +129,7 @@ def _at_the_limit(results: Results) -> Iterator[str]:
 
 
 def _target_range(results: Results) -> Iterator[str]:
-    """That the critical Kh which the discs are calibrated to is known as a range only."""
+    """A warning that the critical Kh of the calibration is only known as a range."""
     like = results.dem_counterpart
     if like is not None and results.dem is not None and like.kc_upper > OPEN * like.kc:
         yield (
@@ -138,7 +140,9 @@ def _target_range(results: Results) -> Iterator[str]:
 
 
 def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] = ()) -> Iterator[tuple[Weight, str]]:
-    """That the critical Kh depends on the condition at the sides, or may where it was computed with no other."""
+    """A warning that the critical Kh depends on the condition at the sides, or may depend on it if no other was
+    computed.
+    """
     longer = "a larger value of beyond" if section.beyond else 'beyond = "50 m"'
     remedy, at = f"move the sides away by {longer}", listed(fem.at_sides)
     if at and fem.settings.sides == "free-field":  # farther away it decides as much: level ground slides out there, too
@@ -154,7 +158,7 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
 
 
 def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:
-    """That discs fail elsewhere than the continuum, in a section of that height (m)."""
+    """A warning that the slip surfaces of discs and continuum differ, in a section of this ``height`` (m)."""
     apart, lines = surfaces.mean_distance_m, (surfaces.dem, surfaces.fem)
     if apart is not None and apart > SURFACES_APART * height:
         yield (
@@ -170,7 +174,7 @@ def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:
 
 
 def _fails_when_held(results: Results) -> Iterator[str]:
-    """That discs fail under a constant Kh below the critical one of their pushover."""
+    """A warning that discs fail under a constant Kh below the critical Kh of their displacement-controlled test."""
     discs = results.dem
     if discs is None or discs.after.kc is None:
         return
@@ -183,9 +187,7 @@ def _fails_when_held(results: Results) -> Iterator[str]:
 
 
 def joined(notes: Mapping[int, Sequence[str]]) -> Iterator[str]:
-    """Merge the notes of cases, each once with its cases; numbers that differ become a range. The order by weight is
-    kept.
-    """
+    """Merge equal notes of several cases; numbers that differ become a range. The order by weight is unchanged."""
     groups: dict[str, dict[int, list[str]]] = {}
     places: dict[str, int] = {}
     remedies: dict[str, str] = {}
@@ -203,7 +205,7 @@ def joined(notes: Mapping[int, Sequence[str]]) -> Iterator[str]:
 
 
 def _range(numbers: Sequence[str]) -> str:
-    """The range of numbers, of which each may be a range."""
+    """The range of numbers, each of which may be a range itself."""
     ends = [end for number in numbers for end in number.split(" to ")]
     low, high = min(ends, key=float), max(ends, key=float)
     return low if float(low) == float(high) else f"{low} to {high}"

@@ -1,1 +1,1 @@
-"""The answers that stages leave behind, each read and written in one place."""
+"""The stored answers of the stages, each read and written in one place."""

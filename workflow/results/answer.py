@@ -1,8 +1,7 @@
 """Base classes of the answers of all stages, with their reading and writing.
 
-An answer is a pydantic model whose fields are the keys of its JSON file, so that mypy, the tests and a reader all know
-them. Units stand in the names (``settlement_uphill_m``, ``E_Pa``) or in a field's description; what has neither is a
-number without a unit.
+An answer is a pydantic model whose fields are the keys of its JSON file. Units are in the names
+(``settlement_uphill_m``, ``E_Pa``) or in the description of a field; a number with neither is dimensionless.
 """
 
 import math
@@ -40,11 +39,11 @@ Known = Annotated[float | None, BeforeValidator(_finite)]
 
 
 class Part(BaseModel):
-    """A part of an answer. It cannot change, knows no other keys than its own, and can be made from any object with
-    attributes of the same names (``model_validate``).
+    """A part of an answer. It is immutable, refuses unknown keys, and can be made from any object with attributes of
+    the same names (``model_validate``).
 
-    A field without a default stands in the file always, with null where there is nothing. A field with the default None
-    stands there only where there is something to say.
+    A field without a default is always in the file, as null if there is no value. A field with the default None is only
+    in the file if it has a value.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, from_attributes=True, defer_build=True)
@@ -57,14 +56,15 @@ class Part(BaseModel):
 
     @classmethod
     def taken(cls, source: object, /, **more: Any) -> Self:
-        """A part with the fields that ``source`` has as attributes of the same names, but for those given in ``more``.
+        """Make a part from the attributes of ``source`` with the names of its fields, except for the fields in
+        ``more``.
 
         Parameters
         ----------
         source
             The result of a library, or another part.
         **more
-            Fields that ``source`` does not have, or has with another meaning.
+            Fields that ``source`` does not have, or that have another meaning there.
         """
         same = {name: getattr(source, name) for name in cls.model_fields if name not in more and hasattr(source, name)}
         return cls.model_validate({**same, **more})
@@ -73,9 +73,9 @@ class Part(BaseModel):
 class Answer(Part):
     """The content of the JSON file of a stage.
 
-    ``FILE`` is the name of the file within the folder of a run. ``VERSION`` counts the meanings that the keys have had:
-    raise it when one changes its meaning while its name stays. A new key without a default needs no new version, since
-    a file without that key is recognised as an older one.
+    ``FILE`` is the name of the file within the folder of a run. ``VERSION`` has to be increased when the meaning of a
+    key changes but not its name. A new key without a default needs no new version, since a file without this key is
+    recognised as an older one.
     """
 
     FILE: ClassVar[str]
@@ -83,9 +83,10 @@ class Answer(Part):
 
     @classmethod
     def read(cls, store: Store) -> Self:
-        """The answer that stands in a folder.
+        """Read the answer in a folder.
 
-        Raises InputError if there is none or if it is no JSON, OtherVersionError if another version wrote it.
+        Raises InputError if the file is missing or no JSON, OtherVersionError if another version of the program wrote
+        it.
         """
         data = current_answer(store.read_json(cls.FILE))
         version = data.pop("version", None) if isinstance(data, dict) else None

@@ -63,7 +63,7 @@ class DirectionPart(Part):
 
     @property
     def words(self) -> str:
-        """The bounds as a person reads them; where the other direction fails first they need not be close."""
+        """The bounds in words; if the other direction fails first they need not be close."""
         to, out = f"{FORCE[self.direction]} (to the {self.towards})", self.way_out
         match self.lower, self.upper:
             case None, None:
@@ -82,7 +82,7 @@ class DirectionPart(Part):
 
 
 class BracketPart(Part):
-    """Both bounds for one flow rule, how far each of them was checked, and every mesh on the way."""
+    """Both bounds for one flow rule, with their residuals and the bounds on every mesh."""
 
     lower: float | None = Field(description="the section stands at every Kh below this one, in every direction")
     upper: float | None = Field(description="the section fails at every Kh above this one, in one direction")
@@ -99,12 +99,12 @@ class BracketPart(Part):
     history: tuple[MeshRound, ...] = Field(description="of the direction that fails first")
 
     def towards(self, direction: Direction) -> DirectionPart | None:
-        """The bounds in one direction, if there are any."""
+        """The bounds in one direction; None if there are none."""
         return next((part for part in self.directions if part.direction == direction), None)
 
 
 class ShallowBoundPart(Part):
-    """A cohesionless face that fails before the slope as a whole fails."""
+    """A cohesionless face that fails at a smaller Kh than the whole slope."""
 
     stratum: str
     start: float = Field(description="x of its left end (m)")
@@ -112,8 +112,7 @@ class ShallowBoundPart(Part):
     kh: float = Field(description="seismic coefficient of the shallow failure")
 
     def is_edge(self, least_depth: float) -> bool:
-        """Whether it is no face but the edge of a layer that comes out of the ground, narrower than the least depth (m)
-        of a failure that counts."""
+        """Whether it is only the edge of an outcropping layer, narrower than the least depth (m) of failures."""
         return self.end - self.start < least_depth
 
 
@@ -135,7 +134,7 @@ class SafetyPart(Part):
 
     @property
     def words(self) -> str:
-        """The bracket as a person reads it."""
+        """The bracket in words."""
         low = "" if self.lower is None else f"{self.lower:.3f} <= "
         high = "" if self.upper is None else f" <= {self.upper:.3f}"
         between = f"{low}FS{high}" if low or high else "none found of FS"
@@ -148,7 +147,9 @@ class SafetyPart(Part):
 
 
 class BoundsAnswer(BracketPart, Answer):
-    """The bounds with ψ = φ, of which the upper one holds for every smaller ψ, too, and the factors of safety."""
+    """The bounds of Kh with ψ = φ, whose upper one also holds for every smaller ψ, and the bounds of factors of
+    safety.
+    """
 
     FILE: ClassVar[str] = "fem/bounds.json"
 

@@ -1,4 +1,4 @@
-"""dem/calibration.json: which parameter of the discs was changed, by how much, and every trial of it."""
+"""dem/calibration.json: the calibrated parameter of the discs, its factor, and all trials."""
 
 # ruff: noqa: N815 (units are written as they are)
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class SearchBracket(Part):
-    """The bracket that one search for the critical Kh ended with."""
+    """The final bracket of one search for the critical Kh."""
 
     kc: float | None
     kc_lower: float
@@ -33,13 +33,13 @@ class FactorTrial(SearchBracket):
 
 
 class Sensitivity(FactorTrial):
-    """The critical Kh with a factor on one parameter, all others as they were."""
+    """The critical Kh with a factor on one parameter and all others unchanged."""
 
     parameter: str
 
 
 class SoilProperties(Part):
-    """The soil of a stratum as the section gives it."""
+    """The parameters of a stratum in the section file."""
 
     E_Pa: float
     nu: float
@@ -48,7 +48,7 @@ class SoilProperties(Part):
 
 
 class AssemblyProperties(Part):
-    """A patch of discs tested as a soil sample is; None for what could not be had."""
+    """Results of element tests on a patch of discs; None for missing results."""
 
     E_Pa: Known
     nu: Known
@@ -91,7 +91,7 @@ class PressureAnswer(Part):
 
 
 class ElementTestQuality(Part):
-    """How near to rest the tests were up to their peaks."""
+    """How quasi-static the tests were up to their peaks."""
 
     unbalanced_largest: Known
     unbalanced_median: Known
@@ -101,7 +101,7 @@ class ElementTestQuality(Part):
 
 
 class LayerTest(Part):
-    """The discs of one stratum in one packing beside the soil; without numbers where the test could not be done."""
+    """The discs of one stratum in one packing, compared with the soil; without numbers if the test failed."""
 
     stratum: str
     packing: str
@@ -114,7 +114,7 @@ class LayerTest(Part):
 
 
 class CalibrationAnswer(Answer):
-    """The factor that brings the discs to the critical Kh of the continuum, or the closest that there is."""
+    """The factor with which the discs have the critical Kh of the continuum, or the closest one."""
 
     FILE: ClassVar[str] = "dem/calibration.json"
 
@@ -142,13 +142,14 @@ class CalibrationAnswer(Answer):
 
     @property
     def leaves_open(self) -> bool:
-        """Whether the interval of the continuum's critical Kh is wider than the tolerance of the calibration."""
+        """Whether the interval of the critical Kh of the continuum is wider than the tolerance of the calibration."""
         return self.continuum_kc is not None and self.continuum_kc[1] - self.continuum_kc[0] > self.tolerance
 
     @classmethod
     def of(cls, base: "Search", calibration: "Calibration | None", tolerance: float, **more: Any) -> Self:
-        """The calibration as an answer holds it, sensitivities by parameter, then by factor; without any the discs as
-        they are, with the critical Kh of the search ``base``. ``more`` are further fields of the answer."""
+        """The answer of a calibration, with sensitivities sorted by parameter and factor; without a calibration that
+        of uncalibrated discs, with the critical Kh of the search ``base``. ``more`` are further fields.
+        """
         if calibration is None:
             return cls.taken(
                 base,

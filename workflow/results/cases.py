@@ -1,4 +1,4 @@
-"""dem/cases.json: how far each case of liquefaction slides."""
+"""dem/cases.json: the slide of each case of liquefaction."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
@@ -59,7 +59,7 @@ class CaseNumbers(Part):
 
 
 class CaseSummary(CaseNumbers):
-    """The numbers of a case, and the interval of its largest slide over random packings where several were computed."""
+    """The numbers of a case, and the interval of its largest slide over random packings if several were computed."""
 
     seeds: int = Field(default=1, description="packings that were computed")
     slide_max_m_mean: float | None = None
@@ -74,17 +74,17 @@ class MovedSurface(Part):
     slide_along: Line = Field(default=(), description="points [x, slide] of the surface as it was before (m)")
 
     def slide_at(self, x: float) -> float | None:
-        """How far the surface slides that was at x (m); None off the surface, or where it was not kept."""
+        """Slide (m) of the surface that was at x (m) before; None beyond its ends, or if it is not stored."""
         if not self.slide_along or not self.slide_along[0][0] <= x <= self.slide_along[-1][0]:
             return None
         return float(np.interp(x, *np.array(self.slide_along).T))
 
     @property
     def largest_fall(self) -> tuple[float, float]:
-        """How far the surface falls at most (m), and at which x (m) that is.
+        """Largest fall of the surface (m), and its x (m).
 
-        The outermost points of the surface lie on the sides of the model, where a single disc that is left at a side
-        or missing there is no settlement of the ground: the surface is read from its second points on.
+        The outermost points of the surface lie on the sides of the model, where a single disc that remains or is
+        missing does not show the settlement of the ground. So these two points are left out.
         """
         before, after = (np.array(line).reshape(-1, 2) for line in (self.surface_before, self.surface_after))
         if not len(before) or not len(after):
@@ -105,9 +105,9 @@ class CaseAnswer(MovedSurface, CaseNumbers):
 
     @classmethod
     def of(cls, slide: "Slide", alone: "Slide", stiffness: float) -> Self:
-        """A slide as an answer holds it.
+        """The answer on a slide.
 
-        ``alone`` is the same ground under Kh without liquefaction, which tells sliding from giving way elastically.
+        ``alone`` is the same ground under Kh without liquefaction: a disc slides if it moves twice as far as there.
         """
         return cls(stiffness=stiffness, **slide.as_json(alone))
 
@@ -118,12 +118,14 @@ class CaseAnswer(MovedSurface, CaseNumbers):
 
     @property
     def numbers(self) -> CaseNumbers:
-        """The numbers alone."""
+        """The numbers without the surface."""
         return CaseNumbers(**{name: getattr(self, name) for name in CaseNumbers.model_fields})
 
 
 class Spread(Part):
-    """A number on several random packings: what it is on average and how sure that is; None where there are too few."""
+    """A number on several random packings: mean, standard deviation and confidence interval; None if there are too
+    few.
+    """
 
     mean: float | None
     spread: float | None = Field(description="standard deviation of a sample")
@@ -137,7 +139,7 @@ class Spread(Part):
 
     @classmethod
     def of(cls, values: Sequence[float]) -> Self:
-        """The spread of some values."""
+        """Mean, standard deviation and interval of some values."""
         if not values:
             return cls(mean=None, spread=None, values=())
         mean, several = float(np.mean(values)), len(values) > 1
@@ -172,7 +174,7 @@ class Profile(Part):
 
     @classmethod
     def of(cls, surfaces: Sequence[tuple[Line, Line]], points: int = 201) -> Self:
-        """Of the surfaces before and after, points [x, elevation], over the width that all of them have."""
+        """The profile of several surfaces before and after, points [x, elevation], over their common width."""
         ends = [(line[0][0], line[-1][0]) for pair in surfaces for line in pair]
         x = np.linspace(max(left for left, _ in ends), min(right for _, right in ends), points)
         before, after = (np.array([np.interp(x, *np.array(pair[k]).T) for pair in surfaces]) for k in (0, 1))
@@ -227,14 +229,16 @@ class Seed(Part):
 
 
 class RandomPackings(Part):
-    """The cases once more on random packings; a seed that could not be calibrated is named, and not counted."""
+    """The cases on random packings; a seed that could not be calibrated is named, and not counted."""
 
     seeds: tuple[Seed, ...]
     cases: dict[int, RandomCase]
 
     @property
     def rising(self) -> int | None:
-        """On how many packings every case slides further than the one before; None without two cases or packings."""
+        """Number of packings on which every case slides further than the one before; None without two cases or
+        packings.
+        """
         slides = [self.cases[number].slide_max_m.values for number in sorted(self.cases)]
         if len(slides) < 2 or min(len(values) for values in slides) < 2:
             return None
@@ -242,7 +246,7 @@ class RandomPackings(Part):
 
 
 def alike(cases: Mapping[int, Answered], of: Iterable[int] | None = None) -> dict[tuple[int, ...], Answered]:
-    """Group cases of the same answer, whatever stiffness they leave, so that it is shown once.
+    """Group cases with equal answers, so that each is shown once; their stiffness may differ.
 
     Parameters
     ----------
@@ -263,7 +267,7 @@ def alike(cases: Mapping[int, Answered], of: Iterable[int] | None = None) -> dic
 
 
 class CasesAnswer(Answer):
-    """All cases by number, for each set of springs; "calibrated" is the one that counts where it is there."""
+    """All cases by number, for each set of springs; "calibrated" governs if it exists."""
 
     FILE: ClassVar[str] = "dem/cases.json"
 
@@ -278,5 +282,5 @@ class CasesAnswer(Answer):
 
     @property
     def first_set(self) -> str:
-        """The name of the set that counts; empty without any."""
+        """The name of the governing set; empty without any."""
         return next((name for name in ("calibrated", *self.sets) if name in self.sets), "")

@@ -1,4 +1,4 @@
-"""fem/critical.json: the critical seismic coefficient of the continuum, and how it was found."""
+"""fem/critical.json: the critical seismic coefficient of the continuum, and the path to it."""
 
 from collections.abc import Sequence
 from math import log
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class MeshCount(Part):
-    """The mesh that an answer was found on."""
+    """The size of the mesh of an answer."""
 
     quadrilaterals: int
     nodes: int
@@ -37,7 +37,7 @@ class Gravity(Part):
 
 
 class KeptState(Part):
-    """The continuum at one Kh whose fields were kept."""
+    """The continuum at one Kh whose fields are stored."""
 
     label: str
     kh: float
@@ -48,7 +48,7 @@ class KeptState(Part):
 
 
 class FactorOfSafety(Part):
-    """By how much c and tan φ can be divided at one Kh until the section fails."""
+    """The factor of safety at one Kh: the divisor of c and tan φ at which the section fails."""
 
     kh: float
     factor: float = Field(description="the largest divisor at which an equilibrium was found")
@@ -68,7 +68,7 @@ class FactorOfSafety(Part):
 
 
 class OtherWay(Part):
-    """The critical Kh of the same mesh pushed the other way, or with another flow rule."""
+    """The critical Kh for the opposite direction, or with another flow rule."""
 
     kc: float
     kc_upper: float
@@ -103,9 +103,9 @@ class MeshStep(Part):
 def displacement_at(path: Sequence[PathStep], kc: float, share: float) -> float:
     """The displacement (m) at which a path of rising Kh comes to a share of the critical one, ``kc``.
 
-    A path may end before, where limit analysis gave the critical Kh. It is then extrapolated: the difference to kc
-    decays exponentially with displacement, as over the last step. For S-13 in a rigid box, paths cut off at 0.8 and
-    0.95 of kc give the displacement at 0.99 of kc within 7 %.
+    A path may end below this share if limit analysis gave the critical Kh. Then it is extrapolated: the difference to
+    kc decays exponentially with displacement, at the rate of the last step. For S-13 in a rigid box, paths cut off at
+    0.8 and 0.95 of kc give the displacement at 0.99 of kc within 7 %.
     """
     near = [step.displacement for step in path if step.factor >= share * kc]
     if near or len(path) < 2:
@@ -119,7 +119,7 @@ def displacement_at(path: Sequence[PathStep], kc: float, share: float) -> float:
 
 
 class FemAnswer(Answer):
-    """The largest Kh at which an equilibrium was found, with its bracket, verdict and record."""
+    """The critical Kh, with its bracket, verdict and path."""
 
     FILE: ClassVar[str] = "fem/critical.json"
     VERSION: ClassVar[int] = 5
@@ -167,19 +167,19 @@ class FemAnswer(Answer):
 
     @property
     def ended(self) -> str:
-        """The verdict in words: a plateau only where the path itself reached one. Limit analysis gives the limit load
-        without the path, which may still rise where it ends.
+        """The verdict in words: a plateau only if the path itself reached one. If the limit load is from limit
+        analysis, the path may still rise at its end.
         """
         known_before = self.verdict == "plateau" and self.kc_lower < YIELDED * self.kc
         return "limit load" if known_before else self.verdict
 
     @property
     def has_kc(self) -> bool:
-        """Whether the path came to a plateau or a peak, so that there is a critical Kh."""
+        """Whether there is a critical Kh: the path reached a plateau or a peak."""
         return self.verdict in ("plateau", "peak")
 
     def state_at(self, kh: float) -> KeptState | None:
-        """The kept state at a Kh, if there is one."""
+        """The stored state at a Kh; None if there is none."""
         return next((state for state in self.states if abs(state.kh - kh) < 1e-9), None)
 
     def last_in_equilibrium(self) -> KeptState | None:
@@ -203,7 +203,7 @@ class Variant(Part):
     )
 
     def of(self, kc: float) -> float | None:
-        """The critical Kh with the change, for the answer ``kc``; where both were found on another mesh, by their
+        """The critical Kh with the change, for the answer ``kc``; if both were computed on another mesh, by their
         ratio.
         """
         if self.kc is None or self.kc_without is None:
@@ -212,7 +212,7 @@ class Variant(Part):
 
 
 class VariantsAnswer(Answer):
-    """Every change that was asked for."""
+    """All computed changes."""
 
     FILE: ClassVar[str] = "fem/variants.json"
 

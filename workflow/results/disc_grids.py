@@ -13,7 +13,8 @@ from workflow.run.store import Store
 
 def grid_of(model: DiscModel, before: DiscModel, ground: Ground) -> pv.PolyData:
     """Discs as points with radius_m, stratum (-1: boundary), displacement_m and velocity_m_s since `before`; pore
-    springs as lines, with cracked = 1 for those that are; cracked = -1 stands on the cells of points."""
+    springs as lines, with cracked = 1 for cracked ones; the cells of points have cracked = -1.
+    """
     x, z = ground.to_section(model.x, model.z)
     n = len(model)
     near = model.distance() < 1.5 * np.abs(model.pore_length)  # discs that parted long ago are not joined in a picture
@@ -36,7 +37,7 @@ def grid_of(model: DiscModel, before: DiscModel, ground: Ground) -> pv.PolyData:
 
 
 def write_frame(store: Store, name: str, model: DiscModel, before: DiscModel, ground: Ground, seconds: float) -> None:
-    """One state of a slide, with the seconds since its onset.
+    """Write one state of a slide, with the seconds since its onset.
 
     ``store``: the folder of the run; ``name``: of the file; ``model``, ``before``: discs now and at rest; ``ground``:
     in which they lie.
@@ -73,7 +74,7 @@ def frames(store: Store, name: str, folder: str = "dem") -> dict[int, str]:
 
 
 def copy_frames(store: Store, of: str, to: str, folder: str = "dem") -> None:
-    """The states of one case as those of another that slides alike.
+    """Copy the states of one case to another with the same slide.
 
     ``store``: the folder of the run; ``of``, ``to``: the cases by the names of their files; ``folder``: of both.
     """

@@ -49,7 +49,7 @@ class Parameters(Part):
 
 
 class KhTrial(Part):
-    """Whether the discs stand at one Kh, and what that verdict rests on; None for a number that is not known."""
+    """Whether the discs stand at one Kh, and the numbers behind the verdict; None for unknown numbers."""
 
     kh: float
     verdict: TrialVerdict
@@ -76,7 +76,7 @@ class DiscSearch(Part):
 
 
 class DiscState(KhTrial):
-    """The discs at one Kh whose state was kept, before or after calibration."""
+    """The stored state of the discs at one Kh, before or after calibration."""
 
     set: SetOfSprings
     file: str = Field(description="the discs, within the folder of the run")
@@ -86,7 +86,7 @@ class DiscState(KhTrial):
 
 
 class SlipSurfaces(Part):
-    """The slip surfaces at the upper end of each bracket, points [x, elevation] in m, and how far apart they are."""
+    """The slip surfaces at the upper end of each bracket, points [x, elevation] in m, and their distance."""
 
     dem: Line = Field(description="calibrated discs")
     dem_before: Line = Field(description="discs before calibration")
@@ -102,7 +102,7 @@ class SlipSurfaces(Part):
 
 
 class PaperDiscs(Part):
-    """The paper's own discs beside those that are calibrated: how they lie, and their critical Kh."""
+    """The paper's own discs, computed in addition to soil discs: their packing and critical Kh."""
 
     model: DiscModelAnswer
     search: DiscSearch
@@ -123,11 +123,11 @@ class DiscsAnswer(Answer):
 
     @property
     def kc_table2(self) -> float | None:
-        """The critical Kh with the springs of the paper's Table 2 as printed, where those were asked for."""
+        """The critical Kh with the springs of the paper's Table 2 as printed, if it was computed."""
         search = self.paper.search if self.paper is not None else self.before
         asked = search.parameters is not None and search.parameters.springs == "table2"
         return search.kc if asked else None
 
     def states_of(self, which: SetOfSprings) -> dict[float, DiscState]:
-        """The kept states of one set of springs, by their Kh."""
+        """The stored states of one set of springs, by their Kh."""
         return {round(state.kh, 6): state for state in self.states if state.set == which}

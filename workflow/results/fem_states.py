@@ -16,13 +16,13 @@ COLLECTION = "fem/fields.pvd"
 
 
 def fields_file(number: int) -> str:
-    """The name within fem/ of the fields of an equilibrium, by its place among those."""
+    """The file name within fem/ of the fields of an equilibrium, by its number."""
     return f"fields_{number}.vtu"
 
 
 @dataclass(frozen=True)
 class FemResults:
-    """The mesh, the ``answer`` as fem/critical.json holds it, and a state for each of the answer's states."""
+    """The mesh, the ``answer`` in fem/critical.json, and the fields of each of its states."""
 
     mesh: QuadMesh
     answer: FemAnswer

@@ -17,7 +17,7 @@ COLUMNS = ["set", "case", *(field.name for field in fields(Row))]
 
 @dataclass(frozen=True)
 class SlideHistory:
-    """One slide in time: which set of springs, which case (0: Kh alone), and a row for every look at it."""
+    """One slide in time: set of springs, case (0: Kh alone), and a row for every recorded time."""
 
     springs: str
     case: int
@@ -25,7 +25,7 @@ class SlideHistory:
 
 
 def write_histories(store: Store, slides: Iterable[SlideHistory]) -> None:
-    """Write a line for every look at every slide, by set of springs, then by number of the case."""
+    """Write a line for every recorded time of every slide, sorted by set of springs and number of the case."""
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(COLUMNS)

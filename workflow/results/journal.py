@@ -30,19 +30,19 @@ class Entry(Part):
 
 
 def _trial(kept: KhTrial) -> Trial:
-    """The trial again, with infinity for what is not known."""
+    """The stored trial, with infinity for unknown numbers."""
     values: dict[str, Any] = {name: math.inf if value is None else value for name, value in kept}
     return Trial(**values)
 
 
 class Journal:
-    """Searches that are done, by parameter and factor, in a file of the folder."""
+    """Finished searches, by parameter and factor, in a file of the folder."""
 
     def __init__(self, store: Store, name: str) -> None:
         self.path = store.folder / name
 
     def known(self) -> dict[Key, Search]:
-        """All searches of the file; a line that was half written when someone pulled the plug is none."""
+        """All searches of the file; an incomplete last line is ignored."""
         searches: dict[Key, Search] = {}
         if not self.path.is_file():
             return searches

@@ -19,7 +19,7 @@ class LiquefiedStratum(Part):
 
 
 class LiquefiedCase(Bearing):
-    """Cases that leave the strata the same strength: their numbers, and what the ground then bears."""
+    """Cases with equal residual strengths: their numbers, and the stability of the ground."""
 
     cases: tuple[int, ...]
     names: tuple[str, ...] = Field(description="what these cases are called; empty for those without a name")

@@ -1,4 +1,4 @@
-"""mpm/slides.json: how far each case of liquefaction slides by the material point method."""
+"""mpm/slides.json: the slide of each case of liquefaction by the material point method."""
 
 from typing import ClassVar
 
@@ -35,7 +35,7 @@ class PointCase(MovedSurface):
 
 
 class PointSlidesAnswer(Answer):
-    """All cases by number, and how the ground was made of points."""
+    """All cases by number, and the discretisation of the ground by points."""
 
     FILE: ClassVar[str] = "mpm/slides.json"
 

@@ -1,4 +1,4 @@
-"""fem/residual.json: whether ground that has been sheared far still stands with what is left of its strength."""
+"""fem/residual.json: whether the ground still stands with its residual strength after large shear strains."""
 
 from typing import ClassVar, Literal
 
@@ -20,7 +20,7 @@ class SoftenedStratum(Part):
 
 
 class AlongSurface(Part):
-    """Factors of safety, by Spencer's method, of the slip surface that the ground has with its peak strength."""
+    """Factors of safety by Spencer's method, on the slip surface of the ground with peak strength."""
 
     surface_m: Line = Field(description="points [x, elevation] of the slip surface (m)")
     peak: float | None = Field(description="with peak strength; None where forces and moments do not balance")

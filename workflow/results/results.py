@@ -1,4 +1,4 @@
-"""Results of a folder for one input: the answers of the stages, and how each of them ended."""
+"""Results of a folder for one input: the answers of the stages, and the outcome of each."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -33,10 +33,10 @@ Judged = tuple[str, float, float | None, float | None, bool]
 
 @dataclass(frozen=True)
 class Results:
-    """Results of an input: ``ends`` how stages ended, ``missing`` why others have no result; ``older`` stages were
-    computed by another version of the program, ``stages`` are those of the report.
+    """Results of an input. ``ends``: outcomes of the stages; ``missing``: why others have no result; ``older``: stages
+    computed by another version of the program; ``stages``: those of the report.
 
-    The answers are those of the files, None where a stage has left none: ``bounds`` has always both bounds.
+    The answers are those of the files, None if a stage has none; ``bounds`` always has both bounds.
     """
 
     config: Config
@@ -61,7 +61,7 @@ class Results:
 
     @classmethod
     def of(cls, job: Job) -> "Results":
-        """Read what the stages left for this input; results of other inputs are not looked at."""
+        """Read the results of the stages for this input; results of other inputs are ignored."""
         record, ends, missing, older = Record(job.store), {}, {}, []
         stages = tuple(stage for stage in job.stages if not stage.of_all)
         for stage in stages:
@@ -104,7 +104,7 @@ class Results:
         )
 
     def no_answer(self, stage: str) -> Entry | None:
-        """How a stage ended if it ended without an answer."""
+        """The outcome of a stage that ended without an answer; else None."""
         entry = self.ends.get(stage)
         return entry if entry is not None and entry.outcome == "no answer" else None
 
@@ -136,15 +136,15 @@ class Results:
 
     @property
     def _bracketed(self) -> bool:
-        """Whether strict bounds of the same sides and flow rule are close: these judge the elements, not other ones."""
+        """Whether strict bounds of the same sides and flow rule are close, so that they check the elements."""
         fem, bounds = self.fem, self.bounds
         if fem is None or bounds is None or bounds.sides != fem.settings.sides:
             return False
         return fem.flow == "associated" and bounds.verdict == "bracketed"
 
     def warnings_by_bounds(self) -> list[ResultWarning]:
-        """Where strict bounds contradict the FEM. Upper bounds with ψ = φ hold for every smaller ψ, and those with
-        fixed sides for sides that yield: a mechanism at rest at the sides does no work there.
+        """Warnings where strict bounds contradict the FEM. Upper bounds with ψ = φ hold for every smaller ψ, and those
+        with fixed sides hold for other sides, since a mechanism that does not move at the sides does no work there.
         """
         fem, bounds = self.fem, self.bounds
         if fem is None or bounds is None or self.kc is None:
@@ -160,7 +160,7 @@ class Results:
         ]
 
     def _judged_by(self, bounds: BoundsAnswer) -> Iterator[Judged]:
-        """The critical Kh of every direction and flow rule that has strict bounds, with these bounds."""
+        """The critical Kh of every direction and flow rule with strict bounds, and these bounds."""
         fem = self.fem
         assert fem is not None
         for part in bounds.directions:
@@ -180,7 +180,7 @@ class Results:
             yield f"critical Kh by {fem.estimate}", low, substitute.lower, substitute.upper, True
 
     def _safety_judged_by(self, bounds: BoundsAnswer) -> Iterator[Judged]:
-        """The factors of safety with ψ = φ that the bounds have, too."""
+        """The factors of safety with ψ = φ for which there are bounds."""
         strict = {part.kh: part for part in bounds.safety}
         for factor in self.fem.safety_factors if self.fem is not None else ():
             full = factor.factor if self.fem is not None and self.fem.flow == "associated" else factor.associated
@@ -188,14 +188,14 @@ class Results:
                 yield f"factor of safety at Kh = {factor.kh:g} with ψ = φ", full, part.lower, part.upper, True
 
     def case_set(self) -> tuple[str, dict[int, CaseAnswer]]:
-        """The set of cases that counts (the calibrated one if there is one), and its cases by number."""
+        """The governing set of cases (the calibrated one if there is one), and its cases by number."""
         if self.cases is None:
             return "", {}
         name = self.cases.first_set
         return name, self.cases.sets.get(name, {})
 
     def slides_at(self, x: float | None) -> dict[int, float] | None:
-        """How far the discs slide in each case where the surface was at x (m); None where that is not known."""
+        """Slide of the discs in each case at the place x (m) of the surface; None if it is not known."""
         _, cases = self.case_set()
         if x is None or not cases:
             return None

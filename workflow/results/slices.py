@@ -1,4 +1,4 @@
-"""fem/slices.json: slip circles of limit equilibrium, the numbers that reviewers know beside elements and bounds."""
+"""fem/slices.json: slip circles of limit equilibrium, for comparison with elements and bounds."""
 
 from typing import ClassVar, Literal
 
@@ -30,7 +30,7 @@ class FactorCircles(Part):
 
 
 class FacePart(Part):
-    """One face of a structure, and the circles with which some of its crest slides."""
+    """One face of a structure, and the circles with which a part of its crest slides."""
 
     structure: str = Field(description="its name")
     kind: Kind
@@ -43,7 +43,7 @@ class FacePart(Part):
     reason: str = Field(default="", description="why no circle slides with it; empty where one does")
 
     def factor(self, kh: float) -> float | None:
-        """The least factor of safety at one Kh; None where no circle slides or the Kh was not asked for."""
+        """The least factor of safety at one Kh; None if no circle slides or it was not computed."""
         factors = [circle.bishop for group in self.factors if group.kh == kh for circle in group.circles]
         return factors[0] if factors else None
 

@@ -43,5 +43,5 @@ def stored_mesh(section: Section, store: Store) -> QuadMesh:
 
 
 def fem_mesh(section: Section, store: Store, method: str) -> QuadMesh:
-    """The mesh that the fields of the stage `fem` stand on; raises InputError as ``stored_mesh`` does."""
+    """The mesh of the fields of the stage `fem`; raises InputError as ``stored_mesh`` does."""
     return replace(given_mesh(section, store.folder / FEM_FILE), method=method)

@@ -67,7 +67,7 @@ class Result(Part):
 
     @property
     def title(self) -> str:
-        """Its name in words."""
+        """The name of the result in words."""
         case = re.fullmatch(r"case(\d+)_(\w+)", self.name)
         if case is None or case[2] not in QUANTITIES:
             return WORDS.get(self.name, self.name)
@@ -80,8 +80,8 @@ class Result(Part):
 
     @property
     def by_chance(self) -> float:
-        """The 95 % limit of its largest rank correlation if nothing depends on anything, for so many samples; each
-        alone by the normal distribution with the variance 1 / (n - 1), together by Bonferroni's inequality.
+        """The 95 % limit of the largest rank correlation of independent numbers for this number of samples n: normal
+        distribution with variance 1 / (n - 1) for each, Bonferroni's inequality for all together.
         """
         if self.samples < 2:
             return 1.0
@@ -90,7 +90,7 @@ class Result(Part):
 
 
 class Failure(Part):
-    """A reason for which samples have no answer, as the first of them tells it, and how many."""
+    """A reason why samples have no answer, in the words of the first of them, and their number."""
 
     reason: str
     samples: int

@@ -30,7 +30,7 @@ class SafetySummary(Part):
 
 
 class FemSummary(Part):
-    """The continuum. Without a critical Kh only ``kc_lower``, the largest Kh at which it was seen to stand."""
+    """The continuum. Without a critical Kh there is only ``kc_lower``, the largest Kh in equilibrium."""
 
     kc: float | None
     kc_lower: float
@@ -49,7 +49,9 @@ class FemSummary(Part):
 
 
 class VariantSummary(Part):
-    """The critical Kh of the continuum with one thing changed, and without it where another mesh was taken for both."""
+    """The critical Kh of the continuum with one assumption changed, and without the change if both were computed on
+    another mesh.
+    """
 
     change: str
     kc: float | None
@@ -132,8 +134,9 @@ class EstimateSummary(Part):
 
 @dataclass(frozen=True)
 class PaperRow:
-    """One quantity of the paper beside ours: ``agrees`` is None where there is nothing to compare yet; ``why`` says why
-    it does not agree."""
+    """One quantity of the paper compared with ours: ``agrees`` is None if there is nothing to compare; ``why`` is
+    the reason of a difference.
+    """
 
     quantity: str
     paper: str
@@ -144,14 +147,14 @@ class PaperRow:
 
 
 class NoAnswer(Part):
-    """Why a stage ended without an answer, and what to try."""
+    """Why a stage ended without an answer, and what the user can change."""
 
     reason: str
     remedy: str
 
 
 class MadeWith(Part):
-    """On which machine, and with which versions of the program and of its libraries."""
+    """Machine, and versions of the program and its libraries."""
 
     versions: dict[str, str]
     host: str
@@ -167,7 +170,7 @@ class PaperModel(Part):
 
 
 class Summary(Answer):
-    """The results of all stages; a stage without an answer stands under ``no_answer``."""
+    """The results of all stages; a stage without an answer is listed in ``no_answer``."""
 
     FILE: ClassVar[str] = "summary.json"
 

@@ -22,7 +22,7 @@ from workflow.triggering.residual import RELATIONS
 
 
 class MotionPart(Part):
-    """The peak acceleration that the factors are for: median, and one standard deviation above and below."""
+    """The peak acceleration of the factors: median, and one standard deviation above and below."""
 
     median_gal: float
     low_gal: float
@@ -34,7 +34,7 @@ class MotionPart(Part):
 
 
 class TestPart(Part):
-    """One test: where, the stresses there, and F_L; None where it was not judged, for the reason given."""
+    """One test: place, stresses, and F_L; None, with the reason, if it was not assessed."""
 
     __test__ = False  # no test of pytest's
 
@@ -58,7 +58,7 @@ class TestPart(Part):
 
     @classmethod
     def of(cls, test: Judged, stratum: str) -> Self:
-        """A test as an answer holds it."""
+        """The answer on a test."""
         stresses = (
             vars(test.outcome) if test.outcome else dict.fromkeys(("normalised", "corrected", "load", "resistance"))
         )
@@ -79,7 +79,7 @@ class TestPart(Part):
 
 
 class StratumPart(Part):
-    """How much of a stratum liquefies; None for the share where no boring has a blow count in it."""
+    """Share of a stratum that liquefies; None if no boring has a blow count in it."""
 
     name: str
     tests: int
@@ -92,7 +92,7 @@ class StratumPart(Part):
 
     @property
     def words(self) -> str:
-        """Whether it liquefies, as a table says it."""
+        """Whether the stratum liquefies, as text for tables."""
         if not self.judged:
             return f"not judged: {self.reason}"
         rest = f" ({self.judged} of {self.tests} tests judged)" if self.judged < self.tests else ""
@@ -108,7 +108,7 @@ class BoringPart(Part):
 
 
 class LeftPart(Part):
-    """Residual strength of a stratum where its blow counts have F_L below 1."""
+    """Residual strength of a stratum from its blow counts with F_L below 1."""
 
     stratum: str
     residual: dict[str, float] = Field(description="residual strength over the vertical effective stress, by relation")
@@ -118,7 +118,7 @@ class LeftPart(Part):
 
 
 class RelationPart(Part):
-    """A relation that was used: its name, its publication, and the ground it holds for."""
+    """A relation that was used: name, publication, and range of validity."""
 
     title: str
     source: str
@@ -146,7 +146,7 @@ class TriggeringAnswer(Answer):
 
     @classmethod
     def of(cls, config: Config, assessment: Assessment) -> Self:
-        """An assessment as an answer holds it."""
+        """The answer of an assessment."""
         pressures = pore_pressures(assessment, len(config.section.strata))
         motion, relation = assessment.motion, assessment.relation
         gal = {f"{name}_gal": getattr(motion, name) / GAL for name in ("median", "low", "high")}

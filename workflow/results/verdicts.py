@@ -12,7 +12,7 @@ Weight = Literal[1, 2, 3]
 
 
 class WarningPart(Part):
-    """A warning, and what to do about it."""
+    """A warning, and its remedy."""
 
     weight: Weight = Field(description="1: contradicts an answer, 2: changes an answer, 3: a note")
     what: str
@@ -20,7 +20,7 @@ class WarningPart(Part):
 
 
 class HeadlinePart(Part):
-    """One of the numbers of the first page, as it is written there."""
+    """One of the numbers of the first page, as text."""
 
     name: str
     value: str
@@ -31,7 +31,7 @@ class HeadlinePart(Part):
 class CrestPart(Part):
     """The crest of a structure after a slide, or after reconsolidation alone. Lengths in m, settlements down positive.
 
-    Slides whose discs or points lose the volume that drains away settle by reconsolidation, too; it is added to others.
+    The settlement of slides with drainage includes reconsolidation; to others it is added.
     """
 
     structure: str

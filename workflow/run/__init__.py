@@ -1,1 +1,3 @@
-"""The engine of a run: plan, lock, record, log, files and progress; it knows no stage and is handed them."""
+"""The engine of a run: plan, lock, record, log, files and progress; it is independent of the stages, which are its
+arguments.
+"""

@@ -1,4 +1,4 @@
-"""How a run is shown: stages, progress, the quantity that matters and the time left; plain lines without a terminal."""
+"""Display of a run: stages, progress, main quantity and remaining time; plain lines without a terminal."""
 
 import sys
 import time
@@ -63,10 +63,11 @@ class StageLine:
 
 
 class Display:
-    """Listens to a run; to be used as a context.
+    """A listener that displays a run; to be used as a context.
 
-    On a terminal all stages stand below each other and change in place, on ``err``. Elsewhere lines go to ``out``: one
-    when a stage ends, before that one every `EVERY` seconds, and when verbose all of them and one when it begins.
+    On a terminal ``err`` shows a list of all stages that is updated in place. Otherwise lines are written to ``out``:
+    one when a stage ends, before that one every `EVERY` seconds, and in verbose mode one when it begins and one for
+    every step.
     """
 
     def __init__(self, out: Console, err: Console, stages: Sequence[Stage], verbosity: Verbosity) -> None:
@@ -105,7 +106,7 @@ class Display:
         return progress
 
     def end(self, decision: Decision, entry: Entry) -> None:
-        """A stage has ended, or is reused."""
+        """A stage has ended, or its result is reused."""
         shown = self.lines.get(decision.stage.name)
         if shown is None:
             return

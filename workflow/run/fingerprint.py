@@ -19,9 +19,9 @@ SOURCES = (".py", ".csv", ".jinja", ".js")  # the files that results are made by
 
 
 def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dict[str, str]:
-    """Fingerprints of all inputs of a stage, by names that people know.
+    """Fingerprints of all inputs of a stage, by names for messages.
 
-    ``ignored`` are settings that change nothing in the results of the stage that needs it.
+    ``ignored`` are settings without effect on the results of the stage that needs it.
     """
     ignored = ignored.union(stage.ignores(job.config))
     prints = {"section": fingerprint_of(section_data(job.config.section)), PROGRAM: program()}
@@ -42,13 +42,13 @@ def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dic
 
 
 def title(section: Section) -> str:
-    """A fingerprint of the title that pictures bear."""
+    """A fingerprint of the title of pictures."""
     return fingerprint_of(section.heading)
 
 
 @cache
 def program() -> str:
-    """Fingerprint of all sources of the program: any change of them makes every result stale."""
+    """Fingerprint of all sources of the program: after any change of them no result is valid."""
     total = hashlib.sha256()
     for package in PACKAGES:
         spec = find_spec(package)
@@ -78,5 +78,5 @@ def fingerprint_of(data: Any) -> str:
 
 
 def fingerprint_of_file(path: Path) -> str:
-    """A fingerprint of what a file holds."""
+    """A fingerprint of the content of a file."""
     return hashlib.sha256(path.read_bytes()).hexdigest()

@@ -1,4 +1,4 @@
-"""A lock that keeps two runs out of one folder, and that no dead run can hold."""
+"""A lock against two runs in one folder, which ends with the process."""
 
 import errno
 import fcntl
@@ -17,10 +17,11 @@ NAME = ".noshiro/lock"
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Hold the folder, which is made if need be, until the end of the block.
+    """Lock the folder, which is created if necessary, until the end of the block.
 
-    The lock is the kernel's: it goes with its process, however that ends, and is not handed on to children. What stands
-    in the file only tells others who holds it. Raises InputError if another run does, or if nothing can be written.
+    It is a lock of the operating system, which is released when the process ends in any way, and is not inherited by
+    child processes. The content of the file only informs about the owner. Raises InputError if another run has locked
+    the folder, or if nothing can be written.
     """
     path = folder / NAME
     try:

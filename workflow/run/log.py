@@ -1,4 +1,4 @@
-"""log.txt: what ran, when, with which versions, on which machine, and for how long."""
+"""log.txt: commands and stages with their times, versions, and machine."""
 
 import os
 import platform
@@ -40,7 +40,7 @@ class Log:
         self.start = time.perf_counter()
 
     def line(self, text: str) -> None:
-        """Add a line; raises InputError if that cannot be."""
+        """Add a line; raises InputError if it cannot be written."""
         path = self.store.folder / NAME
         try:
             with path.open("a", encoding="utf-8") as file:
@@ -49,7 +49,7 @@ class Log:
             raise InputError(str(path), [f"cannot be written: {error.strerror or error}"]) from error
 
     def begin(self, what: str) -> None:
-        """Say what begins, where, and with which versions."""
+        """Add the command that begins, its machine, and its versions."""
         self.line(f"--- {what}")
         for name, text in machine().items():
             self.line(f"{name}: {text}")
@@ -59,7 +59,9 @@ class Log:
         self.line(f"all done after {time.perf_counter() - self.start:.1f} s")
 
     def stop(self, error: BaseException) -> None:
-        """Say what stopped the run, with its traceback if it is a fault of the program; a full disk is let pass."""
+        """Add the reason why the run stopped, with the traceback if it is a fault of the program; a full disk is
+        ignored.
+        """
         expected = isinstance(error, InputError) or is_interrupt(error)
         lines = [str(error) or type(error).__name__] if expected else traceback.format_exception(error)
         with suppress(InputError):

@@ -1,6 +1,6 @@
-"""The options with which a folder was meshed: commands after `noshiro mesh --refine 2` go on with the same mesh.
+"""The options with which a folder was meshed: commands after `noshiro mesh --refine 2` use the same mesh.
 
-They are settings of [mesh] that the command line gave; the folder's section.toml holds the mesh that came of them.
+They are settings of [mesh] from the command line; the section.toml of the folder has the resulting settings.
 """
 
 from collections.abc import Mapping
@@ -12,13 +12,15 @@ NAME = ".noshiro/mesh_options.json"
 
 
 def kept(store: Store) -> dict[str, Any]:
-    """Options of the mesh command that the folder keeps; empty without any."""
+    """Stored options of the mesh command; empty without any."""
     options = store.read_json(NAME) if store.has(NAME) else {}
     return options if isinstance(options, dict) else {}
 
 
 def keep(store: Store, options: Mapping[str, Any] | None) -> None:
-    """Keep the options of a command for later ones; empty ones forget what was kept, None leaves it as it is."""
+    """Store the options of a command for later ones; empty options delete the stored ones, None leaves them
+    unchanged.
+    """
     if options is None:
         return
     if options:

@@ -1,4 +1,4 @@
-"""A run: the stages one after the other, each from the input to the files it leaves behind."""
+"""A run: the stages one after the other, each from its input to its files."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -41,9 +41,9 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
     """Run the stages of a choice, with the folder locked; ``what`` is the command, for the log. The executor is closed
     at the end.
 
-    ``job``: stages, config and folder; ``listener``: hears of stages and progress.
-    Raises InputError if something cannot be used or written. A stage without an answer keeps those from running that
-    need it; all others run, and then its error is raised.
+    ``job``: stages, config and folder; ``listener``: notified of stages and progress.
+    Raises InputError if something cannot be used or written. Stages that need one without an answer do not run; all
+    others run, and then its error is raised.
     """
     with locked(job.store.folder):
         job.store.sweep()
@@ -70,12 +70,12 @@ class Run:
 
     Attributes
     ----------
-    job: what it is to do.
-    record: what is known of the stages.
+    job: stages, config and folder.
+    record: outcomes of the stages.
     log: log.txt.
-    listener: who is told how it goes.
-    failures: what kept stages from an answer, by their names, with those that need them.
-    beside: what runs concurrently with this process, stages and pictures.
+    listener: notified of stages and progress.
+    failures: errors of stages without an answer, by name, and of the stages that need them.
+    beside: stages and pictures that run concurrently with this process.
     """
 
     job: Job
@@ -107,12 +107,12 @@ class Run:
         self._wait()
 
     def _wait(self) -> None:
-        """Wait for all that runs concurrently; raises its first error."""
+        """Wait for all concurrent tasks; raises the first error."""
         for future in as_completed(self.beside):
             future.result()
 
     def _can_go_beside(self, decision: Decision, waiting: Sequence[Decision]) -> bool:
-        """Whether a stage can run now in another process, while this one has something else to do."""
+        """Whether a stage can run now in another process, while this process has other work."""
         stage = decision.stage
         if self.executor.count < 2 or stage.beside is None or decision.action != "run":
             return False
@@ -122,7 +122,7 @@ class Run:
         return any(other.action == "run" and other.stage.beside is None and not other.stage.of_all for other in waiting)
 
     def do(self, decision: Decision) -> None:
-        """Do what was decided about a stage, unless one that it needs has no answer."""
+        """Carry out the decision about a stage, unless one that it needs has no answer."""
         stage, left = decision.stage, self.record[decision.stage.name]
         if decision.action == "off":
             return self.listener.skip(decision, decision.why)
@@ -144,7 +144,7 @@ class Run:
         return None
 
     def work(self, decision: Decision) -> None:
-        """Let a stage work, and keep how it ended."""
+        """Run the work of a stage, and record its outcome."""
         begun, failure = self._begin(decision), None
         try:
             decision.stage.work(replace(self.job, progress=begun.progress))
@@ -156,7 +156,7 @@ class Run:
             self._draw(stage, stage.draw, begun)
 
     def _draw(self, stage: Stage, draw: Callable[[Job], None], begun: "Begun") -> None:
-        """Draw the pictures of a stage, in another process where there is one."""
+        """Draw the pictures of a stage, in another process if there is one."""
 
         def keep(drawn: "Future[None]") -> None:
             drawn.result()
@@ -169,14 +169,14 @@ class Run:
         return replace(self.job, stages=(), progress=silent, executor=SERIAL, ranks=None)
 
     def _keep_pictures(self, stage: Stage, before: Mapping[str, tuple[int, int]]) -> None:
-        """Keep which pictures a stage has left."""
+        """Record the pictures of a stage."""
         with self.one_at_a_time:
             entry = self.record.entries[stage.name]
             pictures = self._drawn(stage, before)
             self.record.put(stage.name, replace(entry, pictures=pictures, title=title(self.job.config.section)))
 
     def work_beside(self, decision: Decision) -> None:
-        """Let a stage work in another process; how it ended is kept as soon as it has."""
+        """Run the work of a stage in another process; its outcome is recorded as soon as it ends."""
         begun = self._begin(decision)
 
         def end(worked: "Future[None]") -> None:
@@ -191,7 +191,7 @@ class Run:
         self.beside.append(then(self.executor.begin(work, lambda progress: begun.progress(*progress)), end))
 
     def _begin(self, decision: Decision) -> "Begun":
-        """Remove leftovers of other inputs, and record that a stage has begun."""
+        """Remove intermediate files of other inputs, and record that a stage has begun."""
         stage, store, left = decision.stage, self.job.store, self.record[decision.stage.name]
         inputs = made_from(stage, self.job, self.record)  # those of a report depend on how the others have ended
         with self.one_at_a_time:
@@ -234,7 +234,7 @@ class Run:
             self.listener.end(decision, entry)
 
     def redraw(self, decision: Decision, draw: Callable[[Job], None]) -> None:
-        """Draw a stage's pictures again from what is stored."""
+        """Draw the pictures of a stage again from stored results."""
         stage = decision.stage
         self.listener.begin(decision)("pictures", None)
         before = self.job.store.marks(stage.pictures)
@@ -243,13 +243,13 @@ class Run:
         self.listener.end(decision, self.record.entries[stage.name])
 
     def _drawn(self, stage: Stage, before: Mapping[str, object]) -> list[str]:
-        """The pictures that a stage has drawn; older ones, of other inputs, are removed."""
+        """The pictures that a stage has drawn; pictures of other inputs are removed."""
         pictures = self.job.store.written(stage.pictures, before)
         self.job.store.remove(sorted(set(self.job.store.matching(stage.pictures)) - set(pictures)))
         return pictures
 
     def _logged(self, stage: Stage, progress: Progress) -> Progress:
-        """A progress callback that also writes a line into the log every 30 s."""
+        """A progress callback that also writes a line to the log every 30 s."""
         last = time.monotonic()
 
         def tell(line: str, share: float | None) -> None:
@@ -264,7 +264,7 @@ class Run:
 
 
 def _worked(work: Callable[[Job], None], job: Job, tell: Tell) -> None:
-    """A stage's work, in the process that does it."""
+    """The work of a stage, in its process."""
     work(replace(job, progress=lambda line, share: tell((line, share))))
 
 
@@ -279,7 +279,7 @@ class Begun:
 
 
 def leave_input(config: Config, store: Store) -> None:
-    """Leave section.toml, the input as used, and beside it the files that it names."""
+    """Write section.toml, the complete input, and copies of the files that it names."""
     left: dict[str, Path] = {}
     for (table, key), file in config.named_files().items():
         name = file.name if left.get(file.name, file) == file else f"{table}_{file.name}"  # another of the same name
@@ -291,7 +291,9 @@ def leave_input(config: Config, store: Store) -> None:
 
 
 def redraw_all(job: Job, listener: Listener) -> list[str]:
-    """Draw all pictures again from what is stored; returns the stages whose pictures could not be drawn, with why."""
+    """Draw all pictures again from stored results; returns the stages whose pictures could not be drawn, with
+    reasons.
+    """
     messages = []
     with locked(job.store.folder):
         job.store.sweep()

@@ -23,8 +23,8 @@ class Choice:
     Attributes
     ----------
     chosen: the names of the stages that may run, in their order.
-    forced: those of them that run whether anything has changed or not.
-    asked: those that were asked for by name, and run even where the settings do not ask for them.
+    forced: stages among them that run even if nothing has changed.
+    asked: stages requested by name, which run even if the settings do not require them.
     """
 
     chosen: tuple[str, ...]
@@ -35,7 +35,7 @@ class Choice:
     def of(
         cls, stages: Sequence[Stage], start: str | None = None, only: Sequence[str] = (), force: bool = False
     ) -> Self:
-        """All stages, or ``only`` some; from ``start`` on they run even if unchanged, with ``force`` all of them.
+        """All stages, or ``only`` some; stages from ``start`` on run even if unchanged, with ``force`` all of them.
 
         Raises InputError if there is no such stage.
         """
@@ -51,7 +51,7 @@ class Choice:
 
     @classmethod
     def up_to(cls, stages: Sequence[Stage], name: str, force: bool = False, beside: Sequence[str] = ()) -> Self:
-        """A stage (run again with ``force``), others ``beside`` it, and the stages that they need.
+        """A stage (run again with ``force``), other stages ``beside`` it, and the stages that they need.
 
         ``stages``: in their order; ``name``: of the stage.
         """
@@ -69,8 +69,8 @@ class Decision:
     Attributes
     ----------
     stage: the stage.
-    action: what is to be done: run it, draw its pictures again, use what it left, or leave it off.
-    why: the reason, in words; empty where nothing has changed.
+    action: run it, draw its pictures again, reuse its results, or leave it out.
+    why: the reason, in words; empty if nothing has changed.
     """
 
     stage: Stage
@@ -79,7 +79,7 @@ class Decision:
 
 
 def plan(job: Job, record: Record, choice: Choice) -> list[Decision]:
-    """Decide which stages run. Raises InputError if the choice leaves out what one needs."""
+    """Decide which stages run. Raises InputError if the choice leaves out a stage that another one needs."""
     decisions: list[Decision] = []
     for stage in job.stages:
         news = any(decision.action in ("run", "redraw") for decision in decisions)
@@ -96,7 +96,7 @@ def plan(job: Job, record: Record, choice: Choice) -> list[Decision]:
 
 
 def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
-    """The fingerprints of all inputs of a stage; the report depends on how the others ended, too."""
+    """The fingerprints of all inputs of a stage; for the report these include the outcomes of the others."""
     prints = inputs(stage, job)
     if stage.of_all:
         ends = {name: [entry.outcome, entry.ended] for name, entry in record.entries.items() if name != stage.name}
@@ -107,7 +107,7 @@ def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
 def is_of_this_input(stage: Stage, job: Job, record: Record) -> bool:
     """Whether the stored answer of a stage may be reported and drawn.
 
-    It may if it belongs to this input and a readable version, and if no stage that it needs was computed again since.
+    It may if it is of this input and of a readable version, and no stage that it needs was computed again since then.
     """
     entry = record[stage.name]
     if entry is None:
@@ -123,7 +123,7 @@ def is_of_this_input(stage: Stage, job: Job, record: Record) -> bool:
 
 
 def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool) -> Decision:
-    """Decide about a stage; ``news`` says whether a stage before it will change."""
+    """Decide about a stage; ``news``: whether a stage before it will change."""
     why = changes(stage, made_from(stage, job, record), record)
     if stage.name not in choice.chosen:
         return Decision(stage, "off" if why else "reuse", why)
@@ -144,7 +144,7 @@ def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool
 
 
 def changes(stage: Stage, prints: dict[str, str], record: Record) -> str:
-    """Why the results of a stage cannot be used again, in words; empty if they can."""
+    """Why the results of a stage cannot be reused, in words; empty if they can."""
     entry = record[stage.name]
     if entry is None:
         return OTHER_VERSION if stage.name in record.outdated else "not run"

@@ -12,11 +12,11 @@ def silent(_line: str, _share: float | None) -> None:
 
 
 class TimeLeft:
-    """The time left of a stage, which never rises. The share that is done gives the time for the rest, at the same
-    speed. Work is reported in pieces: while a piece lasts, its share stands still, and the time left counts down. Where
-    a piece takes longer than was thought, the time left stays where it is, as a lower bound, until the work has caught
-    up. Before a share of `EARLY` is done, the start (compilation, meshes) would be taken for the speed of the rest, and
-    hours would be told of minutes: until then nothing is told.
+    """The remaining time of a stage, which never rises. It is extrapolated from the finished share at constant speed.
+    Work is reported in pieces: during a piece the share is constant, and the remaining time counts down. If a piece
+    takes longer than expected, the remaining time is constant, as a lower bound, until the piece is finished. Before a
+    share of `EARLY` is finished, the slow start (compilation, meshes) would give far too long times, and no time is
+    shown.
     """
 
     EARLY = 0.03
@@ -29,7 +29,7 @@ class TimeLeft:
         self.told = math.inf
 
     def seconds(self, now: float, share: float | None) -> float | None:
-        """Seconds that are left at a time (s) when a share of the work is done; None where nobody can say."""
+        """Remaining time (s) at a time ``now`` (s) when a share of the work is finished; None if unknown."""
         if share is None or not self.EARLY <= share <= 1.0:
             return None
         plain = self._plain(now, share)
@@ -39,7 +39,7 @@ class TimeLeft:
         return self.told
 
     def words(self, now: float, share: float | None) -> str:
-        """The time left in words, such as "2 min 5 s left"; empty where it is not known."""
+        """The remaining time in words, such as "2 min 5 s left"; empty if unknown."""
         left = self.seconds(now, share)
         if left is None or share is None:
             return ""
@@ -51,7 +51,7 @@ class TimeLeft:
 
 
 class SearchShare:
-    """How much is done of some searches that go by trials: whole searches, and the trials of the one that continues."""
+    """Finished share of some searches with trials: finished searches, and trials of the present one."""
 
     ALMOST = 0.9  # of a search that takes longer than the others did
 
@@ -61,7 +61,7 @@ class SearchShare:
         self.trials, self.done, self.before = 0, 0, 0
 
     def after_trial(self, done: int) -> float:
-        """The share after one more trial, when so many searches are done; never all of it."""
+        """The share after one more trial, with ``done`` finished searches; always below 1."""
         if done > self.done:
             self.done, self.before = done, self.trials
         self.trials += 1
@@ -70,7 +70,7 @@ class SearchShare:
 
 
 def duration(seconds: float) -> str:
-    """A time as people read it: 0.4 s, 12 s, 3 min 20 s, 2 h 5 min."""
+    """A time in words: 0.4 s, 12 s, 3 min 20 s, 2 h 5 min."""
     if seconds < 9.95:
         return f"{seconds:.1f} s"
     whole = round(seconds)

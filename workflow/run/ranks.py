@@ -1,4 +1,4 @@
-"""Several MPI ranks at one finite element analysis: the first runs the command, the others help it to compute."""
+"""Several MPI ranks of one finite element analysis: the first rank runs the command, the others only compute."""
 
 import time
 from collections.abc import Iterator
@@ -16,8 +16,8 @@ class Ranks:
     Attributes
     ----------
     comm: MPI's communicator of all of them.
-    first: whether this is the rank that runs the command, writes and draws; the others only help it to compute.
-    waiting: on the first rank, whether the others still wait to hear if there is something to compute.
+    first: whether this is the rank that runs the command, writes and draws; the others only compute.
+    waiting: on the first rank, whether the others still wait for a call.
     """
 
     def __init__(self) -> None:
@@ -35,14 +35,14 @@ class Ranks:
         self._tell_others(True)
 
     def called(self) -> bool:
-        """On the others: wait for the first rank; returns whether it called them, or let them go."""
+        """On the others: wait for the first rank; returns whether it called them (False: released them)."""
         while not self.comm.iprobe(source=0):
             time.sleep(PAUSE)
         return bool(self.comm.recv(source=0))
 
     @contextmanager
     def leading(self) -> Iterator[None]:
-        """On the first rank: let the others go at the end of the block if they were not called in it."""
+        """On the first rank: release the others at the end of the block if they were not called in it."""
         try:
             yield
         finally:

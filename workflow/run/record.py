@@ -15,19 +15,19 @@ Outcome = Literal["begun", "done", "part", "no answer"]
 
 @dataclass(frozen=True)
 class Entry:
-    """How one stage ended.
+    """The outcome of one stage.
 
     Attributes
     ----------
-    inputs: the fingerprints of all that it was made from, by names that people know.
-    outcome: "begun" while it runs and after it was killed, "part" where only a part of it was asked for.
+    inputs: fingerprints of all inputs, by names for messages.
+    outcome: "begun" while it runs and after it was killed, "part" if only a part of it was requested.
     reason: why there is no answer.
-    remedy: what to try then.
-    seconds: how long it took (s).
+    remedy: what the user can change then.
+    seconds: its duration (s).
     ended: when, as a date and a time.
-    files: the sizes (bytes) of the files in which it left its results.
-    pictures: the pictures that it left.
-    title: the fingerprint of the title that they bear; empty until they are drawn.
+    files: sizes (bytes) of the files of its results.
+    pictures: names of its pictures.
+    title: fingerprint of the title of the pictures; empty until they are drawn.
     """
 
     inputs: dict[str, str]
@@ -68,12 +68,12 @@ class Record:
         self.store.write_json(NAME, {"version": VERSION, "stages": stages})
 
     def left(self, name: str) -> bool:
-        """Whether all results that a stage left are there, at their full size."""
+        """Whether all files of the results of a stage exist at their full size."""
         entry = self.entries[name]
         return all(_size(self.store, file) == size for file, size in entry.files.items())
 
     def pictures_left(self, name: str) -> bool:
-        """Whether all pictures that a stage left are there."""
+        """Whether all pictures of a stage exist."""
         return all(self.store.has(file) for file in self.entries[name].pictures)
 
 

@@ -1,4 +1,4 @@
-"""Text for terminals and pipes that are not UTF-8: what their encoding does not have is spelled out, ψ as psi."""
+"""Text for terminals and pipes that are not UTF-8: characters missing in their encoding are spelled out, ψ as psi."""
 
 import codecs
 import sys
@@ -36,14 +36,14 @@ codecs.register_error(SPELLED_OUT, _handler)
 
 
 def spell_out() -> None:
-    """Let the streams of this process spell out what their encoding does not have."""
+    """Make the streams of this process spell out characters that their encoding does not have."""
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors=SPELLED_OUT)
 
 
 def legible(text: str, stream: TextIO | None = None) -> str:
-    """A text as a stream, by default standard output, will show it: to be laid out by its width."""
+    """A text as a stream, by default standard output, will show it; its width is needed for tables."""
     encoding = getattr(stream or sys.stdout, "encoding", None) or "utf-8"
     return text.encode(encoding, SPELLED_OUT).decode(encoding)
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def unless_it_liquefies(config: Config) -> str:
-    """Why stages of liquefied ground are not wanted: no layer of the section liquefies."""
+    """Why stages of liquefied ground do not run, if no layer of the section liquefies; else empty."""
     return "" if config.section.liquefies else "no layer liquefies"
 
 
@@ -28,13 +28,14 @@ class Job:
     config: the section with the settings of all stages.
     store: the folder of the run.
     stages: all stages of a run, in their order.
-    progress: who hears how far a stage is.
-    mesh_file: a mesh made elsewhere, to be taken instead of a new one.
+    progress: called with the progress of a stage.
+    mesh_file: a given mesh that replaces a new one.
     cases: the cases of liquefaction to compute, numbered from 1; all of them where this is None.
     ranks: the MPI ranks that may help; None where the program is SERIAL.
-    executor: who does tasks that do not depend on each other.
+    executor: computes independent tasks.
     section_file: where the section was read, as errors name it; None where it is the copy in the folder.
-    mesh_options: settings of the mesh that the command line gave; they stay with the folder. None leaves them alone.
+    mesh_options: settings of the mesh from the command line, which are stored in the folder. None leaves stored ones
+    unchanged.
     """
 
     config: Config
@@ -56,27 +57,29 @@ class Stage:
     Attributes
     ----------
     name: the word by which the command line knows it.
-    what: what it finds or makes, in a few words.
+    what: its result, in a few words.
     work: computes, writes results and draws pictures, unless these are drawn after it. Raises NoAnswerError, after it
         wrote what it found, where there is no answer.
     draw: draws the pictures again from stored results; None where they can only be drawn while it computes.
     drawn_after: whether its work leaves the pictures to ``draw``, which then runs concurrently with the work of the
         next stage.
-    needs: the stages whose results it reads.
-    reads: the settings that its work reads, a whole "table" or one "table.key" of it.
-    ignores: settings among those that it or a stage that it needs reads which do not change its own results for a given
-    input. takes: inputs worked out from settings that it does not read itself, by the names that people use, such as
-    the cases that follow from blow counts. files: the user's own files that it reads, by what people call them.
-    results: patterns of the files in which it leaves its results. read: reads its answers; raises OtherVersionError
-    where another version of the program wrote one. pictures: patterns of the pictures that it leaves. leftovers:
-    patterns of files from which it continues after a stop; removed once they belong to other inputs. unwanted: why the
-    settings do not ask for it, empty where they do. Where they do not, it runs only if it is asked
-        for by name, and what it left before is used as long as it fits.
-    partial: whether the job asks for a part of it only, so that the rest is still to come.
+    needs: stages whose results it reads.
+    reads: settings that its work reads, a whole "table" or one "table.key" of it.
+    ignores: settings that are read, by it or by a stage that it needs, but do not change its results.
+    takes: inputs that follow from settings it does not read itself, by names for messages, such as cases from blow
+        counts.
+    files: files of the user that it reads, by names for messages.
+    results: patterns of the files of its results.
+    read: reads its answers; raises OtherVersionError where another version of the program wrote one.
+    pictures: patterns of its pictures.
+    leftovers: patterns of the files from which it continues after a stop; they are removed when the input has changed.
+    unwanted: why the settings do not require it; empty where they do. Where they do not, it runs only if it is
+        requested by name, and its earlier results are reused while they are valid.
+    partial: whether the job requests only a part of it.
     beside: the stages that must have ended before it may run beside others, in another process; None where it
-        runs in this process. Nobody but a stage ``of_all`` may need it.
-    of_all: whether it tells of whatever the others left, with or without an answer. It then runs after any news from
-        them, and whether or not those that it needs have an answer.
+        runs in this process. Only a stage ``of_all`` may need it.
+    of_all: whether it reports the results of all other stages. It then runs after any change of them, even if stages
+        that it needs have no answer.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""The folder of a run, in which every file appears whole or not at all."""
+"""The folder of a run, in which files are written completely or not at all."""
 
 import errno
 import json
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def _finite(data: Any) -> Any:
-    """Data without numbers that are not finite."""
+    """Data with null for numbers that are not finite."""
     if isinstance(data, float):
         return data if math.isfinite(data) else None
     if isinstance(data, dict):
@@ -28,12 +28,12 @@ def _finite(data: Any) -> Any:
 
 
 def _by_numbers(name: str) -> list[str | int]:
-    """A key by which case2 stands before case10."""
+    """A sort key by the numbers in a name: case2 before case10."""
     return [int(part) if part.isdigit() else part for part in re.split(r"([0-9]+)", name)]
 
 
 class OtherVersionError(InputError):
-    """A file that this version of the program did not write: a key is missing, or unknown, or of another kind."""
+    """A file of another version of the program: a key is missing, unknown, or of another type."""
 
 
 class Store:
@@ -44,10 +44,10 @@ class Store:
 
     @contextmanager
     def writing(self, name: str) -> Iterator[Path]:
-        """A path to write to; what stands there at the end becomes ``name``, at once and whole.
+        """A temporary path to write to; at the end of the block the file is renamed to ``name``.
 
-        Raises InputError if it cannot be written, or if another file cannot be read meanwhile. On any error nothing is
-        left behind.
+        Raises InputError if it cannot be written, or if another file cannot be read meanwhile. After an error the
+        temporary file is removed.
         """
         target = self.folder / name
         try:
@@ -63,8 +63,8 @@ class Store:
     def write_grid(self, name: str, grid: "pv.DataSet") -> Path:
         """Write a VTK file; returns its path.
 
-        VTK writes it into the system's temporary folder: where a disk is full VTK prints so and continues, or ends the
-        program.
+        VTK writes it to the temporary folder of the system, since with a full disk VTK only prints a message, or ends
+        the program.
         """
         with self.writing(name) as path, TemporaryDirectory() as elsewhere:
             written = Path(elsewhere) / path.name
@@ -82,7 +82,9 @@ class Store:
         return self.folder / name
 
     def write_collection(self, name: str, states: Sequence[tuple[float, str]]) -> Path:
-        """Write a .pvd for ParaView: of each state its time, or what stands for it, and its file beside the .pvd."""
+        """Write a .pvd file for ParaView: for each state its time (or another number), and its file in the same
+        folder.
+        """
         entries = "".join(f'    <DataSet timestep="{time!r}" file="{file}"/>\n' for time, file in states)
         return self.write_text(
             name,
@@ -91,11 +93,11 @@ class Store:
         )
 
     def write_json(self, name: str, data: Any) -> Path:
-        """Write a JSON file, with null for what JSON has no number for; returns its path."""
+        """Write a JSON file, with null for numbers that are not finite; returns its path."""
         return self.write_text(name, json.dumps(_finite(data), indent=1, allow_nan=False) + "\n")
 
     def read_json(self, name: str) -> Any:
-        """The content of a JSON file; raises InputError if it is not there or not JSON."""
+        """The content of a JSON file; raises InputError if it is missing or not JSON."""
         path = self.folder / name
         try:
             return json.loads(path.read_text(encoding="utf-8"))
@@ -109,7 +111,7 @@ class Store:
         return (self.folder / name).is_file()
 
     def matching(self, patterns: Sequence[str]) -> list[str]:
-        """Names of the whole files that match any of some patterns, in the order of the numbers in them."""
+        """Names of the complete files that match any of some patterns, in the order of the numbers in them."""
         paths = {path for pattern in patterns for path in self.folder.glob(pattern) if path.is_file()}
         names = [str(path.relative_to(self.folder)) for path in paths if not BESIDE.fullmatch(path.name)]
         return sorted(names, key=_by_numbers)

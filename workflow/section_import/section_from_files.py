@@ -40,13 +40,13 @@ MODELS: dict[str, Callable[[Path, str, str | None], FoundSection]] = {
 
 @dataclass(frozen=True)
 class Reading:
-    """How files are read.
+    """Options of reading files.
 
     Attributes
     ----------
     off_line : largest distance (m) of a boring from the line of the section
-    columns : names of columns by ours, where they differ, such as {"layer": "GEOL_LEG"}
-    unit : length (m) of one unit of a drawing; None for what the drawing says
+    columns : names of columns in the file by the expected names, if they differ, such as {"layer": "GEOL_LEG"}
+    unit : length (m) of one unit of a drawing; None for the unit in the drawing
     part : the scenario or analysis of a model of another program; None for its first one
     borings : names of the borings of the section; none for all
     """
@@ -67,11 +67,11 @@ class Reading:
         part: str | None = None,
         borings: Sequence[str] = (),
     ) -> "Reading":
-        """Reading options from the command line. Raises InputError with every one that cannot be understood.
+        """Make the options from those of the command line. Raises InputError with every option that is not understood.
 
         ``off_line``: largest distance of a boring from the line (m); ``layers``: DXF attribute or layer names;
-        ``columns``: pairs ours=theirs; ``unit``: of a drawing; ``part``: of a file that holds several; ``borings``:
-        names of those to use.
+        ``columns``: pairs expected=actual; ``unit``: of a drawing; ``part``: of a file with several; ``borings``: names
+        of the borings to use.
         """
         pairs = [text.partition("=") for item in columns for text in item.split(",")]
         messages = [f"{key}{equals}{name}: expected ours=theirs, such as layer=Stratum" for key, equals, name in pairs
@@ -89,7 +89,7 @@ class Reading:
 
 
 def make_section(files: Sequence[Path], out: Path, reading: Reading | None = None) -> None:
-    """Write a section from files of borings or from a drawing, or a drawing of a section, and tell what was made.
+    """Write a section from files of borings or from a drawing, or a drawing of a section, and print the result.
 
     Raises InputError with every problem found.
     """
@@ -136,7 +136,7 @@ def _made(files: Sequence[Path], out: Path, reading: Reading) -> list[str]:
 
 
 def _wanted(logs: Sequence[Log], names: Sequence[str]) -> list[Log]:
-    """The borings that were named, or all. Raises InputError where there is none of a name."""
+    """The named borings, or all. Raises InputError for an unknown name."""
     unknown = [name for name in names if name not in {log.name for log in logs}]
     if unknown:
         there = ", ".join(log.name for log in logs)
@@ -149,7 +149,7 @@ def _minded(notices: Sequence[str]) -> list[str]:
 
 
 def draw_borings(connection: Connected, out: Path) -> Path:
-    """Draw the section with its borings beside the file; returns where."""
+    """Draw the section with its borings into the folder of the file; returns the path."""
     picture = out.with_suffix(".png")
     draw(connection, out.stem, picture)
     return picture

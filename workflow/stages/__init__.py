@@ -1,7 +1,7 @@
-"""The stages of a run, one file each, which ends with its STAGE; a file may use heavy packages inside functions only.
+"""The stages of a run, one file each, which ends with its STAGE; heavy packages are only imported inside functions.
 
-So the program starts quickly, and each command needs no more installed than it uses; the files themselves are imported
-when STAGES is first asked for. What is too long for one file, or of two stages, is in another: bearing,
+So the program starts quickly, and each command needs only the packages that it uses; the files are imported when STAGES
+is first used. Work that is too long for one file, or common to two stages, is in other files: bearing,
 calibrated_discs, liquefied_slides, random_packings, sliding.
 """
 
@@ -24,12 +24,12 @@ NAMES = (
 
 
 def command_of(stage: str) -> str:
-    """The command that runs up to a stage; where there is none of its own, `noshiro run` does."""
+    """The command that runs a stage; `noshiro run` if the stage has no command."""
     return {"triggering": "liquefaction", "mpm": "slide"}.get(stage, stage)
 
 
 def __getattr__(name: str) -> Any:
-    """STAGES, the declarations of all stages, once they are needed (PEP 562)."""
+    """Import STAGES, the declarations of all stages, when they are first used (PEP 562)."""
     if name != "STAGES":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     declared = globals()["STAGES"] = tuple(import_module(f"{__name__}.{stage}").STAGE for stage in NAMES)

@@ -39,18 +39,18 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
     Parameters
     ----------
     section : Section
-        The ground as it is asked about, liquefied or sheared far.
+        The ground with its strength after liquefaction or after large strains.
     config : Config
-        Of the run, with the section of the input, whose flow rule counts.
+        Config of the run; the flow rule follows from its section.
     mesh : QuadMesh
-        Of the section, to begin with.
+        Initial mesh of the section.
     nothing : bool
-        Whether layers keep no strength at all: then there is no factor of safety.
+        Whether layers have no strength at all, so that there is no factor of safety.
 
     Returns
     -------
     Bearing
-        What was found, and notes of what was not.
+        The results, and notes on missing ones.
     """
     from fem.continuum.strength import flow_of
 
@@ -113,8 +113,8 @@ def _critical(
 ) -> "LimitLoadResult | CriticalResult | None":
     """The critical Kh by finite elements; None, and a note, where there is no answer.
 
-    ``section``: as it is asked about; ``config``: for meshing; ``mesh``: to begin with; ``fem``: settings; ``notes``:
-    grows.
+    ``section``: with changed strength; ``config``: for meshing; ``mesh``: initial mesh; ``fem``: settings; ``notes``:
+    list to which notes are added.
     """
     from mpi4py import MPI
 
@@ -149,10 +149,11 @@ def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float
 def _factors(
     section: Section, mesh: "QuadMesh", fem: FemSettings, asked: BoundsSettings, notes: list[str]
 ) -> "tuple[float | None, SafetyBounds | None]":
-    """Factor of safety at Kh = 0 between held sides by finite elements, and its strict bounds: finer ones where the
-    first leave open whether the ground stands. None, and a note, where there is no answer.
+    """Factor of safety at Kh = 0 between held sides by finite elements, and its strict bounds; closer bounds if the
+    first ones do not decide whether the ground stands. None, with a note, without an answer.
 
-    ``section``: as it is asked about; ``mesh``: of it; ``fem``, ``asked``: settings of both methods; ``notes``: grows.
+    ``section``: with changed strength; ``mesh``: of it; ``fem``, ``asked``: settings of both methods; ``notes``: list
+    to which notes are added.
     """
     from mpi4py import MPI
 
@@ -172,9 +173,11 @@ def _factors(
 def _between_own_sides(
     section: Section, fem: FemSettings, asked: BoundsSettings, notes: list[str]
 ) -> "tuple[SmallerKhBounds | None, str]":
-    """Strict bounds of the critical Kh with the sides of the section, or why ground fails under its weight with them.
+    """Strict bounds of the critical Kh with the sides of the section, or the reason why the ground fails under its
+    weight with them.
 
-    ``section``: as it is asked about; ``fem``, ``asked``: settings; ``notes``: grows where there is no answer.
+    ``section``: with changed strength; ``fem``, ``asked``: settings; ``notes``: list to which a note is added without
+    an answer.
     """
     from fem.limit.bounds import kh_bounds
 
@@ -188,7 +191,7 @@ def _between_own_sides(
 
 
 def tried(what: str, notes: list[str], find: Callable[[], Found]) -> Found | None:
-    """The answer of an analysis; None, and a note of the reason, where it has none."""
+    """The answer of an analysis; None, with a note of the reason, if it has none."""
     try:
         return find()
     except (NoAnswerError, InputError) as error:
@@ -197,12 +200,12 @@ def tried(what: str, notes: list[str], find: Callable[[], Found]) -> Found | Non
 
 
 def _note(what: str, error: NoAnswerError | InputError) -> str:
-    """Why an analysis has no answer."""
+    """A note on why an analysis has no answer."""
     return f"{what}: {'; '.join(error.problems) if isinstance(error, InputError) else error}"
 
 
 def _stands(kc: float | None, lower: float | None, upper: float | None) -> tuple[Stands, str]:
-    """Whether the ground stands without shaking: strict bounds decide where they can, then the elements."""
+    """Whether the ground stands without shaking: by strict bounds if they decide it, else by finite elements."""
     if upper is not None and upper < 1.0:
         return "flows", f"a mechanism proves a factor of safety below {upper:.2f}"
     if lower is not None and lower > 1.0:

@@ -32,11 +32,12 @@ if TYPE_CHECKING:
 
 
 def work(job: Job) -> None:
-    """Bracket the critical Kh with ψ = φ and that of Davis's estimate; leaves fem/bounds.json, figures/bounds_*.png.
+    """Compute strict bounds of the critical Kh, with ψ = φ and by Davis's estimate; writes fem/bounds.json,
+    figures/bounds_*.png.
 
-    The verdict is "bracketed", "wide" (the gap was not closed as far as was asked), or "no bracket" (a bound is
-    missing). Raises InputError, BadMeshError, UnstableError if the section is proven to fail under its own weight, and,
-    when all is written, NoAnswerError if a bound is missing.
+    The verdict is "bracketed", "wide" (the gap is larger than required), or "no bracket" (a bound is missing). Raises
+    InputError, BadMeshError, UnstableError if the section is proven to fail under its own weight, and, when all is
+    written, NoAnswerError if a bound is missing.
     """
     from fem.limit.bounds import kh_bounds
     from workflow.figures.bounds import draw_all
@@ -62,8 +63,9 @@ def work(job: Job) -> None:
 
 
 def _factors(job: Job, config: Config, settings: BoundsSettings) -> Iterator[SafetyPart]:
-    """Factors of safety at every Kh at which one is wanted; without shaking sides that are not fixed are held, as the
-    elements hold them."""
+    """Factors of safety at every Kh of the settings; without shaking, sides that are not fixed are held
+    horizontally, as in the finite elements.
+    """
     from fem.limit.safety_bounds import safety_bounds
 
     count = len(config.fem.safety_factor_at) + 2  # as much for each as for Kh with ψ = φ, and by Davis's substitute
@@ -84,7 +86,7 @@ def _factors(job: Job, config: Config, settings: BoundsSettings) -> Iterator[Saf
 
 
 def _reason(bounds: "SafetyBounds", settings: BoundsSettings) -> str:
-    """Why the bounds of a factor of safety are no closer; empty where they are as close as was asked for."""
+    """Why the bounds of a factor of safety are not closer; empty if the gap is small enough."""
     match bounds.ended:
         case "gap":
             return ""
@@ -103,9 +105,9 @@ def _reason(bounds: "SafetyBounds", settings: BoundsSettings) -> str:
 
 
 def answer_of(config: Config, bounds: "KhBounds", settings: BoundsSettings, seconds: float) -> BoundsAnswer:
-    """The brackets of an input, how far each bound was checked, and every mesh; ``seconds`` it took to compute.
+    """The answer: brackets, residuals of the bounds, and every mesh; ``seconds``: computing time.
 
-    ``config``: of the run; ``bounds``: found by the analysis; ``settings``: of the bounds.
+    ``config``: of the run; ``bounds``: result of the analysis; ``settings``: of the bounds.
     """
     from fem.continuum.shallow_failure import joined
 
@@ -175,7 +177,9 @@ def _verdict(bracket: "Bracket", settings: BoundsSettings) -> tuple[Verdict, str
 
 
 def _gap(bracket: "Bracket") -> str:
-    """The gap of the bounds as a share of their mean; in Kh where that is small or zero is between them."""
+    """The gap of the bounds as a share of their mean; as a difference of Kh if the mean is small or zero is between
+    them.
+    """
     difference = f"{bracket.upper - bracket.lower:.4f} in Kh"
     if bracket.lower * bracket.upper <= 0.0:
         return difference
@@ -184,13 +188,13 @@ def _gap(bracket: "Bracket") -> str:
 
 
 def _wanted(bracket: "Bracket", settings: BoundsSettings) -> str:
-    """The gap asked for: a share of Kh, or where Kh is small a difference in Kh."""
+    """The required gap: a share of Kh, or for small Kh a difference of Kh."""
     small = 0.5 * (abs(bracket.upper) + abs(bracket.lower)) < LEAST_KH
     return f"{settings.gap * LEAST_KH:.4f} in Kh" if small else f"{100 * settings.gap:g} %"
 
 
 def _why(ended: "OpenEnd | None", cells: int, settings: BoundsSettings) -> str:
-    """Why there is no finer mesh, though the bounds are further apart than was asked for."""
+    """Why there is no finer mesh although the gap is larger than required."""
     from fem.limit.bracket import FAILED_MESHES
 
     match ended:
@@ -208,7 +212,7 @@ def _why(ended: "OpenEnd | None", cells: int, settings: BoundsSettings) -> str:
 
 
 def in_words(bounds: "SmallerKhBounds") -> str:
-    """The bracket as a person reads it."""
+    """The bracket in words."""
     if bounds.mechanism and bounds.upper < -1.0:  # no seismic force of that size is meant
         return f"it fails under its own weight, {bounds.meshes[-1].cells} triangles"
     low = f"{bounds.lower:.4f}" if bounds.stress else "no lower bound"

@@ -1,6 +1,6 @@
 """The work of the stage `calibrate`: discs of the section, calibrated to the critical Kh of the finite elements.
 
-It leaves dem/settled.h5 and calibrated.h5 (discs at rest before and after), trials.jsonl (a line for every search for
+It writes dem/settled.h5 and calibrated.h5 (discs at rest before and after), trials.jsonl (a line for every search for
 a critical Kh, from which a stopped run continues), critical.json, calibration.json and the states that are drawn.
 """
 
@@ -66,7 +66,7 @@ FIRST = 0.5  # of the time, what comes before these searches and tests
 def calibrate_stage(config: Config, store: Store, progress: Progress, executor: Executor) -> None:
     """Calibrate discs to the critical Kh of the finite elements. Raises InputError, NoAnswerError, DemError.
 
-    ``config``: of the run; ``store``: its folder; ``progress``: hears of every step; ``executor``: computes in
+    ``config``: of the run; ``store``: its folder; ``progress``: called with every step; ``executor``: computes in
     parallel.
     """
     fem = FemAnswer.read(store)
@@ -110,7 +110,7 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
 
 @dataclass(frozen=True)
 class Searched:
-    """Searches of one set of discs: uncalibrated, and calibrated (None where not asked for)."""
+    """Searches of one set of discs: uncalibrated, and calibrated (None if not computed)."""
 
     base: Search
     calibration: Calibration | None = None
@@ -129,8 +129,8 @@ class Searched:
 def _searched(
     config: Config, store: Store, progress: Progress, executor: Executor
 ) -> tuple[Searched, Search | None, tuple[LayerCheck, ...]]:
-    """The searches of the discs, and concurrently that of the paper's own discs where they were asked for, and tests of
-    the soil discs of every layer. The FEM counterpart comes first, while the discs come to rest.
+    """The searches of the discs, and concurrently that of the paper's own discs if the settings request them, and
+    element tests of the discs of every layer. The FEM counterpart is computed first, while the discs settle.
     """
     if config.dem.model != "soil":
         return _calibrated(config, store, lambda message: progress(*message), executor), None, ()
@@ -175,12 +175,14 @@ def _done(piece: Piece, tell: Tell) -> Any:
 
 
 def _at_rest(config: Config, store: Store, tell: Tell) -> None:
-    """Leave the discs of the section at rest."""
+    """Compute and store the discs of the section at rest."""
     discs_at_rest(config, store, config.dem, SETTLED, lambda what: tell((what, None)))
 
 
 def _calibrated(config: Config, store: Store, tell: Tell, executor: Executor = SERIAL) -> Searched:
-    """The discs of the section at rest, the Kh at which they fail, and the factor at which that is the continuum's."""
+    """The discs of the section at rest, their critical Kh, and the factor with which it is equal to that of the
+    continuum.
+    """
     discs = discs_at_rest(config, store, config.dem, SETTLED, lambda what: tell((what, None)))
     continuum = continuum_for(config, store)
     soil, asked = config.dem.model == "soil", config.dem.parameter != "none"
@@ -244,7 +246,7 @@ def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDi
 def _layer_tests(
     config: Config, discs: Discs, searched: Searched, progress: Progress, executor: Executor
 ) -> tuple[LayerTest, ...]:
-    """Patches of the paper's discs of every layer, once calibrated, tested as soil samples are, if they are wanted."""
+    """Element tests of the paper's discs of every layer after calibration, if the settings request them."""
     if config.dem.model == "soil" or not config.dem.element_tests or searched.calibration is None:
         return ()
     progress("element tests of the discs of every layer", None)
@@ -305,7 +307,7 @@ def _model_answer(config: Config, dem: DemSettings, discs: Discs, sliding: DiscM
 
 
 def _off(config: Config, ground: Ground, model: DiscModel) -> dict[str, float]:
-    """How far the surface of discs at rest lies from the section's (m), as fields of the answer."""
+    """Distances of the surface of discs at rest from that of the section (m), as fields of the answer."""
     placed = copy(model)
     placed.x, placed.z = ground.to_section(model.x, model.z)
     off = np.abs(misfit(config.section, placed, ground.radius))

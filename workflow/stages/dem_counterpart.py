@@ -34,17 +34,17 @@ class _TakesTooLongError(NoAnswerError):
 
 
 def dem_counterpart_piece(config: Config, store: Store, tell: Tell) -> None:
-    """Write the answer of the FEM counterpart into the folder, unless a run that was stopped has written it."""
+    """Write the answer of the FEM counterpart to the folder, unless an interrupted run has written it."""
     if not store.has(DemCounterpart.FILE):
         find_dem_counterpart(config, store, tell).write(store)
 
 
 def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounterpart:
-    """The path with ψ as given, on the initial mesh, since discs have the strength of the soil and hardly any dilation.
-    Where the path still rises at its end, the critical Kh lies between its last equilibrium and the limit load with ψ =
-    φ. Davis's estimate, a low one, replaces a path that takes too long or gives less; the critical Kh then lies between
-    it and the same limit load. The path is with ψ as given also where the critical Kh of the section is with ψ = φ: the
-    dilation of discs does not depend on the flow rule chosen for the continuum.
+    """The path with the given ψ, on the initial mesh, since discs have the strength of the soil and hardly dilate. If
+    the path still rises at its end, the critical Kh lies between its last equilibrium and the limit load with ψ = φ.
+    Davis's estimate, which is low, replaces a path that takes too long or gives less; the critical Kh then lies between
+    the estimate and the same limit load. The given ψ is also used if the critical Kh of the section is with ψ = φ,
+    since the dilation of discs does not depend on the flow rule of the continuum.
     """
     from mpi4py import MPI
 
@@ -81,8 +81,8 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
 
 
 def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tell) -> DemCounterpart | None:
-    """The answer between the sides of the discs, for failures at least as deep as discs can fail below cohesionless
-    faces. None where it is not asked for, is that of the stage `fem`, or does not exist.
+    """The answer with the sides of the discs, for failures below cohesionless faces that are deep enough for discs to
+    resolve. None if it is not requested, is that of the stage `fem`, or does not exist.
     """
     from mpi4py import MPI
 
@@ -125,7 +125,7 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
 def _with_psi_as_given(
     section: Section, mesh: QuadMesh, settings: FemSettings, davis: float, tell: Tell
 ) -> "NonAssociatedPath | str":
-    """The path, or why Davis's estimate, which fails at Kh = ``davis``, has to stand in for it."""
+    """The path, or the reason why Davis's estimate (critical Kh = ``davis``) has to replace it."""
     from mpi4py import MPI
 
     from fem.search.dem_counterpart import non_associated_path
@@ -142,7 +142,7 @@ def _with_psi_as_given(
 
 
 def _watch(flow: str, mesh: QuadMesh, tell: Tell) -> "PathListener":
-    """Tells how far a path is, and ends it where it takes too long."""
+    """A listener that reports the progress of a path, and ends a path that takes too long."""
 
     def step(path: "EquilibriumPath") -> None:
         tell((f"the continuum with {flow}: path at Kh = {path.factor:.4f}", None))

@@ -1,4 +1,4 @@
-"""The states of the discs that are kept: at the recorded Kh, and once they have failed."""
+"""The stored states of the discs: at the recorded Kh, and after failure."""
 
 from dataclasses import dataclass, field
 
@@ -23,13 +23,13 @@ FAILING = "failing"
 
 
 def state_file(which: SetOfSprings, label: str) -> str:
-    """Where in the folder a state is kept."""
+    """File of a stored state in the folder."""
     return f"dem/state_{which}_{label}.h5"
 
 
 @dataclass(frozen=True)
 class Start:
-    """Discs at rest to be pushed to the recorded Kh.
+    """Discs at rest, to be brought to the recorded Kh.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Start:
     ground : where they lie
     search : their critical Kh
     dem : settings that they were made with
-    continuum : the FEM model that soil discs were calibrated to; it says how far they are pushed
+    continuum : the FEM model that soil discs are calibrated to; it determines their displacement
     """
 
     settled: DiscModel
@@ -52,7 +52,7 @@ Sets = dict[SetOfSprings, Start]
 
 @dataclass(frozen=True)
 class KeptStates:
-    """The states that are kept, and for each set of springs the slip surface where it is seen to fail (k, 2), in m."""
+    """The stored states, and for each set of springs the slip surface (k, 2) in m."""
 
     states: tuple[DiscState, ...] = ()
     surfaces: dict[SetOfSprings, np.ndarray] = field(default_factory=dict)
@@ -63,8 +63,8 @@ class KeptStates:
 
 
 def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) -> KeptStates:
-    """Discs at every recorded Kh, each from rest, as they stand or as they are when they are seen to fail; and the slip
-    surface of every set at the upper end of its bracket.
+    """Compute and store the discs at every recorded Kh, each from rest, until they stand or fail; and the slip surface
+    of every set at the upper end of its bracket.
     ``config``: of the run; ``store``: its folder; ``sets``: discs before and after calibration; ``executor``: computes
     in parallel.
     """
@@ -81,7 +81,7 @@ def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) ->
 
 @dataclass(frozen=True)
 class Goal:
-    """A Kh to which one set of discs shall be brought, from rest, and what the state is called in the store."""
+    """A Kh to which one set of discs is brought from rest, and the name of the state in the store."""
 
     which: SetOfSprings
     start: Start
@@ -91,7 +91,7 @@ class Goal:
 
 
 def _at_the_end(goal: Goal, continuum: Continuum, file: str) -> DiscModel:
-    """The discs at the end of the push that found their critical Kh, as they were left there, or pushed once more."""
+    """The discs at the end of the test for their critical Kh, from the test itself or from its repetition."""
     start = goal.start
     if goal.store.has(file):
         return DiscModel.load(goal.store.folder / file)
@@ -101,7 +101,7 @@ def _at_the_end(goal: Goal, continuum: Continuum, file: str) -> DiscModel:
 
 
 def _reached(goal: Goal, _: Tell) -> DiscState:
-    """The state at that Kh, or when the discs are seen to fail; it is kept in a file."""
+    """Compute the state at this Kh, or at failure of the discs, and store it in a file."""
     start = goal.start
     before, ground = start.settled, start.ground
     file = state_file(goal.which, goal.label)

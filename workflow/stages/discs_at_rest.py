@@ -35,7 +35,7 @@ class Discs:
     ground : where they lie
     layers : springs of all strata
     settled : the discs
-    soil : what every stratum asked for and got; empty for the paper's discs
+    soil : required strength and fitted contacts of every stratum; empty for the paper's discs
     """
 
     ground: Ground
@@ -45,12 +45,12 @@ class Discs:
 
 
 def discs_at_rest(config: Config, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
-    """Build the discs of a section and settle them under their weight, or read those that were kept.
+    """Make the discs of a section and settle them under their weight, or read the stored ones.
 
-    Raises InputError where they cannot be had, NotSettledError, DemError.
+    Raises InputError if no packing fits, NotSettledError, DemError.
 
-    ``config``: of the section; ``store``: the folder of the run; ``dem``: settings; ``file``: in which the discs
-    are kept; ``tell``: hears of every step.
+    ``config``: of the section; ``store``: the folder of the run; ``dem``: settings; ``file``: in which the discs are
+    stored; ``tell``: called with every step.
     """
     if dem.model == "paper":
         return _paper(config.section, store, dem, file, tell)
@@ -58,13 +58,15 @@ def discs_at_rest(config: Config, store: Store, dem: DemSettings, file: str, tel
 
 
 def sides_of_discs(config: Config) -> Literal["periodic", "fixed"]:
-    """Sides of the discs of a section: soil discs are periodic where the finite elements are, others lie in a box."""
+    """Sides of the discs of a section: soil discs have periodic sides where the finite elements have, others are in
+    a box.
+    """
     repeat = config.fem.sides == "periodic" and config.dem.model == "soil"
     return "periodic" if repeat else "fixed"
 
 
 def ground_for(section: Section, store: Store, dem: DemSettings, settled: DiscModel) -> Ground:
-    """The ground that discs at rest lie in, pushed to where it fails by the finite elements.
+    """The ground of discs at rest, with the direction in which the finite elements fail.
 
     ``section``: the ground; ``store``: the folder of the run; ``dem``: settings; ``settled``: discs at rest.
     """
@@ -88,9 +90,10 @@ def calibrator_for(
 ) -> Calibrator:
     """The calibrator of discs, which continues from the searches in a journal.
 
-    ``store``: the folder of the run; ``dem``: settings; ``on_trial`` hears of every trial; ``continuum``: critical Kh
-    and yield displacement; ``executor``: computes in parallel; ``until_failed``: whether soil discs are pushed on until
-    they have a slip surface.
+    ``store``: the folder of the run; ``dem``: settings; ``on_trial``: called with every trial; ``continuum``: critical
+    Kh
+    and yield displacement; ``executor``: computes in parallel; ``until_failed``: whether the test of soil discs
+    continues until they have a slip surface.
     """
     kept = Journal(store, journal)
     return Calibrator(
@@ -101,7 +104,9 @@ def calibrator_for(
 
 
 def continuum_for(config: Config, store: Store) -> Continuum:
-    """The FEM model that discs are calibrated to; for the paper's discs that with its own sides, as in the paper."""
+    """The FEM model that discs are calibrated to; for the paper's discs the one with the sides of the section, as in
+    the paper.
+    """
     if config.dem.model == "soil":
         like = DemCounterpart.read(store)
         return Continuum(like.kc, like.yielding_m, like.kc_upper)
@@ -134,6 +139,6 @@ def _paper(section: Section, store: Store, dem: DemSettings, file: str, tell: Ca
 
 
 def save(store: Store, name: str, model: DiscModel) -> None:
-    """Discs into a file of the folder."""
+    """Write discs to a file of the folder."""
     with store.writing(name) as path:
         model.save(path)

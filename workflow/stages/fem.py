@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 
 def work(job: Job) -> None:
-    """Find the critical Kh with all ranks that there are."""
+    """Find the critical Kh with all MPI ranks."""
     from workflow.results.stored_mesh import stored_mesh
 
     ranks = job.ranks or Ranks()
@@ -47,7 +47,7 @@ def work(job: Job) -> None:
 
 
 def help_compute(job: Job, ranks: Ranks) -> None:
-    """The work of a rank other than the first: its share of the finite element analysis, if there is one."""
+    """The work of every rank but the first: its share of the finite element analysis, if there is one."""
     from workflow.results.stored_mesh import stored_mesh
 
     if ranks.called():
@@ -63,11 +63,11 @@ def draw(job: Job) -> None:
 
 
 def fem_stage(config: Config, mesh: "QuadMesh", store: Store | None, comm: Any, progress: Progress) -> None:
-    """Find the critical Kh to both sides, with ψ = φ and by Davis's estimate, and factors of safety; leaves fem/.
+    """Find the critical Kh in both directions, with ψ = φ and by Davis's estimate, and factors of safety; writes fem/.
 
     Every rank computes; only the one with a store writes. Raises InputError, UnstableError, NoEquilibriumError, and,
     when all is written, NoAnswerError if the path ended undecided.
-    ``config``: of the run; ``mesh``: to begin with; ``comm``: MPI communicator; ``progress``: hears of every step.
+    ``config``: of the run; ``mesh``: initial mesh; ``comm``: MPI communicator; ``progress``: called with every step.
     """
     from fem.search.assessment import assess
     from meshes.quad_mesh import save
@@ -103,7 +103,7 @@ def _slip_line(mesh: "QuadMesh", state: "State") -> Line:
 
 
 def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
-    """The critical Kh with its alternatives, the path to it, the states kept, and the factors of safety."""
+    """The answer: critical Kh with its alternatives, path, stored states, and factors of safety."""
     from fem.continuum.shallow_failure import joined
     from fem.search.mesh_sequence import AdaptiveResult
 
@@ -156,7 +156,7 @@ def _at_sides(adapted: "AdaptiveResult[Any]") -> tuple[str, ...]:
 
 
 def _fails(state: "State", result: "CriticalResult") -> bool:
-    """Whether the ground slips in a state; below failure it bends."""
+    """Whether the ground slips in a state; before failure it only deforms."""
     return state.past_equilibrium or state.kh >= result.lower
 
 
@@ -187,7 +187,7 @@ def failed_shares(mesh: "QuadMesh", state: "State") -> dict[str, float]:
 
 
 def write_fields(section: Section, mesh: "QuadMesh", states: list["State"], store: Store) -> None:
-    """fem/fields.pvd with one .vtu for every state of equilibrium, and the last one of the path.
+    """Write fem/fields.pvd with one .vtu file for every state of equilibrium, and for the last one of the path.
 
     ``section``: the ground; ``mesh``: cells of it; ``states``: with their fields; ``store``: the folder of the run.
     """

@@ -22,7 +22,7 @@ def liquefying(config: Config) -> dict[int, list[int]]:
 
 
 def remaining(config: Config) -> dict[int, dict[int, Remains]]:
-    """For every case in which strata liquefy, what these keep, by their indices."""
+    """For every case the remaining strength of the strata that liquefy in it, by their indices."""
     return {
         n: {k: config.cases[n - 1].remains_of(config.section, k) for k in strata}
         for n, strata in liquefying(config).items()
@@ -30,7 +30,7 @@ def remaining(config: Config) -> dict[int, dict[int, Remains]]:
 
 
 def first_equal(keys: Mapping[Item, Hashable]) -> dict[Item, Item]:
-    """For every item the first one with the same key, which may be itself: only that one has to be computed."""
+    """For every item the first one with the same key (possibly itself): only the first one has to be computed."""
     first: dict[Hashable, Item] = {}
     return {item: first.setdefault(key, item) for item, key in keys.items()}
 
@@ -43,7 +43,7 @@ def lowest_factors(config: Config) -> list[float | None]:
 
 
 def cases_as_data(config: Config, keys: Collection[str] | None = None) -> list[dict[str, Any]]:
-    """Every case in which strata liquefy, as JSON can hold it: its number, the strata, and its settings, or some."""
+    """Every case in which strata liquefy, as data for JSON: number, strata, and all or some of its settings."""
     wanted = None if keys is None else {"name", *keys}
     return [
         {"number": n, "strata": strata, **config.cases[n - 1].model_dump(mode="json", include=wanted)}
@@ -52,6 +52,6 @@ def cases_as_data(config: Config, keys: Collection[str] | None = None) -> list[d
 
 
 def taken(config: Config) -> dict[str, Any]:
-    """The resolved cases; where a record decides when strata liquefy, also the smallest F_L of each stratum."""
+    """The resolved cases; if a record determines when strata liquefy, also the smallest F_L of each stratum."""
     decides = (config.slide.accelerogram or config.slide.kh_cycles) and config.slide.liquefies_at == "F_L"
     return {"what liquefies": cases_as_data(config)} | ({"its F_L": lowest_factors(config)} if decides else {})

@@ -1,4 +1,4 @@
-"""The stage `liquefied`: whether the continuum still stands once layers have liquefied, told before any slide."""
+"""The stage `liquefied`: stability of the continuum after liquefaction, before any slide."""
 
 import math
 from typing import TYPE_CHECKING
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def work(job: Job) -> None:
-    """Factor of safety and critical Kh of every case that leaves another strength; leaves fem/liquefied.json."""
+    """Compute factor of safety and critical Kh of every case with another strength; writes fem/liquefied.json."""
     from workflow.results.stored_mesh import stored_mesh
 
     mesh = stored_mesh(job.config.section, job.store)
@@ -30,7 +30,7 @@ def work(job: Job) -> None:
 
 
 def _different(config: Config) -> dict[tuple[tuple[int, Remains], ...], list[int]]:
-    """The numbers of the cases, grouped by the strength that remains in their liquefied strata."""
+    """The numbers of the cases, grouped by the residual strength of their liquefied strata."""
     groups: dict[tuple[tuple[int, Remains], ...], list[int]] = {}
     for number, kept in remaining(config).items():
         groups.setdefault(tuple(kept.items()), []).append(number)

@@ -1,7 +1,7 @@
-"""The work of the stage `slide`: every case of liquefaction, from the discs at rest to where the ground comes to lie.
+"""The work of the stage `slide`: every case of liquefaction, from the discs at rest to the end of the slide.
 
-It leaves dem/cases.json, history.csv, and for every case a .pvd with discs and pore springs in time. Checkpoints in
-dem/slide_* let a stopped run go on.
+It writes dem/cases.json, history.csv, and for every case a .pvd with discs and pore springs in time. With checkpoints
+in dem/slide_* an interrupted run continues.
 """
 
 from collections.abc import Sequence
@@ -29,7 +29,7 @@ USUAL, ALMOST = 0.4, 0.9  # of the time that a slide may last, when it is at res
 
 
 def slide_stage(job: Job) -> None:
-    """Slides of the cases asked for, or of all."""
+    """Compute the slides of the requested cases, or of all."""
     config, store = job.config, job.store
     wanted = _wanted(config, job.cases)
     starts = _starts(config, store)
@@ -73,7 +73,7 @@ def _wanted(config: Config, cases: tuple[int, ...] | None) -> list[int]:
 
 
 def _starts(config: Config, store: Store) -> dict[str, tuple[DiscModel, Ground]]:
-    """Discs at rest to start from: the calibrated ones, and the paper's as printed where these were asked for."""
+    """Discs at rest to start from: the calibrated ones, and the paper's as printed if the settings request them."""
     calibrated = DiscModel.load(store.folder / "dem/calibrated.h5")
     starts = {"calibrated": (calibrated, ground_for(config.section, store, config.dem, calibrated))}
     paper = ""
@@ -129,18 +129,20 @@ class Hearer:
         return name if task.springs == "calibrated" else f"{name}, springs of Table 2"
 
     def ended(self, place: int, _: Any) -> None:
-        """A slide has come to its end, or a packing with all of its slides."""
+        """A slide has ended, or a packing with all of its slides."""
         self.done[place] = 1.0
 
 
 def _share(of_duration: float) -> float:
-    """Share of the work of a slide done after a share of its longest duration: most come to rest long before that."""
+    """Finished share of the work of a slide after a share of its longest duration: most slides come to rest long
+    before.
+    """
     late = max(0.0, of_duration - USUAL) / (1.0 - USUAL)
     return min(1.0, ALMOST * min(of_duration / USUAL, 1.0) + (1.0 - ALMOST) * late)
 
 
 def slide_pictures(config: Config, store: Store, executor: Executor = SERIAL) -> None:
-    """Draw every case at its end, its animation, and the histories, from what is stored."""
+    """Draw every case at its end, its animation, and the histories, from stored results."""
     from workflow.figures import slides as slide_figures
 
     answer = CasesAnswer.read(store)

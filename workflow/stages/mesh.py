@@ -8,7 +8,7 @@ GIVEN = "the mesh given"  # by this name people know a mesh of their own
 
 
 def work(job: Job) -> None:
-    """Mesh the section, or take a mesh that is given; leaves mesh/section.msh and mesh/section.vtu.
+    """Mesh the section, or read a given mesh; writes mesh/section.msh and mesh/section.vtu.
 
     Raises InputError if the settings do not fit, BadMeshError if there is no usable mesh.
     """

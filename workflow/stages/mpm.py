@@ -1,4 +1,4 @@
-"""The stage `mpm`: every case of liquefaction by the material point method, a second opinion beside the discs."""
+"""The stage `mpm`: every case of liquefaction by the material point method, for comparison with the discs."""
 
 import copy
 import math
@@ -34,7 +34,7 @@ AFTER = 1.0  # s after Kh has gone, from which on the ground may come to rest
 
 @dataclass(frozen=True, eq=False)
 class PointRun:
-    """One case with one decay of velocities (1/s), from ground at rest, in cells as asked for or in coarse ones."""
+    """One case with one decay of velocities (1/s), from ground at rest, in cells of the settings or in coarse cells."""
 
     config: Config
     slider: "PointSlider"
@@ -45,7 +45,7 @@ class PointRun:
 
     @property
     def name(self) -> str:
-        """Name of the case and, where it is not the slide that counts, how it differs from that."""
+        """Name of the case, with the differences if it is not the governing slide."""
         from fem.mpm.slide import DECAYS
 
         called = self.config.called(self.number)
@@ -62,7 +62,7 @@ class PointRun:
 
 
 def work(job: Job) -> None:
-    """Slides of the cases asked for, or of all; leaves mpm/slides.json and a picture.
+    """Compute the slides of the requested cases, or of all; writes mpm/slides.json and a picture.
 
     The answer says so where the method is not applicable.
     """
@@ -136,9 +136,9 @@ def draw(job: Job) -> None:
 
 
 def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
-    """Material points of a section at rest under their weight, and how far they moved to that (m).
+    """Material points of a section at rest under their weight, and their displacement on the way (m).
 
-    The number of cells is the one asked for, divided by ``fewer``. Raises FloatingPointError where the ground has no
+    The number of cells is that of the settings divided by ``fewer``. Raises FloatingPointError if the ground has no
     equilibrium.
     """
     from fem.mpm.ground import ground_of
@@ -151,14 +151,14 @@ def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
 
 
 def slide_of_points(config: Config, number: int) -> "PointSlide":
-    """One case by material points, with the decay of unresolved velocities whose slide counts.
+    """One case by material points, with the standard decay of unresolved velocities.
 
     Parameters
     ----------
     config : Config
-        The section, and the strength that is left in its cases.
+        The section, and the residual strengths of its cases.
     number : int
-        Of the case, from 1.
+        Number of the case, from 1.
 
     Returns
     -------
@@ -168,7 +168,7 @@ def slide_of_points(config: Config, number: int) -> "PointSlide":
     Raises
     ------
     FloatingPointError
-        Where the ground has no equilibrium under its weight.
+        If the ground has no equilibrium under its weight.
     """
     from fem.mpm.slide import DECAYS
 
@@ -176,7 +176,7 @@ def slide_of_points(config: Config, number: int) -> "PointSlide":
 
 
 def _slid(run: PointRun, tell: Tell) -> "PointSlide":
-    """A slide; tells the share of its time that is done, the time (s) and the largest slide (m)."""
+    """Compute a slide; ``tell`` is called with the finished share, the time (s) and the largest slide (m)."""
     from fem.mpm.slide import DECAYS, LOOK
 
     programme, slider = programme_of(run.config, run.number), copy.deepcopy(run.slider)
@@ -232,10 +232,10 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
 
 
 def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
-    """A case as its answer holds it, from the slide that counts, and those in coarse cells with both decays.
+    """The answer of a case from its governing slide, and those in coarse cells with both decays.
 
-    Slides converge with the first power of the size of the cells, so that the second one tells what finer cells would
-    come to (Richardson's extrapolation). The third one, beside it, tells what the decay changes.
+    Slides converge with the first power of the size of the cells, so that the second slide gives the limit of fine
+    cells (Richardson's extrapolation). The third one shows the influence of the decay.
     """
     from fem.mpm.slide import LOSS
 

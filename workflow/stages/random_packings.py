@@ -1,4 +1,4 @@
-"""The cases on random packings of the same critical Kh, to see how much the packing matters."""
+"""The cases on random packings of the same critical Kh, which show the influence of the packing."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,17 +21,17 @@ Packed = tuple[Seed, dict[int, Slide]]  # how it was calibrated, and its slides 
 
 @dataclass(frozen=True)
 class RandomPackingsWanted:
-    """The packings that are wanted beside that of the run itself.
+    """The random packings in addition to that of the run itself.
 
-    A seed whose packing cannot be calibrated to the critical Kh is named with the reason, and not counted. Where the
-    parameter of the calibration has to be chosen, the first seed chooses it for all others.
+    A seed whose packing cannot be calibrated to the critical Kh is named with the reason, and not counted. If the
+    parameter of the calibration has to be chosen, the first packing determines it for all others.
 
     Attributes
     ----------
-    given, store : the input, and the folder of the run.
+    config, store : the config, and the folder of the run.
     continuum : the FEM model that the discs are calibrated to.
     numbers : of the cases.
-    own : the packing of the run itself, where that is a random one.
+    own : the packing of the run itself, if it is a random one.
     """
 
     config: Config
@@ -56,7 +56,7 @@ class RandomPackingsWanted:
         return [Packing(self.config, self.store, self.continuum, seed, parameter, self.numbers) for seed in others]
 
     def at_once(self) -> list["Packing"]:
-        """The packings that can begin: all, or only the one that chooses the parameter."""
+        """The packings that can begin: all, or only the one that determines the parameter."""
         parameter = self.config.dem.parameter
         packings = self._packings("auto" if parameter == "none" else parameter)
         return packings[:1] if self._chooses else packings
@@ -64,7 +64,7 @@ class RandomPackingsWanted:
     def answer(self, job: Job, packings: list["Packed"], own_slides: dict[int, Slide]) -> RandomPackings:
         """Mean, standard deviation and every value of slide and settlement over the seeds, for each case.
 
-        ``packings`` are those that began at once, ``own_slides`` the slides of the run itself.
+        ``packings`` are those that began first, ``own_slides`` the slides of the run itself.
         """
         if self._chooses and packings:
             seed = packings[0][0]
@@ -95,7 +95,7 @@ def _own_seed(config: Config, calibration: CalibrationAnswer) -> Seed | None:
 
 @dataclass(frozen=True)
 class Packing:
-    """One random packing to be calibrated and let slide, by its seed, in the folder of the run."""
+    """One random packing, given by its seed, to be calibrated and used for slides in the folder of the run."""
 
     config: Config
     store: Store
@@ -137,7 +137,7 @@ def packed(packing: Packing, tell: Tell) -> Packed:
 
 
 def _untouched(seed: int) -> Seed:
-    """A packing that is not to be calibrated."""
+    """The result of a packing without calibration."""
     return Seed(
         seed=seed, kc_before=None, parameter="none", value=1.0, kc=None, verdict="not asked for",
         reason='dem.parameter = "none"',
@@ -165,5 +165,5 @@ def _case(slides: list[Slide]) -> RandomCase:
 
 
 def as_line(points: list[list[float]]) -> Line:
-    """Points of a surface as an answer holds them."""
+    """Points of a surface in the form of stored answers."""
     return tuple((x, z) for x, z in points)

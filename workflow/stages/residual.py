@@ -1,8 +1,8 @@
-"""The stage `residual`: whether ground that fails continues, with what is left of its strength once it was sheared far.
+"""The stage `residual`: whether a failure continues with the residual strength after large shear strains.
 
-A verdict of two steps. With peak strength the ground fails along a surface; soil that has slid along it keeps its
-residual strength (Skempton 1964, Géotechnique 14, 77-102), and so does a slope that slid before. In between failure
-progresses from where the ground is sheared most.
+The verdict has two steps. With peak strength the ground fails along a surface; soil that has slid along it has residual
+strength (Skempton 1964, Géotechnique 14, 77-102), and so has a slope that slid before. Between the two, failure is
+progressive, from the place of the largest shear strain.
 """
 
 import math
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def work(job: Job) -> None:
-    """Factors of safety with peak and with residual strength; leaves fem/residual.json."""
+    """Compute factors of safety with peak and with residual strength; writes fem/residual.json."""
     from workflow.results.stored_mesh import stored_mesh
 
     config, section = job.config, job.config.section
@@ -62,8 +62,8 @@ def work(job: Job) -> None:
 
 
 def _peak(config: Config, mesh: "QuadMesh", notes: list[str]) -> "AdaptiveResult[SafetyFactor] | None":
-    """The factor of safety of the section of the input at Kh = 0, and the mesh on which it was found; None, and a note
-    of the reason, where there is none.
+    """The factor of safety of the section at Kh = 0 with peak strength, and its mesh; None, with a note of the reason,
+    without an answer.
     """
     from mpi4py import MPI
 
@@ -107,7 +107,7 @@ def _without_residual(config: Config) -> str:
 
 
 def verdict_of(factor: float | None, everywhere: "Bearing") -> Verdict:
-    """What both factors mean."""
+    """The verdict from both factors."""
     if everywhere.stands == "stands":
         return "stands"
     if factor is None:

@@ -17,7 +17,7 @@ PICTURE = "figures/site_response.png"
 
 
 def work(job: Job) -> None:
-    """Equivalent linear layers under the record; leaves site_response.json. Raises InputError."""
+    """Compute the equivalent linear site response; writes site_response.json. Raises InputError."""
     answer_of(job.config.section, column_of(job.config.section, job.config.site_response)).write(job.store)
 
 
@@ -30,7 +30,7 @@ def draw(job: Job) -> None:
 
 
 def answer_of(section: Section, column: Column) -> SiteResponseAnswer:
-    """A response as an answer holds it."""
+    """The answer of a site response."""
     response = column.response
     layers = tuple(
         ResponseLayer.taken(

@@ -17,11 +17,11 @@ from workflow.stages.liquefaction import lowest_factors
 def shaking_of(config: Config, strata: Sequence[int]) -> Shaking | None:
     """The base motion, with the times at which strata begin to liquefy; None for a constant Kh.
 
-    That is a record of the base, or the average acceleration of all above the slip surface in time (Makdisi & Seed
-    1978), which the layers make of a record of the rock.
+    It is a record of the base, or the average acceleration in time of the soil above the slip surface (Makdisi & Seed
+    1978) from a site response to a record of the rock.
 
-    F_L is strength over stress, and the stress goes with the peak acceleration: ground with F_L = 0.6 is brought to
-    liquefaction by a record of 0.6 of the peak, so it liquefies once that is reached. Raises InputError.
+    F_L is strength over stress, and the stress is proportional to the peak acceleration: ground with F_L = 0.6
+    liquefies under a record with 0.6 of the peak, so it liquefies when this acceleration is reached. Raises InputError.
     """
     settings = config.slide
     if not settings.accelerogram:
@@ -40,8 +40,8 @@ def shaking_of(config: Config, strata: Sequence[int]) -> Shaking | None:
 def _passed(config: Config, strata: Sequence[int]) -> dict[int, float]:
     """Share of the cycles after which each stratum has liquefied in full.
 
-    Strength falls with the number of cycles as N^-0.34 (Idriss & Boulanger 2008), so that F_L is reached after F_L^(1/
-    0.34) of them: a layer with 0.5 has an eighth of the shaking behind it. Layers without blow counts liquefy at once.
+    Strength falls with the number of cycles as N^-0.34 (Idriss & Boulanger 2008), so that a layer liquefies after a
+    share F_L^(1/0.34) of them: with F_L = 0.5 after an eighth. Layers without blow counts liquefy at the beginning.
     """
     if config.slide.liquefies_at != "F_L":
         return {}

@@ -22,7 +22,7 @@ SOURCE = "Bishop 1955 (simplified method); Spencer 1967; Duncan, Wright & Brando
 
 
 def work(job: Job) -> None:
-    """Find the critical circles; leaves fem/slices.json and figures/slip_circles.png."""
+    """Find the critical circles; writes fem/slices.json and figures/slip_circles.png."""
     from workflow.estimates.deeper_circles import ground_of_circles
     from workflow.estimates.slices import LEFT, RIGHT
     from workflow.estimates.weak_layers import thin_weak_layers
@@ -52,7 +52,7 @@ def work(job: Job) -> None:
 
 
 def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
-    """The faces of all structures, those with which no circle slides among them."""
+    """The faces of all structures, including those without slip circles."""
     from workflow.estimates.slices import LEFT, RIGHT
     from workflow.estimates.structures import face_circle, structures_of
 
@@ -80,7 +80,7 @@ def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
 
 
 def draw(job: Job) -> None:
-    """Draw the circles again from what is stored."""
+    """Draw the circles again from stored results."""
     from workflow.figures.slip_circles import draw as draw_circles
 
     answer = SlicesAnswer.read(job.store)
@@ -92,7 +92,7 @@ def draw(job: Job) -> None:
 def _parts(
     section: "Section", kh: float | None, circles: "Iterable[tuple[Section, SlipCircle | None]]"
 ) -> tuple[CirclePart, ...]:
-    """The circles that slide through a slope, each with the ground it was found in, the least value first."""
+    """The critical circles, each with its ground, the smallest value first."""
     parts = [
         CirclePart.taken(
             circle,

@@ -1,4 +1,4 @@
-"""The stage `slide`: how far the calibrated discs slide once layers have liquefied."""
+"""The stage `slide`: slides of the calibrated discs after liquefaction."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,7 +12,7 @@ from workflow.stages.liquefaction import taken
 
 
 def work(job: Job) -> None:
-    """Every case that is asked for, from the discs at rest to where the ground comes to lie."""
+    """Compute the requested cases, from the discs at rest to the end of the slides."""
     from workflow.stages.liquefied_slides import slide_stage
 
     slide_stage(job)
@@ -26,15 +26,15 @@ def draw(job: Job) -> None:
 
 
 def files(job: Job) -> Mapping[str, Path]:
-    """The record that shakes the ground: that of the base, or that of the rock where its response does."""
+    """The record of the shaking: that of the base, or that of the rock if slides use the site response."""
     average = job.config.slide.accelerogram == AVERAGE
     shakes = job.config.files("site_response" if average else "slide")
     return {f"{name}, averaged" if average else name: shakes[name] for name in shakes}
 
 
 def of_the_record(config: Config) -> tuple[str, ...]:
-    """Settings of the shaking without effect on slides: paths of files, whose content counts; site response, unless it
-    shakes the ground.
+    """Settings of the shaking without effect on slides: paths of files, whose content counts; site response, unless
+    slides use it.
     """
     unused = () if config.slide.accelerogram == AVERAGE else ("site_response",)
     return ("slide.accelerogram", "site_response.record", *unused)

@@ -1,4 +1,4 @@
-"""One slide: from its discs at rest, or from its last checkpoint, to its end."""
+"""One slide, from the discs at rest or from its last checkpoint to its end."""
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ class PlannedSlide:
     start : discs at rest under their weight
     ground : where they are in the section
     strata : indices of the strata that liquefy
-    case : what liquefaction does to them; None for Kh alone
+    case : their stiffness and strength after liquefaction; None for Kh alone
     """
 
     springs: str
@@ -44,11 +44,11 @@ class PlannedSlide:
 
     @property
     def folder(self) -> str:
-        """Where the checkpoints are, within the folder of the run."""
+        """Folder of the checkpoints, within the folder of the run."""
         return f"dem/slide_{self.springs}_{self.number}"
 
     def effect(self, config: Config) -> Hashable:
-        """All inputs that decide this slide within its run: two slides for which they are equal are the same."""
+        """All inputs of this slide that may differ within a run: two slides with equal inputs are the same."""
         case = None if self.case is None else effect_of(self.case, config.section, self.strata, self.start.law)
         return self.springs, case
 
@@ -69,7 +69,7 @@ def task(config: Config, springs: str, number: int, start: DiscModel, ground: Gr
 
 @dataclass(frozen=True, eq=False)
 class SlideTask:
-    """A slide to be computed: the input and the folder of the run, and whether its frames are kept."""
+    """A slide to be computed: input and folder of the run, and whether its frames are stored."""
 
     config: Config
     store: Store
@@ -78,9 +78,10 @@ class SlideTask:
 
 
 def slid(run: SlideTask, tell: Tell) -> Slide:
-    """Take a slide to its end, from its last checkpoint if there is one; tells time, slide, settlement and speed.
+    """Compute a slide to its end, from its last checkpoint if there is one; ``tell`` is called with time, slide,
+    settlement and speed.
 
-    Frames are written as they fall due; those of a longer slide that was begun again with a smaller step are removed.
+    Frames are written at their times; those of a longer slide that was begun again with a smaller step are removed.
     """
     task, store = run.task, run.store
     papers_own = task.springs == "table2" and run.config.dem.model == "soil"

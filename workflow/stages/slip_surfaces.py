@@ -14,10 +14,10 @@ from workflow.run.store import Store
 
 
 def slip_surfaces(config: Config, store: Store, before: np.ndarray, after: np.ndarray, fem: FemAnswer) -> SlipSurfaces:
-    """Slip surfaces of the discs and of the continuum, and how far they agree.
+    """Slip surfaces of the discs and of the continuum, and their agreement.
 
-    ``before``, ``after``: of the discs before and after calibration, (k, 2) points [x, elevation] in m. That of the
-    continuum is the one that soil discs are calibrated to, else that of the last state of its path with one.
+    ``before``, ``after``: of the discs before and after calibration, (k, 2) points [x, elevation] in m. The slip
+    surface of the continuum is that of the FEM counterpart of soil discs, else that of the last state of its path.
     ``config``: of the run; ``store``: its folder; ``fem``: answer of the finite elements.
     """
     soil = config.dem.model == "soil"
@@ -38,9 +38,7 @@ def slip_surfaces(config: Config, store: Store, before: np.ndarray, after: np.nd
 
 
 def _excess_above(config: Config, store: Store, line: np.ndarray, fem: FemAnswer) -> float | None:
-    """By which share the critical Kh of the continuum is larger if it can fail no deeper than the line; None without an
-    answer.
-    """
+    """Relative increase of the critical Kh if the continuum can fail only above the line; None without an answer."""
     from mpi4py import MPI
 
     from fem.search.prescribed_surface import critical_above

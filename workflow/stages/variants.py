@@ -32,7 +32,7 @@ FLOWS: Mapping[Flow, str] = {
 
 
 def work(job: Job) -> None:
-    """Leave fem/variants.json: every change of assumptions asked for, in words, and the critical Kh with it."""
+    """Compute the critical Kh with each requested change of assumptions; writes fem/variants.json."""
     from workflow.results.stored_mesh import fem_mesh
 
     config, store, progress = job.config, job.store, job.progress
@@ -55,15 +55,15 @@ def work(job: Job) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """One thing changed.
+    """One changed assumption.
 
     Attributes
     ----------
-    name, words : its name, and what it is in words.
-    given : the input with it.
-    mesh : the mesh of the answer, or the one that it began with.
-    halved : whether the cells of that are halved.
-    kc_without : the critical Kh of the mesh that the answer began with; None for that of the answer.
+    name, words : name of the change, and its description.
+    config : the config with the change.
+    mesh : the mesh of the answer, or its initial mesh.
+    halved : whether the cells of this mesh are halved.
+    kc_without : the critical Kh on the initial mesh without the change; None for that of the answer.
     """
 
     name: str
@@ -77,7 +77,8 @@ class Change:
 def on_a_mesh(
     change: tuple[str, str, Config], config: Config, store: Store, answer: FemAnswer, last: "QuadMesh"
 ) -> Change:
-    """The change on the ``last`` mesh, that of the answer, or where it has too many cells for a path on the first.
+    """The change on the ``last`` mesh, that of the answer, or on the first mesh if the last one has too many cells for
+    a path.
 
     ``config``: of the run; ``store``: its folder.
     """
@@ -95,9 +96,9 @@ def on_a_mesh(
 
 
 def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] | None:
-    """A variant by its name, in words, and its input; None where it would change nothing.
+    """Name, description and config of a variant; None if it would change nothing.
 
-    ``element`` is the one that the answer was found with.
+    ``element`` is the element of the answer.
     """
     from fem.limit_load.limit_load import is_unique
 
@@ -122,7 +123,7 @@ def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] 
 
 
 def variant(change: Change, tell: Tell) -> Variant:
-    """The critical Kh with a change; none where there is none."""
+    """The critical Kh with a change, or None with the reason."""
     start = time.perf_counter()
     try:
         result = _found(change, tell)

@@ -28,7 +28,8 @@ def study(
     quiet: Quiet = False,
     json: Json = False,
 ) -> None:
-    """What if: many samples of the numbers in [uncertain], on all processors or machines; distributions and fragility.
+    """Compute many samples of the uncertain numbers in [uncertain], on all processors or machines; gives distributions
+    and fragility.
 
     The same command continues where it was stopped, and computes only what is new.
     """
@@ -80,7 +81,7 @@ def converge(
     quiet: Quiet = False,
     json: Json = False,
 ) -> None:
-    """Do the slides converge? Repeat the slides with smaller discs (1, 0.71 and 0.5 of the radius) and with smaller
+    """Check the convergence of slides: repeat them with smaller discs (1, 0.71 and 0.5 of the radius) and with smaller
     time steps.
 
     The same command continues where it was stopped.
@@ -120,7 +121,7 @@ def converge(
 
 
 def _unread(settings: Mapping[str, Mapping[str, Any]], command: str, parts: Sequence[str]) -> list[str]:
-    """One sentence for each setting of the command line that no part of a study reads."""
+    """One sentence on each setting of the command line that no part of a study reads."""
     from workflow.stages import NAMES, command_of
     from workflow.study.parts import read_by
     from workflow.unread import in_words, is_read, keys_of

@@ -1,4 +1,4 @@
-"""The study of convergence: the same slides with smaller discs, and with smaller steps of time."""
+"""The study of convergence: the same slides with smaller discs, and with smaller time steps."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -29,14 +29,14 @@ class Fit:
     Attributes
     ----------
     limit : float
-        What it tends to.
+        Limit of the number.
     order : float or None
-        Power of the size with which it does so; None where three values show none, and a straight line has to do.
+        Order of convergence in the size; None if three values show none, so that a straight line is fitted.
     left : float
-        How far the value of the smallest size is from the limit, with the half width of its 95 % interval where it is
-        a mean over packings; a share of the limit.
+        Relative error of the value of the smallest size, including the half width of its 95 % interval if it is a mean
+        over packings.
     scatter : float
-        That half width alone, as the same share.
+        The half width alone, as a share of the limit.
     """
 
     limit: float
@@ -49,7 +49,7 @@ class Fit:
         return self.left <= within
 
     def verdict(self, within: float) -> str:
-        """In words."""
+        """The verdict on convergence in words."""
         if self.converged(within):
             return f"converged within {100.0 * self.left:.2g} %"
         message = f"not converged: {100.0 * self.left:.2g} % may be left"
@@ -57,12 +57,12 @@ class Fit:
 
 
 def fit(sizes: Sequence[float], values: Sequence[float], error: float = 0.0, least: float = 0.0) -> Fit:
-    """Extrapolate values over three sizes, largest first, each by the same ratio smaller.
+    """Extrapolate values over three sizes, largest first, with a constant ratio.
 
-    Richardson's extrapolation with the order that the three values show (P. J. Roache, J. Fluids Eng. 116 (1994)
-    405-413); where they scatter, or the order is not plausible, a straight line through all of them by least squares;
-    the error is then at least the largest distance of a value from the line. ``error``: half width of the 95 % interval
-    of the last value. ``least``: the number that shares refer to where the limit is smaller.
+    Richardson's extrapolation with the order of the three values (P. J. Roache, J. Fluids Eng. 116 (1994) 405-413). If
+    they scatter, or the order is not plausible, a straight line is fitted by least squares, and the error is at least
+    the largest distance of a value from this line. ``error``: half width of the 95 % interval of the last value.
+    ``least``: smallest number to which relative errors refer.
     """
 
     def share(value: float, whole: float) -> float:
@@ -90,10 +90,10 @@ SLIDES = next(part for part in PARTS if part.name == "slide")
 def run(
     config: Config, store: Store, within: float, ensemble: Ensemble, on_row: OnRow | None = None
 ) -> ConvergenceAnswer:
-    """Compute what is missing, and leave section.toml and converge.json.
+    """Compute missing results, and write section.toml and converge.json.
 
-    ``config``: of the run; ``store``: its folder; ``within``: largest error that is called converged (%); ``ensemble``:
-    computes the rows; ``on_row`` hears of each.
+    ``config``: of the run; ``store``: its folder; ``within``: largest error of a converged number (%); ``ensemble``:
+    computes the rows; ``on_row``: called with each.
     Raises InputError where nothing liquefies, NoAnswerError where fewer runs than three of a kind have an answer.
     """
     if not config.section.liquefies:
@@ -124,7 +124,7 @@ def run(
 
 
 def _series(over: str, sizes: Sequence[float], rows: Sequence[Row[Numbers]], within: float) -> Iterator[Series]:
-    """Every number of the slides over some sizes; none where a run has no answer."""
+    """Every number of the slides over some sizes; empty if a run has no answer."""
     answers = [row.answer for row in rows if row.answer is not None]
     if len(answers) < len(rows):
         return

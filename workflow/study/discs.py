@@ -1,4 +1,4 @@
-"""The discs of a sample: all stages of a run up to `slide`, of which a few numbers are kept."""
+"""The discs of a sample: all stages of a run up to `slide`, of which a few numbers are stored."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,9 +20,9 @@ STAGES = (mesh.STAGE, fem.STAGE, calibrate.STAGE, slide.STAGE)
 
 
 def discs(sample: Sample) -> Numbers:
-    """How far every case slides: all stages of a run up to `slide`, in a folder that goes once the numbers are known.
+    """The slides of every case: all stages of a run up to `slide`, in a folder that is removed afterwards.
 
-    Raises NoAnswerError where the discs cannot be calibrated.
+    Raises NoAnswerError if the discs cannot be calibrated.
     """
     config = config_after_triggering(Config.parse(sample.data))
     if not config.section.liquefies:

@@ -1,4 +1,4 @@
-"""Tasks computed by workers, each once; answers that the folder holds are read from it."""
+"""Tasks computed by workers, each once; stored answers are read from the folder."""
 
 import socket
 import time
@@ -26,11 +26,11 @@ class Row(Generic[Found]):
     Attributes
     ----------
     answer : pydantic model or None
-        None where it failed.
+        The answer; None if the task failed.
     reason : str
-        Why it failed.
+        Why the task failed.
     reused : bool
-        Whether it was there already.
+        Whether the answer was already stored.
     """
 
     answer: Found | None
@@ -43,16 +43,16 @@ OnRow = Callable[[int, int, int], None]
 
 
 class Ensemble:
-    """A folder of answers, and who computes those that are missing.
+    """A folder of answers, and the workers that compute missing ones.
 
     Parameters
     ----------
     folder
-        Where they are kept.
+        Folder of the answers.
     workers
         Processes of this machine.
     scheduler
-        The address of a Dask scheduler whose workers are taken instead. They see the folder by the same name.
+        The address of a Dask scheduler whose workers are used instead. They must see the folder under the same path.
     """
 
     def __init__(self, folder: Path, workers: int = 1, scheduler: str | None = None) -> None:
@@ -62,7 +62,7 @@ class Ensemble:
     def rows(self, tasks: Sequence[Task[Given, Found]], on_row: OnRow | None = None) -> list[Row[Found]]:
         """Outcomes of all tasks, in their order.
 
-        Tasks that another machine is at are waited for, and taken over if that one dies.
+        Tasks in work on another machine are waited for, and taken over if that machine fails.
         """
         rows: dict[str, Row[Found]] = {}
         missing: dict[str, Task[Given, Found]] = {}
@@ -89,7 +89,9 @@ class Ensemble:
 
     @contextmanager
     def _executor(self, count: int) -> Iterator[futures.Executor]:
-        """So many processes of this machine, or the workers of the scheduler; raises InputError if there is none."""
+        """An executor with processes of this machine, or with the workers of the scheduler; raises InputError
+        without any.
+        """
         if self.scheduler is None:
             with Processes(count) as executor:
                 yield executor
@@ -117,7 +119,7 @@ class Ensemble:
         rows: dict[str, Row[Found]],
         tell: Callable[[], None],
     ) -> None:
-        """Let every missing task be tried once; those that another machine is at stay missing."""
+        """Try every missing task once; those in work on another machine remain missing."""
         tasks = list(missing.values())
         attempts = [Attempt(str(self.folder), task.fingerprint, partial(_outcome, task), task.name) for task in tasks]
         begun = {executor.submit(attempt, each): task for each, task in zip(attempts, tasks, strict=True)}
@@ -148,7 +150,7 @@ class Attempt:
 
 
 def attempt(wanted: Attempt) -> Outcome | None:
-    """Compute a task unless it is there or someone else is at it (then None); called in a worker."""
+    """Compute a task unless it is stored, or in work elsewhere (then None); called in a worker."""
     cache = ResultCache(Path(wanted.folder))
     with cache.claimed(wanted.fingerprint) as mine:
         there = cache.read(wanted.fingerprint)
@@ -163,8 +165,8 @@ def attempt(wanted: Attempt) -> Outcome | None:
 def _outcome(task: Task[Given, Found]) -> Outcome:
     """Call the function of a task; the message of an exception becomes the reason.
 
-    Input that cannot be used, and an analysis without an answer, are so again. All else may be of the machine, or of
-    a program that is mended later, and is tried again when the study continues.
+    Invalid input and missing answers are stored, since they would recur. Other errors may be due to the machine or to a
+    fault of the program, and are tried again when the study continues.
     """
     start, answer, reason, lasting = time.perf_counter(), None, "", True
     try:

@@ -1,4 +1,4 @@
-"""Fragility: the probability of failure, and that of a slide beyond a length, over what shakes the ground."""
+"""Fragility: the probability of failure, and of slides beyond a length, over the intensity of shaking."""
 
 import math
 from collections.abc import Iterator
@@ -24,10 +24,10 @@ TAILS = (0.025, 0.975)
 
 
 def fit(levels: np.ndarray, exceeds: np.ndarray) -> tuple[float, float]:
-    """Median θ and spread β of P = Φ(ln(x / θ) / β), by the greatest likelihood.
+    """Median θ and dispersion β of P = Φ(ln(x / θ) / β), by maximum likelihood.
 
     M. Shinozuka et al., J. Eng. Mech. 126 (2000) 1224-1231; J. W. Baker, Earthquake Spectra 31 (2015) 579-599, eq. 11.
-    ``levels`` (n,) are above 0, ``exceeds`` (n,) true or false, both of which occur.
+    ``levels`` (n,) are above 0; ``exceeds`` (n,) has true and false values.
     """
     logarithms = np.log(levels)
 
@@ -42,7 +42,7 @@ def fit(levels: np.ndarray, exceeds: np.ndarray) -> tuple[float, float]:
 
 
 def curve(name: str, levels: np.ndarray, exceeds: np.ndarray) -> Curve | None:
-    """The fit as a curve with its 95 % interval by bootstrap; None where all samples exceed, or none does."""
+    """The fit as a curve with its 95 % interval by bootstrap; None if all samples exceed, or none does."""
     if not (levels > 0.0).all() or exceeds.all() or not exceeds.any():
         return None
     over = np.linspace(levels.min(), levels.max(), POINTS)
@@ -73,8 +73,8 @@ def failure(table: Table) -> Curve | None:
 
 
 def fragility(config: Config, table: Table) -> Iterator[Curve]:
-    """P(slide > d): of the rigid block over Kh, over the peak acceleration of the record where there is one; and of the
-    discs over d, and over what shakes them where that is drawn.
+    """Curves of P(slide > d): of the rigid block over Kh, and over the peak acceleration of the record if there is one;
+    of the discs over d, and over their shaking if it is uncertain.
     """
     kc = _known(table, "kc")
     if len(kc) >= 2:
@@ -100,7 +100,7 @@ def _discs(config: Config, table: Table, name: str) -> Iterator[Curve]:
 
 
 def _levels(config: Config, table: Table) -> dict[str, np.ndarray]:
-    """The shaking of the discs in every sample, where it is drawn: Kh, or the peak of their record over g."""
+    """The shaking of the discs in every sample, if it is uncertain: Kh, or the peak of their record over g."""
     record = config.slide.accelerogram
     path = SCALE if record else KH
     drawn = config.uncertain.numbers.get(path)
@@ -128,7 +128,7 @@ def _blocks(config: Config, kc: np.ndarray) -> Iterator[Curve]:
 
 
 def _under(record: Accelerogram, peak: float, kc: float) -> float:
-    """The slide (m) under the record scaled to a peak (g), the larger of both ways."""
+    """The slide (m) under the record scaled to a peak (g), in the direction with the larger slide."""
     if peak <= kc:
         return 0.0
     pushed = record.acceleration * (peak * GRAVITY / record.peak)
@@ -138,8 +138,8 @@ def _under(record: Accelerogram, peak: float, kc: float) -> float:
 def block(config: Config, kc: float | None) -> float | None:
     """The slide (m) of the rigid block of one sample, under its record or its constant Kh.
 
-    None without kc, and where Kh is held for ever: the block is at rest or never stops, and the mean of those at rest
-    would tell nothing.
+    None without kc, and for a Kh without end: then the block is at rest or never stops, and a mean over samples has no
+    meaning.
     """
     drive, recorded = block_drive(config), bool(config.sliding_block.accelerogram)
     if kc is None or (not recorded and math.isinf(drive.seconds)):

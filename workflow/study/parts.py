@@ -17,10 +17,10 @@ class Part:
     Attributes
     ----------
     name : the word by which the command line knows it
-    function : what computes it, of one sample
-    tables : the tables of settings that it reads; where others differ it is not computed again
-    ignores : settings in these tables that change nothing in its numbers, as "table.key"
-    keeps : whether it takes so long that it keeps a folder to go on from
+    function : computes the part for one sample
+    tables : the tables of settings that it reads; after changes of others it is not computed again
+    ignores : settings in these tables without effect on its numbers, as "table.key"
+    keeps : whether it takes so long that it stores a folder from which it continues
     """
 
     name: str

@@ -10,7 +10,7 @@ from workflow.study.table import Table
 
 
 def draw_all(section: Section, table: Table, answer: StudyAnswer, store: Store) -> None:
-    """Leave figures/study_*.png; those of which there is nothing to show are left out.
+    """Write figures/study_*.png; pictures without data are left out.
 
     ``section``: the ground; ``table``: of all samples; ``answer``: of the study; ``store``: its folder.
     """

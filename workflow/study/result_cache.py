@@ -1,4 +1,4 @@
-"""Cache of the answers of tasks: a file each, whole or not at all, by its fingerprint."""
+"""Cache of the answers of tasks: one file for each, named by its fingerprint."""
 
 import errno
 import fcntl
@@ -17,7 +17,7 @@ FOLDER = "tasks"
 
 
 class Outcome(BaseModel):
-    """How a task ended."""
+    """The outcome of a task."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -31,29 +31,29 @@ class Outcome(BaseModel):
 
 
 class ResultCache:
-    """Answers of tasks stored in a folder, which machines may share.
+    """Answers of tasks stored in a folder, which several machines may share.
 
-    A claim is a lock of the kernel's on a file of its own, so that a task is computed once however many workers, of one
-    machine or several, look for something to do, and one that dies leaves nothing claimed. Where a file system has no
-    locks a task may be computed twice, with the same answer.
+    A task is claimed by a file lock of the operating system. So it is computed once by all workers of one machine or
+    several, and a worker that dies releases its claim. On a file system without locks a task may be computed twice,
+    with the same answer.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder / FOLDER
 
     def path(self, fingerprint: str) -> Path:
-        """Where the outcome of a task is."""
+        """File of the outcome of a task."""
         return self.folder / f"{fingerprint}.json"
 
     def read(self, fingerprint: str) -> Outcome | None:
-        """How a task ended; None where it has not ended, or where the file is not an outcome of this program."""
+        """The outcome of a task; None if it has not ended, or if the file is not an outcome of this program."""
         try:
             return Outcome.model_validate_json(self.path(fingerprint).read_bytes())
         except (OSError, ValidationError):
             return None
 
     def write(self, fingerprint: str, outcome: Outcome) -> None:
-        """Keep an outcome; raises InputError if it cannot be written."""
+        """Store an outcome; raises InputError if it cannot be written."""
         path = self.path(fingerprint)
         try:
             with whole(path) as beside:
@@ -63,7 +63,7 @@ class ResultCache:
 
     @contextmanager
     def claimed(self, fingerprint: str) -> Iterator[bool]:
-        """Whether the task is this process's to compute until the end of the block; else another one is at it."""
+        """Whether this process has claimed the task until the end of the block; else another process has."""
         self.folder.mkdir(parents=True, exist_ok=True)
         path = self.folder / f".{fingerprint}.claim"
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)

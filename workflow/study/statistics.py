@@ -13,10 +13,10 @@ BOOTSTRAP_SEED, RESAMPLES = 0, 400
 
 
 def probability(name: str, over: np.ndarray, happens: np.ndarray) -> Curve:
-    """How often something happens: ``happens`` (samples, len(over)) of true and false; at each ``over`` its share.
+    """A probability curve: the share of true values in ``happens`` (samples, len(over)) at each value of ``over``.
 
-    Interval by E. B. Wilson, Probable inference, J. Am. Stat. Assoc. 22 (1927) 209-212; samples of a Sobol' sequence
-    or a Latin hypercube lie closer to the truth than the independent ones that it is for.
+    Interval by E. B. Wilson, Probable inference, J. Am. Stat. Assoc. 22 (1927) 209-212. It holds for independent
+    samples; those of a Sobol' sequence or a Latin hypercube are more accurate.
     """
     n = len(happens)
     share = happens.mean(axis=0)
@@ -34,8 +34,8 @@ def probability(name: str, over: np.ndarray, happens: np.ndarray) -> Curve:
 def effects(table: Table, name: str, words: Sequence[str], indices: bool) -> tuple[Effect, ...]:
     """Effects of the uncertain numbers on a result, the strongest first.
 
-    ``words`` are the paths whose values have no order. With ``indices`` the samples are of the method "saltelli";
-    Sobol' indices are then found if no sample is missing.
+    ``words`` are the paths whose values have no order. With ``indices`` the samples are of the method "saltelli"; then
+    Sobol' indices are computed if no sample is missing.
     ``table``: of all samples; ``name``: of the result.
     """
     values = table.column(name)
@@ -59,7 +59,9 @@ def effects(table: Table, name: str, words: Sequence[str], indices: bool) -> tup
 
 
 def _correlation(drawn: Sequence[Any], values: np.ndarray, there: np.ndarray, words: bool) -> float | None:
-    """Spearman's rank correlation; of words the correlation ratio, the root of the share of variance between them."""
+    """Spearman's rank correlation; for words the correlation ratio, the root of the share of variance between
+    categories.
+    """
     kept = [value for value, use in zip(drawn, there, strict=True) if use]
     if len(set(map(str, kept))) < 2:
         return None

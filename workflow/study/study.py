@@ -45,7 +45,7 @@ class Study:
 
 
 def parts_of(only: Sequence[str]) -> tuple[list[Part], bool]:
-    """The parts by their names, and whether the block slides too; raises InputError for a name that there is not."""
+    """The parts by their names, and whether the sliding block is requested; raises InputError for an unknown name."""
     names = [*(part.name for part in PARTS), BLOCK]
     if unknown := [name for name in only if name not in names]:
         raise InputError("--only", [f"{name!r}: expected one of {', '.join(names)}" for name in unknown])
@@ -54,11 +54,11 @@ def parts_of(only: Sequence[str]) -> tuple[list[Part], bool]:
 
 
 def run(config: Config, store: Store, only: Sequence[str], ensemble: Ensemble, on_row: OnRow | None = None) -> Study:
-    """Compute what is missing of a study, and leave section.toml, samples.csv and study.json in its folder.
+    """Compute missing samples of a study, and write section.toml, samples.csv and study.json to its folder.
 
     ``config``: of the study; ``store``: its folder; ``only``: parts to compute; ``ensemble``: computes the rows;
-    ``on_row`` hears of each.
-    Raises InputError where nothing is uncertain, and for an unknown part.
+    ``on_row``: called with each.
+    Raises InputError if nothing is uncertain, and for an unknown part.
     """
     if not config.uncertain.numbers:
         raise InputError(
@@ -76,10 +76,10 @@ def run(config: Config, store: Store, only: Sequence[str], ensemble: Ensemble, o
 def computed(
     config: Config, store: Store, parts: Sequence[Part], with_block: bool, ensemble: Ensemble, on_row: OnRow | None
 ) -> Table:
-    """The table of all samples, of those that fail with the reason.
+    """The table of all samples; those that fail have the reason.
 
     ``config``: of the study; ``store``: its folder; ``parts``: to compute; ``with_block``: whether the sliding block is
-    among them; ``ensemble``: computes the rows; ``on_row`` hears of each.
+    among them; ``ensemble``: computes the rows; ``on_row``: called with each.
     """
     drawn = samples(config.uncertain, config.study, config.reach)
     inputs = [_input(config, sample) for sample in drawn]
@@ -96,7 +96,7 @@ def computed(
 
 
 def _input(config: Config, drawn: Mapping[str, Any]) -> Config | str:
-    """The input of a sample, or why there is none."""
+    """The input of a sample, or the reason why it is invalid."""
     try:
         return config_after_triggering(config.with_drawn(drawn))
     except InputError as error:
@@ -106,8 +106,8 @@ def _input(config: Config, drawn: Mapping[str, Any]) -> Config | str:
 def task_of(read: Config, part: Part, store: Store) -> Task[Sample, Numbers]:
     """The task of one part of a sample: its section, and only the settings that this part reads.
 
-    Borings and earthquake go with a part that reads them. Other parts do not depend on which strata liquefy; pore
-    pressures by blow counts are already in the strata.
+    The input of a part that reads borings and earthquake includes them. Other parts do not depend on the strata that
+    liquefy; pore pressures by blow counts are already in the strata.
     """
     data = read.to_data(part.tables)
     for table, key in (name.split(".") for name in part.ignores):
@@ -181,7 +181,7 @@ def _without_digits(reason: str) -> str:
 
 
 def _spread(values: np.ndarray) -> Spread:
-    """The spread of a column; the single values stand in samples.csv."""
+    """The spread of a column; the single values are in samples.csv."""
     known = [float(value) for value in values[np.isfinite(values)]]
     return Spread.of(known).model_copy(update={"values": ()})
 

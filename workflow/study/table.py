@@ -15,8 +15,9 @@ FILE = "samples.csv"
 
 @dataclass(frozen=True)
 class SampleRow:
-    """One sample: what was drawn, by paths; what was found, by names; why something is missing; and which parts of the
-    study have an answer."""
+    """One sample: drawn values by path, results by name, reasons of missing results, and parts of the study with an
+    answer.
+    """
 
     drawn: dict[str, Any]
     found: Numbers
@@ -26,7 +27,7 @@ class SampleRow:
 
 @dataclass(frozen=True)
 class Table:
-    """All samples; ``units`` are those of the numbers drawn."""
+    """All samples; ``units`` are those of the drawn numbers."""
 
     units: dict[str, str]
     rows: Sequence[SampleRow]
@@ -38,7 +39,7 @@ class Table:
 
     @property
     def failed(self) -> int:
-        """Samples of which a part has no answer."""
+        """Samples with a part without an answer."""
         return sum(bool(row.reason) for row in self.rows)
 
     def column(self, name: str) -> np.ndarray:

@@ -23,8 +23,8 @@ class Task(Generic[Given, Found]):
     Attributes
     ----------
     function : callable
-        At the top level of a module that the workers can import too. Its annotations say what it takes and returns,
-        and its answer depends on its input alone.
+        Function at the top level of a module that the workers can import. Its annotations name its input and answer,
+        and its answer depends only on its input.
     given : pydantic model
         The input.
     """
@@ -51,7 +51,7 @@ class Task(Generic[Given, Found]):
 
 
 def _text(module: str) -> str:
-    """The text of a module, which need not be one of the program's."""
+    """The source of a module, which need not belong to the program."""
     file = inspect.getsourcefile(sys.modules[module])
     return fingerprint_of(Path(file).read_text(encoding="utf-8") if file else module)
 
@@ -59,8 +59,8 @@ def _text(module: str) -> str:
 class Sample(BaseModel):
     """The input of a task: the section, and those of its settings that matter to the task.
 
-    ``files`` are fingerprints of the files that these settings name. ``folder`` keeps what a long task continues from
-    after a stop; it is no part of the input.
+    ``files`` are fingerprints of the files that these settings name. ``folder`` holds the files from which a long task
+    continues after a stop; it is no part of the input.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -71,7 +71,7 @@ class Sample(BaseModel):
 
 
 class Numbers(BaseModel):
-    """The results of a task, by the names of columns; words say how it ended.
+    """The results of a task by the names of columns, and its outcome in words.
 
     ``errors`` are half the 95 % intervals of numbers that are means over several packings.
     """

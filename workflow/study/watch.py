@@ -1,4 +1,4 @@
-"""How a study is shown while it continues: how many samples are done, how many failed, and the time left."""
+"""Display of a study: number of finished samples, number of failed ones, and remaining time."""
 
 import time
 
@@ -10,7 +10,7 @@ AT_ONCE = 0.2  # s on a terminal, where the line changes in place
 
 
 class Counted:
-    """Shows how many tasks are done; to be used as a context."""
+    """Shows the number of finished tasks; to be used as a context."""
 
     def __init__(self, silent: bool = False) -> None:
         self.silent, self.console = silent, err

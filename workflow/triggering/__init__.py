@@ -1,1 +1,1 @@
-"""Whether ground liquefies: the factor F_L at every blow count and in every stratum, and what follows from it."""
+"""Liquefaction triggering: the factor F_L at every blow count and in every stratum, and its consequences."""

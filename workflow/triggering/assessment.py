@@ -31,12 +31,12 @@ class Judged:
 
     Attributes
     ----------
-    boring, x, sample : where and what was measured
-    top, bottom : the depths (m) for which it stands, half-way to its neighbours in the same stratum
-    length : how much of the section (m) is nearest to its boring
-    where : the stresses there, and the stratum
-    outcome : demand, resistance and F_L by the method; None where the method does not apply
-    reason : why it does not
+    boring, x, sample : place and result of the test
+    top, bottom : range of depth (m) that the test represents, half-way to its neighbours in the same stratum
+    length : length of the section (m) that is nearest to its boring
+    where : stresses and stratum at the test
+    outcome : demand, resistance and F_L by the method; None if the method does not apply
+    reason : why the method does not apply
     """
 
     boring: str
@@ -56,7 +56,7 @@ class Judged:
 
     @property
     def factor(self) -> float | None:
-        """F_L; None where the soil is not judged."""
+        """F_L; None if the soil is not assessed."""
         return None if self.outcome is None else self.outcome.factor
 
     @property
@@ -67,17 +67,17 @@ class Judged:
 
 @dataclass(frozen=True)
 class OfStratum:
-    """How much of a stratum liquefies.
+    """Share of a stratum that liquefies.
 
     Attributes
     ----------
-    name : of the stratum
-    tests : how many tests lie in it
-    judged : how many of them have an F_L
-    share : share of what its tests stand for in which F_L is below 1; None without tests
-    lowest : smallest F_L; None where none was judged
-    reason : why it, or tests of it, were not judged, each reason once
-    liquefies : whether the share is as large as asked for
+    name : name of the stratum
+    tests : number of tests in it
+    judged : number of them with an F_L
+    share : share of the area of its tests with F_L below 1; None without tests
+    lowest : smallest F_L; None if no test was assessed
+    reason : why the stratum, or some of its tests, were not assessed
+    liquefies : whether the share reaches the required one
     """
 
     name: str
@@ -91,7 +91,7 @@ class OfStratum:
 
 @dataclass(frozen=True)
 class Assessment:
-    """All tests, all strata, and P_L by boring; with the motion and the method that they were judged by."""
+    """All tests, all strata, and P_L by boring; with the motion and the method of the assessment."""
 
     motion: Motion
     magnitude: float | None
@@ -102,7 +102,7 @@ class Assessment:
 
 
 def assess(section: Section, earthquake: EarthquakeSettings, settings: TriggeringSettings) -> Assessment:
-    """Judge every test of every boring. Raises InputError with every problem found."""
+    """Assess every test of every boring. Raises InputError with every problem."""
     relation = RELATIONS[settings.method]
     problems = _missing(section, earthquake, settings)
     problems += off_the_section(section, settings)
@@ -138,7 +138,9 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
 
 
 def _why_not(section: Section, sample: Sample | Cone, where: Overburden) -> str:
-    """Why a test is not judged by any method: the ground is above the water, or clay; empty where it is judged."""
+    """Why a test is not assessed by any method: the ground is above the water table, or clay; empty if it is
+    assessed.
+    """
     if not where.below_water:
         return ABOVE_WATER
     stratum = section.strata[where.stratum]
@@ -191,7 +193,7 @@ def off_the_section(section: Section, settings: TriggeringSettings) -> list[str]
 
 
 def below_loads(section: Section, settings: TriggeringSettings) -> list[str]:
-    """A sentence on the borings whose stresses the surcharges change, and how they count there."""
+    """A sentence on the borings whose stresses depend on surcharges, and on how these are included."""
     loaded = [boring.name for boring in settings.borings if section.surcharges and _feels_loads(section, boring)]
     if not loaded:
         return []
@@ -215,7 +217,7 @@ def _outside(section: Section, boring: Boring) -> list[str]:
 
 
 def point_of(sample: Sample | Cone, where: Overburden) -> BlowCount | ConeTest:
-    """A test as the methods see it; a blow count without fines counts as clean sand, which is on the safe side."""
+    """The input of a method on a test; a blow count without fines counts as clean sand, which is on the safe side."""
     if isinstance(sample, Cone):
         return ConeTest(
             sample.depth, sample.qc / KPA, sample.fs / KPA, where.total / KPA, where.effective / KPA, sample.fines
@@ -233,7 +235,9 @@ def point_of(sample: Sample | Cone, where: Overburden) -> BlowCount | ConeTest:
 
 
 def normalised_counts(test: Judged, settings: TriggeringSettings) -> tuple[float, float]:
-    """(N1)60 and (N1)60cs of a test, for residual strength and strain; of a cone those of the same relative density."""
+    """(N1)60 and (N1)60cs of a test, for residual strength and strain; for a cone test those of the same relative
+    density.
+    """
     point = point_of(test.sample, test.where)
     if isinstance(point, ConeTest):
         resistance, clean = boulanger_idriss.normalised(point)
@@ -242,7 +246,7 @@ def normalised_counts(test: Judged, settings: TriggeringSettings) -> tuple[float
 
 
 def fines_of(test: Judged) -> float:
-    """Fines (%) of what was tested: measured, by the index of a cone, or none."""
+    """Fines content (%) of the tested soil: measured, from the index of a cone test, or None."""
     point = point_of(test.sample, test.where)
     if isinstance(point, ConeTest):
         return boulanger_idriss.fines_of(point.index) if point.fines is None else point.fines
@@ -250,7 +254,9 @@ def fines_of(test: Judged) -> float:
 
 
 def _pieces(section: Section, boring: Boring, depths: list[float]) -> list[tuple[float, float, Overburden]]:
-    """For every test the depths for which it stands: half-way to the next ones, not beyond its stratum or the water."""
+    """For every test the range of depth that it represents: half-way to the next tests, not beyond its stratum or
+    the water table.
+    """
     levels = section.layering.interfaces(np.array([boring.x]))[0]
     depth_of = levels[0] - levels
     stresses = [overburden(section, boring.x, depth) for depth in depths]

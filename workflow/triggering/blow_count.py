@@ -1,6 +1,6 @@
 """A standard penetration test with its stresses, and the resistance by a method of triggering.
 
-Stresses in kPa, depths in m, fines and plasticity in percent, grain sizes in mm, as the published relations have them.
+Stresses in kPa, depths in m, fines and plasticity in percent, grain sizes in mm, as in the published relations.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class BlowCount:
     fines : content of fines (%)
     d50 : mean grain size (mm); None if not known
     plasticity : plasticity index (%); None if not known
-    energy_ratio : energy of its hammer (% of its free fall); None if it is that of all
+    energy_ratio : energy of its hammer (% of free fall); None for the common value of the settings
     """
 
     depth: float
@@ -37,7 +37,7 @@ class BlowCount:
 
 @dataclass(frozen=True)
 class Shaking:
-    """The earthquake as a method sees it: ``peak`` acceleration over g at the surface, and magnitude."""
+    """The earthquake as input of a method: ``peak`` acceleration over g at the surface, and magnitude."""
 
     peak: float
     magnitude: float
@@ -45,14 +45,14 @@ class Shaking:
 
 @dataclass(frozen=True)
 class Resistance:
-    """What a method finds at a test: F_L = ``resistance`` / ``load``.
+    """Result of a method at a test: F_L = ``resistance`` / ``load``.
 
     Attributes
     ----------
     normalised : the blow count at an effective stress of one atmosphere, without correction for fines: (N1)60 or N1
-    corrected : the same with it: (N1)60cs or Na; None where a method has none
+    corrected : the same with correction for fines: (N1)60cs or Na; None if the method has none
     load : cyclic stress ratio of the earthquake
-    resistance : cyclic stress ratio that the soil bears in it
+    resistance : cyclic resistance ratio of the soil in this earthquake
     """
 
     normalised: float
@@ -62,5 +62,5 @@ class Resistance:
 
     @property
     def factor(self) -> float:
-        """F_L, at most 2: beyond that nothing is known."""
+        """F_L, at most 2, the end of the range of experience."""
         return min(2.0, self.resistance / self.load)

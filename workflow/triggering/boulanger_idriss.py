@@ -20,7 +20,7 @@ ROUNDS = 100  # in which C_N and qc1Ncs, which depend on each other, are found
 
 @dataclass(frozen=True)
 class ConeTest:
-    """What the method needs to know of one depth: ``depth`` (m), cone resistance ``q`` (corrected) and ``sleeve``
+    """Input of the method at one depth: ``depth`` (m), cone resistance ``q`` (corrected) and ``sleeve``
     friction, ``total`` and ``effective`` vertical stress (kPa), ``fines`` (%) or None for those by its index."""
 
     depth: float
@@ -34,7 +34,7 @@ class ConeTest:
     def index(self) -> float:
         """I_c = √((3.47 - lg Q)² + (1.22 + lg F)²), eq. 2.26, Q with the exponent n of Robertson & Wride (1998).
 
-        n = 1 for clays, 0.5 for sands, 0.75 for what is a clay with the one and a sand with the other.
+        n = 1 for clays, 0.5 for sands, 0.75 for soils that are clay with the former and sand with the latter exponent.
         """
         ratio = max(0.1, 100.0 * self.sleeve / max(self.q - self.total, 1e-9))
 
@@ -114,7 +114,7 @@ def assess(point: ConeTest, shaking: Shaking) -> Resistance:
 
 
 def why_not(point: ConeTest) -> str:
-    """Why a soil is not judged by this method; empty where it is."""
+    """Why a soil is not assessed by this method; empty if it is."""
     if point.q <= point.total:
         return "its cone resistance is below the weight of the soil above"
     if point.index > CLAY:

@@ -43,7 +43,7 @@ def shear_strain(factor: float, clean: float) -> float:
 
 
 def volumetric_strain(factor: float, clean: float) -> float:
-    """ε_v = 1.5 exp(-0.369 √N) min(0.08, γ_max): what drains away after the earthquake."""
+    """ε_v = 1.5 exp(-0.369 √N) min(0.08, γ_max): volumetric strain by drainage after the earthquake."""
     return 1.5 * math.exp(-0.369 * math.sqrt(clean)) * min(0.08, shear_strain(factor, clean))
 
 
@@ -51,7 +51,7 @@ def pore_pressure_ratio(factor: float) -> float:
     """Excess pore pressure over σ'v: r_u = (2/π) arcsin(F_L^(-1/(2 α b))), 1 where F_L is at most 1.
 
     Cycles over those to liquefaction are F_L^(-1/b), with the slope b = 0.34 of cyclic strength (Idriss & Boulanger
-    2008), and r_u rises with them as Seed, Martin & Lysmer (1976) have it, α = 0.7.
+    2008), and r_u rises with them by Seed, Martin & Lysmer (1976), α = 0.7.
     """
     if factor <= 1.0:
         return 1.0
@@ -72,10 +72,10 @@ class Left:
     Attributes
     ----------
     stratum : index of the stratum
-    ratios, strengths : residual strength over σ'v, and in Pa, by relation; tests denser than its cases count as
-        dense as these. A relation that holds for none of the tests is left out where another holds for one
-    volumetric_strain : what drains away, without a unit
-    strain_potential : shear strain that it goes through before it holds, without a unit
+    ratios, strengths : residual strength over σ'v, and in Pa, by relation; tests denser than its cases count as the
+        densest of these. A relation that holds for no test is left out if another one holds for some
+    volumetric_strain : volumetric strain by drainage (-)
+    strain_potential : shear strain before the stratum regains strength (-)
     """
 
     stratum: int
@@ -100,7 +100,7 @@ def left(assessment: Assessment, settings: TriggeringSettings) -> tuple[Left, ..
 
 
 def pore_pressures(assessment: Assessment, strata: int) -> list[float]:
-    """Mean excess pore pressure ratio of every stratum, over what its tests stand for: 1 where F_L is at most 1."""
+    """Mean excess pore pressure ratio of every stratum over the area of its tests: 1 where F_L is at most 1."""
     ratios = []
     for k in range(strata):
         here = [test for test in assessment.tests if test.where.stratum == k]

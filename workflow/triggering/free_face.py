@@ -1,4 +1,4 @@
-"""A bank that liquefied ground spreads towards: a table [free_face]."""
+"""A free face towards which liquefied ground spreads: a table [free_face]."""
 
 import numpy as np
 from pydantic import Field
@@ -8,7 +8,7 @@ from meshes.section.section import Model
 
 
 class FreeFaceSettings(Model):
-    """Where a bank begins and ends, and where the displacement behind it is asked for."""
+    """Toe and top of a free face, and the place behind it where the displacement is required."""
 
     crest: Coordinate | None = Field(default=None, description="the x of its upper edge")
     toe: Coordinate | None = Field(default=None, description="the x of its foot")
@@ -17,7 +17,7 @@ class FreeFaceSettings(Model):
     )
 
     def problems(self, ground: np.ndarray) -> list[str]:
-        """What is wrong with it on this ground, points (n, 2) in m."""
+        """Problems of the free face on this ground, points (n, 2) in m, one sentence each."""
         if self.crest is None and self.toe is None and self.at is None:
             return []
         problems = [f"free_face, {key}: missing; expected both crest and toe" for key in ("crest", "toe")
@@ -36,7 +36,7 @@ class FreeFaceSettings(Model):
         return problems
 
     def distance_and_height(self, ground: np.ndarray) -> tuple[float, float]:
-        """L (m) from the toe to the place that is asked for, and the height H (m) of the bank."""
+        """Distance L (m) from the toe to the required place, and height H (m) of the free face."""
         if self.crest is None or self.toe is None:
             raise ValueError("there is no free face")
         upper, lower = np.interp([self.crest, self.toe], *ground.T)

@@ -1,6 +1,6 @@
 """Triggering by the Specifications for Highway Bridges, Part V, of the Japan Road Association, in three forms.
 
-1990 is the one behind the paper's F_L; 2012 has the form of 1996 and 2002; 2017 corrects blow counts for fines anew.
+The form of 1990 gives the F_L of the paper; 2012 has the form of 1996 and 2002; 2017 has another correction for fines.
 Stresses in kPa, grain sizes in mm, fines in percent.
 """
 
@@ -106,7 +106,7 @@ def assess_later(point: BlowCount, shaking: Shaking, form: Literal["2012", "2017
 
 
 def why_not(point: BlowCount) -> str:
-    """Why the code does not ask for a judgement of a soil; empty where it does."""
+    """Why the code requires no assessment of a soil; empty if it does."""
     if point.depth > DEEPEST:
         return f"deeper than {DEEPEST:g} m"
     if point.fines > 35.0 and point.plasticity is not None and point.plasticity > 15.0:

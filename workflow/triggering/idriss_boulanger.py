@@ -26,7 +26,7 @@ def stress_reduction(depth: float, magnitude: float) -> float:
 
 
 def stress_ratio(point: BlowCount, shaking: Shaking) -> float:
-    """CSR = 0.65 (σv/σ'v) a_max r_d, the earthquake's own, at its own magnitude."""
+    """CSR = 0.65 (σv/σ'v) a_max r_d of the earthquake, at its magnitude."""
     return 0.65 * point.total / point.effective * shaking.peak * stress_reduction(point.depth, shaking.magnitude)
 
 
@@ -59,7 +59,7 @@ def resistance_ratio(corrected: float) -> float:
 
 
 def rod_correction(length: float) -> float:
-    """C_R for rods of a length (m), the part above the ground counted."""
+    """C_R for rods of a length (m), including the part above the ground."""
     return next((factor for up_to, factor in RODS if length < up_to), 1.0)
 
 
@@ -67,7 +67,7 @@ def normalised(point: BlowCount, energy_ratio: float, rods_above: float) -> tupl
     """(N1)60 and (N1)60cs of a test.
 
     ``energy_ratio`` of the hammer in percent, ``rods_above`` the ground in m. C_N depends on (N1)60cs, which is found
-    by going round until it no longer changes.
+    by iteration.
     """
     at_60 = point.N * energy_ratio / 60.0 * rod_correction(point.depth + rods_above)
     fines = fines_correction(point.fines)
@@ -94,7 +94,7 @@ def assess(point: BlowCount, shaking: Shaking, energy_ratio: float, rods_above: 
 
 
 def why_not(point: BlowCount) -> str:
-    """Why a soil is not judged by this method; empty where it is."""
+    """Why a soil is not assessed by this method; empty if it is."""
     if point.plasticity is not None and point.plasticity >= PLASTIC:
         return f"plasticity index {point.plasticity:g} % is at least {PLASTIC:g} %: behaves as clay"
     if point.depth > DEEPEST:

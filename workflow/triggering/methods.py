@@ -17,12 +17,12 @@ class Relation:
 
     Attributes
     ----------
-    title : as people call it
-    source, validity : where it was published, and what it holds for
-    find : what it finds at a test, a BlowCount or a ConeTest; raises ValueError where it lacks something
-    why_not : why it does not judge a soil; empty where it does
-    magnitudes : the smallest and the largest magnitude; None where it asks for none
-    kind : which tests of a boring it judges
+    title : common name
+    source, validity : publication, and range of validity
+    find : function of a BlowCount or a ConeTest that returns the resistance; raises ValueError if input is missing
+    why_not : why the method does not apply to a soil; empty if it does
+    magnitudes : smallest and largest magnitude; None if it needs no magnitude
+    kind : kind of the tests that it uses
     """
 
     title: str

@@ -19,11 +19,11 @@ VS30 = Range(50.0, 3000.0, "m/s", 1.0, ())
 def implausible_triggering(
     section: Section, earthquake: EarthquakeSettings, triggering: TriggeringSettings
 ) -> list[str]:
-    """One sentence for each implausible number; none where unusual numbers are declared.
+    """One sentence on each implausible number; none if unusual numbers are declared.
 
     Parameters
     ----------
-    section : says whether unusual numbers are meant
+    section : its settings declare unusual numbers
     earthquake, triggering : tables of the input
     """
     if section.unusual:

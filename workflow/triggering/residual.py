@@ -1,6 +1,6 @@
 """Residual strength of liquefied ground over the vertical effective stress before the earthquake, by three relations.
 
-They rest on back-analysed failures. Stresses in kPa; `None` where a relation says nothing.
+The relations are fitted to back-analysed failures. Stresses in kPa; `None` outside their range.
 """
 
 import math
@@ -16,8 +16,9 @@ FINES = ((10.0, 1.0), (25.0, 2.0), (50.0, 4.0), (75.0, 5.0))
 
 @dataclass(frozen=True)
 class Penetration:
-    """(N1)60 of a test, fines (%), the vertical effective stress (kPa), and whether water ``gathers`` below a tighter
-    layer, which leaves the sand there looser than it was."""
+    """(N1)60 of a test, fines (%), the vertical effective stress (kPa), and whether water ``gathers`` below a less
+    permeable layer, which loosens the sand there.
+    """
 
     n1: float
     fines: float
@@ -29,8 +30,8 @@ class Penetration:
 class ResidualRelation:
     """A relation of residual strength: its name, its publication, and the soils it holds for.
 
-    ``count`` is the blow count that it goes by, ``most`` that up to which there are cases behind it, ``curve`` finds
-    Sr/σ'v of a count.
+    ``count`` returns the blow count of the relation, ``most`` is the largest blow count of its cases, ``curve`` returns
+    Sr/σ'v for a blow count.
     """
 
     title: str
@@ -68,9 +69,9 @@ def _plain(soil: Penetration) -> float:
 
 
 def idriss_boulanger(n: float, soil: Penetration) -> float:
-    """Sr/σ'v = exp(N/16 + ((N - 16)/21.2)³ - 3), N = (N1)60 + Δ, where water may gather below a tighter layer.
+    """Sr/σ'v = exp(N/16 + ((N - 16)/21.2)³ - 3), N = (N1)60 + Δ, where water may gather below a less permeable layer.
 
-    Times 1 + exp(N/2.4 - 6.6) where it can flow off upwards: the two curves of Idriss & Boulanger (2008).
+    Multiplied by 1 + exp(N/2.4 - 6.6) where water can drain upwards: the two curves of Idriss & Boulanger (2008).
     """
     gathered = math.exp(n / 16.0 + ((n - 16.0) / 21.2) ** 3 - 3.0)
     return gathered if soil.gathers else gathered * (1.0 + math.exp(n / 2.4 - 6.6))

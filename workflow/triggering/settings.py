@@ -1,4 +1,4 @@
-"""How triggering is judged, and from which borings: a table [triggering]."""
+"""Method and borings of the triggering analysis: a table [triggering]."""
 
 from collections.abc import Mapping
 from typing import Any, Literal, get_args
@@ -19,7 +19,7 @@ Residual = Literal["strength", "ratio"]
 
 
 class TriggeringSettings(Model):
-    """Which relation judges, what is known of the hammer, and the borings."""
+    """Relation, energy of the hammer, and borings of the triggering analysis."""
 
     method: Method = Field(
         default="idriss_boulanger_2008",
@@ -68,7 +68,7 @@ class TriggeringSettings(Model):
 
 
 def left_to_blow_counts(data: Mapping[str, Any]) -> bool:
-    """Whether blow counts decide all that liquefies in a section file, and its [triggering] names no cases.
+    """Whether blow counts determine all liquefying strata of a section file, and its [triggering] names no cases.
 
     ``data``: the tables of the file as they were read, which may hold anything.
     """

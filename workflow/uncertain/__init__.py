@@ -1,1 +1,1 @@
-"""Numbers of the input that are not known for sure: their distributions, where they stand, and samples of them."""
+"""Uncertain numbers of the input: their distributions, their places, and samples of them."""

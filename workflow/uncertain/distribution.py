@@ -40,13 +40,13 @@ class Distribution(Model):
 
     @property
     def unit(self) -> str:
-        """The unit in which it is drawn: that of its first parameter; empty for plain numbers and words."""
+        """The unit of drawn values: that of the first parameter; empty for plain numbers and words."""
         first = getattr(self, self.kind)[0]
         return "" if self.kind == "list" else measured(first)[1]
 
     @property
     def is_words(self) -> bool:
-        """Whether what is drawn has no order: a list with something that is no number."""
+        """Whether drawn values have no order: a list with an entry that is no number."""
         return self.list is not None and not all(_is_number(value) for value in self.list)
 
     @model_validator(mode="after")
@@ -59,7 +59,7 @@ class Distribution(Model):
         return self
 
     def _problem(self) -> str:
-        """What is wrong with the parameters; empty where nothing is."""
+        """The problem of the parameters; empty if they are valid."""
         if self.kind == "list":
             if self.chances is None:
                 return ""
@@ -94,7 +94,7 @@ class Distribution(Model):
         return in_unit(self.between[0], self.unit), in_unit(self.between[1], self.unit)
 
     def at(self, chance: float) -> Any:
-        """The value that is not exceeded with this chance (0 to 1): a number in `unit`, or an entry of the list."""
+        """The quantile of a probability (0 to 1): a number in `unit`, or an entry of the list."""
         if self.list is not None:
             weights = self.chances or (1.0,) * len(self.list)
             reached = 0.0
@@ -135,7 +135,7 @@ class Distribution(Model):
 
 
 def list_(values: tuple[float, ...]) -> "list[float]":
-    """The values as a list, whose name a field has taken."""
+    """The values as a list (a field has the name `list`)."""
     return [*values]
 
 
@@ -158,7 +158,7 @@ def measured(value: Any) -> tuple[float, str]:
 
 
 def in_unit(value: Any, unit: str) -> float:
-    """A written value as a number in a unit; without a unit in SI. Raises ValueError where it is none."""
+    """A value of a section file as a number in a unit; without a unit in SI. Raises ValueError if it is no number."""
     number, unit_of_value = measured(value)
     if unit_of_value == unit:
         return number

@@ -21,13 +21,13 @@ Check = Callable[[Any], str]  # what is wrong with a number that is drawn; empty
 
 @dataclass(frozen=True)
 class Reach:
-    """The probabilities between which a distribution draws admissible numbers only.
+    """The range of probabilities in which a distribution has only admissible numbers.
 
     Attributes
     ----------
-    low, high : the chances (0 to 1)
-    notice : how much of the distribution is cut off, and why; empty where nothing worth telling is
-    problem : why an end that was written down is impossible; empty where none is
+    low, high : ends of the range (0 to 1)
+    notice : share of the distribution that is cut off, with the reason; empty if it is negligible
+    problem : why an end in the input is impossible; empty if the ends are possible
     """
 
     low: float = 0.0
@@ -36,15 +36,16 @@ class Reach:
     problem: str = ""
 
     def within(self, chance: float) -> float:
-        """Probability in the whole distribution that belongs to a probability (0 to 1) in the truncated one."""
+        """Probability in the whole distribution of the same number as a probability (0 to 1) in the truncated one."""
         return self.low + chance * (self.high - self.low)
 
 
 def reach_of(data: Mapping[str, Any], numbers: Mapping[str, Distribution], models: Models) -> dict[str, Reach]:
-    """Range of each distribution, cut off at what the fields of ``models`` accept, by its path in the input ``data``.
+    """Range of each distribution, truncated to the values that the fields of ``models`` accept, by its path in the
+    input ``data``.
 
-    Tails of normal and lognormal distributions are cut off where the field of the number refuses it. Ends that are
-    written down (uniform, triangular, list, between) and refused are a problem.
+    Tails of normal and lognormal distributions are truncated where the field refuses the number. Refused ends in the
+    input (uniform, triangular, list, between) are a problem.
     """
     return {
         path: _reach(path, distribution, _check(data, path, distribution, models))
@@ -115,7 +116,7 @@ def _sentence(error: ValidationError) -> str:
 
 
 def _furthest(is_possible: Callable[[float], bool], end: float) -> float:
-    """The probability between the median and ``end`` (0 or 1) up to which all numbers are admissible; ``end`` where all
+    """The probability between the median and ``end`` (0 or 1) up to which all numbers are admissible; ``end`` if all
     are.
     """
     if is_possible(end):

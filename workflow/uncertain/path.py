@@ -1,7 +1,7 @@
-"""Where an uncertain number stands in an input, by a path such as "strata.5 Asd.bottom.depth.2", and how it changes.
+"""Places of uncertain numbers in an input, by paths such as "strata.5 Asd.bottom.depth.2", and their change.
 
-A path goes from table to table; of a list it names the entry, by its name or its number from 1. The last point of a
-line is its depth or elevation, so that ".2" is that of the second point. "*" stands for every entry that has the key.
+A path leads from table to table; an entry of a list is given by its name or its number from 1. At the end of a line,
+".2" means the depth or elevation of its second point. "*" stands for every entry that has the key.
 """
 
 from collections.abc import Iterator, Mapping
@@ -20,7 +20,7 @@ def plain(data: Any) -> Any:
 
 
 def changed(data: Mapping[str, Any], drawn: Mapping[str, Any], numbers: Mapping[str, Distribution]) -> dict[str, Any]:
-    """Nested tables with the drawn values in their places; raises ValueError for a path that leads nowhere."""
+    """Nested tables with the drawn values in their places; raises ValueError for an unknown path."""
     new: dict[str, Any] = plain(data)
     for path, value in drawn.items():
         for place in list(places(new, path)):
@@ -37,7 +37,7 @@ def value_at(data: Any, place: Place) -> Any:
 
 
 def places(data: Any, path: str) -> Iterator[Place]:
-    """The places that a path names; raises ValueError where it leads nowhere."""
+    """The places that a path names; raises ValueError if there are none."""
     entries = _entries(data)
     if path.startswith("*.") and isinstance(data, list | tuple):
         for number, entry in enumerate(data):
@@ -57,7 +57,7 @@ def places(data: Any, path: str) -> Iterator[Place]:
 
 
 def _entries(data: Any) -> dict[str, Any]:
-    """The keys of a table, or the names and numbers of the entries of a list, as paths call them."""
+    """The keys of a table, or the names and numbers of the entries of a list, as in paths."""
     if isinstance(data, Mapping):
         return {str(key): key for key in data}
     if not isinstance(data, list | tuple):
@@ -72,7 +72,7 @@ def _head(entries: Mapping[str, Any], path: str) -> str | None:
 
 
 def changed_value(before: Any, distribution: Distribution, value: Any) -> Any:
-    """The value after a number is drawn; raises ValueError where it cannot be a number."""
+    """The value after a number is drawn; raises ValueError if the value before is no number."""
     if distribution.does == "value":
         if _is_point(before):
             return [before[0], distribution.written(value)]
@@ -83,7 +83,7 @@ def changed_value(before: Any, distribution: Distribution, value: Any) -> Any:
 
 
 def _moved(before: Any, distribution: Distribution, value: Any) -> Any:
-    """A number, a line or what holds one, shifted or times a factor."""
+    """A number or a line (or a table with one), shifted or multiplied by a factor."""
     if isinstance(before, dict):
         return {key: _moved(inside, distribution, value) for key, inside in before.items()}
     if _is_point(before):

@@ -50,7 +50,7 @@ def correlated(points: np.ndarray, correlation: np.ndarray) -> np.ndarray:
 def samples(
     uncertain: UncertainSettings, study: StudySettings, reach: Mapping[str, Reach] = MappingProxyType({})
 ) -> list[dict[str, Any]]:
-    """The drawn values of every sample, by the paths of the numbers, within the range that each may have."""
+    """The drawn values of every sample, by the paths of the numbers, within the admissible range of each."""
     numbers = uncertain.numbers
     points = chances(len(numbers), study.samples, study.method, study.seed)
     points = correlated(points, uncertain.correlation())

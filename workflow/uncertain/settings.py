@@ -1,4 +1,4 @@
-"""The tables [uncertain], distributions of numbers of the input, and [study], how a study samples them."""
+"""The tables [uncertain], distributions of numbers of the input, and [study], their sampling."""
 
 from collections.abc import Callable, Iterator, Mapping, Set
 from contextlib import suppress
@@ -14,7 +14,7 @@ Method = Literal["sobol", "latin", "saltelli"]
 
 
 class Correlation(Model):
-    """Two uncertain numbers that go together."""
+    """Correlation of two uncertain numbers."""
 
     of: tuple[str, str] = Field(description="two of the paths in this table")
     coefficient: float = Field(
@@ -57,7 +57,9 @@ class UncertainSettings(Model):
     @model_validator(mode="before")
     @classmethod
     def _paths_are_quoted(cls, data: Any) -> Any:
-        """TOML takes a path without quotation marks for tables in tables. Raises ValueError with how it is written."""
+        """Refuse paths without quotation marks, which TOML reads as nested tables. Raises ValueError with the
+        correct form.
+        """
         if isinstance(data, Mapping):
             known = set(Distribution.model_fields)
             nested = [path for key, value in data.items() for path in _nested(str(key), value, known)]
@@ -84,7 +86,9 @@ class UncertainSettings(Model):
         return self
 
     def problems(self, check: Callable[[Mapping[str, Any]], object]) -> list[str]:
-        """What is wrong with any of them; ``check`` takes medians by their paths, and raises ValueError."""
+        """Problems of the uncertain numbers, one sentence each; ``check`` takes medians by their paths, and raises
+        ValueError.
+        """
         medians = {path: distribution.at(0.5) for path, distribution in self.numbers.items()}
         problems: list[str] = []
         with suppress(ValueError):  # all at once where nothing is wrong, which is quick
