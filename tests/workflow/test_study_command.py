@@ -105,10 +105,10 @@ def test_a_study_and_its_workers_killed_at_random_leave_the_same_table(
 
 
 def children(process: int) -> list[int]:
-    """The processes that one has started, from any thread, and that compute."""
+    """The processes that one has started, from any thread, to compute: Python with a program on its command line."""
     lists = Path(f"/proc/{process}/task").glob("*/children")
     found = [int(word) for path in lists for word in path.read_text().split()]
-    return [one for one in found if "spawn_main" in Path(f"/proc/{one}/cmdline").read_text()]
+    return [one for one in found if "-c" in Path(f"/proc/{one}/cmdline").read_text().split("\0")]
 
 
 def test_a_longer_study_computes_only_what_is_new(section: Path, alone: str) -> None:

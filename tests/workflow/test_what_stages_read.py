@@ -55,19 +55,25 @@ def papers(folder: Path) -> Config:
 
 
 def soil(folder: Path) -> Config:
-    """Soil discs, calibrated on two packings, and a moment of material points."""
+    """Soil discs, calibrated on two packings, and a moment of material points, on an adapted mesh; clay that loses its
+    peak strength."""
     few = {"elements": 150, "resolution": 0.1, "workers": 1}
     slide = {**SECTION["slide"], "judges": ["discs", "mpm"], "duration": 1.0, "mpm_cells": 300}
     slide |= {"kh_seconds": None, "kh_cycles": 1.0, "kh_period": 0.5}
-    return analysed({**SECTION, "dem": {**SECTION["dem"], **few}, "slide": slide})
+    crust, loose, clay = SECTION["strata"]
+    strata = [crust, loose, {**clay, "residual_cohesion": "25 kPa", "residual_friction_angle": "0 deg"}]
+    adapted = {"mesh": {"max_cells": 200}, "fem": {**SECTION["fem"], "accuracy": 0.2, "max_cells": 400}}
+    return analysed({**SECTION, **adapted, "strata": strata, "dem": {**SECTION["dem"], **few}, "slide": slide})
 
 
 def shaken(folder: Path) -> Config:
-    """The paper's discs beside a path with ψ as given, borings, and a record that makes strata liquefy by their F_L."""
+    """The paper's discs beside a path with ψ as given, borings, a record that makes strata liquefy by their F_L, and
+    ground that loses its peak strength."""
     data = tomllib.loads(small_run.written(folder).read_text())
     tests = [{"depth": 1.0 + k, "N": 4} for k in range(8)]
     del data["strata"][0]["liquefies_in"]
     data["strata"][1] |= {"liquefies_in": "triggered", "cohesion": "60 kPa"}
+    data["strata"][1] |= {"residual_cohesion": "30 kPa", "residual_friction_angle": "10 deg"}
     quake = str(folder / "quake.csv")
     cases = [{"stiffness": 0.1, "residual_strength": "60 kPa"}]
     data |= {
