@@ -36,6 +36,7 @@ def rows_of(folder: Path) -> list[Row]:
     slides = [case["slide_max_m_mean"] or case["slide_max_m"] for case in summary["cases"].values()]
     bounds = kh_bounds(Section.read(S13), FemSettings(), BoundsSettings(gap=0.01, davis=False))
     row = {
+        "kc_headline": float(summary["headlines"][0]["value"]),
         "kc": fem["kc"],
         "kc_associated": fem["kc_associated"],
         "lower": bounds.lower,
@@ -47,6 +48,7 @@ def rows_of(folder: Path) -> list[Row]:
         "kc_paper_discs": summary["paper_model"]["kc"],
         "slide_least_m": min(slides),
         "slide_most_m": max(slides),
+        "slide_points_m": max(case["slide_max_m"] for case in summary["cases_mpm"].values()),
         "paper": summary["paper"],
     }
     return [row]
@@ -56,7 +58,7 @@ def quoted(rows: list[Row]) -> Row:
     """What the documentation shows, in the digits that it shows."""
     row = rows[0]
     packings = [round(kc, 3) for kc in row["kc_discs_of_packings"]]
-    digits = {"slide_least_m": 1, "slide_most_m": 1, "strength_factor": 2, "kc_paper_discs": 3, "kc": 3}
+    digits = {"slide_least_m": 1, "slide_most_m": 1, "slide_points_m": 2, "strength_factor": 2, "kc_paper_discs": 3, "kc": 3}
     numbers = {name: round(value, digits.get(name, 4)) for name, value in row.items() if isinstance(value, float)}
     told = ("quantity", "paper", "ours", "agrees")
     compared = [{name: "" if line[name] is None else line[name] for name in told} for line in row["paper"]]
