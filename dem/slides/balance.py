@@ -157,11 +157,11 @@ def within_scatter(far: float, radius: float) -> list[str]:
 
 
 def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[str]:
-    """Liquefied layers that are less than two discs thick, each with the radius that it needs.
+    """Liquefied layers that are less than two discs thick, in one note with the radius that they need.
 
     With such layers River Park moved by 0.5 m, while material points moved by 1.1 m and 3.7 m were measured.
     """
-    notes = []
+    notes, thin = [], dict[str, float]()
     free = ~start.fixed
     for k in strata:
         here = free & (start.layer == k)
@@ -174,12 +174,23 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
         depth = [float(np.ptp(z[column == c]) + 2.0 * start.radius[here].mean()) for c in np.unique(column)]
         thick = float(np.median(depth))
         if thick < 4.0 * ground.radius:
-            notes.append(
-                f"stratum {shown_name(start.springs.layers[k].name)} liquefies and is {thick:.2g} m thick in discs, "
-                "less than two discs: discs do not resolve its slide, and give too little of it behind a bank; check "
-                f"it with discs of {thick / 4.0:.2g} m radius"
-            )
-    return notes
+            thin[shown_name(start.springs.layers[k].name)] = thick
+    if not thin:
+        return notes
+    radius = f"{min(thin.values()) / 4.0:.2g} m radius"
+    if len(thin) == 1:
+        ((name, thick),) = thin.items()
+        return [
+            *notes,
+            f"stratum {name} liquefies and is {thick:.2g} m thick in discs, less than two discs: discs do not resolve "
+            f"its slide, and give too little of it behind a bank; check it with discs of {radius}",
+        ]
+    listed = ", ".join(f"{name} ({thick:.2g} m)" for name, thick in thin.items())
+    return [
+        *notes,
+        f"strata {listed} liquefy and are thinner than two discs: discs do not resolve their slide, and give too "
+        f"little of it behind a bank; check them with discs of {radius}",
+    ]
 
 
 def _columns(x: np.ndarray, radius: float) -> np.ndarray:

@@ -58,7 +58,14 @@ def quoted(rows: list[Row]) -> Row:
     """What the documentation shows, in the digits that it shows."""
     row = rows[0]
     packings = [round(kc, 3) for kc in row["kc_discs_of_packings"]]
-    digits = {"slide_least_m": 1, "slide_most_m": 1, "slide_points_m": 2, "strength_factor": 2, "kc_paper_discs": 3, "kc": 3}
+    digits = {
+        "slide_least_m": 1,
+        "slide_most_m": 1,
+        "slide_points_m": 2,
+        "strength_factor": 2,
+        "kc_paper_discs": 3,
+        "kc": 3,
+    }
     numbers = {name: round(value, digits.get(name, 4)) for name, value in row.items() if isinstance(value, float)}
     told = ("quantity", "paper", "ours", "agrees")
     compared = [{name: "" if line[name] is None else line[name] for name in told} for line in row["paper"]]

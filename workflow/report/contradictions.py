@@ -18,6 +18,7 @@ from workflow.results.verdicts import Weight
 LESS, LESS_SHARE = 0.1, 0.03
 # A surface that falls by so much (m), and so many times the mean of its uphill third, is not told by that mean.
 FALLS, FALLS_TIMES = 0.5, 3.0
+BESIDE = 0.05  # of the length of the section: what falls so near to a side slides away from it
 # Discs that lose such a share of their critical Kh on the way to it do not bear it where it is held.
 FALLEN = 0.25
 # Shares of the largest slide by which the uphill end of a section moves where a slide goes on behind it; and the
@@ -216,7 +217,14 @@ def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "di
         return
     lengths, places = zip(*far.values(), strict=True)
     fall, at, of = span(lengths), _ends(places), of_cases(list(far))
-    if by == "discs":
+    beside = {_side(cases[number][0], place) for number, (_, place) in far.items()}
+    side = beside.pop() if len(beside) == 1 else ""
+    if by == "discs" and side:
+        yield (
+            f"the surface falls by {fall} at x = {at} m in {of}, where it slides away from the {side} side of the "
+            "model: take a longer section (beyond) before you use this value, which may be smaller there"
+        )
+    elif by == "discs":
         yield (
             f"the surface falls by {fall} at x = {at} m in {of}, far more than the mean settlement of any third of "
             "the section: use this value for the settlement of a crest"
@@ -226,6 +234,13 @@ def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "di
             f"the surface of material points falls by {fall} at x = {at} m in {of}, far more than the highest point of "
             "the ground: use this value for the settlement of a crest"
         )
+
+
+def _side(surface: MovedSurface, x: float) -> str:
+    """The side of the model that a place (m) on a surface is close to; empty where it is close to none."""
+    along = [point[0] for point in surface.surface_before]
+    near = BESIDE * (max(along) - min(along))
+    return "left" if x < min(along) + near else "right" if x > max(along) - near else ""
 
 
 def _ends(places: Sequence[float]) -> str:

@@ -74,6 +74,10 @@ def _bounds(results: Results, _: Texts) -> Iterator[Row]:
     if bounds.strengthened:
         conditions += _("; failures deeper than {depth} m", depth=f"{bounds.least_depth:g}")
     yield Row(_("critical Kh, strict bounds"), "", interval, conditions)
+    if (davis := bounds.substitute) is not None:
+        interval = _("{low} to {high}", low=number(davis.lower, 3), high=number(davis.upper, 3))
+        of_davis = conditions.replace(_(FLOW["associated"]), _(FLOW["davis"]))
+        yield Row(_("critical Kh, strict bounds"), "", interval, of_davis)
     for factor in bounds.safety:
         interval = _("{low} to {high}", low=number(factor.lower, 2), high=number(factor.upper, 2))
         of = _("factor of safety at Kh = {kh}, strict bounds", kh=f"{factor.kh:g}")

@@ -145,6 +145,10 @@ def test_a_thin_layer_is_told_with_the_radius_that_it_wants(start: DiscModel, gr
     assert len(told) == 1
     assert "less than two discs" in told[0]
     assert "0.38 m" in told[0]  # a row of 1.5 m: two discs of a quarter of that
+    both = thin.copy()
+    both.layer[~thin.fixed & (row != 3)] = 1
+    both.layer[~thin.fixed & (row == 3)] = 0
+    assert len(thin_layers(both, ground, [0, 1])) <= 1, "layers are told in one note"
 
 
 def test_a_crust_thinner_than_two_discs_is_told(start: DiscModel, ground: Ground) -> None:

@@ -135,6 +135,13 @@ def test_a_crest_that_falls_much_further_than_the_uphill_third_settles_is_told(r
     answer = CasesAnswer(sets={"calibrated": {1: case}}, random=None)
     assert any("the surface falls by 5.0 m at x = 50 m" in one for one in slide_sentences(run, answer))
     assert list(of_settlement({1: (case, 4.0)})) == []
+    at_side = {
+        "surface_before": ((0.0, 2.0), (2.0, 2.0), *before[1:]),
+        "surface_after": ((0.0, 2.0), (4.0, 0.0), *before[1:]),
+    }
+    hollow = case.model_copy(update=at_side)
+    [told] = of_settlement({1: (hollow, 0.24)})
+    assert "falls by 2.0 m at x = 4 m in case 1, where it slides away from the left side of the model" in told
     assert list(of_settlement({1: (case.model_copy(update={"surface_after": ()}), 0.24)})) == []
 
 
