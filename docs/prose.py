@@ -133,7 +133,7 @@ def main() -> int:
     told += [
         f'{path.relative_to(TOP)}:{line}: "{word}": {better}'
         for path in packages
-        if path.suffix in (".py", ".jinja")
+        if path.suffix in (".py", ".jinja", ".toml")
         for line, word, better in _refused(texts(path), TEXT_WORDS)
     ]
     told += [

@@ -20,7 +20,7 @@ from workflow.run.spelling import legible
 from workflow.run.stage import Stage
 
 BAR = 14
-EVERY = 10.0  # s between two lines of progress without a terminal
+EVERY = 30.0  # s between two lines of progress without a terminal
 State = Outcome | Literal["wait", "run", "off"]  # of a stage on the screen
 MARKS: Mapping[State, str] = {
     "wait": " ", "begun": "▸", "run": "▸", "done": "✓", "part": "✓", "no answer": "✗", "off": "-",

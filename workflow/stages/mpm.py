@@ -87,12 +87,12 @@ def work(job: Job) -> None:
             *(PointRun(config, coarse, number, decay, job.store, coarse=True) for decay in DECAYS),
         )
     ]
-    shares = [0.0] * len(runs)
+    shares, costs = [0.0] * len(runs), [COARSE**-3 if run.coarse else 1.0 for run in runs]
 
     def heard(place: int, message: tuple[float, float, float]) -> None:
         shares[place], time, slide = message
         said = f"{runs[place].name}: {time:.1f} s, slide {slide:.2f} m"
-        job.progress(said, sum(shares) / len(runs))
+        job.progress(said, sum(share * cost for share, cost in zip(shares, costs, strict=True)) / sum(costs))
 
     slides: dict[int, list[PointSlide]] = {}
     for run, slide in zip(runs, job.executor.compute(_slid, runs, heard), strict=True):
