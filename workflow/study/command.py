@@ -28,8 +28,7 @@ def study(
     quiet: Quiet = False,
     json: Json = False,
 ) -> None:
-    """Compute many samples of the uncertain numbers in [uncertain], on all processors or machines; gives distributions
-    and fragility.
+    """Distributions and fragility by many samples of the numbers in [uncertain], on all processors or machines.
 
     The same command continues where it was stopped, and computes only what is new.
     """
@@ -81,8 +80,7 @@ def converge(
     quiet: Quiet = False,
     json: Json = False,
 ) -> None:
-    """Check the convergence of slides: repeat them with smaller discs (1, 0.71 and 0.5 of the radius) and with smaller
-    time steps.
+    """Whether slides converge: the same with smaller discs (1, 0.71 and 0.5 of the radius) and smaller time steps.
 
     The same command continues where it was stopped.
     """
