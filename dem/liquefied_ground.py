@@ -179,7 +179,8 @@ def longest_look(model: DiscState) -> tuple[float, int]:
         return np.inf, -1
     wet = model.liquefied[which]
     steepest = (1.0 - wet[:, bond.KNEE]) / (1.0 - wet[:, bond.SOFT_TO])
-    bonds = 2.4 * np.pi * bond.FITTED * steepest * wet[:, bond.STRENGTH] / wet[:, bond.STRAIN]
+    strain = np.where(wet[:, bond.SOFT_TO] > 0.0, bond.STRAINED, 1.0) * wet[:, bond.STRAIN]
+    bonds = 2.4 * np.pi * bond.FITTED * steepest * wet[:, bond.STRENGTH] / strain
     square = 2.0 * (bonds + 3.0 * wet[:, bond.STIFFNESS]) * wet[:, bond.AREA] / (model.mass[which] * model.reach**2)
     highest = int(np.argmax(square))
     return float(SOFTEST / np.sqrt(square[highest])), int(which[highest])

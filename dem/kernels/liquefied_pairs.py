@@ -13,9 +13,10 @@ W(r_ij), the disc itself included, with the kernel C2 of Wendland (1995) as W. T
 resultant is at most c_ij = (pi/2) FITTED (s_i V_i/S_i + s_j V_j/S_j) w(r), S_i = sum_j w r. Then sum_j c_ij r_ij does
 not depend on the packing, and ground that slips has the shear stress s. Its stiffness is c_ij/(gamma r).
    Ground with a strain potential is soft at first: the force-displacement law is a straight line up to the potential,
-   with a dashpot in parallel, and a steep one from there to the limit (`kernels.bond_law`). Bonds that exist from the
-   onset have 1 + FIRST times this limit until they have slipped: discs that lose their contacts rearrange, and until
-   slip has aligned all bonds, those at their limit give only 0.77 s.
+   with a dashpot in parallel, and a steep one from there to the limit (`kernels.bond_law`). Part of a bond with ground
+   that has not liquefied lies in that ground, which does not strain: its displacements are `STRAINED` of those of other
+   bonds. Bonds that exist from the onset have 1 + FIRST times this limit until they have slipped: discs that lose their
+   contacts rearrange, and until slip has aligned all bonds, those at their limit give only 0.77 s.
 
 Where the partner is fixed or has not liquefied, the terms of the liquefied disc count twice in both sums. Forces are
 evaluated every few steps, for the positions in the middle of these steps, and are constant in between. Sums over the
@@ -81,6 +82,9 @@ BEHIND = 0.5  # stiffness of that spring over the bond's
 FIRST = 0.4  # what a bond holds beyond its strength before it slips; 1/0.77 - 1 at least
 SOON = 0.03  # shear strain past its limit in which that goes down to 1/e
 FITTED = 1.0 / 0.91  # discs slip along surfaces that hold less than the mean of all directions
+# Half of a bond with ground that does not liquefy lies in it, but bonds beside it share in what that half is stiffer:
+# crusts on layers of one to eight rows of discs move 0.9 to 1.0 times as far as in closed form (1.5 to 1.0 by 1).
+STRAINED = 0.75
 LESS = 1e-12  # of a reach: what S is at least
 
 
@@ -278,8 +282,9 @@ def press_pairs(
         inside = apart if apart < reach else reach
         push = -factor * w[q + PUSHED] * w[q + AREA_1] * w[q + AREA_2] * w[q + SLOPE]
         strength = 0.5 * math.pi * FITTED * factor * w[q + HELD] * bond_kernel(inside, reach)
-        room = 0.5 * factor * w[q + ROOM] * inside + LESS * reach  # way (m) at which the bond slips
         soft_to = 0.5 * factor * w[q + ENDS]
+        share = STRAINED if factor > 1.0 and soft_to > 0.0 else 1.0
+        room = share * 0.5 * factor * w[q + ROOM] * inside + LESS * reach  # way (m) at which the bond slips
         soft, steep = slopes(0.5 * factor * w[q + KNEES], soft_to)
         stretch, slip = w[q + STRETCH], w[q + SLIP]
         fresh = memory[r + LEFT]
