@@ -51,6 +51,13 @@ class Acceleration:
         right = (-gravity[1] / size, gravity[0] / size) if size > 0.0 else (1.0, 0.0)
         return np.array([self.x, self.z, right[0] * self.x + right[1] * self.z])
 
+    def mean(self, begin: float, end: float) -> np.ndarray:
+        """Mean along x and z (2,) from one time (s) to a later one."""
+        inside = self.times[(self.times > begin) & (self.times < end)]
+        times = np.concatenate([[begin], inside, [end]])
+        values = np.array([np.interp(times, self.times, values) for values in (self.x, self.z)])
+        return np.asarray(0.5 * (values[:, 1:] + values[:, :-1]) @ np.diff(times) / (end - begin))
+
     def at(self, time: float) -> "Acceleration":
         """The acceleration at one time (s), as a constant one."""
         x, z = (np.interp(time, self.times, values) for values in (self.x, self.z))

@@ -90,6 +90,17 @@ class Ground:
         model.pore_acceleration_z = model.pore_acceleration_z + az
         return True
 
+    def base_impedance(self) -> float:
+        """Impedance of a compliant base times its length (kg/s per metre): ρ V_s L of the lowest stratum, or the mean
+        of all strata where that is larger; 0 without a section.
+        """
+        if self.section is None:
+            return 0.0
+        strata, areas, (left, right) = self.section.strata, self.section.layering.areas(), self.section.extent
+        moduli = [stratum.youngs_modulus / (2.0 * (1.0 + stratum.poissons_ratio)) for stratum in strata]
+        impedances = np.sqrt([s.density_seismic * modulus for s, modulus in zip(strata, moduli, strict=True)])
+        return float(max(impedances[-1], np.average(impedances, weights=areas)) * (right - left))
+
     def buoyancy(self, model: DiscModel) -> np.ndarray | None:
         """Acceleration (2, n) in m/s2, in the frame of the discs, by still water at the present places of the discs;
         None without water, see `dem.water.buoyancy`.

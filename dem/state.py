@@ -101,6 +101,9 @@ class DiscState:
         Margin of the neighbour list (m).
     time, steps, last_dt : float, int, float
         Time (s), number of steps, and the step of the half-step velocities (s), 0 after velocities were set.
+    base_impedance, base_velocity, base_rate, base_next : float
+        Of a compliant base (`dem.engine.compliant_base`): impedance times length (kg/s per metre), 0 for a rigid base;
+        velocity (m/s), acceleration now and at the next look (m/s2).
     lists_made : int
         Number of neighbour lists made so far.
     energy_known, energy_edited, turnover : float
@@ -158,6 +161,10 @@ class DiscState:
     time: float = 0.0
     steps: int = 0
     last_dt: float = 0.0
+    base_impedance: float = 0.0
+    base_velocity: float = 0.0
+    base_rate: float = 0.0
+    base_next: float = 0.0
     lists_made: int = 0
     energy_known: float = float("nan")
     energy_edited: float = 0.0

@@ -15,6 +15,7 @@ import numpy as np
 from numba import config
 
 from dem.engine.checks import BALANCE, check_balance, check_escape, check_finite, check_overlap, check_speed
+from dem.engine.compliant_base import EVERY, felt, felt_until, follow, momentum
 from dem.engine.energy_balance import EnergyBalance
 from dem.engine.memory import Room, keep_freed_arrays, large_zeros
 from dem.engine.packer import pack, unpack, unpack_motion
@@ -205,7 +206,7 @@ class Engine:
 
     def measure_layout(self, model: DiscModel, layout: Layout) -> EnergyBalance:
         """Measure the energy balance of a model whose contacts are in a layout."""
-        now = model.acceleration.at(model.time)
+        now = felt(model)
         loads = Loads(now.times, now.with_level(model.gravity))
         measured = energy.energies(layout, springs_of(model), self.law_of(model), loads, model.last_dt)
         return EnergyBalance.of(measured, model.energy_sums, model.energy_edited, model.turnover)
@@ -300,8 +301,9 @@ class EngineRun:
         model, engine = self.model, self.engine
         call = max(CALL_STEPS, int(CALL_WORK / len(model)))
         end = model.steps + steps
+        measured = model.steps
         while model.steps < end:
-            reason = self.call_kernel(min(call, end - model.steps))
+            reason = self.take_stretch(min(call, end - model.steps))
             if reason != DONE:
                 self.update()
                 check_finite(model, engine.kept)
@@ -311,8 +313,9 @@ class EngineRun:
                 check_overlap(model, engine.kept)
             if reason == MOVED:
                 self.list_anew()
-            elif engine.energies and model.steps < end:
+            elif engine.energies and measured + call <= model.steps < end:
                 self.balance()
+                measured = model.steps
         return self.balance() if engine.energies else None
 
     def list_anew(self) -> None:
@@ -341,6 +344,18 @@ class EngineRun:
             raise
         return energies
 
+    def take_stretch(self, steps: int) -> int:
+        """Up to `steps` steps, and the motion of a compliant base over them; returns why the kernel came back."""
+        model = self.model
+        if model.base_impedance == 0.0:
+            return self.call_kernel(steps)
+        before, began = momentum(model), model.time
+        steps = min(steps, max(1, round(EVERY / self.dt)))
+        reason = self.call_kernel(steps)
+        unpack_motion(self.pack(), model)
+        follow(model, before, began, began + steps * self.dt)
+        return reason
+
     def call_kernel(self, steps: int) -> int:
         """Take up to `steps` steps in all threads; returns why the kernel returned."""
         arguments = self.arguments(steps)
@@ -355,7 +370,8 @@ class EngineRun:
         barrier, stops = new_barrier(threads), np.zeros((2, threads), np.int64)
         layout = self.pack()
         clock = Clock(steps, self.dt, model.last_dt, model.time, model.steps)
-        loads = Loads(model.acceleration.times, model.acceleration.with_level(model.gravity))
+        acceleration = felt_until(model, model.time + steps * self.dt)
+        loads = Loads(acceleration.times, acceleration.with_level(model.gravity))
         entries = Entries(self.engine.energies, model.energy_sums)
         return [
             (

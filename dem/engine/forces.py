@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dem.engine.compliant_base import felt
 from dem.engine.engine import law_of, springs_of
 from dem.engine.packer import pack, unpack
 from dem.engine.sharing import needs
@@ -74,7 +75,8 @@ def keep_slip(model: DiscModel) -> None:
 def _evaluated(model: DiscModel) -> Layout:
     layout = pack(model)
     entries = Entries(False, np.zeros((len(layout.chunk_start) - 1, ENERGY_COLUMNS)))
-    loads = Loads(model.acceleration.times, model.acceleration.with_level(model.gravity))
+    now = felt(model)
+    loads = Loads(now.times, now.with_level(model.gravity))
     take_steps(
         Team(0, 1, new_barrier(1), np.zeros((2, 1), np.int64)), Clock(0, 0.0, model.last_dt, model.time, model.steps),
         layout, springs_of(model), law_of(model), loads, entries, 0.0, *needs(0, 1, layout),
@@ -91,7 +93,7 @@ def resultants(model: DiscModel, forces: ContactForces) -> tuple[np.ndarray, np.
         pairs = np.bincount(model.pair_j, on_j, n) + np.bincount(model.pair_i, on_i, n)
         return pairs + np.bincount(model.line_disc, lines, n)
 
-    ax, az, level = model.acceleration.at(model.time).with_level(model.gravity)[:, 0]
+    ax, az, level = felt(model).with_level(model.gravity)[:, 0]
     pull_x, pull_z = model.pull
     wet_x, wet_z = model.liquefied_forces
     fx = wet_x + total(forces.fx, -forces.fx, forces.line_fx) + model.mass * (pull_x + model.added_mass_x * level + ax)

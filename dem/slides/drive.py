@@ -22,10 +22,11 @@ APART = 1e-6  # s between the two ends of a step of a record
 
 @dataclass(frozen=True, eq=False)
 class Shaking:
-    """A record of the base, and the time at which each stratum begins to liquefy.
+    """A record of the base, or the acceleration of the ground, and the time at which each stratum begins to liquefy.
 
     Base and fixed discs move as one rigid body. In the frame of the base, the opposite of its acceleration acts on the
-    full mass of the discs. This is exact for a box and for periodic sides.
+    full mass of the discs. This is exact for a box and for periodic sides. Cycles of Kh, and the average acceleration
+    of the soil, contain the response of the ground already: the base is compliant then (`dem.engine.compliant_base`).
 
     Attributes
     ----------
@@ -36,11 +37,14 @@ class Shaking:
         accelerates uphill.
     onsets : dict
         Onset of liquefaction by stratum (s after the beginning of the record).
+    of_the_base : bool
+        Whether the record is the motion of a rigid base.
     """
 
     time: np.ndarray
     push: np.ndarray
     onsets: Mapping[int, float]
+    of_the_base: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -95,6 +95,8 @@ class Slider:
         setting = start, ground, strata, settings
         shaking = shaking or cycles(settings, strata, start.law)
         self.drive = held(*setting) if shaking is None else shaken(*setting, shaking)
+        gives_way = shaking is not None and not shaking.of_the_base and start.law == "soil"
+        self.impedance = ground.base_impedance() if gives_way else 0.0
         self.cut: set[int] = set()
         self.frame = max(1, round(settings.duration / LOOK / settings.frames))
         self.kept = -np.inf  # when the last checkpoint was left (s)
@@ -138,6 +140,7 @@ class Slider:
         self.cut = set()
         self._cut(model, [k for k in self.strata if self.drive.starts[k] == self.drive.first])
         model.acceleration = self.drive.acceleration
+        model.base_impedance = self.impedance
         return model
 
     def _cut(self, model: DiscModel, strata: list[int]) -> None:
