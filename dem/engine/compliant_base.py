@@ -5,7 +5,7 @@ times Kh. Below the base of a section the ground continues. A horizontal force F
 
     v = F / (ρ V_s L)                                (Lysmer & Kuhlemeyer 1969, J. Eng. Mech. Div. ASCE 95, 859-877)
 
-relative to its motion without the discs, with the impedance ρ V_s and the length L of the base. In the frame of the base
+relative to its motion without the discs; ρ V_s is the impedance and L the length of the base. In its frame
 the additional acceleration -dv/dt acts on the discs. F follows from the momentum of the discs, and v follows F with the
 time constant `DELAY`. Positive is to the right, perpendicular to gravity. A constant Kh moves the base at a constant
 speed, which has no effect on the discs.
