@@ -12,7 +12,7 @@ move at a small share of their strength: S-13 moved 0.44 m under Kh = 0.1, its c
 denser than that. So the discs are shaken down by some cycles of a small Kh, after which Kh = 0.1 moves S-13 by 0.05 m.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +20,7 @@ import numpy as np
 from dem.errors import DemError
 from dem.ground import Ground, in_stratum
 from dem.laboratory.patch import POROSITY, VOID_RATIO
+from dem.laboratory.soil_layers import SoilLayer, soil_layers
 from dem.model import DiscModel
 from dem.packing import Packing, brought_back, periodic_packing, random_packing
 from dem.search.equilibrium import calm_down, period, settle, shake, step_on
@@ -49,8 +50,6 @@ NOTHING = 0.02  # mean radii, is the most that the last one may move: ground tha
 MOST = 99.0  # per cent of the discs move less than what counts
 LOOSER = (0.0, 0.005, 0.01, 0.02)  # porosity beyond that of the element tests, where walls leave no room for less
 
-LayersOf = Callable[[float, float], Sequence[LayerSprings]]  # mean radius (m) and void ratio to springs
-
 
 @dataclass(frozen=True)
 class Deposit:
@@ -71,7 +70,9 @@ class Deposit:
     settled: DiscModel
 
 
-def deposit(section: Section, settings: DemSettings, layers_of: LayersOf, *, periodic: bool = False) -> Deposit:
+def deposit(
+    section: Section, settings: DemSettings, soil: Sequence[SoilLayer] | None = None, *, periodic: bool = False
+) -> Deposit:
     """Fill a section with soil discs, let them settle, and cut them to its surface.
 
     Parameters
@@ -80,8 +81,8 @@ def deposit(section: Section, settings: DemSettings, layers_of: LayersOf, *, per
         The layered ground.
     settings : DemSettings
         Radius, spread of the radii and packing of the discs.
-    layers_of : callable
-        Function that returns the springs of all strata for a mean radius (m) and a void ratio (-).
+    soil : sequence of SoilLayer or None
+        Contacts of the discs of every stratum; None for those of `soil_layers`, which have the strength of the soil.
     periodic : bool
         Whether the sides are periodic; else the discs are in a box.
 
@@ -99,14 +100,16 @@ def deposit(section: Section, settings: DemSettings, layers_of: LayersOf, *, per
     """
     radius = settings.mean_radius(section)
     ground = _filled(section, settings, radius, periodic)
-    layers = list(layers_of(radius, VOID_RATIO))
+    soil = soil_layers(section) if soil is None else soil
+    layers = [layer.springs(radius, VOID_RATIO) for layer in soil]
     settled = settle(ground, layers, settings, shaken=False)
     for done in range(ROUNDS + MORE):
         packing = cut(section, settled, ground)
         if done >= ROUNDS - 1:
             packing = levelled(section, packing, radius, settings.spread)
         ground = replace(ground, packing=_in_strata(section, packing))
-        layers = list(layers_of(radius, void_ratio(section, ground.packing)))
+        voids = void_ratio(section, ground.packing)
+        layers = [layer.springs(radius, voids) for layer in soil]
         settled = settle(ground, layers, settings, shaken=False)
         if done < ROUNDS - 1:
             continue

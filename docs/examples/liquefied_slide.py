@@ -4,15 +4,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import EllipseCollection
 
-from dem import Case, DemSettings, Slider, SlideSettings, deposit, soil_layers
+from dem import Case, DemSettings, Slider, SlideSettings, deposit
 from meshes import Section
 from meshes.shipped import file_of
 
 section = Section.read(file_of("s13"))
-soil = soil_layers(section)
-box = deposit(
-    section, DemSettings(elements=300), lambda radius, voids: [layer.springs(radius, voids) for layer in soil]
-)
+box = deposit(section, DemSettings(elements=300))
 liquefied = [number for number, stratum in enumerate(section.strata) if 2 in stratum.liquefies_in]
 slider = Slider(box.settled, box.ground, liquefied, Case(stiffness=0.02, residual=0.15), SlideSettings(duration=6.0))
 end = slider.run().rows[-1]

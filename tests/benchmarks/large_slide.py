@@ -50,9 +50,7 @@ def at_rest(given: Config, dem: DemSettings, folder: Path) -> tuple[DiscModel, f
     if file.exists():
         return DiscModel.load(file), 0.0
     soil = soil_layers(given.section)
-    deposit(given.section, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil]).settled.save(
-        file
-    )
+    deposit(given.section, dem, soil).settled.save(file)
     return DiscModel.load(file), time.perf_counter() - begin
 
 

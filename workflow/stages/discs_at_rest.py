@@ -120,9 +120,7 @@ def _soil(
     soil = soil_layers(section)
     if not store.has(file):
         tell("soil discs are filled in, settle, are cut to the section and settle again")
-        laid = deposit(
-            section, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil], periodic=periodic
-        )
+        laid = deposit(section, dem, soil, periodic=periodic)
         save(store, file, laid.settled)
     settled = DiscModel.load(store.folder / file)
     return Discs(ground_for(section, store, dem, settled), list(settled.springs.layers), settled, tuple(soil))

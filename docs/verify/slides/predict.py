@@ -141,7 +141,7 @@ def _slid(sliding: Sliding, number: int, seed: int) -> tuple[DiscModel, DiscMode
     config = sliding.config
     soil = soil_layers(config.section)
     settings = config.dem.changed(seed=seed)
-    lies = deposit(config.section, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
+    lies = deposit(config.section, settings, soil)
     strata = [k for k, stratum in enumerate(config.section.strata) if number in stratum.liquefies_in]
     if not strata:
         raise ValueError("nothing liquefies in it")

@@ -44,11 +44,7 @@ def endless() -> Config:
 @pytest.fixture(scope="module")
 def at_rest(endless: Config) -> Deposit:
     soil = soil_layers(endless.section)
-
-    def springs(radius, voids):
-        return [layer.springs(radius, voids) for layer in soil]
-
-    return deposit(endless.section, endless.dem, springs, periodic=True)
+    return deposit(endless.section, endless.dem, soil, periodic=True)
 
 
 def test_discs_continue_across_the_sides(endless: Config, at_rest: Deposit) -> None:

@@ -47,7 +47,7 @@ def layers(run: Config) -> list[SoilLayer]:
 
 @pytest.fixture(scope="module")
 def ground(run: Config, layers: list[SoilLayer]) -> Deposit:
-    return deposit(run.section, run.dem, lambda radius, voids: [layer.springs(radius, voids) for layer in layers])
+    return deposit(run.section, run.dem, layers)
 
 
 @pytest.fixture(scope="module")
@@ -131,7 +131,7 @@ def test_discs_fail_where_the_continuum_does(
     surfaces = [slip_surface(pushed[1], ground.settled, ground.ground)]
     for seed in (1, 2):
         settings = run.dem.model_copy(update={"seed": seed})
-        other = deposit(run.section, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in layers])
+        other = deposit(run.section, settings, layers)
         failed = pushover_critical_kh(other.settled, other.ground, settings, Continuum(KC, YIELDING), threads=2)[1]
         surfaces.append(slip_surface(failed, other.settled, other.ground))
     apart = [compare(run.section, surface, continuum.slip_surface) for surface in surfaces]
@@ -158,7 +158,7 @@ def test_discs_of_half_the_radius_slide_as_far(
     run: Config, shaken: Config, layers: list[SoilLayer], slides: list[Slide]
 ) -> None:
     dem = run.dem.model_copy(update={"radius": 0.5 * run.dem.mean_radius(run.section)})
-    fine = deposit(run.section, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in layers])
+    fine = deposit(run.section, dem, layers)
     shaking = shaking_of(shaken, LIQUEFIED)
     slider = Slider(fine.settled, fine.ground, LIQUEFIED, shaken.slide.cases[0], shaken.slide, shaking=shaking)
     slide = slider.run(threads=2)

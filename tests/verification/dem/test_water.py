@@ -85,9 +85,7 @@ def test_ground_that_sinks_into_liquefied_ground_is_carried_by_the_water_that_it
     crust = soil("Crust", bottom={"elevation": -2.5}, cohesion="2 kPa", friction_angle="32 deg", density_saturated=None)
     sand = soil("Sand", cohesion=0.0, friction_angle="33 deg", density="19 kN/m^3", density_saturated=None)
     flat = section(crust, sand, surface=[[0.0, 0.0], [60.0, 0.0]], base={"elevation": -15.0}, water={"table": -2.5})
-    lies = deposit(
-        flat, DemSettings(elements=150), lambda radius, voids: [s.springs(radius, voids) for s in soil_layers(flat)]
-    )
+    lies = deposit(flat, DemSettings(elements=150))
     start, case = lies.settled, Case(residual_strength=5e3, strain_potential=0.3)
     slider = Slider(start, lies.ground, [1], case, SlideSettings(kh=0.2, kh_seconds=3.0, duration=12.0))
     slider.run()
