@@ -73,7 +73,7 @@ def init(
 @app.command(rich_help_panel=Panel.BEFORE)
 def check(section: SectionFile, folder: Out = None, settings: Set = None, json: Json = False) -> None:
     """Validate a section and draw it; nothing else."""
-    from workflow.figures.ground import draw_section
+    from workflow.figures.ground import draw_with_borings
     from workflow.invocation import Invocation
     from workflow.report.data import of_section
     from workflow.terminal import say, say_data, show_strata
@@ -83,7 +83,7 @@ def check(section: SectionFile, folder: Out = None, settings: Set = None, json: 
     if not json:
         show_strata(invocation.config.section)
     with invocation.store.writing("figures/section.png") as path:
-        draw_section(invocation.config.section, path)
+        draw_with_borings(invocation.config, path)
     if json:
         return say_data(of_section(invocation.config, picture))
     flow = [] if (seepage := invocation.config.section.water_pressure.flow) is None else [seepage.words]

@@ -19,10 +19,11 @@ from meshes.quad_mesh import BadMeshError, QuadMesh, read
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from tests.support import SECTIONS
+from tests.support.borings import bored
 from tests.support.command_line import process, run
 from tests.support.sections import layer, slope
 from workflow.config import Config
-from workflow.figures import canvas
+from workflow.figures import canvas, ground
 
 FOLDER = SECTIONS
 S13 = FOLDER / "s13.toml"
@@ -99,6 +100,16 @@ def test_check_only_draws(section: Path, out: Path, capsys: pytest.CaptureFixtur
     assert run("check", section, "--out", out) == 0
     assert files(out) == ["figures/section.png"]
     assert "The section is sound" in capsys.readouterr().out
+
+
+def test_check_draws_the_borings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """To their deepest blow count, 8 and 10 m below the ground."""
+    marked: list[tuple[str, float, float]] = []
+    monkeypatch.setattr(ground, "mark_borings", lambda axes, section, borings: marked.extend(borings))
+    path = tmp_path / "bored.toml"
+    path.write_text(tomli_w.dumps(bored()))
+    assert run("check", path, "--out", tmp_path / "out") == 0
+    assert set(marked) == {("B-1", 20.0, 8.0), ("B-2", 80.0, 10.0)}
 
 
 def test_the_default_folder(section: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,14 +2,13 @@
 slide.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patheffects import withStroke
 
-from workflow.figures.canvas import CRITICAL, DISCS, INK
-from workflow.figures.ground import Overlay, draw_section
+from workflow.figures.canvas import CRITICAL, DISCS
+from workflow.figures.ground import Overlay, draw_section, mark_borings
 from workflow.figures.material_points import seen_from_above
 from workflow.figures.slides import smoothed
 from workflow.results.cases import CaseAnswer
@@ -20,7 +19,6 @@ from workflow.results.results import Results
 FRONT = "figures/front.png"
 ARROW = 0.12  # of the width of the section
 ABOVE = 0.25  # of the height of the section: room for the arrow above it
-HALO = [withStroke(linewidth=2.5, foreground="white")]
 
 
 def front(results: Results, name: str) -> bool:
@@ -56,18 +54,17 @@ def _largest(results: Results) -> tuple[int, CaseAnswer | PointCase | None]:
     return number, cases[number]
 
 
+def _judged(results: Results) -> Iterator[tuple[str, float, float]]:
+    """Name, x (m) and deepest test (m) of every boring by which liquefaction was judged."""
+    for boring in results.triggering.borings if results.triggering is not None else ():
+        tests = [test for test in results.triggering.tests if test.boring == boring.name] if results.triggering else []
+        yield boring.name, tests[0].x_m, max(test.depth_m for test in tests)
+
+
 def _marks(axes: Axes, results: Results) -> None:
     """Draw the borings to their depth, and an arrow in the direction of the seismic force."""
     section, fem = results.config.section, results.fem
-    for boring in results.triggering.borings if results.triggering is not None else ():
-        tests = [test for test in results.triggering.tests if test.boring == boring.name] if results.triggering else []
-        x, deepest = tests[0].x_m, max(test.depth_m for test in tests)
-        top = float(np.interp(x, *section.ground.T))
-        axes.plot([x, x], [top - deepest, top], color=INK, linewidth=1.6)
-        axes.annotate(
-            boring.name, (x, top), (0, 3), textcoords="offset points", fontsize=6.5, ha="center", color=INK,
-            path_effects=HALO, parse_math=False,
-        )  # fmt: skip
+    mark_borings(axes, section, _judged(results))
     if fem is None:
         return
     left, right = section.extent

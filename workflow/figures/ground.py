@@ -1,7 +1,7 @@
 """Pictures of the ground and of its mesh."""
 
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,6 +18,7 @@ from meshes.quad_mesh import QuadMesh
 from meshes.section.cutting import soil_numbers, soil_of
 from meshes.section.section import Section
 from meshes.section.surcharge import Surcharge
+from workflow.config import Config
 from workflow.figures.canvas import (
     DPI,
     INK,
@@ -41,6 +42,7 @@ HATCH = "...."
 SURVEYED = (0, (1, 3))  # dashes of the ends of the ground that was given
 LEAST_NUMBERED = 0.02  # of the height of a section: a number would not fit into a thinner stratum
 NUMBER_SIZE = 6.5  # points
+HALO = [withStroke(linewidth=2.5, foreground="white")]
 BESIDE = 0.015  # of the width: from number to number above the ground
 FOOT_CHARACTERS = 190
 ARROW = 0.03  # of the width: the largest surcharge
@@ -59,6 +61,26 @@ class Overlay(NamedTuple):
     colour: str
     dashes: tuple[int, tuple[int, ...]]
     label: str
+
+
+def mark_borings(axes: Axes, section: Section, borings: Iterable[tuple[str, float, float]]) -> None:
+    """Draw borings, each with its name, x (m) and depth (m), from the ground down."""
+    for name, x, depth in borings:
+        top = float(np.interp(x, *section.ground.T))
+        axes.plot([x, x], [top - depth, top], color=INK, linewidth=1.6)
+        axes.annotate(
+            name, (x, top), (0, 3), textcoords="offset points", fontsize=NUMBER_SIZE, ha="center", color=INK,
+            path_effects=HALO, parse_math=False,
+        )  # fmt: skip
+
+
+def draw_with_borings(config: Config, path: Path) -> None:
+    """Draw the section with the borings of its table [triggering]."""
+    borings = [
+        (boring.name, boring.x, max([*(t.depth for t in boring.spt), *(t.depth for t in boring.cpt)]))
+        for boring in config.triggering.borings
+    ]
+    draw_section(config.section, path, decorate=lambda axes: mark_borings(axes, config.section, borings))
 
 
 def draw_section(
