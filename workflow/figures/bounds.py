@@ -74,12 +74,15 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
     if near.right - near.left < NARROW * (window.right - window.left):  # all of a small failure would be a few pixels
         window = replace(near, bottom=near.bottom - 0.3 * (near.top - near.bottom))
     stretch = 0.05 * (window.right - window.left) / fastest
+    every = spread(mesh.points, window)
+    tips = mesh.points[every] + stretch * velocity[every]
+    seen = (tips[:, 0] > window.left) & (mesh.points[every, 0] < window.right)
+    window = window.with_room_for(tips[seen])
 
     def arrows(plotter: pv.Plotter) -> None:
         grid = _grid(mesh)
         plotter.add_mesh(grid, color="#efece4", lighting=False)
         plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=2)
-        every = spread(mesh.points, window)
         points = pv.PolyData(np.column_stack([mesh.points[every], np.full(len(every), 0.01)]))
         points["v"] = np.column_stack([velocity[every] * stretch, np.zeros(len(every))])
         tip = pv.Arrow(tip_length=0.3, tip_radius=0.10, shaft_radius=0.03)

@@ -92,6 +92,16 @@ class Window:
         above = min(gap, 0.1 * (top - bottom))
         return cls(left - gap, right + gap, bottom - above, top + above)
 
+    def with_room_for(self, points: np.ndarray) -> "Window":
+        """The window, larger where points (n, 2) lie outside it."""
+        if not len(points):
+            return self
+        (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
+        gap = 0.01 * (self.right - self.left)
+        return Window(
+            min(self.left, left - gap), max(self.right, right + gap), min(self.bottom, bottom), max(self.top, top)
+        )
+
     @property
     def proportion(self) -> float:
         """Height over width."""

@@ -1,6 +1,6 @@
 """Pictures of the slides: final positions of the discs, an animation, settlement and slide in time."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -227,7 +227,11 @@ def history(config: Config, slides: Sequence[SlideHistory], out: Path) -> None:
     largest = sheet.plot(0, "time since the onset (s)", "largest slide of the surface (m)")
     settlement = sheet.plot(1, "time since the onset (s)", "settlement, uphill third (m)")
     handles = []
+    same: dict[Hashable, list[SlideHistory]] = {}
     for slide in sorted(slides, key=lambda shown: (shown.springs, shown.case)):
+        moved = tuple((row.time_s, row.slide_max_m, row.settlement_uphill_m) for row in slide.rows)
+        same.setdefault((slide.springs, moved), []).append(slide)
+    for slide, *others in same.values():
         style: dict[str, Any] = {
             "color": _colour(slide.case),
             "linestyle": "-" if slide.springs == "calibrated" else (0, (4, 2)),
@@ -239,7 +243,7 @@ def history(config: Config, slides: Sequence[SlideHistory], out: Path) -> None:
         time = [row.time_s for row in slide.rows]
         largest.plot(time, [row.slide_max_m for row in slide.rows], **style)
         settlement.plot(time, [row.settlement_uphill_m for row in slide.rows], **style)
-        what = config.called(slide.case) if slide.case else "Kh alone"
+        what = config.called(*(shown.case for shown in (slide, *others))) if slide.case else "Kh alone"
         handles.append(Line2D([], [], label=f"{what}, {SPRINGS.get(slide.springs, slide.springs)}", **style))
     for axes in (largest, settlement):
         axes.set_xlim(left=0.0)
@@ -252,11 +256,12 @@ def _colour(case: int) -> str:
 
 
 def profiles(config: Config, cases: Mapping[int, Profile], seeds: int, out: Path) -> None:
-    """Draw the surface of every case over all packings: its median, and the band of 5 to 95 %.
+    """Draw the surface of every case over all packings: its median, and the band of 5 to 95 %, as smooth as discs
+    resolve it.
 
     config: of the run; cases: profiles by number of the case; seeds: number of packings; out: the picture.
     """
-    groups = alike(cases)
+    groups, size = alike(cases), 2.0 * config.dem.mean_radius(config.section)
     sheet = Sheet(
         f"{config.section.heading}: the surface on {seeds} random packings",
         [0.16] * len(groups),
@@ -267,9 +272,13 @@ def profiles(config: Config, cases: Mapping[int, Profile], seeds: int, out: Path
         last = view == len(groups) - 1
         axes = sheet.plot(view, "distance x (m)" if last else "", "elevation (m)", config.called(*numbers))
         colour = _colour(numbers[0])
-        axes.fill_between(profile.x, profile.after_low, profile.after_high, color=colour, alpha=0.25, linewidth=0)
-        axes.plot(profile.x, profile.after, color=colour, linewidth=1.2)
-        axes.plot(profile.x, profile.before, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
+        before, after, low, high = (
+            smoothed(np.column_stack([profile.x, line]), size)
+            for line in (profile.before, profile.after, profile.after_low, profile.after_high)
+        )
+        axes.fill_between(low[:, 0], low[:, 1], high[:, 1], color=colour, alpha=0.25, linewidth=0)
+        axes.plot(*after.T, color=colour, linewidth=1.2)
+        axes.plot(*before.T, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
         axes.set_xlim(profile.x[0], profile.x[-1])
     handles = [
         Line2D([], [], color=INK, linewidth=0.8, linestyle=(0, (4, 2)), label="before"),

@@ -14,13 +14,15 @@ from dem.engine.forces import contact_forces
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import lattice_box
+from dem.slides.row import Row
 from tests.support import SECTIONS
 from tests.support.dem_cases import RADIUS, box
 from workflow.config import Config
 from workflow.figures import discs as dem_figures
-from workflow.figures.canvas import soil_colour
-from workflow.figures.slides import Frame, left_by, profiles, shown_window
+from workflow.figures.canvas import Sheet, Window, soil_colour
+from workflow.figures.slides import Frame, history, left_by, profiles, shown_window
 from workflow.results.cases import Profile
+from workflow.results.history import SlideHistory
 
 
 @pytest.fixture(scope="module")
@@ -81,6 +83,25 @@ def test_profiles_are_drawn_for_any_number_of_cases(tmp_path: Path) -> None:
     profile = Profile(x=flat[0], before=flat[1], after=flat[1], after_low=(9.0, 8.0, 7.0), after_high=(11.0, 10.0, 9.0))
     profiles(Config.load(SECTIONS / "s13.toml"), dict.fromkeys((1, 2, 12), profile), 36, tmp_path / "p.png")
     assert imread(tmp_path / "p.png").shape[1] > 1000
+
+
+def test_slides_that_are_alike_are_one_line_of_the_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    legends: list[list[str]] = []
+    monkeypatch.setattr(Sheet, "legend", lambda _, handles, *__: legends.append([h.get_label() for h in handles]))
+    numbers = (0.0,) * 12
+
+    def slide(case: int, far: float) -> SlideHistory:
+        rows = (Row(0.0, *numbers, cracked=0, crack_opening_m=0.0, surface_speed_m_s=0.0),)
+        return SlideHistory("calibrated", case, (replace(rows[0], slide_max_m=far),))
+
+    history(Config.load(SECTIONS / "s13.toml"), [slide(1, 2.0), slide(2, 2.0), slide(3, 4.0)], tmp_path / "h.png")
+    assert [label.partition(", cal")[0] for label in legends[0]] == ["cases 1, 2", "case 3"]
+
+
+def test_a_window_has_room_for_arrows_that_end_outside() -> None:
+    window = Window(0.0, 100.0, -10.0, 10.0)
+    assert window.with_room_for(np.array([[108.0, 0.0], [50.0, 12.0]])) == Window(0.0, 109.0, -10.0, 12.0)
+    assert window.with_room_for(np.empty((0, 2))) == window
 
 
 def test_the_foot_of_a_case_says_what_liquefaction_leaves() -> None:
