@@ -28,8 +28,8 @@ WITHOUT_EFFECT = ("fem.threads", "fem.safety_factor_at")
 PathVerdict = Literal["plateau", "peak", "no failure", "undecided"]
 
 
-# Ground that falls less than this over the mean height of the section, from its end on, is level there (-).
-LEVEL = 0.02
+# Ground is level at an end where it falls by less than this (-) over a stretch of so many mean heights of the section.
+LEVEL, STRETCH = 0.02, 0.5
 
 
 def usual_sides(section: Section) -> Sides:
@@ -77,11 +77,15 @@ def usual_point_sides(section: Section) -> Sides | None:
 
 
 def _level_ends(section: Section) -> tuple[bool, bool]:
-    """Whether the ground is level at the left and at the right end, over the mean height of the section."""
+    """Whether the ground is level at the left and at the right end, over half of the mean height of the section.
+
+    Longer stretches are not asked for: on soft ground deeper than the level ground beside it is wide, an embankment
+    had a tenth of its critical Kh between free-field sides.
+    """
     ground, (left, right) = section.ground, section.extent
-    height = float(section.layering.areas().sum()) / (right - left)
-    ends = np.interp([[left, left + height], [right - height, right]], ground[:, 0], ground[:, 1])
-    at_left, at_right = (bool(abs(end[1] - end[0]) <= LEVEL * height) for end in ends)
+    stretch = STRETCH * float(section.layering.areas().sum()) / (right - left)
+    ends = np.interp([[left, left + stretch], [right - stretch, right]], ground[:, 0], ground[:, 1])
+    at_left, at_right = (bool(abs(end[1] - end[0]) <= LEVEL * stretch) for end in ends)
     return at_left, at_right
 
 

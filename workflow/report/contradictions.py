@@ -6,6 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from dem.case import Case
+from workflow.report.circles import of_circles, of_longer_sections
 from workflow.report.numbers import coefficient, of_cases, span
 from workflow.results.cases import CaseAnswer, MovedSurface, RandomPackings
 from workflow.results.discs import DiscsAnswer, DiscSearch
@@ -24,9 +25,6 @@ FALLEN = 0.25
 # Shares of the largest slide by which the uphill end of a section moves where a slide goes on behind it; and the
 # largest slide (m) below which that does not matter.
 ALONG, LEAST_END = (0.1, 0.8), 2.0
-# Times a strict upper bound, beyond which a slip circle is not what fails first.
-NO_CIRCLE = 1.05
-RELY = "rely on elements and bounds, for what fails first is no circle, as along a weak layer"
 NEAR_KC = 0.95  # of the critical Kh, at which a push has come to it
 
 
@@ -49,27 +47,8 @@ def contradictions(results: Results) -> Iterator[tuple[Weight, str]]:
     crests = {number: (case, case.settlement_crest_m) for number, case in points.items()}
     yield from ((2, text) for text in of_settlement(crests, "material points"))
     yield from ((3, text) for text in of_circles(results))
-
-
-def of_circles(results: Results) -> Iterator[str]:
-    """Warn of slip circles above strict upper bounds: a reviewer who only uses circles would take the larger number."""
-    circles, bounds = results.slices, results.bounds
-    if circles is None or bounds is None or results.config.fem.direction != "both":
-        return
-    factors = {group.kh: min(circle.bishop for circle in group.circles) for group in circles.factors if group.circles}
-    for part in bounds.safety:
-        factor = factors.get(part.kh)
-        if factor is not None and part.upper is not None and factor > NO_CIRCLE * part.upper:
-            yield (
-                f"slip circles have a factor of safety of {factor:.2f} at Kh = {part.kh:g}, above the strict upper "
-                f"bound of {part.upper:.2f}: {RELY}"
-            )
-    critical = min((circle.bishop for circle in circles.critical), default=None)
-    if critical is not None and bounds.upper is not None and critical > NO_CIRCLE * bounds.upper + NO_CIRCLE - 1.0:
-        yield (
-            f"slip circles have a critical Kh of {coefficient(critical)}, above the strict upper bound of "
-            f"{coefficient(bounds.upper)}: {RELY}"
-        )
+    if results.slices is not None:
+        yield from ((2, text) for text in of_longer_sections(results.slices.critical))
 
 
 def of_curve(discs: DiscsAnswer) -> Iterator[str]:

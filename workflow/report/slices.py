@@ -9,6 +9,7 @@ import numpy as np
 from meshes.section.cutting import shown_name
 from workflow.config import Config
 from workflow.estimates.slip_circles import least_balance
+from workflow.report.circles import of_longer_sections
 from workflow.results.continuum import FactorOfSafety
 from workflow.results.slices import CirclePart, SlicesAnswer
 
@@ -23,6 +24,9 @@ def slices_sentences(answer: SlicesAnswer) -> Iterator[str]:
     if answer.critical:
         fails = ": the ground fails without shaking" if min(circle.bishop for circle in answer.critical) < 0.0 else ""
         yield f"Critical Kh by slip circles: {_listed(answer.critical, 3)}{fails}."
+    for text in of_longer_sections(answer.critical):
+        what, _, remedy = text.partition(": ")
+        yield f"Warning: {what[0].upper()}{what[1:]}. To do: {remedy}."
     if answer.weak_layers and (answer.critical or any(factors.circles for factors in answer.factors)):
         layers = " and ".join(map(shown_name, answer.weak_layers))
         yield (

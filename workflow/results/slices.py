@@ -8,6 +8,15 @@ from meshes.section.structure import Kind
 from workflow.results.answer import Answer, Line, Part, Point, SectionLabel
 
 
+class LongerCircle(Part):
+    """The critical slip circle of a section whose ground continues level past both sides."""
+
+    side: Literal["left", "right"] = Field(description="the side of the section at which the shorter circle ends")
+    past_m: float = Field(description="how far past that side the circle reaches")
+    beyond_m: float = Field(description="how far the ground was continued")
+    bishop: float = Field(description="critical Kh by Bishop's simplified method")
+
+
 class CirclePart(Part):
     """A critical slip circle."""
 
@@ -19,6 +28,9 @@ class CirclePart(Part):
     spencer: float | None = Field(description="by Spencer's method on the same circle; null without a balance")
     strengthened: bool = Field(
         default=False, description="whether cohesionless faces, which fail first, were given a cohesion"
+    )
+    longer: LongerCircle | None = Field(
+        default=None, description="the critical circle where the section is longer; None unless this one ends at a side"
     )
 
 

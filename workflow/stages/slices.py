@@ -4,11 +4,12 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Literal
 
 from workflow.results.answer import SectionLabel, line
-from workflow.results.slices import CirclePart, FacePart, FactorCircles, SlicesAnswer
+from workflow.results.slices import CirclePart, FacePart, FactorCircles, LongerCircle, SlicesAnswer
 from workflow.run.stage import Job, Stage
 
 if TYPE_CHECKING:
     from meshes.section.section import Section
+    from workflow.config import Config
     from workflow.estimates.slip_circles import SlipCircle
 
     # the ground and its critical circle, by Kh (None: the critical Kh) and side
@@ -36,6 +37,7 @@ def work(job: Job) -> None:
         for side in (LEFT, RIGHT):
             circles[kh, side] = ground_of_circles(section, side, kh, fem.least_depth, fem.vertical, crack)
     critical, *factors = (_parts(section, kh, (circles[kh, LEFT], circles[kh, RIGHT])) for kh in (None, *asked))
+    critical = tuple(_with_longer(job.config, part) for part in critical)
     reason = "" if critical or any(factors) else NO_CIRCLE
     SlicesAnswer(
         section=SectionLabel.of(section),
@@ -77,6 +79,19 @@ def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
                 critical=next(iter(parts[None]), None),
                 reason="" if any(parts.values()) else NO_FACE,
             )
+
+
+def _with_longer(config: "Config", part: CirclePart) -> CirclePart:
+    """A circle with the least critical Kh, and where it ends at a side that of a longer section beside it."""
+    from workflow.estimates.longer_section import circle_of_longer_section
+    from workflow.estimates.slices import LEFT, RIGHT
+
+    towards = LEFT if part.towards == "left" else RIGHT
+    ends = (part.surface_m[0][0], part.surface_m[-1][0])
+    longer = circle_of_longer_section(
+        config.section, ends, part.bishop, towards, config.fem.least_depth, config.fem.vertical, config.tension_crack
+    )
+    return part if longer is None else part.model_copy(update={"longer": LongerCircle.model_validate(longer)})
 
 
 def draw(job: Job) -> None:

@@ -2,8 +2,19 @@
 
 import pytest
 
+from meshes.section.section import Section
+from tests.support.answers import bounds, results
+from tests.support.sections import analysed, layer, slope
+from workflow.config import Config
+from workflow.report.circles import of_circles, of_longer_sections
 from workflow.report.slices import slices_sentences
-from workflow.results.slices import CirclePart, SlicesAnswer
+from workflow.results.bounds import DirectionPart, SafetyPart
+from workflow.results.slices import CirclePart, FactorCircles, LongerCircle, SlicesAnswer
+
+
+@pytest.fixture
+def run() -> Config:
+    return analysed(slope())
 
 
 @pytest.mark.parametrize(("kh", "fails"), [(-0.039, True), (0.039, False)])
@@ -15,3 +26,71 @@ def test_a_negative_critical_kh_is_told_to_be_a_failure_without_shaking(kh: floa
     (sentence,) = slices_sentences(answer)
     assert f"{kh:.3f} by Bishop's method" in sentence
     assert sentence.endswith("the ground fails without shaking.") == fails
+
+
+def test_slip_circles_above_a_strict_upper_bound_are_told(run: Config) -> None:
+    """A slope on a seam: 1.06 by circles, which cannot follow it, and 0.713 to 0.721 by bounds."""
+
+    def circles(factor: float, kc: float) -> SlicesAnswer:
+        one = [
+            CirclePart.model_construct(towards="right", bishop=value, spencer=None, surface_m=((0.0, 0.0), (9.0, 0.0)))
+            for value in (factor, kc)
+        ]
+        factors = (FactorCircles.model_construct(kh=0.0, circles=(one[0],)),)
+        return SlicesAnswer.model_construct(factors=factors, critical=(one[1],), faces=(), reason="")
+
+    strict = bounds(run, 0.22, 0.26).model_copy(
+        update={"safety": (SafetyPart(kh=0.0, lower=1.7, upper=1.72, cells=9),)}
+    )
+    both = run.with_settings("fem", direction="both")
+    first, second = of_circles(results(both, slices=circles(2.1, 0.4), bounds=strict))
+    assert first.startswith(
+        "slip circles have a factor of safety of 2.10 at Kh = 0, above the strict upper bound of 1.72"
+    )
+    assert second.startswith("slip circles have a critical Kh of 0.400, above the strict upper bound of 0.260")
+    assert list(of_circles(results(both, slices=circles(1.75, 0.27), bounds=strict))) == []
+    assert list(of_circles(results(both, bounds=strict))) == []
+
+
+def test_slip_circles_below_a_strict_lower_bound_are_told_with_the_ground_that_they_cut(run: Config) -> None:
+    """A road embankment on soft clay: 0.031 by circles, 0.043 to 0.046 by bounds, 1.12 and 1.13 to 1.15 at rest."""
+    fill = layer("Fill", cohesion="7 kPa", friction_angle="32 deg", bottom={"elevation": 0.0})
+    clay = layer("Clay", cohesion="23 kPa", friction_angle="0 deg")
+    ground = Section.parse({
+        "name": "road", "surface": [[0, 0], [33, 0], [46, 6.5], [56, 6.5], [69, 0], [102, 0]],
+        "base": {"elevation": -10.3}, "strata": [fill, clay],
+    })  # fmt: skip
+    surface = ((20.0, 0.0), (38.0, -10.0), (56.0, -2.0), (58.7, 5.2))
+
+    def circles(kc: float, surface: tuple[tuple[float, float], ...] = surface) -> SlicesAnswer:
+        one = CirclePart.model_construct(towards="left", bishop=kc, spencer=None, surface_m=surface)
+        return SlicesAnswer.model_construct(factors=(), critical=(one,), faces=(), reason="")
+
+    both = run.with_settings("fem", direction="both").model_copy(update={"section": ground})
+    strict = bounds(run, 0.043, 0.046)
+    (told,) = of_circles(results(both, slices=circles(0.031), bounds=strict))
+    assert told.startswith("slip circles have a critical Kh of 0.031, below the strict lower bound of 0.043")
+    assert 'cut steeply through "Fill"' in told
+    assert list(of_circles(results(both, slices=circles(0.042), bounds=strict))) == []
+    (told,) = of_circles(results(both, slices=circles(0.031, surface[:3]), bounds=strict))
+    assert "no ground with friction explains it" in told
+
+
+def test_level_ground_that_slides_out_at_a_side_explains_circles_above_the_bounds(run: Config) -> None:
+    one = CirclePart.model_construct(towards="left", bishop=0.19, spencer=None, surface_m=((0.0, 0.0), (9.0, 0.0)))
+    circles = SlicesAnswer.model_construct(factors=(), critical=(one,), faces=(), reason="")
+    strict = bounds(run, 0.13, 0.14)
+    first = DirectionPart(direction="downhill", towards="left", lower=0.13, upper=0.14, leaves=("right",), history=())
+    strict = strict.model_copy(update={"directions": (first,), "sides": "free-field"})
+    (told,) = of_circles(results(run.with_settings("fem", direction="both"), slices=circles, bounds=strict))
+    assert "slides out at the right side" in told
+
+
+def test_a_circle_that_a_side_cuts_off_is_told_with_the_length_that_is_missing() -> None:
+    longer = LongerCircle(side="left", past_m=12.2, beyond_m=60.0, bishop=0.0975)
+    one = CirclePart.model_construct(towards="left", bishop=0.111, longer=longer)
+    (told,) = of_longer_sections((one,))
+    assert "0.098 instead of 0.111" in told
+    assert 'beyond = "15 m"' in told
+    alike = one.model_copy(update={"longer": longer.model_copy(update={"bishop": 0.110})})
+    assert list(of_longer_sections((alike,))) == []

@@ -17,7 +17,6 @@ from workflow.report.contradictions import (
     LEAST_END,
     deepest_fall,
     is_weaker,
-    of_circles,
     of_curve,
     of_ends,
     of_order,
@@ -30,7 +29,6 @@ from workflow.results.cases import CasesAnswer, RandomCase, RandomPackings, Spre
 from workflow.results.continuum import FactorOfSafety, OtherWay
 from workflow.results.discs import DiscsAnswer
 from workflow.results.material_points import PointCase, PointSlidesAnswer
-from workflow.results.slices import CirclePart, FactorCircles, SlicesAnswer
 
 LEVEE = (
     {"name": "median", "residual_strength": "9 kPa", "strain_potential": 0.3},
@@ -318,27 +316,3 @@ def test_a_factor_at_which_shallow_ground_slips_is_not_told_as_that_of_one_face(
     """Elements tell the face's own tan φ / tan β; where faces of unlike water meet, ground slips before either."""
     part = SafetyPart(kh=0.0, lower=1.872, upper=1.881, cells=100, shallow_failure=1.844)
     assert "shallow ground, of one face or where two meet, fails before, at 1.844 at most" in part.words
-
-
-def test_slip_circles_above_a_strict_upper_bound_are_told(run: Config) -> None:
-    """A slope on a seam: 1.06 by circles, which cannot follow it, and 0.713 to 0.721 by bounds."""
-
-    def circles(factor: float, kc: float) -> SlicesAnswer:
-        one = [
-            CirclePart.model_construct(towards="right", bishop=value, spencer=None, surface_m=((0.0, 0.0), (9.0, 0.0)))
-            for value in (factor, kc)
-        ]
-        factors = (FactorCircles.model_construct(kh=0.0, circles=(one[0],)),)
-        return SlicesAnswer.model_construct(factors=factors, critical=(one[1],), faces=(), reason="")
-
-    strict = bounds(run, 0.22, 0.26).model_copy(
-        update={"safety": (SafetyPart(kh=0.0, lower=1.7, upper=1.72, cells=9),)}
-    )
-    both = run.with_settings("fem", direction="both")
-    first, second = of_circles(results(both, slices=circles(2.1, 0.4), bounds=strict))
-    assert first.startswith(
-        "slip circles have a factor of safety of 2.10 at Kh = 0, above the strict upper bound of 1.72"
-    )
-    assert second.startswith("slip circles have a critical Kh of 0.400, above the strict upper bound of 0.260")
-    assert list(of_circles(results(both, slices=circles(1.75, 0.27), bounds=strict))) == []
-    assert list(of_circles(results(both, bounds=strict))) == []

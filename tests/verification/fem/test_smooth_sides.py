@@ -172,6 +172,18 @@ def test_an_embankment_on_level_sand_fails_itself_and_not_the_sand_beside_it() -
     assert out < 0.2
 
 
+def test_level_ground_half_as_long_as_the_soft_ground_is_deep_is_held_at_its_ends() -> None:
+    """An embankment of 6.6 m on 19 m of soft ground, 18 m of which lie level beside it: 0.009 to 0.015 by bounds
+    between free-field sides, 0.069 to 0.074 between smooth ones, 0.074 by circles. Where it falls it is not held."""
+    clay = soil("Clay", cohesion="25 kPa", friction_angle="0 deg", density="17 kN/m^3")
+    ends = [(0.0, 0.0), (0.0, 1.0)]
+    found = []
+    for left, right in ends:
+        surface = [[0.0, left], [18.3, 0.0], [31.5, 6.6], [44.2, 6.6], [57.4, 0.0], [75.7, -right]]
+        found.append(usual_sides(section(clay, base={"elevation": -18.9}, surface=surface)))
+    assert found == ["smooth", "free-field"]
+
+
 @pytest.mark.parametrize(
     ("left", "right", "sides"),
     [

@@ -9,11 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fem.limit.bounds import kh_bounds
+from fem.settings import BoundsSettings, FemSettings
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.section.tension_crack import TensionCrack
 from tests.support import TOP
+from tests.support.sections import layer
+from tests.support.slice_statics import range_of_kh
 from workflow.estimates.deeper_circles import ground_of_circles
+from workflow.estimates.longer_section import circle_of_longer_section
 from workflow.estimates.slice_methods import bishop_critical_kh, bishop_factor, spencer_critical_kh, spencer_factor
 from workflow.estimates.slices import LEFT, RIGHT, divide, pushed_by_crack
 from workflow.estimates.slip_circles import SlipCircle, critical_circle, surface_balance
@@ -254,3 +259,56 @@ def test_circles_of_cohesive_ground_are_those_of_the_section() -> None:
     assert circle is not None
     assert same is not None
     assert circle.bishop == same.bishop
+
+
+def _road() -> Section:
+    """An embankment of 6.5 m on soft clay, between level ground on both sides."""
+    soft = {"friction_angle": "0 deg", "density_ordinary": "1.65 t/m^3", "density_seismic": "1.65 t/m^3"}
+    strata = [
+        layer("Fill", cohesion="7 kPa", friction_angle="32 deg", bottom={"elevation": 0.0}),
+        layer("Crust", cohesion="30 kPa", bottom={"elevation": -2.4}, **soft),
+        layer("Clay", cohesion="23 kPa", **soft),
+    ]
+    surface = [[0, 0], [32.9, 0], [45.9, 6.5], [56.3, 6.5], [69.3, 0], [102.2, 0]]
+    return Section.parse({"name": "road", "surface": surface, "base": {"elevation": -10.3}, "strata": strata})
+
+
+def test_the_kh_of_a_circle_through_fill_on_clay_is_one_of_many_that_its_statics_allow() -> None:
+    """Strict bounds are 0.043 to 0.046, Bishop and Spencer have 0.03: the clay resists with c alone, and the normal
+    force on the steep cut through the fill passes the centre of the circle, so that only an assumption gives it."""
+    section = _road()
+    circle = critical_circle(section, LEFT, None)
+    assert circle is not None
+    assert circle.bishop == pytest.approx(0.031, abs=0.002)
+    x = np.linspace(*circle.surface[[0, -1], 0], 61)
+    z = np.interp(x, *circle.surface.T)
+    slices = divide(section, x[None], z[None], LEFT)
+    levels = section.layering.interfaces(x[1:-1])
+    tops, bottoms = (np.maximum(part, z[1:-1, None]) for part in (levels[:, :-1], levels[:, 1:]))
+    cohesion = (tops - bottoms) @ np.array([stratum.cohesion for stratum in section.strata])
+    tan = np.tan([stratum.friction_angle for stratum in section.strata])
+    friction = np.where(tops - bottoms > 1e-6, tan, np.inf).min(axis=1)  # of the weakest soil on the side of a slice
+    least, largest = range_of_kh(slices, cohesion, friction, levels[:, 0] - z[1:-1])
+    assert least < 0.026 < circle.bishop < 0.041 < largest
+
+
+@pytest.mark.slow
+def test_strict_bounds_lie_where_the_statics_of_a_circle_through_fill_allow() -> None:
+    bounds = kh_bounds(_road(), FemSettings(sides="smooth", direction="downhill"), BoundsSettings(seconds=20, gap=0.05))
+    assert 0.040 < bounds.lower < bounds.upper < 0.048
+
+
+def test_a_circle_that_ends_at_a_side_slides_at_less_in_a_longer_section() -> None:
+    """Clay of 20 kPa, 15 m deep, with 12 m of it level beside an embankment."""
+    fill = layer("Fill", cohesion="5 kPa", friction_angle="30 deg", bottom={"elevation": 0.0})
+    clay = layer("Clay", cohesion="25 kPa", friction_angle="0 deg")
+    surface = [[0, 0], [12, 0], [20, 4], [28, 4], [36, 0], [48, 0]]
+    section = Section.parse({"name": "near", "surface": surface, "base": {"elevation": -15}, "strata": [fill, clay]})
+    circle = critical_circle(section, LEFT, None)
+    assert circle is not None
+    longer = circle_of_longer_section(section, circle.surface[[0, -1], 0].tolist(), circle.bishop, LEFT, 0.5)
+    assert longer is not None
+    assert longer.side == "left"
+    assert longer.past_m > 2.0
+    assert longer.bishop < 0.97 * circle.bishop
+    assert circle_of_longer_section(section, (5.0, 40.0), circle.bishop, LEFT, 0.5) is None

@@ -1,0 +1,82 @@
+"""The critical slip circle once the section is longer, for circles that end at a side of it."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from meshes.errors import InputError
+from meshes.section.section import Section
+from meshes.section.tension_crack import TensionCrack
+from workflow.estimates.deeper_circles import ground_of_circles
+from workflow.estimates.slip_circles import NO_CRACK
+
+AT_SIDE = 2e-3  # of the width of the section: a circle that ends nearer to a side ends at it
+THICKNESSES = 3.0  # of the ground at the side, by which it is continued
+
+
+@dataclass(frozen=True)
+class LongerSectionCircle:
+    """The critical circle of the section with more ground past both sides.
+
+    Attributes
+    ----------
+    side : the side at which the circle of the section as given ends
+    past_m : how far past that side the longer circle reaches (m), 0 where it stays within
+    beyond_m : how far the ground was continued (m)
+    bishop : critical Kh by Bishop's simplified method
+    """
+
+    side: Literal["left", "right"]
+    past_m: float
+    beyond_m: float
+    bishop: float
+
+
+def circle_of_longer_section(
+    section: Section,
+    ends: tuple[float, float],
+    critical: float,
+    towards: int,
+    least_depth: float,
+    vertical: float = 0.0,
+    crack: TensionCrack = NO_CRACK,
+) -> LongerSectionCircle | None:
+    """Find the circle with the least critical Kh again where that of the section as given ends at a side.
+
+    Parameters
+    ----------
+    section : Section
+        The section as given; its ground, layers and water continue level past both sides.
+    ends : (left, right)
+        x (m) of the ends of its critical circle.
+    critical : float
+        The critical Kh of that circle.
+    towards, least_depth, vertical, crack
+        As in `ground_of_circles`.
+
+    Returns
+    -------
+    LongerSectionCircle or None
+        None where the circle ends at no side, the section cannot be continued, or no longer circle slides with less.
+    """
+    left, right = section.extent
+    near = AT_SIDE * (right - left)
+    at: list[tuple[Literal["left", "right"], int]] = [("left", 0), ("right", -1)]
+    sides = [(name, end) for name, end in at if abs(ends[end] - (left, right)[end]) <= near]
+    if not sides:
+        return None
+    side, end = sides[0]
+    column = section.layering.interfaces(np.array([(left, right)[end]]))[0]
+    beyond = float(np.ceil(THICKNESSES * (column[0] - column[-1]))) + (section.beyond or 0.0)
+    data = section.model_dump(mode="python", exclude_none=True, by_alias=True)
+    try:
+        longer = Section.parse({**data, "beyond": f"{beyond:g} m"}, section.name)
+    except InputError:  # such as a line of water that ends at the side
+        return None
+    found = ground_of_circles(longer, towards, None, least_depth, vertical, crack)[1]
+    if found is None or found.bishop >= critical:
+        return None
+    reach = found.surface[end, 0] - (left, right)[end]
+    past = max(0.0, float(-reach if side == "left" else reach))
+    return LongerSectionCircle(side, past, beyond - (section.beyond or 0.0), found.bishop)

@@ -1,0 +1,102 @@
+"""Slip circles that strict bounds contradict, and those that a side of the section cuts off, each with what to do."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from meshes.section.cutting import shown_name
+from meshes.section.section import Section
+from workflow.report.numbers import coefficient, listed
+from workflow.results.bounds import BoundsAnswer
+from workflow.results.results import Results
+from workflow.results.slices import CirclePart
+
+# Times a strict upper bound, beyond which a slip circle is not what fails first; times a strict lower bound, below
+# which a circle fails that ground in equilibrium bears; and by how much in Kh, at least.
+NO_CIRCLE, ABOVE = 1.05, 0.01
+NO_BALANCE, BELOW = 0.97, 0.002
+STEEP = math.tan(math.radians(45.0))  # of a slip surface where it cuts down from the crest
+SHORT = 0.98  # times its critical Kh, below which the circle of a longer section is told
+ROUND = 5.0  # m, to which the length of ground to add is rounded up
+RELY = "rely on elements and bounds, for what fails first is no circle, as along a weak layer"
+
+
+def of_circles(results: Results) -> Iterator[str]:
+    """Slip circles above strict upper bounds, and below lower ones.
+
+    A reviewer who knows circles alone would take the larger number. A smaller one is no proof of failure: a circle
+    through ground with friction is no mechanism with ψ = φ, and methods of slices assume the normal force on it.
+    """
+    circles, bounds = results.slices, results.bounds
+    if circles is None or bounds is None or results.config.fem.direction != "both":
+        return
+    section = results.config.section
+    factors = {group.kh: min(group.circles, key=_value) for group in circles.factors if group.circles}
+    for part in bounds.safety:
+        if (circle := factors.get(part.kh)) is None:
+            continue
+        what = f"slip circles have a factor of safety of {circle.bishop:.2f} at Kh = {part.kh:g}"
+        if part.upper is not None and circle.bishop > NO_CIRCLE * part.upper:
+            yield f"{what}, above the strict upper bound of {part.upper:.2f}: {RELY}"
+        if part.lower is not None and circle.bishop < NO_BALANCE * part.lower:
+            yield f"{what}, below the strict lower bound of {part.lower:.2f}{_assumed(section, circle)}"
+    if not circles.critical:
+        return
+    circle = min(circles.critical, key=_value)
+    what = f"slip circles have a critical Kh of {coefficient(circle.bishop)}"
+    if bounds.upper is not None and circle.bishop > NO_CIRCLE * bounds.upper + ABOVE:
+        yield f"{what}, above the strict upper bound of {coefficient(bounds.upper)}: {_slides_out(bounds) or RELY}"
+    if bounds.lower is not None and circle.bishop < min(NO_BALANCE * bounds.lower, bounds.lower - BELOW):
+        yield f"{what}, below the strict lower bound of {coefficient(bounds.lower)}{_assumed(section, circle)}"
+
+
+def of_longer_sections(circles: Sequence[CirclePart]) -> Iterator[str]:
+    """Critical circles that end at a side of the section, and slide at a smaller Kh in a longer one."""
+    for circle in circles:
+        longer = circle.longer
+        if longer is None or longer.bishop > SHORT * circle.bishop:
+            continue
+        more = min(max(math.ceil(longer.past_m / ROUND), 1) * ROUND, longer.beyond_m)
+        yield (
+            f"the critical slip circle towards the {circle.towards} ends at the {longer.side} side of the section, and "
+            f"has a critical Kh of {coefficient(longer.bishop)} instead of {coefficient(circle.bishop)} where the "
+            f'ground continues: give {more:g} m more of the ground there, or beyond = "{more:g} m"'
+        )
+
+
+def _value(circle: CirclePart) -> float:
+    return circle.bishop
+
+
+def _slides_out(bounds: BoundsAnswer) -> str:
+    """What to do where the ground of the bounds slides out at a side; empty where it does not."""
+    sides = bounds.directions[0].leaves if bounds.directions else ()
+    if not sides or bounds.sides != "free-field":
+        return ""
+    return (
+        f"the ground slides out at the {listed(sides)} side, where the section was cut off; take fem.sides = "
+        '"smooth" if it continues level there'
+    )
+
+
+def _assumed(section: Section, circle: CirclePart) -> str:
+    """Why a circle may fail with less than the ground bears in equilibrium, and what to do."""
+    strata = [shown_name(name) for name in _cut_steeply(section, circle)]
+    if not strata:
+        return ", although no ground with friction explains it: compare both with the elements, and do not use either"
+    return (
+        f", for they cut steeply through {listed(strata)}, where the normal force on a circle is an assumption of the "
+        "method and with ψ = φ the ground bears more: rely on the strict bounds, and name the circles as the more "
+        "cautious number"
+    )
+
+
+def _cut_steeply(section: Section, circle: CirclePart) -> list[str]:
+    """The strata with friction that a circle cuts steeply, by name from the top down."""
+    line = np.array(circle.surface_m)
+    middle, step = 0.5 * (line[1:] + line[:-1]), np.diff(line, axis=0)
+    steep = middle[np.abs(step[:, 1]) > STEEP * np.abs(step[:, 0])]
+    numbers = np.unique(section.stratum_at(steep[:, 0], steep[:, 1]))
+    strata = [section.strata[k] for k in numbers.tolist() if k >= 0]
+    return list(dict.fromkeys(s.name for s in strata if s.friction_angle > 0.0))
