@@ -28,6 +28,7 @@ FLOW: Mapping[str, str] = {
     "davis": "Davis reduced strength",
     "section": "non-associated flow with the given ψ",
 }
+IN_FULL = {**FLOW, "davis": "Davis reduced strength, for soil that dilates less than ψ = φ"}  # where it is first named
 SIDES: Mapping[str, str] = {
     "free-field": "free-field sides", "smooth": "smooth sides", "fixed": "fixed sides", "periodic": "periodic sides",
 }  # fmt: skip
@@ -61,7 +62,7 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
         phrase = _("The critical Kh was not found: {reason}.", reason=fem.reason)
         return HeadlinePart(name=name, value=f"≥ {least}", interval="", conclusion=phrase)
     error = accuracy(results, fem)
-    conditions = _("{sides}, {flow}", sides=_(SIDES[fem.settings.sides]), flow=_(FLOW[fem.flow]))
+    conditions = _("{sides}, {flow}", sides=_(SIDES[fem.settings.sides]), flow=_(IN_FULL[fem.flow]))
     if error is not None and fem.kc > CONTRADICTED * error.high:
         return _contradicted(results, fem, error, conditions, _)
     phrase = _(
@@ -209,7 +210,7 @@ def _slide(results: Results, _: Texts) -> HeadlinePart:
         layers=_.listed(list(dict.fromkeys(names))),
         shaking=_.sentence(results.config.slide.shaking),
         slide=_.listed(by),
-        count=_("one case") if count == 1 else _("{number} cases", number=count),
+        count=_("one case") if count == 1 else _("{number} cases of what liquefaction leaves", number=count),
         end=_end([*cases.values(), *points.values()], _),
     )
     value = _span({**cases, **{-number: point for number, point in points.items()}})

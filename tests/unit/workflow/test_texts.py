@@ -17,7 +17,7 @@ from workflow.estimates.slide_error import SlideError, SlideMethod
 from workflow.report import assumptions, model_error, uncertainty
 from workflow.report.accuracy import METHODS
 from workflow.report.captions import CAPTIONS
-from workflow.report.first_page import FLOW, SIDES, headlines
+from workflow.report.first_page import FLOW, IN_FULL, SIDES, headlines
 from workflow.report.page import VARIED
 from workflow.report.tables import STRATA_HEADS
 from workflow.report.texts import Texts, catalogue, sentences
@@ -77,7 +77,7 @@ def warnings_of_report() -> Iterator[str]:
 
 
 def wanted() -> set[str]:
-    fixed = [*FORCE.values(), *FLOW.values(), *SIDES.values(), *VARIED, *METHODS, "left", "right"]
+    fixed = [*FORCE.values(), *FLOW.values(), *IN_FULL.values(), *SIDES.values(), *VARIED, *METHODS, "left", "right"]
     heads = [head.strip().replace("\n", ", ") for head in STRATA_HEADS]
     head = [name for name, field in ReportSettings.model_fields.items() if field.annotation is str and name != "logo"]
     machine = ["host", "system", "processor"]
