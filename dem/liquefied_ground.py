@@ -96,8 +96,8 @@ def match_strength(state: DiscState) -> None:
 
     Without this adjustment the strength would be 0.8 to 1.5 times the prescribed one, depending on the arrangement of
     the discs: the pressure between discs that move past each other contributes shear stress, and bonds resist more in
-    simple than in pure shear. Bonds to fixed discs are not adjusted: they are fitted for this case, and half of the
-    stress there cannot be measured.
+    simple than in pure shear. Bonds along a straight row of fixed discs are not adjusted: discs slip along such a row
+    at less than the stress between the discs beside it, and `FITTED` is for this case.
     """
     if not len(state.liquefied):
         return
@@ -107,8 +107,9 @@ def match_strength(state: DiscState) -> None:
         wet, way, np.array([state.liquefied_i, state.liquefied_j]), state.bonds, state.reach, state.repeats
     )
     measured = wet[:, bond.SHARE] == 1.0
-    measured[state.liquefied_i[state.fixed[state.liquefied_j]]] = False
-    measured[state.liquefied_j[state.fixed[state.liquefied_i]]] = False
+    if not state.rough_base:
+        measured[state.liquefied_i[state.fixed[state.liquefied_j]]] = False
+        measured[state.liquefied_j[state.fixed[state.liquefied_i]]] = False
     slipped = np.where(measured, np.clip((used - SLIPS) / (FLOWS - SLIPS), 0.0, 1.0), 0.0) * strain
     factor = state.strength_factor
     asked = np.maximum(wet[:, bond.STRENGTH] / factor, LEAST_STRENGTH)

@@ -101,6 +101,8 @@ class DiscState:
         Margin of the neighbour list (m).
     time, steps, last_dt : float, int, float
         Time (s), number of steps, and the step of the half-step velocities (s), 0 after velocities were set.
+    rough_base : bool
+        Whether the fixed discs are a random packing as the others are; else they lie in straight rows.
     base_impedance, base_velocity, base_rate, base_next : float
         Of a compliant base (`dem.engine.compliant_base`): impedance times length (kg/s per metre), 0 for a rigid base;
         velocity (m/s), acceleration now and at the next look (m/s2).
@@ -161,6 +163,7 @@ class DiscState:
     time: float = 0.0
     steps: int = 0
     last_dt: float = 0.0
+    rough_base: bool = False
     base_impedance: float = 0.0
     base_velocity: float = 0.0
     base_rate: float = 0.0

@@ -141,6 +141,7 @@ class Slider:
         self._cut(model, [k for k in self.strata if self.drive.starts[k] == self.drive.first])
         model.acceleration = self.drive.acceleration
         model.base_impedance = self.impedance
+        model.rough_base = self.ground.section is not None and self.ground.kind == "random"
         return model
 
     def _cut(self, model: DiscModel, strata: list[int]) -> None:
