@@ -160,10 +160,11 @@ def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
     reported = "report" in choice.chosen and job.store.has("report.html")
     asked = choice.asked or choice.chosen
     if every or not reported:
-        ends, warnings = Results.of(job).ends, list[str]()
+        results, warnings = Results.of(job), list[str]()
+        ends = results.ends
         for stage in job.stages:
             if stage.name in choice.chosen and stage.name in ends and ends[stage.name].outcome in ("done", "part"):
-                for line in sentences(stage.name, job.config, job.store, every):
+                for line in sentences(stage.name, job.config, job.store, every, results):
                     if line.startswith(("Warning", "Contradiction")):
                         warnings.append(line)
                     elif every or stage.name in asked:

@@ -17,13 +17,16 @@ from fem.continuum.loads import direction_of, push
 from fem.settings import FemSettings
 from meshes.quad_mesh import QuadMesh
 from meshes.section.cutting import BELOW_WATER
-from meshes.section.layering import ROUNDING, Layering
+from meshes.section.layering import Layering
 from meshes.section.polyline import Line
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, Stratum
 
 # What the name of a strip has behind that of its stratum, before the x at which it begins.
 STRIP = ", strengthened face at x = "
+# Inclination (rad) up to which ground is level: its Kh is that of level ground to four digits, and the cohesion that
+# would hold it is less than the margin that stresses keep from the yield surface.
+LEVEL = 1e-4
 # Pressures (Pa) that differ by less are the same.
 UNLIKE = 1.0
 # Water that begins less than the least depth below a face counts where it does so along so many times that depth.
@@ -112,12 +115,11 @@ def shallow_failures(
     ``settings``: of the elements, with the direction of the seismic force and the least depth (m).
     """
     layers, sign = section.layering, push(section, settings)
-    level = ROUNDING * float(layers.x[-1] - layers.x[0])
     faces: list[ShallowFailure] = []
     for piece in _pieces(section, settings.least_depth):
         i, soil = piece.interval, section.strata[piece.number]
         rise = sign * (layers.left[i, 0] - layers.right[i, 0])
-        if soil.has_cohesion or rise <= level or soil.density_seismic == 0.0:
+        if soil.has_cohesion or rise <= LEVEL * layers.width[i] or soil.density_seismic == 0.0:
             continue
         if _is_held(section, piece, shaken):
             continue

@@ -7,10 +7,10 @@ from meshes.section.section import Section
 from workflow.config import Config, notice_lines
 from workflow.earthquake.site_response import CLOSE as CAME_TO_REST
 from workflow.report import after
-from workflow.report.accuracy import of_meshes
+from workflow.report.accuracy import accuracy, of_meshes
 from workflow.report.contradictions import FALLS, FALLS_TIMES
 from workflow.report.crests import crest_parts, crest_sentences
-from workflow.report.findings import lies_still, moved_lately
+from workflow.report.findings import CONTRADICTED, lies_still, moved_lately
 from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
 from workflow.report.numbers import between, coefficient, span
 from workflow.report.residual import residual_sentences
@@ -29,6 +29,7 @@ from workflow.results.lengths import metres
 from workflow.results.liquefied import LiquefiedAnswer
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.residual import ResidualAnswer
+from workflow.results.results import Results
 from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.slices import SlicesAnswer
 from workflow.results.stored_mesh import stored_mesh
@@ -56,14 +57,18 @@ def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
     yield from notice_lines(config.notices_of_ground)
 
 
-def fem_sentences(answer: FemAnswer, section: Section, every: bool = True) -> Iterator[str]:
+def fem_sentences(
+    answer: FemAnswer, section: Section, every: bool = True, results: Results | None = None
+) -> Iterator[str]:
     """The critical Kh with its interval, and the factors of safety, from fem/critical.json.
 
     With ``every`` also details: the end of the path, the sequence of meshes, and the use of Davis's estimate. An answer
-    without a limit load always has its reason.
+    without a limit load always has its reason. Strict bounds among the ``results`` are part of the interval.
     """
-    error = of_meshes(answer)
-    interval = f" Range by the sequence of meshes: {between([error.low, error.high])}." if error is not None else ""
+    error = accuracy(results, answer) if results is not None else of_meshes(answer)
+    interval = f" Range {error.method}: {between([error.low, error.high])}." if error is not None else ""
+    if error is not None and answer.has_kc and answer.kc > CONTRADICTED * error.high:
+        interval += f" The elements lie {100.0 * (answer.kc / error.high - 1.0):.1f} % above it: use its upper end."
     how = ""
     if every or answer.ended not in ("plateau", "limit load"):
         most = f", at most {coefficient(answer.kc_upper)} on this mesh" if answer.kc_upper > answer.kc else ""
@@ -78,7 +83,7 @@ def fem_sentences(answer: FemAnswer, section: Section, every: bool = True) -> It
         yield from meshes_sentences(answer)
     yield from beside_sentences(answer)
     yield from (safety_sentence(factor, answer, every) for factor in answer.safety_factors)
-    for warning in answer.warnings:
+    for warning in (*answer.warnings, *(results.warnings_by_bounds() if results is not None else ())):
         yield f"{'Contradiction' if warning.contradiction else 'Warning'}: {warning.what} To do: {warning.remedy}."
     for _, text in sides_warning(answer, section):
         yield "Warning: {} To do: {}".format(*split(text))
@@ -350,15 +355,19 @@ def _slices(config: Config, answer: SlicesAnswer) -> Iterator[str]:
     yield from structure_sentences(config, answer)
 
 
-def sentences(name: str, config: Config, store: Store, every: bool = True) -> Iterator[str]:
-    """The result of one stage in sentences; with ``every`` also details of the finite elements."""
+def sentences(
+    name: str, config: Config, store: Store, every: bool = True, results: Results | None = None
+) -> Iterator[str]:
+    """The result of one stage in sentences; with ``every`` also details of the finite elements. They are compared with
+    the ``results`` of the other stages.
+    """
     of_stage: dict[str, Callable[[], Iterator[str]]] = {
         "triggering": lambda: triggering_sentences(TriggeringAnswer.read(store)),
         "response": lambda: response_sentences(SiteResponseAnswer.read(store)),
         "residual": lambda: residual_sentences(ResidualAnswer.read(store).steps),
         "liquefied": lambda: after.sentences(LiquefiedAnswer.read(store)),
         "mesh": lambda: mesh_sentences(config, store),
-        "fem": lambda: fem_sentences(FemAnswer.read(store), config.section, every),
+        "fem": lambda: fem_sentences(FemAnswer.read(store), config.section, every, results),
         "bounds": lambda: bounds_sentences(BoundsAnswer.read(store)),
         "slices": lambda: _slices(config, SlicesAnswer.read(store)),
         "calibrate": lambda: calibrate_sentences(CalibrationAnswer.read(store)),

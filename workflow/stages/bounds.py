@@ -58,8 +58,7 @@ def work(job: Job) -> None:
     answer.write(job.store)
     draw_all(config, bounds, job.store)
     if answer.verdict == "no bracket":
-        more = "seconds" if bounds.ended == "time" else "max_cells"
-        raise NoAnswerError(answer.reason.rstrip("."), f"allow more: {more} in the table [bounds]")
+        raise NoAnswerError(answer.reason.rstrip("."), _remedy(bounds.ended))
 
 
 def _factors(job: Job, config: Config, settings: BoundsSettings) -> Iterator[SafetyPart]:
@@ -208,6 +207,18 @@ def _why(ended: "OpenEnd | None", cells: int, settings: BoundsSettings) -> str:
             return f"finer meshes, up to {cells} triangles, no longer close it"
         case "solver":
             return f"the solver of cone programs failed on the last {FAILED_MESHES} meshes, up to {cells} triangles"
+    assert_never(ended)
+
+
+def _remedy(ended: "OpenEnd | None") -> str:
+    """What may help where a bound is missing."""
+    match ended:
+        case "time":
+            return "allow more: seconds in the table [bounds]"
+        case None | "triangles":
+            return "allow more: max_cells in the table [bounds]"
+        case "stalled" | "solver":
+            return "more work does not help: rely on the finite elements (noshiro fem)"
     assert_never(ended)
 
 

@@ -98,9 +98,9 @@ def test_ground_level_to_rounding_is_level(tilt: float) -> None:
     assert faces_at(level, FIXED, 0.0) == []
 
 
-@pytest.mark.parametrize("fall", [0.03, 1e-4])
+@pytest.mark.parametrize("fall", [0.03, 3e-3])
 def test_what_a_gentle_face_is_strengthened_by_is_not_judged_as_input(fall: float) -> None:
-    """A cohesion of 40 Pa, or 0.1 Pa, that nobody wrote: a person who writes one means another unit."""
+    """A cohesion of 40 Pa, or 4 Pa, that nobody wrote: a person who writes one means another unit."""
     sand = layer("sand", cohesion=0, friction_angle="35 deg")
     gentle = {"name": "gentle", "surface": [[0.0, fall], [15.0, 0.0]], "base": {"elevation": -9.0}, "strata": [sand]}
     section = Section.parse(gentle)

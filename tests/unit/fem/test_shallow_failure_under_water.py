@@ -283,6 +283,20 @@ def test_the_work_allowed_is_a_limit_of_all_bounds_together() -> None:
     assert found.ended == "time"
 
 
+def test_a_sea_floor_level_to_rounding_has_both_bounds() -> None:
+    """Half of it rises by 0.1 µm to 0.1 mm in 30 m: such a face was given a cohesion below the margin that stresses
+    keep from the yield surface, and no mesh had a lower bound. Level sand fails at γ'/γ tan φ.
+    """
+    sand = soil("Sand", cohesion=0.0, friction_angle="32 deg", density="18 kN/m^3", density_saturated="20 kN/m^3")
+    level = BUOYANT / 20e3 * math.tan(math.radians(32.0))
+    for rise in (1e-7, 1e-4):
+        ground = {"surface": [[0.0, 0.0], [30.0, 0.0], [60.0, rise]], "base": {"elevation": -8.0}}
+        section = Section.parse({"name": "floor", **ground, "water": {"table": 2.0}, "strata": [sand]})
+        assert shallow_failures(section, FIXED) == []
+        found = kh_bounds(section, FIXED, BoundsSettings(gap=0.05, max_cells=1000))
+        assert 0.95 * level < found.lower <= found.upper < 1.1 * level
+
+
 @pytest.mark.slow
 def test_bare_sand_from_which_water_seeps_is_strengthened_where_it_slips_first() -> None:
     """A dam with a core: its dry downstream face rolls at tan(36° - β) = 0.253, the slope fails upstream at 0.16, but

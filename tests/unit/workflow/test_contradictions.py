@@ -12,7 +12,7 @@ from tests.support import dem_fixture
 from tests.support.answers import bounds, fem, results, warned
 from tests.support.sections import analysed, slope
 from workflow.config import Config
-from workflow.report.console import safety_sentence, slide_sentences
+from workflow.report.console import fem_sentences, safety_sentence, slide_sentences
 from workflow.report.contradictions import (
     LEAST_END,
     deepest_fall,
@@ -198,6 +198,21 @@ def test_elements_with_psi_equal_to_phi_above_a_strict_upper_bound_are_told(run:
     assert any("Take 0.281 as an upper limit" in one for one in warned(
         results(run, fem=fem(run, 0.2844), bounds=bounds(run, 0.2799, 0.2815))
     ))  # fmt: skip
+
+
+def test_the_console_has_the_interval_of_strict_bounds_and_what_they_contradict(run: Config) -> None:
+    """An endless clay slope under water: elements had 0.090 with a range by meshes of 0.089 to 0.092, strict bounds
+    0.0875 to 0.0890, and `noshiro fem` printed the one beside the other without a word.
+    """
+    answer = fem(run, 0.0899)
+    told = list(fem_sentences(answer, run.section, False, results(run, fem=answer, bounds=bounds(run, 0.0875, 0.089))))
+    assert told[0].endswith(
+        "Range by strict bounds: 0.087 to 0.089. The elements lie 1.0 % above it: use its upper end."
+    )
+    far = results(run, fem=answer, bounds=bounds(run, 0.078, 0.08))
+    assert any(text.startswith("Contradiction: The critical Kh of 0.090 lies 12 % above the strict upper bound")
+               for text in fem_sentences(answer, run.section, False, far))  # fmt: skip
+    assert not any(text.startswith("Contradiction") for text in fem_sentences(answer, run.section))
 
 
 def test_level_ground_has_no_factor_of_safety_but_one_above_where_the_search_ends(run: Config) -> None:
