@@ -146,12 +146,19 @@ def test_slides_come_to_rest_where_one_can_believe_it(slides: list[Slide]) -> No
         assert slide.overlap < 0.5
         assert slide.escaped == 0
         assert slide.area_lost_share < LOST
-    # The stiffness of the paper's cases does not count for sand that keeps a residual strength. It slides 1.42 m by the
-    # limiting strains of 25 and 16 % of its blow counts, 1.24 m in another packing, about 3 m in the field.
+    # The stiffness of the paper's cases does not count for sand that keeps a residual strength. It slides 1.14 m by the
+    # limiting strains of 25 and 16 % of its blow counts, 1.07 and 1.14 m in other packings, about 3 m in the field.
     first, last = (slide.rows[-1] for slide in slides)
     assert first.slide_max_m == last.slide_max_m
-    assert 1.0 < first.slide_max_m < 2.0
-    assert 0.3 < first.settlement_uphill_m < 0.7
+    assert 0.9 < first.slide_max_m < 1.4
+    assert 0.25 < first.settlement_uphill_m < 0.5
+
+
+def test_ground_that_does_not_liquefy_hardly_moves(shaken: Config, ground: Deposit) -> None:
+    """Cycles of Kh = 0.17 are half the critical Kh: 0.1 to 0.3 m where most, 0.4 to 0.8 m on a rigid base."""
+    slide = Slider(ground.settled, ground.ground, [], None, shaken.slide, shaking=shaking_of(shaken, [])).run()
+    assert slide.rows[-1].slide_max_m < 0.35
+    assert slide.rows[-1].slide_middle_m < 0.15
 
 
 def test_discs_of_half_the_radius_slide_as_far(
