@@ -30,6 +30,7 @@ PathVerdict = Literal["plateau", "peak", "no failure", "undecided"]
 
 # Ground is level at an end where it falls by less than this (-) over a stretch of so many mean heights of the section.
 LEVEL, STRETCH = 0.02, 0.5
+PLATEAU = 0.1  # of the steepest stretch: ends that fall by less count as level, too
 
 
 def usual_sides(section: Section) -> Sides:
@@ -79,13 +80,17 @@ def usual_point_sides(section: Section) -> Sides | None:
 def _level_ends(section: Section) -> tuple[bool, bool]:
     """Whether the ground is level at the left and at the right end, over half of the mean height of the section.
 
-    Longer stretches are not asked for: on soft ground deeper than the level ground beside it is wide, an embankment
+    Ground counts as level also where it falls by less than a tenth of the steepest stretch of that length: a plateau of
+    1:40 behind a cut is no slope that continues. Longer stretches are not asked for: on soft ground deeper than the level ground beside it is wide, an embankment
     had a tenth of its critical Kh between free-field sides.
     """
     ground, (left, right) = section.ground, section.extent
     stretch = STRETCH * float(section.layering.areas().sum()) / (right - left)
     ends = np.interp([[left, left + stretch], [right - stretch, right]], ground[:, 0], ground[:, 1])
-    at_left, at_right = (bool(abs(end[1] - end[0]) <= LEVEL * stretch) for end in ends)
+    begins = np.clip(np.concatenate([ground[:, 0], ground[:, 0] - stretch]), left, right - stretch)
+    falls = np.interp(begins, *ground.T) - np.interp(begins + stretch, *ground.T)
+    least = max(LEVEL * stretch, PLATEAU * float(np.abs(falls).max()))
+    at_left, at_right = (bool(abs(end[1] - end[0]) <= least) for end in ends)
     return at_left, at_right
 
 

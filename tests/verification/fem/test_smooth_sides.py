@@ -184,6 +184,16 @@ def test_level_ground_half_as_long_as_the_soft_ground_is_deep_is_held_at_its_end
     assert found == ["smooth", "free-field"]
 
 
+def test_a_plateau_behind_a_cut_is_level_and_a_slope_that_continues_is_not() -> None:
+    """12 m of sand at 31° below a plateau of 1:40: between free-field sides the level ground before the cut slides out
+    at Kh = 0.029, and slip circles fail at 0.080. A slope of 1:40 from side to side is no plateau."""
+    sand = soil("Sand", cohesion="0 kPa", friction_angle="36 deg", density="18 kN/m^3")
+    cut = [[0.0, 5.0], [30.0, 5.0], [50.0, 17.0], [90.0, 18.0]]
+    assert usual_sides(section(sand, base={"elevation": -10.0}, surface=cut)) == "smooth"
+    slope = [[0.0, 5.0], [90.0, 7.25]]
+    assert usual_sides(section(sand, base={"elevation": -10.0}, surface=slope)) == "free-field"
+
+
 @pytest.mark.parametrize(
     ("left", "right", "sides"),
     [
