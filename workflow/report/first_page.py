@@ -4,6 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from meshes.section.cutting import shown_name
 from meshes.section.quantity import GRAVITY
+from workflow.earthquake.settings import EarthquakeSettings
+from workflow.estimates.comparison import estimates
 from workflow.estimates.slide_error import SlideMethod, slide_error
 from workflow.estimates.structures import structures_of
 from workflow.report.accuracy import METHODS, Accuracy, accuracy, proven_by, rounded_up
@@ -16,6 +18,7 @@ from workflow.report.verdicts import spared
 from workflow.results.answer import FORCE
 from workflow.results.cases import CaseAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer
+from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 from workflow.results.verdicts import HeadlinePart
@@ -35,7 +38,8 @@ SIDES: Mapping[str, str] = {
 
 
 def headlines(results: Results, _: Texts) -> tuple[HeadlinePart, ...]:
-    """Write the three numbers: critical Kh, factor of safety without shaking, and slide after liquefaction.
+    """Write the three numbers: critical Kh, factor of safety without shaking, and slide after liquefaction; or
+    the displacement of a rigid block in the earthquake, where nothing liquefies.
 
     Parameters
     ----------
@@ -195,8 +199,7 @@ def _slide(results: Results, _: Texts) -> HeadlinePart:
     points = dict(results.mpm.cases) if results.mpm is not None else {}
     if not cases and not points:
         if not results.config.section.liquefies:
-            phrase = _("No layer of the section liquefies, so no slide was computed.")
-            return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
+            return _block(results, _)
         entry = results.no_answer("calibrate") or results.no_answer("slide")
         reason = entry.reason if entry is not None else _("the slides were not computed")
         phrase = _("The slide after liquefaction is not known: {reason}.", reason=reason)
@@ -215,6 +218,28 @@ def _slide(results: Results, _: Texts) -> HeadlinePart:
     )
     value = _span({**cases, **{-number: point for number, point in points.items()}})
     return HeadlinePart(name=name, value=value, interval=_of_slides(results, _), conclusion=phrase)
+
+
+def _block(results: Results, _: Texts) -> HeadlinePart:
+    """The displacement of a rigid block in the earthquake, where nothing liquefies."""
+    config = results.config
+    shaken = config.earthquake != EarthquakeSettings() or bool(config.sliding_block.accelerogram)
+    found = {
+        _("Newmark's block") if row.kind == "block" else row.method: row.displacement_m
+        for row in (estimates(config.section, config, results.kc, results.slip_surface) if shaken else ())
+        if row.kind in ("block", "block regression") and row.displacement_m is not None
+    }
+    if not found:
+        phrase = _("No layer of the section liquefies, so no slide was computed.")
+        return HeadlinePart(name=_("slide after liquefaction"), value="–", interval="", conclusion=phrase)
+    each = [_("{slide} by {method}", slide=metres(slide), method=method) for method, slide in found.items()]
+    phrase = _(
+        "No layer of the section liquefies. In the earthquake the ground that fails slides as a rigid block: {each}.",
+        each=_.listed(each),
+    )
+    interval = _("by {number} methods of a rigid block that loses no strength", number=len(found))
+    name = _("displacement in the earthquake")
+    return HeadlinePart(name=name, value=span(list(found.values())), interval=interval, conclusion=phrase)
 
 
 Slides = Mapping[int, CaseAnswer] | Mapping[int, PointCase] | Mapping[int, CaseAnswer | PointCase]

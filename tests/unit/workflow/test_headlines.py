@@ -54,3 +54,18 @@ def test_the_interval_of_a_slide_is_that_of_the_method_nearer_to_known_slides(
     point = SimpleNamespace(slide_max_m=1.0, settled=True, reason="", stopped_by=None)
     both = results(run, cases=slides, mpm=cast(Any, SimpleNamespace(cases={1: point})))
     assert headlines(both, Texts())[2].interval.startswith(told)
+
+
+def test_where_nothing_liquefies_the_third_number_is_that_of_a_rigid_block_in_the_earthquake() -> None:
+    data = {**slope(), "earthquake": {"magnitude": 6.8, "peak_acceleration": "0.3 g"}}
+    weak = headlines(results(analysed(data), fem=fem(analysed(data), 0.05)), Texts())[2]
+    assert weak.name == "displacement in the earthquake"
+    assert weak.conclusion.startswith(
+        "No layer of the section liquefies. In the earthquake the ground that fails slides"
+    )
+    assert "by Newmark's block" in weak.conclusion
+    assert weak.value in weak.conclusion or " to " in weak.value
+    stable = headlines(results(analysed(data), fem=fem(analysed(data), 0.5)), Texts())[2]
+    assert stable.conclusion.count("0 m by") >= 1
+    quiet = headlines(results(analysed(slope()), fem=fem(analysed(slope()), 0.05)), Texts())[2]
+    assert (quiet.name, quiet.value) == ("slide after liquefaction", "–")
