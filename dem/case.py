@@ -23,7 +23,8 @@ def _of_liquefied_soil(strength: Quantity) -> Quantity:
     number = str(strength.written).split()[0]
     meant = f' (did you mean "{number} kPa"?)' if least <= factor * strength <= most else ""
     raise ValueError(
-        f"{strength / 1e3:.6g} kPa is beyond what there is{meant}; expected 0, or {least / 1e3:g} to {most / 1e3:g} kPa"
+        f"{strength / 1e3:.6g} kPa is no residual strength of soil{meant}; expected 0, or {least / 1e3:g} to "
+        f"{most / 1e3:g} kPa"
     )
 
 
@@ -117,7 +118,7 @@ class Case(Model):
     @model_validator(mode="after")
     def _one_residual(self) -> Self:
         if self.residual and self.residual_strength:
-            raise ValueError("residual and residual_strength: expected one of them")
+            raise ValueError("residual and residual_strength: expected only one of them")
         return self
 
 

@@ -34,7 +34,7 @@ def with_line_strengths(table: PairTable, strengths: Sequence[Strength | None], 
     for strength in distinct:
         if strength.friction < 0.0 or strength.cohesion < 0.0 or (law == "paper" and strength.cohesion > 0.0):
             raise ValueError(
-                f"rigid lines: expected friction of at least 0, cohesion for soil discs alone, not {strength}"
+                f"rigid lines: expected friction of at least 0, and cohesion only for soil discs, not {strength}"
             )
         block = table.lines.copy()
         block[[MU, MU_OTHER]], block[[COHESION, COHESION_OTHER]] = strength.friction, strength.cohesion

@@ -134,11 +134,11 @@ def liquefy(model: DiscState, onset: Onset) -> None:
     paper's discs, and for a period that is too short.
     """
     if model.law != "soil":
-        raise ValueError("discs: only those of law='soil' liquefy; the paper's take the factors of their case")
+        raise ValueError("discs: only those of law='soil' liquefy; the paper's discs have the factors of their case")
     reach = model.reach or 2.0 * REACH * float(model.radius[~model.fixed].mean())
     if model.period is not None and model.period[0] < NEEDED * (reach + model.skin):
         raise ValueError(
-            f"discs: liquefied ground wants a period of at least {NEEDED * (reach + model.skin):.3g} m, "
+            f"discs: liquefied ground needs a period of at least {NEEDED * (reach + model.skin):.3g} m, "
             f"three times the range of its pore pressure kernel; it is {model.period[0]:g} m"
         )
     if not len(model.liquefied):

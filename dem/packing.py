@@ -159,7 +159,7 @@ def periodic_packing(
     """
     length, rise = upper[-1] - upper[0]
     if not np.allclose(lower[-1] - lower[0], (length, rise)):
-        raise ValueError("periodic ground rises from its left to its right side by as much at its base as at its top")
+        raise ValueError("periodic ground: expected the same rise from left to right at the base and at the surface")
     shift = np.array([length, rise])
     walls = np.vstack([_thrice(lower, shift), _thrice(upper, shift)[::-1]])
     outline = np.vstack([lower, upper[::-1]])
@@ -190,7 +190,7 @@ def _grown_discs(
     """
     radius, spread, porosity = grains
     if not (0.0 <= spread < 1.0 and 0.0 < porosity < 1.0):
-        raise ValueError(f"a spread of {spread} or a porosity of {porosity} cannot be: both lie between 0 and 1")
+        raise ValueError(f"a spread of {spread} or a porosity of {porosity} is not possible: both are between 0 and 1")
     rng = np.random.default_rng(seed)
     room = _area(outline) * (1.0 - porosity)
     count = round(room / (np.pi * radius**2 * (1.0 + spread**2 / 3.0)))
@@ -213,7 +213,7 @@ def _grown_discs(
     if deepest > OVERLAP * radius:
         raise ValueError(
             f"{count} discs for a porosity of {porosity:g} still overlap by {deepest / radius:.3g} of their mean "
-            f"radius after {sweeps} sweeps, {OVERLAP:g} is allowed: ask for more voids, a wider spread, or more sweeps"
+            f"radius after {sweeps} sweeps, {OVERLAP:g} is allowed: use more voids, a wider spread, or more sweeps"
         )
     return x, z, sizes
 

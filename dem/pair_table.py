@@ -59,7 +59,7 @@ def pair_table(
         raise ValueError(f"law is 'paper' or 'soil', not {law!r}")
     values = _columns(layers)
     if law == "paper" and any(s.contact_cohesion or s.rolling_friction or s.stop for s in layers):
-        raise ValueError("contact cohesion, rolling friction and stop belong to soil discs: take law='soil'")
+        raise ValueError("contact cohesion, rolling friction and stop are properties of soil discs: use law='soil'")
     n = len(layers)
     pairs = _square(values, mean)
     held = np.maximum(values[row.KN], [layer.boundary for layer in layers])

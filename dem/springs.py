@@ -105,7 +105,7 @@ class LayerSprings:
             if not getattr(self, key) >= 0.0:
                 raise ValueError(f"layer {self.name}: {key} must not be negative, is {getattr(self, key)}")
         if self.friction < 0.0 and not self.contact_cohesion > 0.0:
-            raise ValueError(f"layer {self.name}: friction may be negative beside a contact cohesion, not without one")
+            raise ValueError(f"layer {self.name}: friction may be negative only together with a contact cohesion")
         if not 0.0 <= self.faded <= 1.0:
             raise ValueError(f"layer {self.name}: faded must lie between 0 and 1, is {self.faded}")
         if not (self.alpha >= 1.0 and self.beta > 1.0):
@@ -151,7 +151,7 @@ def wave_speeds(youngs_modulus: float, poissons_ratio: float, density: float) ->
     """Wave velocities V_p and V_s (m/s), eqs. (7) and (8); modulus in Pa, density in kg/m3."""
     e, nu, rho = youngs_modulus, poissons_ratio, density
     if not (e > 0.0 and 0.0 <= nu < 0.5 and rho > 0.0):
-        raise ValueError(f"no elastic soil: E = {e} Pa, nu = {nu}, density = {rho} kg/m3")
+        raise ValueError(f"not an elastic soil: E = {e} Pa, nu = {nu}, density = {rho} kg/m3")
     vp = np.sqrt((1.0 - nu) * e / (rho * (1.0 - 2.0 * nu) * (1.0 + nu)))
     return float(vp), float(np.sqrt(e / (2.0 * rho * (1.0 + nu))))
 

@@ -201,7 +201,7 @@ def _from_gmsh(section: Section, method: str) -> QuadMesh:
         kind = gmsh.model.mesh.getElementProperties(next(iter(others)))[0]
         _, node_tags = gmsh.model.mesh.getElementsByType(next(iter(others)))
         place = coordinates.reshape(-1, 3)[np.flatnonzero(tags == node_tags[0])[0]]
-        raise BadMeshError(f"gmsh left a {kind} near x = {place[0]:.2f} m, z = {place[1]:.2f} m; try another size")
+        raise BadMeshError(f"gmsh made a {kind} near x = {place[0]:.2f} m, z = {place[1]:.2f} m; try another size")
 
     cells, stratum, boundaries = [], [], {}
     for k, group in enumerate(group_names([layer.name for layer in section.strata])):
@@ -232,7 +232,7 @@ def refuse_bare_ground(cells: np.ndarray, boundary: np.ndarray, tags: np.ndarray
     bare = without_cells(cells, boundary)
     if len(bare):
         x, z, _ = coordinates.reshape(-1, 3)[np.flatnonzero(tags == bare[0, 0])[0]]
-        raise BadMeshError(f"gmsh left ground without cells near x = {x:.2f} m, z = {z:.2f} m; try another size")
+        raise BadMeshError(f"gmsh made no cells near x = {x:.2f} m, z = {z:.2f} m; try another size")
 
 
 def refuse_other_ground(mesh: QuadMesh, layers: Layering) -> None:
@@ -252,7 +252,7 @@ def refuse_other_ground(mesh: QuadMesh, layers: Layering) -> None:
     around = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
     if abs(around - length) > SAME * length:
         raise BadMeshError(
-            f"gmsh left a slit in the ground: its outline is {around:.6g} m long for {length:.6g} m; try another size"
+            f"gmsh left a gap in the mesh: its outline is {around:.6g} m long for {length:.6g} m; try another size"
         )
 
 

@@ -164,7 +164,7 @@ def _triangulated(section: Section, sizes: Sizes, repeats: bool) -> TriMesh:
     worst = int(np.argmin(mesh.areas))
     if mesh.areas[worst] <= 0.0:
         x, z = mesh.points[mesh.cells[worst]].mean(axis=0)
-        raise BadMeshError(f"gmsh left a flat triangle near x = {x:.2f} m, z = {z:.2f} m")
+        raise BadMeshError(f"gmsh made a triangle without area near x = {x:.2f} m, z = {z:.2f} m")
     return mesh
 
 

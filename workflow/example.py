@@ -24,7 +24,7 @@ def write_example(path: Path, name: str | None = None) -> None:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
     except FileExistsError:
-        raise InputError(str(path), ["is there already; expected the name of a new file"]) from None
+        raise InputError(str(path), ["exists already; expected the name of a new file"]) from None
     except OSError as error:
         raise InputError(str(path), [f"cannot be written: {error.strerror or error}"]) from None
 

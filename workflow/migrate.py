@@ -24,9 +24,7 @@ def migrate(
     if to is not None and write:
         raise InputError("noshiro migrate", ["expected --out FILE or --write, not both"])
     if to is not None and to.exists():
-        raise InputError(
-            str(to), ["is there already; expected the name of a new file, or --write to change the old one"]
-        )
+        raise InputError(str(to), ["exists already; expected the name of a new file, or --write to change the old one"])
     read_toml(section)  # tells what is wrong with the file
     with section.open(encoding="utf-8-sig", newline="") as file:  # ends of lines stay as they are
         text, changes = rewritten(file.read(), str(section))

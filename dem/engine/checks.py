@@ -27,7 +27,7 @@ def check_finite(model: DiscModel, kept: str) -> None:
     fine &= np.isfinite(model.vr)
     raise NotFiniteError(
         f"{_place(model, int(np.argmin(fine)))} has a position or velocity that is no number; {int((~fine).sum())} "
-        f"discs in all. Check the input of that disc, or take a smaller step. {kept}"
+        f"discs in all. Check the input of this disc, or use a smaller step. {kept}"
     )
 
 
@@ -39,8 +39,8 @@ def check_speed(model: DiscModel, dt: float, kept: str) -> None:
     if speed[disc] * dt > FASTEST * least:
         raise SpeedError(
             f"{_place(model, disc)} moves at {speed[disc]:.4g} m/s, {speed[disc] * dt / least:.2g} of the smallest "
-            f"radius in one step: it could pass another without touching it. Take dt <= "
-            f"{FASTEST * least / speed[disc]:.3g} s, or find out what made it so fast. {kept}"
+            f"radius in one step: it could pass through another disc. Use dt <= "
+            f"{FASTEST * least / speed[disc]:.3g} s, or find the cause of this speed. {kept}"
         )
 
 
@@ -85,8 +85,8 @@ def check_escape(model: DiscModel, kept: str) -> None:
     line, disc = first_behind(model.x, model.z, model.radius, model.fixed, model.lines)
     if disc >= 0:
         raise EscapeError(
-            f"{_place(model, disc)} is behind rigid line {line}. The boundary did not hold it: take a smaller step, or "
-            f"stiffer springs for the layer beside it. {kept}"
+            f"{_place(model, disc)} is behind rigid line {line}. The boundary did not stop it: use a smaller step, "
+            f"or stiffer springs in the adjacent layer. {kept}"
         )
 
 

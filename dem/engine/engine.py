@@ -142,9 +142,7 @@ class Engine:
         stable = largest_step(model)
         if self.dt == "auto":
             if not np.isfinite(stable.seconds):
-                raise StepTooLargeError(
-                    "no two discs can touch, so there is no stable step to take a share of: give dt in s"
-                )
+                raise StepTooLargeError("no two discs can touch, so there is no stable time step: give dt in s")
             return AUTO_SHARE * stable.seconds
         self._refuse(model, self.dt, stable)
         return self.dt
@@ -153,8 +151,9 @@ class Engine:
         if dt > stable.seconds:
             d = stable.disc
             raise StepTooLargeError(
-                f"dt = {dt:.4g} s is above the stable step of {stable.seconds:.4g} s that disc {d} at x = "
-                f"{model.x[d]:.4g} m, z = {model.z[d]:.4g} m sets at t = {model.time:.6g} s. Take dt = 'auto' or less."
+                f"dt = {dt:.4g} s is above the stable step of {stable.seconds:.4g} s that disc {d} at "
+                f"x = {model.x[d]:.4g} m, z = {model.z[d]:.4g} m allows at t = {model.time:.6g} s. "
+                "Use dt = 'auto' or less."
             )
 
     def measure(self, model: DiscModel) -> EnergyBalance:

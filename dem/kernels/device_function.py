@@ -27,4 +27,4 @@ def device_function(**options: Any) -> Callable[[Any], Any]:
 
 
 def _refuse(*_: Any, **__: Any) -> None:
-    raise TypeError("this function is compiled for other kernels alone: Python cannot call it")
+    raise TypeError("this function is compiled only for other kernels: Python cannot call it")

@@ -70,7 +70,7 @@ class Sample:
             raise ValueError(f"packing is 'lattice' or 'random', not {self.packing!r}")
         columns, rows = self.size or SIZES[self.packing]
         if columns < 8 or rows < 8:
-            raise ValueError(f"a patch of {columns} x {rows} discs has no inside: at least 8 x 8")
+            raise ValueError(f"a patch of {columns} x {rows} discs has no interior; expected at least 8 x 8")
 
     def patch(self, threads: int = 1) -> "Patch":
         """The sample in its frame, not yet confined. Raises ValueError if there is no such random packing."""
@@ -150,8 +150,8 @@ class Patch:
             if self.run is not None:
                 self.run.show()
             raise EscapeError(
-                f"disc {model.order[gone]} has slipped out through the frame at t = {model.time:.6g} s, through a gap "
-                "in it. Test to a smaller strain, or take another seed."
+                f"disc {model.order[gone]} has slipped out through a gap in the frame at t = {model.time:.6g} s. "
+                "Test to a smaller strain, or take another seed."
             )
 
 

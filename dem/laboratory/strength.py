@@ -48,7 +48,7 @@ class MeasuredStrength:
 def strength(curve: Curve) -> MeasuredStrength:
     """The strength of one test. Raises ValueError for a curve that ended before its third record."""
     if len(curve.strain) < 3:
-        raise ValueError(f"{curve.kind} test at {curve.pressure:g} Pa: it stopped at once. {curve.stopped}")
+        raise ValueError(f"{curve.kind} test at {curve.pressure:g} Pa: it stopped at the start. {curve.stopped}")
     resistance = curve.resistance
     at = int(np.argmax(resistance))
     major, minor = curve.principal

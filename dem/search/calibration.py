@@ -83,7 +83,7 @@ class Calibration:
 def changed(layers: Sequence[LayerSprings], parameter: str, factor: float) -> list[LayerSprings]:
     """The layers with a factor on one parameter. Raises ValueError for an unknown parameter."""
     if parameter not in PARAMETERS:
-        raise ValueError(f"there is no parameter {parameter!r}; there are {', '.join(PARAMETERS)}")
+        raise ValueError(f"there is no parameter {parameter!r}; expected one of {', '.join(PARAMETERS)}")
     stiffness = factor if parameter in ("stiffness", "all") else 1.0
     friction = factor if parameter in ("friction", "strength", "all") else 1.0
     pore = factor if parameter in ("pore_strength", "strength", "all") else 1.0
@@ -198,7 +198,7 @@ class Calibrator:
         settings = self.settings
         if settings.model == "soil":
             if self.continuum is None:
-                raise ValueError("soil discs are pushed to a displacement that a continuum sets: give `continuum`")
+                raise ValueError("the displacement of soil discs follows from a continuum: give `continuum`")
             search, self.pushed[key] = pushover_critical_kh(
                 settled, self.ground, settings, self.continuum, threads=threads, on_trial=self.on_trial,
                 until_failed=self.until_failed,

@@ -225,7 +225,7 @@ def calm_down(model: DiscModel, ground: Ground, under: str) -> None:
             return
     raise NotSettledError(
         f"after {model.time - start:.3g} s {under} the ground is not at rest: unbalanced force ratio "
-        f"{unbalanced_ratio(model):.2g}, {SETTLED:g} is asked for. Take stiffer springs or smaller discs."
+        f"{unbalanced_ratio(model):.2g}, {SETTLED:g} is required. Use stiffer springs or smaller discs."
     )
 
 

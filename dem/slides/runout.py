@@ -111,7 +111,7 @@ def mass_quantile(model: DiscModel, share: float) -> float:
         If the share is not between 0 and 1.
     """
     if not 0.0 <= share <= 1.0:
-        raise ValueError(f"a share of the mass lies between 0 and 1, not at {share}")
+        raise ValueError(f"a share of the mass is between 0 and 1, not {share}")
     free = ~model.fixed
     order = np.argsort(model.x[free], kind="stable")
     below = np.cumsum(model.mass[free][order]) / model.mass[free].sum()

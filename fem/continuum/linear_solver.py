@@ -103,7 +103,7 @@ class LinearSolver:
         if d.inside:
             condensation.condense(self._elements, self._inverse)
             if not np.all(np.isfinite(self._inverse)):
-                raise SingularMatrixError("a cell has no stiffness inside")
+                raise SingularMatrixError("a cell has no stiffness for its inner displacement components")
         ones = self._number[held - self._exchange.first].astype(PETSc.IntType)
         try:
             self._matrix.factorise(self._elements, ones)

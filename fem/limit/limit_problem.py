@@ -349,7 +349,7 @@ def _outline(mesh: TriMesh, body: RigidPlasticBody) -> Outline:
     outline = Outline(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
     outer = np.flatnonzero(mesh.edge_cells[:, 1] < 0)
     if not np.array_equal(np.sort(outline.edges), outer):
-        raise ValueError("the boundaries of the mesh do not cover its outline once")
+        raise ValueError("the boundaries of the mesh do not cover its outline exactly once")
     return outline
 
 

@@ -176,7 +176,7 @@ def under_weight(
     if settings.sides == "periodic":
         weight = weight + pressed_sides(problem, mesh, section)
     if problem.exchange.norm(weight) == 0.0:
-        raise InputError(section.name, ["density_ordinary is 0 in all strata: there is no weight to carry"])
+        raise InputError(section.name, ["density_ordinary is 0 in all strata, so that the ground has no weight"])
     return problem, weight
 
 

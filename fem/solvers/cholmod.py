@@ -154,10 +154,10 @@ def _library() -> ctypes.CDLL:
         except OSError:
             continue
     else:
-        raise OSError("there is no libcholmod")
+        raise OSError("the library libcholmod is missing")
     version = (c_int * 3)()
     if not hasattr(library, "cholmod_version") or (library.cholmod_version(version), version[0])[1] not in VERSIONS:
-        raise OSError("CHOLMOD has another version")
+        raise OSError("the version of CHOLMOD is not one of those supported")
     if not hasattr(library, "cholmod_metis"):
         raise OSError("CHOLMOD was built without METIS")
     pointer, flag = c_void_p, c_int
@@ -191,7 +191,7 @@ def _new_settings(library: ctypes.CDLL) -> ctypes.Array:
     at = content.find(wanted)
     if at < 0:
         library.cholmod_finish(settings)
-        raise OSError("CHOLMOD has another table of settings")
+        raise OSError("the settings of this version of CHOLMOD have an unknown layout")
     numbers = (c_int * (len(wanted) // 4)).from_buffer(settings, at)
     for place, value in CHANGES.items():
         numbers[place] = value

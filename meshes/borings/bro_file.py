@@ -62,7 +62,7 @@ def read_bro(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
     except InputError:
         raise
     except (IndexError, StopIteration, ValueError) as error:
-        raise InputError(str(path), [f"{EXPECTED}; it has not all that they have, as they have it"]) from error
+        raise InputError(str(path), [f"{EXPECTED}; required parts are missing, or have another form"]) from error
     return sounding_file(path, log, [])
 
 

@@ -76,7 +76,7 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...
         apart[~layered] = apart[:, ~layered] = 0.0
         first, last = sorted(np.unravel_index(int(apart.argmax()), apart.shape))
         if apart[first, last] == 0.0:
-            raise InputError("borings", ["all borings stand at the same place"])
+            raise InputError("borings", ["all borings are at the same place"])
         way = (points[last] - points[first]) / apart[first, last]
         x, beside = (points - points[first]) @ way, (points - points[first]) @ [-way[1], way[0]]
         problems = [f"boring {log.name}: {abs(away):.1f} m off the line of the section; {REMEDY}, --off allows more "

@@ -92,7 +92,7 @@ def faults_told(path: Path, expected: str) -> Iterator[None]:
         raise InputError(str(path), [f'{expected}; it has no "{error.args[0]}"']) from error
     except (LookupError, TypeError, ValueError, AttributeError, StopIteration) as error:
         why = f" ({error})" if type(error) in (LookupError, ValueError) else ""
-        raise InputError(str(path), [f"{expected}; it has not all that they have, as they have it{why}"]) from error
+        raise InputError(str(path), [f"{expected}; required parts are missing, or have another form{why}"]) from error
 
 
 def within_reason(entries: Sequence[zipfile.ZipInfo]) -> Sequence[zipfile.ZipInfo]:

@@ -45,7 +45,7 @@ def seepage_of(
     InputError
         If the table is above no ground and no side, so that there is no water.
     SeepageError
-        If the phreatic line does not come to rest.
+        If the iteration of the phreatic line does not converge.
     """
     table = still.before
     assert table is not None  # Water sees to it
@@ -62,8 +62,8 @@ def seepage_of(
     if not np.isfinite(heads).any():
         raise InputError(
             name,
-            ["water, flow: the table lies below the base at both sides, and stands on no ground; expected water "
-             "somewhere, from which to where it flows"],
+            ["water, flow: the table is below the base at both sides, and there is no free water; expected water at "
+             "one side at least, from which it flows"],
         )  # fmt: skip
     return steady_seepage(grid, k, _without_islands(grid, heads), table, layers.tolerance)
 

@@ -15,14 +15,14 @@ def read_outline(value: Any) -> Points:
     Raises ValueError with every problem of the outline, one on each line of the message.
     """
     if not isinstance(value, list | tuple) or len(value) < 3:
-        raise ValueError("expected three or more points [[x, z], ...], the corners in turn")
+        raise ValueError("expected three or more points [[x, z], ...], the corners in order")
     points = pairs_of(value)
     again = [point for point, before in zip(points, [points[-1], *points[:-1]], strict=True) if point != before]
     crossing = _crossing(np.array(again, dtype=float)) if len(again) > 2 else None
     if crossing is not None:
         at = f"x = {crossing[0]:.6g}, z = {crossing[1]:.6g} m"
         raise ValueError(
-            f"its edges meet at {at}; expected corners in turn, along an outline that does not meet itself"
+            f"its edges meet at {at}; expected corners in order along an outline that does not cross itself"
         )
     if len(again) < 3 or polygon_area(np.array(again, dtype=float)) <= 0.0:
         raise ValueError("has no area; expected corners that do not lie on one line")

@@ -95,7 +95,7 @@ class Line(BaseModel):
         if (self.elevation is None) == (self.depth is None):
             raise ValueError("expected either elevation or depth")
         if any(depth < 0 for depth in (z for _, z in self.depth_points)):
-            raise ValueError("a negative depth lies above the ground: expected depths of 0 or more")
+            raise ValueError("a negative depth is above the ground: expected depths of 0 or more")
         return self
 
     @property

@@ -15,8 +15,8 @@ def in_name(kh: float) -> str:
 def _each_once(values: tuple[float, ...]) -> tuple[float, ...]:
     if len({in_name(value) for value in values}) < len(values):
         raise ValueError(
-            f"{list(values)}: expected every seismic coefficient once; those that agree in their first {DECIMALS} "
-            "decimals would share a picture"
+            f"{list(values)}: expected every seismic coefficient once; two that are equal to {DECIMALS} decimals "
+            "would have the same picture"
         )
     return values
 

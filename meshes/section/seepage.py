@@ -180,8 +180,8 @@ def steady_seepage(
     flow = free_surface_flow(grid, permeability, np.where(under, given, np.nan), bare & ~under)
     if not flow.converged:
         raise SeepageError(
-            "the phreatic line does not come to rest",
-            "permeabilities that differ less, or the pore pressure by a water table without flow = true",
+            "the iteration of the phreatic line does not converge",
+            "use permeabilities that differ less, or the pore pressure by a water table without flow = true",
         )
     # Water that enters and leaves by the same free water, as near its shore, does not flow through the section.
     _, pond = np.unique(np.round(heads[np.isfinite(heads)] / tolerance), return_inverse=True)

@@ -15,7 +15,7 @@ from meshes.section.water_pressure import WaterPressure
 def _read_pressure(value: Any) -> tuple[Quantity, Quantity]:
     ends = value if isinstance(value, list | tuple) else (value, value)
     if len(ends) != 2:
-        raise ValueError("expected one pressure, or one at either end")
+        raise ValueError("expected one pressure, or two, at the left and the right end")
     first, last = (STRENGTH.read(end) for end in ends)
     return first, last
 

@@ -49,7 +49,9 @@ class TensionCrack(Model):
     @model_validator(mode="after")
     def _has_bottom(self) -> Self:
         if self.bottom is None and self.water != "dry":
-            raise ValueError("water without bottom: expected bottom, such as { depth = 2.0 }, where cracks end")
+            raise ValueError(
+                "water without bottom: expected the lower end of the cracks, such as bottom = { depth = 2.0 }"
+            )
         return self
 
     def notices(self, section: Section) -> Iterator[str]:

@@ -61,7 +61,7 @@ class Water(Model):
         if self.flow and self.table is None:
             raise ValueError("flow = true without table: expected table, the levels of free water and at the sides")
         if self.flow and self.after_drawdown is not None:
-            raise ValueError("flow = true beside after_drawdown: expected one of them; seepage is steady")
+            raise ValueError("flow = true and after_drawdown: expected one of them, since seepage is steady")
         if self.cutoffs and not self.flow:
-            raise ValueError("cutoffs without flow = true: expected walls only where water flows")
+            raise ValueError("cutoffs without flow = true: expected flow = true, since walls act on seepage")
         return self

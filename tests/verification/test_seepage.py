@@ -90,7 +90,7 @@ def test_still_water_stays_still_and_a_file_written_reads_as_the_same() -> None:
     ("change", "sentence"),
     [
         ({"table": None}, "flow = true without table"),
-        ({"after_drawdown": 3.0}, "flow = true beside after_drawdown"),
+        ({"after_drawdown": 3.0}, "flow = true and after_drawdown"),
         ({"flow": False, "cutoffs": [{"x": 3, "bottom": 1}]}, "cutoffs without flow = true"),
         ({"cutoffs": [{"x": 99, "bottom": 1}]}, "not between the sides"),
         ({"cutoffs": [{"x": 30, "bottom": 11}]}, "above the ground there"),

@@ -105,7 +105,7 @@ def _chosen(components: list[RecordedSeries], wanted: str) -> RecordedSeries:
     of_acceleration = [component for component in components if component.quantity.lower().startswith("accel")]
     components = of_acceleration or components
     if not components:
-        raise ValueError("its heading is that of a record, but no values follow")
+        raise ValueError("has the heading of a record, but no values")
     if not wanted:
         if len(components) > 1:
             raise ValueError(
@@ -133,7 +133,7 @@ def _accelerogram(name: str, series: RecordedSeries, unit: str) -> Accelerogram:
     values = measured.factor * series.values
     remarks: list[str] = []
     if not values.any():
-        raise ValueError("holds zeros alone; expected a record of ground that moves")
+        raise ValueError("holds only zeros; expected a record of ground motion")
     if abs(series.time[0]) > COARSE:
         remarks.append(f"its times begin at {series.time[0]:.6g} s, and are counted from there")
         series = replace(series, time=series.time - series.time[0])
@@ -149,8 +149,8 @@ def _accelerogram(name: str, series: RecordedSeries, unit: str) -> Accelerogram:
     record = Accelerogram(name, series.format, series.time, values)
     if record.peak >= IMPOSSIBLE:
         raise ValueError(
-            f'its peak is {record.peak / GRAVITY:.3g} g where its unit is "{series.unit or unit}"; no ground has moved '
-            "so: expected acceleration, and its unit"
+            f'its peak is {record.peak / GRAVITY:.3g} g with the unit "{series.unit or unit}"; no recorded '
+            "ground motion is as large: check the unit, and that the values are accelerations"
         )
     stated = None if series.peak is None else measured.factor * series.peak
     return replace(
@@ -166,7 +166,7 @@ def _unit(series: RecordedSeries, given: str) -> MotionUnit:
     wanted = motion_unit(given) if given else None
     if named is None and wanted is None:
         raise ValueError(
-            'its heading names no unit; expected unit = "g", "m/s^2" or "gal" beside the name of the file, or a '
+            'its heading names no unit; expected unit = "g", "m/s^2" or "gal" after the name of the file, or a '
             "heading such as time (s), acceleration (g)"
         )
     if named is not None and wanted is not None and named != wanted:
@@ -175,7 +175,7 @@ def _unit(series: RecordedSeries, given: str) -> MotionUnit:
     assert unit is not None
     if series.quantity and not unit.motion.startswith(series.quantity.lower()[:5]):
         said = f"its heading says {series.quantity.lower()}, in {series.unit or given}, a unit of {unit.motion}"
-        raise ValueError(f"{said}: expected these to agree")
+        raise ValueError(f"{said}: expected equal values")
     return unit
 
 

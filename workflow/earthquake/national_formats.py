@@ -126,9 +126,7 @@ def smc(lines: Lines) -> list[RecordedSeries]:
     reals, place = fixed_numbers(lines, place, SMC_REALS, "5E15.7")
     rate = float(reals[SMC_RATE - 1])
     if not 0.0 < rate < SMC_NO_VALUE:
-        raise ValueError(
-            f"real value {SMC_RATE} of its heading, the samples in a second, is {rate:g}; expected above 0"
-        )
+        raise ValueError(f"real value {SMC_RATE} of its heading, the samples per second, is {rate:g}; expected above 0")
     while place < len(lines) and lines[place].startswith("|"):
         place += 1
     values, _ = fixed_numbers(lines, place, int(integers[SMC_COUNT - 1]), "8E10.4")

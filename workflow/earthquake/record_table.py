@@ -122,7 +122,7 @@ def _split(lines: Sequence[str]) -> tuple[list[str], list[list[float]]]:
         row = None if text.startswith(("#", "%", "!")) else _row(text.partition("#")[0])
         if rows and row and not np.isfinite(row).all():
             raise ValueError(
-                f"line {number}: {text!r}: a value is missing or not finite; expected a number in every row"
+                f"line {number}: {text!r}: a value is missing or not finite; expected a number in every column"
             )
         if row is None and rows and text and not text.startswith(("#", "%", "!")):
             raise ValueError(f"line {number}: {text!r}: expected {_numbers(len(rows[0]))}")
@@ -226,8 +226,8 @@ def _times(values: np.ndarray, column: Column) -> np.ndarray:
     same = np.flatnonzero(np.diff(values) == 0.0)
     if len(values) >= VALUES_IN_A_ROW and len(same) > SAME_TIMES * len(values):
         raise ValueError(
-            f"{len(same)} of its {len(values)} times are those before them, as {values[same[0]]:g}: they were written "
-            "with too few digits; expected them to rise"
+            f"{len(same)} of its {len(values)} times are equal to the time before, such as {values[same[0]]:g}: they "
+            "have too few digits; expected rising times"
         )
     typical = float(np.median(np.diff(values))) * second
     if len(values) >= 50 and typical > LONGEST_STEP:

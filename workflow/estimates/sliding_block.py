@@ -38,7 +38,7 @@ def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float) -> Slide:
     block slides it slides on, with no acceleration, until it stops. Raises ValueError if kc is not above 0.
     """
     if not kc > 0.0:
-        raise ValueError(f"kc = {kc:g}: expected a critical seismic coefficient above 0; such a block never stops")
+        raise ValueError(f"kc = {kc:g}: expected a critical seismic coefficient above 0; such a block does not stop")
     excess = np.asarray(acceleration, dtype=float) - kc * GRAVITY
     t, v, u = [float(time[0])], [0.0], [0.0]
     for i in range(len(time) - 1):

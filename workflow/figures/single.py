@@ -86,7 +86,7 @@ def _draw_discs(job: Job, field: str, at: float | None) -> list[Path]:
     results = Results.of(job)
     if results.dem is None:
         why = results.missing.get("calibrate", "the stage calibrate ended without an answer")
-        raise InputError(str(job.store.folder), [f"holds no discs: {why}"])
+        raise InputError(str(job.store.folder), [f"has no discs: {why}"])
     kept = results.dem.states
     states = [state for state in kept if at is None or abs(state.kh - at) < SAME_KH]
     if not states:

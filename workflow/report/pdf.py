@@ -62,7 +62,7 @@ def _print(name: str, line: list[str], printed: Path) -> None:
     try:
         done = subprocess.run(line, capture_output=True, text=True, timeout=PATIENCE, check=False)
     except (OSError, subprocess.TimeoutExpired) as error:
-        raise InputError("--pdf", [f"{name} did not print: {error}"]) from None
+        raise InputError("--pdf", [f"{name} could not print the report: {error}"]) from None
     if done.returncode < 0 or not printed.is_file():
         messages = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
-        raise InputError("--pdf", [f"{name} did not print: {messages[0]}"])
+        raise InputError("--pdf", [f"{name} could not print the report: {messages[0]}"])

@@ -56,5 +56,5 @@ def read_histories(store: Store) -> list[SlideHistory]:
     except ValueError as error:
         if isinstance(error, OtherVersionError):
             raise
-        raise OtherVersionError(str(path), [f"line {table.line_num} is none of this version: {error}"]) from None
+        raise OtherVersionError(str(path), [f"line {table.line_num} is of another version: {error}"]) from None
     return [SlideHistory(springs, case, tuple(rows)) for (springs, case), rows in histories.items()]

@@ -102,7 +102,7 @@ class Store:
         try:
             return json.loads(path.read_text(encoding="utf-8"))
         except FileNotFoundError:
-            raise InputError(str(path), ["there is no such file; run the stage that writes it"]) from None
+            raise InputError(str(path), ["there is no such file; run the stage that writes this file"]) from None
         except (OSError, ValueError) as error:
             raise InputError(str(path), [f"cannot be read: {error}; delete it and run again"]) from None
 

@@ -111,13 +111,13 @@ def _made(files: Sequence[Path], out: Path, reading: Reading) -> list[str]:
         raise InputError("section", [f"{', '.join(map(str, files))}: {messages}"])
     if kinds == {".toml"}:
         if out.suffix.lower() != DRAWING:
-            raise InputError("--out", [f"{out}: expected a .dxf file, to draw the section"])
+            raise InputError("--out", [f"{out}: expected the name of a .dxf file for the drawing of the section"])
         return [
             *_minded(write_dxf(Config.load(files[0]).section, out)),
             f"{out} has the strata as closed polylines on layers of their names.",
         ]
     if out.exists():
-        raise InputError(str(out), ["is there already; expected the name of a new file"])
+        raise InputError(str(out), ["exists already; expected the name of a new file"])
     name = re.sub(r"\W+", "_", out.stem, flags=re.ASCII).strip("_")[:80] or "section"
     if kinds <= set(MODELS):
         model = MODELS[kinds.pop()](files[0], name, reading.part)

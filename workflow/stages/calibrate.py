@@ -18,7 +18,7 @@ def work(job: Job) -> None:
     if fem.verdict == "no failure":
         raise NoAnswerError(
             f"the section does not fail ({fem.reason}), so there is no critical Kh to calibrate the discs to",
-            "raise fem.kh_limit, or look at a weaker section",
+            "raise fem.kh_limit, or use a weaker section",
         )
     calibrate_stage(job.config, job.store, job.progress, job.executor)
 

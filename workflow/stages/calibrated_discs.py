@@ -79,7 +79,7 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
         CalibrationAnswer.of(searched.base, None, config.dem.tolerance).write(store)
         raise NoAnswerError(
             f"the discs have no critical Kh before calibration: {searched.base.verdict}, {searched.base.reason}",
-            "other springs, or another packing in [dem], may have one",
+            "try other springs, or another packing in [dem]",
         )
     progress("states of the discs at the recorded Kh", None)
     continuum = continuum_for(config, store) if config.dem.model == "soil" else None
@@ -103,8 +103,8 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
         raise NoAnswerError(
             calibration.reason,
             f"take another packing, dem.seed = {config.dem.seed + 1}, since packings differ by a tenth, or more "
-            "discs where the ground that slides is but a few of them thick; widen dem.range, or set "
-            'dem.out_of_reach = "go on" for the closest',
+            "discs if the sliding ground is only a few discs thick; widen dem.range, or set "
+            'dem.out_of_reach = "go on" to continue with the closest factor',
         )
 
 

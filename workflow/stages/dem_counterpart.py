@@ -147,6 +147,6 @@ def _watch(flow: str, mesh: QuadMesh, tell: Tell) -> "PathListener":
     def step(path: "EquilibriumPath") -> None:
         tell((f"the continuum with {flow}: path at Kh = {path.factor:.4f}", None))
         if path.solves * len(mesh.cells) > WORK:
-            raise _TakesTooLongError("the path takes too long", "")
+            raise _TakesTooLongError("the equilibrium path takes too long", "")
 
     return step

@@ -111,7 +111,7 @@ def run(
     series = [*_series("radius", *over_radius, within), *_series("step", *over_step, within)]
     missing = tuple(dict.fromkeys(row.reason for row in rows if row.answer is None))
     if not series:
-        raise NoAnswerError("; ".join(missing), "look at one run of this section first: noshiro run")
+        raise NoAnswerError("; ".join(missing), "run this section once to see the reasons: noshiro run")
     answer = ConvergenceAnswer(
         section=SectionLabel.of(config.section),
         within=within,

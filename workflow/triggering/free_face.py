@@ -38,7 +38,7 @@ class FreeFaceSettings(Model):
     def distance_and_height(self, ground: np.ndarray) -> tuple[float, float]:
         """Distance L (m) from the toe to the required place, and height H (m) of the free face."""
         if self.crest is None or self.toe is None:
-            raise ValueError("there is no free face")
+            raise ValueError("the section has no free face")
         upper, lower = np.interp([self.crest, self.toe], *ground.T)
         place = self.crest if self.at is None else self.at
         return abs(float(place) - float(self.toe)), float(upper - lower)

@@ -49,7 +49,7 @@ def places(data: Any, path: str) -> Iterator[Place]:
         yield (path,)  # not set so far; whether there is such a key is found out as for a file
     elif name is None:
         there = ", ".join(dict.fromkeys(entries)) or "nothing"
-        raise ValueError(f'"{path}" leads nowhere; there is {there}')
+        raise ValueError(f'"{path}" is unknown; expected one of {there}')
     elif path == name:
         yield (entries[name],)
     else:
@@ -91,7 +91,7 @@ def _moved(before: Any, distribution: Distribution, value: Any) -> Any:
     if isinstance(before, list):
         return [_moved(inside, distribution, value) for inside in before]
     if before is None:
-        raise ValueError("is not set in the file; expected a number there to shift or to multiply")
+        raise ValueError("is not set in the file; expected a number there, which is shifted or multiplied")
     number, unit = measured(before)
     if distribution.does == "factor":
         number *= float(value)

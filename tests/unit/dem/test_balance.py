@@ -214,7 +214,7 @@ def test_kh_is_taken_away_again(ground: Ground) -> None:
 
 
 def test_a_case_has_one_residual() -> None:
-    with pytest.raises(ValueError, match="residual and residual_strength: expected one of them"):
+    with pytest.raises(ValueError, match="residual and residual_strength: expected only one of them"):
         Case(residual=0.1, residual_strength="4 kPa")
 
 

@@ -65,5 +65,5 @@ def test_section_that_fails_under_its_own_weight_says_how_much_it_carries():
 def test_densities_of_zero_are_told_apart():
     # A stratum cannot be given a density of 0; what is built from one can.
     weightless = soil().model_copy(update={"density_ordinary": 0.0})
-    with pytest.raises(InputError, match="density_ordinary is 0 in all strata: there is no weight to carry"):
+    with pytest.raises(InputError, match="density_ordinary is 0 in all strata, so that the ground has no weight"):
         answer(section(SLOPE, 6.0, weightless, unusual=True))

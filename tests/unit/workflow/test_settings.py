@@ -113,7 +113,7 @@ def test_the_commented_settings_of_the_example_exist() -> None:
     ("kh", "told"),
     [
         ([0.2, 0.2], "kh: [0.2, 0.2]: expected every seismic coefficient once"),
-        ([0.2, 0.3, 0.2004], "those that agree in their first 3 decimals would share a picture"),
+        ([0.2, 0.3, 0.2004], "two that are equal to 3 decimals would have the same picture"),
         ([-0.1], "kh 1 = -0.1: input should be greater than or equal to 0"),
         ([15.0], "kh 1 = 15.0: input should be less than or equal to 5"),
     ],

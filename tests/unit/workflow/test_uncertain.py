@@ -108,7 +108,7 @@ def test_all_that_is_wrong_is_told_at_once() -> None:
         })  # fmt: skip
     told = "\n".join(caught.value.problems)
     for words in (
-        '"strata.uper.cohesion": "uper.cohesion" leads nowhere; there is upper, lower, 1, 2',
+        '"strata.uper.cohesion": "uper.cohesion" is unknown; expected one of upper, lower, 1, 2',
         "has the wrong dimension",
         'did you mean "sides"',
         'surface": holds more than one number',
