@@ -219,6 +219,6 @@ def thin_crust(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[
     if crust >= 4.0 * ground.radius:
         return []
     return [
-        f"what lies on ground that liquefies is {crust:.2g} m thick in discs, less than two discs: it sinks and drifts "
-        f"by its packing, and follows a bank too little; check it with discs of {crust / 4.0:.2g} m radius"
+        f"the ground above the liquefied strata is {crust:.2g} m thick in discs, less than two discs: discs of this "
+        f"size move at random and underestimate its slide behind a bank; check with discs of {crust / 4.0:.2g} m radius"
     ]

@@ -65,9 +65,9 @@ def test_from_the_file_to_what_liquefies(said: Ask) -> None:
     assert '"Levee fill, below water"' not in told
     told = said("liquefaction", "levee.toml")
     assert '"Loose sand" below water liquefies: F_L is below 1 in 100 % of it' in told
-    assert '"Levee fill" was not judged (above the water table).' in told
-    assert '"Soft clay" was not judged (plasticity index 35 % is at least 7 %: behaves as clay).' in told
-    assert '"Loose sand" was not judged (above the water table).' in told
+    assert '"Levee fill" was not assessed (above the water table).' in told
+    assert '"Soft clay" was not assessed (plasticity index 35 % is at least 7 %: behaves as clay).' in told
+    assert '"Loose sand" was not assessed (above the water table).' in told
     assert '"Dense sand" does not liquefy' in told
     assert "below 1 in 0 % of it;" not in told
     risks = dict(re.findall(r"(B-\d \w+): liquefaction potential index P_L = [\d.]+, risk ([a-z ]+)\.", told))

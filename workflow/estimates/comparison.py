@@ -17,12 +17,12 @@ from workflow.tables import Tables
 
 NEWMARK = "N. M. Newmark, Géotechnique 15 (1965) 139-160"
 NEWMARK_VALIDITY = (
-    "rigid ground above one slip surface whose strength stays; no liquefaction, no change of shape; "
-    "an index of hazard rather than a forecast"
+    "rigid ground above one slip surface of constant strength; no liquefaction, no change of shape; an index of "
+    "hazard rather than a prediction"
 )
 HAMADA = "M. Hamada, S. Yasuda, R. Isoyama, K. Emoto (1986)"
 HAMADA_VALIDITY = (
-    "60 sections in Niigata and Noshiro: gentle slopes of liquefied sand; shaking and strength do not enter"
+    "60 sections in Niigata and Noshiro: gentle slopes of liquefied sand; independent of shaking and strength"
 )
 PAPER = "the paper"  # on S-13
 S13_STRATA = ("1 Ts", "2 Ac1", "3 Asd", "4 Asd", "5 Asd", "6 As1", "7 Ac2", "8 As1", "9 Ac3", "10 Base")
@@ -148,7 +148,7 @@ def _smooth(section: Section) -> Estimate:
     slope = mean_inclination(section)
     plane = SmoothPlane(slope)
     if plane.acceleration <= 0.0:
-        words = "the ground is level from end to end: no acceleration"
+        words = "the ends of the ground are level: no acceleration"
     else:
         words = (
             f"{math.degrees(slope):.1f}° gives {plane.acceleration:.2f} m/s²; 3 m take {plane.time_for(3.0):.1f} s, "
@@ -156,7 +156,7 @@ def _smooth(section: Section) -> Estimate:
         )
     return Estimate(
         "smooth block", "block without friction on the mean slope", None, words, f"{PAPER}, Sec. 5",
-        "no strength at all is left on the slip surface; a limit, not an estimate",
+        "no strength on the slip surface; a limit, not an estimate",
     )  # fmt: skip
 
 

@@ -40,7 +40,7 @@ from workflow.estimates.slope_displacement import (
 from workflow.tables import Tables
 from workflow.triggering.assessment import Judged, assess, normalised_counts
 
-BLOCK = "a rigid mass on a slip surface whose strength stays; no liquefaction"
+BLOCK = "a rigid mass on a slip surface of constant strength; no liquefaction"
 YOUD_TITLE, ZHANG_TITLE = "Youd, Hansen & Bartlett (2002)", "Zhang, Robertson & Brachman (2004)"
 YOUD_RANGE = (
     "M 6-8, slopes of 0.1-6 % or free faces of W = 1-20 %, 1-15 m with (N1)60 below 15, fines up to 50 %, "
@@ -77,7 +77,7 @@ def empirical(section: Section, settings: Tables, kc: float | None, slip_surface
         if bar is not None and bar.inclination > 0.0:
             words = (
                 f"L = {bar.length:.0f} m, {math.degrees(bar.inclination):.1f}°, E/(1 - ν²) = {bar.modulus / 1e6:.3g} "
-                f"MPa, {bar.density:.0f} kg/m³: the free end goes furthest"
+                f"MPa, {bar.density:.0f} kg/m³: displacement of the free end"
             )
             yield Estimate("truss", "Towhata's truss", bar.end, words, truss.SOURCE, truss.VALIDITY)
 
@@ -123,7 +123,7 @@ def _block_under_average(section: Section, settings: Tables, kc: float, slip_sur
         f"{column.record} through the layers at x = {column.x:g} m: k_max = {column.k_max(depth):.3f} "
         f"above {depth:g} m, resisted by kc = {kc:.3f} {flow}; {both[0]:.2g} and {both[1]:.2g} m either way"
     )
-    validity = f"{BLOCK}; layers that answer as level ground, equivalent linear"
+    validity = f"{BLOCK}; one-dimensional, equivalent linear site response"
     yield Estimate("block", "rigid block under the average acceleration", sum(both) / 2.0, words, MAKDISI, validity)
 
 
@@ -150,7 +150,7 @@ def _spreading(section: Section, settings: Tables, tests: Sequence[Judged]) -> I
         return
     if settings.earthquake.contradiction():
         words = (
-            f"not computed: the distance of {distance / 1000.0:g} km contradicts the peak acceleration, which counts"
+            f"not computed: the distance of {distance / 1000.0:g} km contradicts the peak acceleration, which is used"
         )
         yield Estimate("spread", YOUD_TITLE, None, words, YOUD, YOUD_RANGE)
         return
@@ -160,7 +160,7 @@ def _spreading(section: Section, settings: Tables, tests: Sequence[Judged]) -> I
     known = [(test, test.sample) for test in loose if isinstance(test.sample, Sample)]
     known = [(test, soil) for test, soil in known if soil.fines is not None and soil.d50 is not None]
     if not known:
-        words = "not computed: no blow count below 15 comes with both fines and D50"
+        words = "not computed: no blow count below 15 has both fines and D50"
         yield Estimate("spread", YOUD_TITLE, None, words, YOUD, YOUD_RANGE)
         return
     site = Spreading(

@@ -48,9 +48,9 @@ def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
     far = {number: slide for number, each in discs.items() if (slide := each.slide_by_weight_m) is not None}
     if not far:
         return
-    phrase = f"by their weight alone they slide {span(list(far.values()))} in {of_cases(list(far))}"
+    phrase = f"by their weight alone the discs slide {span(list(far.values()))} in {of_cases(list(far))}"
     if max(far.values()) > FLOWS * _relief(results):
-        yield f"The discs agree: {phrase}, until the face that is left is flat enough."
+        yield f"The discs agree: {phrase}, until the remaining face is flat enough."
     else:
         yield f"The discs are stronger than that: {phrase}."
 
@@ -63,7 +63,7 @@ def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[
     if slide.kh == 0.0 and not slide.accelerogram and far > FLOWS * _relief(results):
         yield (
             f"The discs contradict that: they slide {metres(far)} by their weight alone. They are too coarse for the "
-            "layers that liquefy, or get denser as they go; noshiro converge shows what smaller ones do."
+            "layers that liquefy, or get denser as they slide; noshiro converge repeats the slides with smaller discs."
         )
 
 
@@ -91,8 +91,8 @@ class Enough:
             f"{s.cohesion_kPa:.2g} kPa in {shown_name(s.name)} ({s.over_effective:.2g} of its mean effective stress)"
             for s in self.strata
         ]
-        more = "; a case with more strength would show how much more" if self.how == "more than" else ""
-        return f"To stand without shaking it needs {self.how} {listed(phrases)}{more}"
+        more = "; a case with more strength would determine the required strength" if self.how == "more than" else ""
+        return f"To stand without shaking the ground needs {self.how} {listed(phrases)}{more}"
 
 
 def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
@@ -154,7 +154,8 @@ def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
     flow = [case for case in answer.cases if case.stands == "flows" and case.factor_upper is not None]
     stand = [case for case in answer.cases if case.stands == "stands"]
     far = (
-        f"At most {max(measured):.3g} m were measured, on {relief:.3g} m of height, where a flow would not have stopped"
+        f"At most {max(measured):.3g} m were measured, on {relief:.3g} m of height, where a flow failure would have "
+        "moved further"
     )
     if not flow:
         yield f"{far}, and in no case does it flow."
@@ -162,9 +163,9 @@ def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
     times = listed([f"{1.0 / case.factor_upper:.2f}" for case in flow if case.factor_upper])
     names = listed([_which(case) for case in flow])
     yield (
-        f"{far}. Either it is not as the section has it, or it kept more strength than {names} "
-        f"leave{'s' if len(flow) == 1 else ''} it, at least {times} times as much: so far these strengths are on the "
-        "safe side."
+        f"{far}. Either the ground differs from the section, or it kept more strength than {names} "
+        f"leave{'s' if len(flow) == 1 else ''} it, at least {times} times as much: these strengths are on the safe "
+        "side."
     )
     if stand:
         agree = "agrees" if len(stand) == 1 else "agree"

@@ -12,8 +12,8 @@ from workflow.report.flow_rule import BLOCKS, DISCS, LIQUEFIED
 SIDES: Mapping[Sides, str] = {
     "free-field": "The sides keep their stress at rest, K0 = ν / (1 - ν), and may move horizontally, not vertically.",
     "smooth": "The sides are held horizontally and free vertically, without shear stress, as in slope programs.",
-    "fixed": "The sides are held in both directions, which helps it to stand.",
-    "periodic": "Both sides move alike, as if the section were one of many in a row.",
+    "fixed": "The sides are held in both directions, which supports the ground.",
+    "periodic": "Both sides have equal displacements, as if the section were one of many in a row.",
 }
 FLOWS: Mapping[Flow, str] = {
     "associated": "The ground yields with ψ = φ: ground that dilates less is not stronger (Radenkovic 1961).",
@@ -22,7 +22,7 @@ FLOWS: Mapping[Flow, str] = {
     "section": "Ground that yields dilates with ψ as given; its limit load is then not unique.",
 }
 DIRECTIONS: Mapping[DirectionSetting, str] = {
-    "both": "It pushes downhill in one analysis and uphill in another.",
+    "both": "It acts downhill in one analysis and uphill in another.",
     "downhill": "It pushes downhill.",
     "uphill": "It pushes uphill.",
 }
@@ -30,17 +30,17 @@ DIRECTIONS: Mapping[DirectionSetting, str] = {
 
 def assumptions(config: Config) -> Iterator[tuple[str, str]]:
     """Assumptions as pairs of a heading and sentences."""
-    yield "Plane strain", "The slope is taken to be endless across the section: nothing holds it at its ends."
+    yield "Plane strain", "There is no support from the ends of the slope across the section."
     yield (
         "Shaking",
-        "It acts as a horizontal force that does not change, Kh times g times the seismic density, and Kh is the same "
+        "It is represented by a constant horizontal force, Kh times g times the seismic density, with the same Kh "
         "everywhere: no waves, no amplification, no frequency. "
         + (f"Kv = {config.fem.vertical:g} acts with it. " if config.fem.vertical else "No vertical acceleration. ")
         + DIRECTIONS[config.fem.direction],
     )
     yield (
         "Strength",
-        "Mohr-Coulomb with c and φ as given, which fall neither with strain nor with the number of cycles. "
+        "Mohr-Coulomb with constant c and φ, which do not fall with strain or with the number of cycles. "
         + FLOWS[flow_of(config.section.strata, config.fem.flow)],
     )
     yield "Water", _water(config.section)
@@ -49,26 +49,27 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
     if config.section.surcharges:
         yield (
             "Loads",
-            "Surcharges are vertical; so much of their mass as is given shakes with the ground. Ratios of strength to "
-            "effective stress count the share of them under which the ground has consolidated.",
+            "Surcharges are vertical; the given share of their mass shakes with the ground. Ratios of strength to "
+            "effective stress include only the share of surcharges under which the ground has consolidated.",
         )
     yield "Sides and base", f"{SIDES[config.fem.sides]} The base does not move."
     yield "Sliding blocks", BLOCKS[flow_of(config.section.strata, config.fem.flow)]
     if config.section.liquefies:
         yield (
             "Liquefaction",
-            f"Which layers liquefy, and how far, is an input, not a result. They lose strength {_onset(config)} under "
+            "The layers that liquefy and their residual strength are input, not results. They lose strength "
+            f"{_onset(config)} under "
             f"{_driven(config)}. {_of_the_paper(config)}{LIQUEFIED}",
         )
         yield (
             "Discs",
-            "Some thousand discs in a plane stand for the ground. "
+            "Some thousand discs in a plane represent the ground. "
             + (
                 "Stiffness and strength of their contacts are those of the soil by element tests, with one factor on "
-                f"strength that brings them to the Kh of the finite elements. {DISCS}"
+                f"strength that makes their critical Kh equal to that of the finite elements. {DISCS}"
                 if config.dem.model == "soil"
-                else "Their springs are calibrated to the Kh of the finite elements, and to nothing else: how stiff "
-                "they are after failure, and how they dilate, is their own."
+                else "Their springs are calibrated only to the critical Kh of the finite elements, not to the "
+                "stiffness after failure or the dilation of the soil."
             ),
         )
 
@@ -83,13 +84,14 @@ def _water(section: Section) -> str:
     """How water enters the analysis."""
     if not section.water_pressure.present:
         return (
-            "Water enters by the densities and strengths given: there is no pore pressure, and none builds up with "
-            "strain."
+            "Water enters only by the given densities and strengths: there is no pore pressure, and none builds up "
+            "with strain."
         )
     head = "across the flow" if section.water_pressure.normal else "vertically"
     phrase = (
-        f"Effective stress: below the water level of each stratum pores are full, the head in them measured {head}; "
-        "above it there is none, and no suction. Water on the ground presses on it. The horizontal force acts on all "
+        "Effective stress: below the water level of each stratum pores are saturated, with the pressure head "
+        f"measured {head}; above it there is neither pore pressure nor suction. Free water loads the ground surface. "
+        "The horizontal force acts on all "
         "of the saturated mass. No excess pore pressure builds up with strain."
     )
     if section.water_pressure.flow is not None:
@@ -99,26 +101,26 @@ def _water(section: Section) -> str:
             "force acts on all of the saturated mass. No excess pore pressure builds up with strain."
         )
     if any(s.excess_pore_pressure_ratio for s in section.strata):
-        phrase += " Shaking adds the excess pore pressure given, all of it before Kh comes on."
+        phrase += " Shaking adds the given excess pore pressure, all of it before Kh acts."
     if section.water is not None and section.water.after_drawdown is not None:
-        phrase += " After the drawdown ground that does not drain keeps its pore pressure, less the water taken off it."
+        phrase += " After the drawdown undrained ground keeps its pore pressure, less the load of the removed water."
     return phrase
 
 
 def _of_the_paper(config: Config) -> str:
     """The loading of the paper's own discs, if they are computed in addition to soil discs."""
     beside = config.dem.model == "soil" and config.dem.paper
-    return f"The paper's own discs are pushed by its Kh = {PAPER_PUSH['kh']:g} for ever. " if beside else ""
+    return f"On the paper's own discs its Kh = {PAPER_PUSH['kh']:g} acts without end. " if beside else ""
 
 
 def _driven(config: Config) -> str:
     """The loading of slides, and how it differs from an earthquake."""
     words = config.slide.shaking
     if config.slide.accelerogram:
-        return f"{words}, which moves the base and all that is fixed to it as one; then it is calm"
+        return f"{words}, which moves the base and everything fixed to it as one; then there is no shaking"
     if config.slide.kh == 0.0:
         return f"{words}, as if all shaking were over"
     if config.slide.kh_cycles is not None:
-        return f"{words}: uniform cycles in the place of the irregular ones of an earthquake"
+        return f"{words}: uniform cycles instead of the irregular ones of an earthquake"
     lasts = "" if config.slide.kh_seconds is not None else " that acts until their end"
     return f"a constant {words}{lasts}, while an earthquake acts both ways and ends"

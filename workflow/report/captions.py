@@ -52,16 +52,16 @@ CAPTIONS = (
     Caption(
         r"curves",
         "both",
-        "Kh over displacement of the continuum and of the discs. Bands: brackets of the critical Kh. That of soil "
-        "discs, which harden and have no plateau, is the largest mean over a fifth of the displacement, up to the "
-        "vertical line.",
+        "Kh over displacement of the continuum and of the discs. Bands: brackets of the critical Kh. The critical Kh "
+        "of soil discs, which harden and have no plateau, is the largest mean over a fifth of the displacement, up to "
+        "the vertical line.",
         True,
     ),
     Caption(
         r"slip_surfaces",
         "both",
-        "Slip surfaces of the continuum and of the discs. Those of soil discs are drawn once a shear band has formed, "
-        "at a larger displacement than their critical Kh.",
+        "Slip surfaces of the continuum and of the discs. Slip surfaces of soil discs are drawn when a shear band has "
+        "formed, at a larger displacement than that of their critical Kh.",
         True,
     ),
     Caption(r"fem_plateau", "fem", "Continuum at the end of the path: the failure mechanism.", True),
@@ -77,13 +77,20 @@ CAPTIONS = (
     Caption(r"slip_circles", "bounds", "Limit equilibrium: the critical slip circles by Bishop's simplified method."),
     Caption(r"case(\d+)", "slide", "Case {0}, calibrated discs.", True),
     Caption(r"mpm_case(\d+)", "slide", "Case {0}, material points."),
-    Caption(r"mpm", "slide", "The surface before and after by the material point method.", True),
+    Caption(r"mpm", "slide", "The ground surface before and after the slide by the material point method.", True),
     Caption(r"history", "slide", "Settlement and slide in time.", True),
-    Caption(r"profiles", "slide", "The surface before and after on all random packings: median, and 5 to 95 %.", True),
+    Caption(
+        r"profiles",
+        "slide",
+        "The ground surface before and after the slide on all random packings: median, and 5 to 95 %.",
+        True,
+    ),
     Caption(r"case(\d+)_table2", "slide", "Case {0}, springs of Table 2 as printed."),
     Caption(r"case(\d+).*", "slide", "Case {0}."),
     Caption(
-        r"calibration", "dem", "Which parameter moves the critical Kh of the discs, and the trials of the calibration."
+        r"calibration",
+        "dem",
+        "Influence of each parameter on the critical Kh of the discs, and trials of the calibration.",
     ),
     Caption(r"dem_model", "dem", "The discs by layer, at rest under their weight. Dark: boundary elements."),
     Caption(

@@ -92,7 +92,7 @@ def fem_sentences(
 def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = True) -> str:
     """A factor of safety and the extent of its slip surface; with ``every`` also details of its computation."""
     most = f", on this mesh at most {factor.upper:.3f}" if factor.upper > factor.factor else ""
-    rest = f", with an error of the mesh of {100 * factor.rest:.1f} % or less" if factor.rest is not None else ""
+    rest = f", with a mesh error of {100 * factor.rest:.1f} % or less" if factor.rest is not None else ""
     beside = factor.davis if factor.davis is not None else factor.associated
     number = with_flow(factor.factor, answer.flow, beside, answer.estimate, "{:.3f}".format)
     if factor.verdict == "no failure":  # it is where the search ended, not where the ground fails
@@ -149,7 +149,7 @@ def edge_sentence(stratum: str, start: float, end: float, kh: float) -> str:
     """The edge of a layer without cohesion, from ``start`` to ``end`` (m), that crumbles at ``kh``."""
     when = f"at Kh = {coefficient(kh)}" if kh > 0.0 else "by its own weight"
     width = f"{end - start:.2g} m wide where it comes out of the ground at x = {start:g} m"
-    return f"The edge of {shown_name(stratum)}, {width}, has no cohesion and crumbles {when}: no failure of the slope."
+    return f"The edge of {shown_name(stratum)}, {width}, has no cohesion and crumbles {when}: no slope failure."
 
 
 def _out_at(sides: tuple[str, ...]) -> str:
@@ -186,8 +186,8 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     if ends:
         where = ", ".join(f"{x:g}" for x in answer.load_ends)
         yield (
-            f"Sand without cohesion bears nothing below the end of a load beside bare ground (x = {where} m). The "
-            f"bounds below give it half of the pressure as a cohesion, down to {answer.least_depth:g} m."
+            f"Sand without cohesion has no bearing capacity below the end of a load next to bare ground (x = {where} "
+            f"m). For the bounds below it has half of the pressure as a cohesion, down to {answer.least_depth:g} m."
         )
     name = proven(answer.strengthened_faces, ends)
     yield f"{name} with ψ = φ, the upper one for every ψ: {answer.words}."
@@ -277,10 +277,10 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
     for stratum in answer.left:
         phrases = [f"{pascals / 1e3:.1f} kPa or {stratum.residual[title]:.2f} σ'v ({title})"
                 for title, pascals in stratum.strength_Pa.items()]  # fmt: skip
-        drains = f"{100.0 * stratum.volumetric_strain:.1f} % of its volume drains away"
+        drains = f"{100.0 * stratum.volumetric_strain:.1f} % volumetric strain by drainage"
         if stratum.strain_potential > 0.0:
-            drains = f"it shears by {100.0 * stratum.strain_potential:.0f} % before it resists, and {drains}"
-        keeps = "is outside all relations of residual strength"
+            drains = f"it shears by {100.0 * stratum.strain_potential:.0f} % before it regains strength, and {drains}"
+        keeps = "is outside the range of all relations of residual strength"
         if phrases:
             keeps = f"keeps a residual strength of {', '.join(phrases)}"
         yield f"Where F_L is below 1, {shown_name(stratum.stratum)} {keeps}; {drains}."
@@ -292,13 +292,13 @@ def stratum_sentence(stratum: StratumPart) -> str:
     """Whether a stratum liquefies, or why this was not assessed."""
     name = shown_name(stratum.name)
     if not stratum.judged or stratum.share is None:
-        return f"{name} was not judged ({stratum.reason})."
+        return f"{name} was not assessed ({stratum.reason})."
     word = "liquefies" if stratum.liquefies else "does not liquefy"
     phrase = f"{name} {word}: F_L is below 1 in {100.0 * stratum.share:.0f} % of it"
     if stratum.lowest_factor is not None:
         phrase += f", smallest F_L {stratum.lowest_factor:.2f}"
     rest = stratum.tests - stratum.judged
-    return phrase + (f"; {rest} of its {stratum.tests} tests not judged ({stratum.reason})." if rest else ".")
+    return phrase + (f"; {rest} of its {stratum.tests} tests not assessed ({stratum.reason})." if rest else ".")
 
 
 def mpm_sentences(config: Config, answer: PointSlidesAnswer) -> Iterator[str]:

@@ -110,11 +110,7 @@ def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
     stopped = {number: case for number, case in points.items() if case.stopped_by is not None}
     if answer is not None and stopped:
         lengths = span([case.slide_max_m for case in stopped.values()])
-        end = (
-            "have run up against the fixed side of the section"
-            if answer.sides == "fixed"
-            else "have run out of the section"
-        )
+        end = "reach the fixed side of the section" if answer.sides == "fixed" else "leave the section"
         yield (
             f"material points {end} in {of_cases(sorted(stopped))}: {lengths} is the least that the ground slides; "
             "take a longer section (beyond)"
@@ -125,7 +121,7 @@ def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
     if along:
         yield (
             f"the uphill end of the section slides along by {span([ends[n] for n in along])} in "
-            f"{of_cases(along)}, and what lies behind it is missing: take a longer section uphill"
+            f"{of_cases(along)}, and the ground behind it is missing: take a longer section uphill"
         )
 
 

@@ -35,7 +35,7 @@ def springs_of(results: Results) -> dict[str, str]:
     """Springs of every set of slides in words, by its name."""
     calibration = results.calibration
     if calibration is not None and calibration.verdict == "out of reach":
-        words = "whose calibration failed, as near to the critical Kh of the finite elements as possible"
+        words = "whose calibration failed, with the critical Kh nearest to that of the finite elements"
     elif calibration is not None and (calibration.leaves_open or calibration.verdict == "not asked for"):
         words = fail_alike(results)
     else:
@@ -126,7 +126,7 @@ def _shallow(results: Results, fem: FemAnswer) -> Iterator[str]:
         )
     sides = fem.associated.at_sides if fem.associated is not None else ()
     if sides:
-        yield f"With ψ = φ the ground slides out at the {listed(sides)} side, where the section was cut off."
+        yield f"With ψ = φ the ground slides out of the section at the {listed(sides)} side."
 
 
 def _slides(results: Results) -> Iterator[str]:
@@ -135,7 +135,7 @@ def _slides(results: Results) -> Iterator[str]:
     if not cases:
         return
     springs = springs_of(results)
-    yield f"The slides that count are those of {springs.get(first, first)}."
+    yield f"The governing slides are those of {springs.get(first, first)}."
     yield from _prediction(results)
     yield from _by_end(cases)
     yield _interval(results)
@@ -193,7 +193,7 @@ def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
             )
     stopped = [number for number, case in cases.items() if case.stopped_by is not None]
     if stopped:
-        yield "The disc model ends where the section was cut off: in a longer section the slide would be longer."
+        yield "The disc model ends at the side of the section: in a longer section the slide would be longer."
     flowing = {number: case.slide_by_weight_m for number, case in cases.items() if case.flows}
     if flowing:
         far = about([slide for slide in flowing.values() if slide is not None])
@@ -223,7 +223,7 @@ def moved_lately(cases: Sequence[CaseNumbers]) -> str:
 APART = {
     "residual": "a residual strength of {} of the vertical effective stress",
     "residual_strength": "a residual strength of {}",
-    "strain_potential": "a shear strain of {} before it holds",
+    "strain_potential": "a shear strain of {} before strength is regained",
     "volumetric_strain": "{} less of {whose} volume",
 }
 
@@ -248,7 +248,7 @@ def _cases_are(config: Config) -> Iterator[str]:
     nothing = f", and none of {whose} {listed(lost)}" if lost else ""
     names = f" ({listed(called)})" if len(called) == len(cases) else ""
     if config.dem.paper and any(case["residual"] or case["residual_strength"] for case in cases):
-        nothing += "; the paper's own discs keep no residual strength"
+        nothing += "; the paper's own discs have no residual strength"
     yield f"In {of_cases(numbers)}{names} liquefaction leaves {listed(layers)} with {listed(phrases)}{nothing}."
 
 
@@ -280,7 +280,7 @@ def _interval(results: Results) -> str:
     weaker = all(is_weaker(case, before, strata[k], strata[j]) for (j, before), (k, case) in pairwise(cases))
     if random is not None and random.rising is not None and weaker:
         on = {0: "none", count: "each"}.get(random.rising, str(random.rising))
-        order = f" On {on} of them each case slides further than the case before."
+        order = f" On {on} of these packings each case slides further than the case before."
     return f"On {count} random packings {fail_alike(results)} the largest slide is {listed(phrases)}.{order}"
 
 
@@ -309,8 +309,8 @@ def _disagreement(results: Results) -> Iterator[str]:
         yield "The rigid block has the strength before liquefaction, so it does not predict slides after it."
     if observed:
         yield (
-            "The regression is the average of gentle slopes of liquefied sand; shaking and strength do not enter it, "
-            "and flow failures are not part of it."
+            "The regression is an average over gentle slopes of liquefied sand; it does not depend on shaking and "
+            "strength, and flow failures are excluded."
         )
     if observed and max(discs) > DISAGREE * min(observed) and not any(case.flows for case in cases.values()):
         yield (

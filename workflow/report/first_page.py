@@ -312,7 +312,8 @@ def conclusions(results: Results, _: Texts) -> Iterator[str]:
     yield from _why_kh(results, _)
     if results.cases is not None and len([name for name, cases in results.cases.sets.items() if cases]) > 1:
         yield _(
-            "The slides of the calibrated discs count; those of discs with the springs of the paper are a comparison."
+            "The slides of the calibrated discs govern; those of discs with the springs of the paper are for "
+            "comparison."
         )
     compared = [row for row in rows(results) if row.agrees is not None]
     off = [row for row in compared if not row.agrees]

@@ -9,18 +9,20 @@ from workflow.results.continuum import FemAnswer
 # When Davis's estimate counts, and when ψ = φ does.
 WHEN = (
     "Strict bounds, limit equilibrium and most strength reduction results are for ψ = φ. Davis's estimate, with "
-    "reduced strength, is low. It counts where dense ground is confined, and where a dilation angle was given."
+    "reduced strength, is low. It governs where dense ground is confined, and where a dilation angle is given."
 )
 # Which critical Kh sliding blocks resist with, and why.
 BLOCKS: Mapping[Flow, str] = {
-    "associated": "The critical Kh with ψ = φ, like the yield coefficients of limit equilibrium that such blocks and "
-    "relations were checked with.",
-    "davis": "The critical Kh by Davis's estimate, as the section sets it: with ψ = φ the blocks would slide less.",
-    "section": "The critical Kh with ψ as given, as the section sets it: with ψ = φ the blocks would slide less.",
+    "associated": "The yield coefficient is the critical Kh with ψ = φ, as in limit equilibrium, with which such "
+    "blocks and relations were checked.",
+    "davis": "The yield coefficient is the critical Kh by Davis's estimate, as set in the section: with ψ = φ the "
+    "blocks would slide less.",
+    "section": "The yield coefficient is the critical Kh with the given ψ, as set in the section: with ψ = φ the "
+    "blocks would slide less.",
 }
 # The same of discs, and of the verdict on liquefied ground.
-DISCS = "They are calibrated to the continuum with ψ as given, 0 where it is not, since discs hardly dilate."
-LIQUEFIED = "Whether the ground then stands is judged by strict bounds first, which are with ψ = φ, then by elements."
+DISCS = "They are calibrated to the continuum with the given ψ, 0 if none is given, since discs hardly dilate."
+LIQUEFIED = "Whether the ground then stands follows from strict bounds, which have ψ = φ, or else from finite elements."
 
 
 def with_flow(value: float, flow: Flow, beside: float | None, estimate: str, shown: Callable[[float], str]) -> str:
@@ -51,7 +53,7 @@ def with_flow(value: float, flow: Flow, beside: float | None, estimate: str, sho
         case "davis":
             phrase = f"{shown(value)} by {estimate}, which is no bound"
         case "section":
-            phrase = f"{shown(value)} with ψ as given on a non-associated path"
+            phrase = f"{shown(value)} with ψ as given by a non-associated path"
         case _:
             assert_never(flow)
     return phrase if beside is None else f"{phrase}; with ψ = φ: {shown(beside)}"

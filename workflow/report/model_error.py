@@ -36,7 +36,7 @@ def error_sentence(slides: Sequence[float], flows: bool | None, method: SlideMet
     if error is None or not moved:
         return ""
     if 2 * error.held < error.cases:
-        return f"{error.sentence()}: how far such ground slides is not predicted by {NAMES[method]}."
+        return f"{error.sentence()}: the slide of such ground is not predicted by {NAMES[method]}."
     if not error.bounds_slides:
         half = f"half of them within a factor of {error.middle:.2g}"
         return f"{error.sentence()}, {half}: use the slide as an order of magnitude."

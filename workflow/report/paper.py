@@ -220,7 +220,7 @@ def _other_push(results: Results) -> str:
     """A clause that the paper holds its Kh constant, where the slides have another loading; else empty."""
     slide = results.config.slide
     same = all(getattr(slide, key) == value for key, value in PAPER_PUSH.items())
-    return "" if same else f"the paper holds Kh = {PAPER_PUSH['kh']:g} for ever, these discs have {slide.shaking}; "
+    return "" if same else f"the paper holds Kh = {PAPER_PUSH['kh']:g} without end, these discs have {slide.shaking}; "
 
 
 def _smooth() -> PaperRow:

@@ -12,17 +12,17 @@ from workflow.results.residual import TwoSteps
 def residual_verdict(steps: TwoSteps, _: Texts) -> str:
     """The verdict from peak and residual strength together, in a sentence."""
     if steps.verdict == "stands":
-        return _("With residual strength wherever it has one the ground still stands without shaking.")
+        return _("With residual strength in all strata that have one the ground still stands without shaking.")
     if steps.verdict == "fails":
         return _("The ground does not stand without shaking even with its peak strength.")
     if steps.verdict == "undecided":
         return _(
-            "With its residual strength the ground does not stand without shaking; what it bears with peak strength "
-            "was not found."
+            "With its residual strength the ground does not stand without shaking; its factor of safety with peak "
+            "strength was not found."
         )
     return _(
         "With its peak strength the ground stands without shaking, with its residual strength it does not: where it "
-        "has slid before, or begins to, it continues."
+        "has slid before, or begins to slide, the slide continues."
     )
 
 

@@ -31,7 +31,7 @@ def slices_sentences(answer: SlicesAnswer) -> Iterator[str]:
         layers = " and ".join(map(shown_name, answer.weak_layers))
         yield (
             f"Warning: Slip circles cut across {layers}, thin and weaker than the ground above and below, and cannot "
-            "follow it. The slope may fail with much less. To do: rely on finite elements and strict bounds."
+            "follow it. The slope may have a much smaller factor of safety. To do: rely on finite elements and bounds."
         )
 
 
@@ -44,7 +44,8 @@ def _words(circle: CirclePart, digits: int) -> str:
     words = f"to the {circle.towards} ({ends}) {circle.bishop:.{digits}f} by Bishop's method"
     if circle.spencer is not None:
         words += f", {circle.spencer:.{digits}f} by Spencer's"
-    return words + (", below the cohesionless face, which fails before" if circle.strengthened else "")
+    below = ", for failures below the cohesionless face, which fails at a smaller Kh"
+    return words + (below if circle.strengthened else "")
 
 
 def factor_on_surface(config: Config, factor: FactorOfSafety) -> float | None:

@@ -39,11 +39,11 @@ def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
         rows = results.dem is not None and results.dem.model.packing != "random"
         yield (
             "Random packing",
-            f"The table below has the cases on random packings {fail_alike(results)}: "
+            f"The table below shows the cases on random packings {fail_alike(results)}: "
             + (
-                "what they share with the discs in rows does not come from their order."
+                "their common results with the discs in rows are not due to the order of the rows."
                 if rows
-                else "the differences between them come from the random packing alone."
+                else "their differences are due to the random packing alone."
             ),
         )
 
@@ -51,7 +51,7 @@ def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
 def _meshes(fem: FemAnswer) -> Iterator[str]:
     """Sentences on the dependence of the critical Kh on the mesh."""
     phrases = list(meshes_sentences(fem))
-    yield from phrases or ["A finer mesh gives less. To see by how much: --set 'variants.which=[\"mesh\"]'."]
+    yield from phrases or ["A finer mesh gives a smaller Kh. To see the difference: --set 'variants.which=[\"mesh\"]'."]
 
 
 def _seen(variant: Variant, kc: float | None) -> str:
@@ -79,7 +79,7 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
         " ".join([f"{mesh.quadrilaterals} quadrilaterals ({mesh.method}), {fem.element} element.", *_meshes(fem)]),
         "mesh",
     )
-    yield "Element", "Where a mesh is too coarse the two elements differ.", "element"
+    yield "Element", "On a mesh that is too coarse the two elements differ.", "element"
     yield (
         "Step",
         f"The first step of Kh was {settings.first_step:g}. Kh is an unknown on the path, not a value at which the "
@@ -104,7 +104,7 @@ def _bounds(results: Results, bounds: BoundsAnswer) -> str:
     """
     phrase = f"{bounds.words} ({bounds.sides} sides; {bounds.flow.rstrip('.')})."
     contradictions = [f"{warning.what} To do: {warning.remedy}." for warning in results.warnings_by_bounds()]
-    return " ".join([phrase, *(contradictions or ["Nothing that the finite elements found contradicts it."])])
+    return " ".join([phrase, *(contradictions or ["No result of the finite elements contradicts it."])])
 
 
 def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
@@ -114,16 +114,16 @@ def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
     if model.surface_off_mean_m is not None and model.surface_off_worst_m is not None:
         phrase += (
             f" Before the slide their surface lies {model.surface_off_mean_m:.2f} m from the section's on average, and "
-            f"{model.surface_off_worst_m:.2f} m in the worst place."
+            f"{model.surface_off_worst_m:.2f} m at the worst place."
         )
     if model.packing != "random":
         phrase += (
-            " On a triangular lattice rows must climb over each other, 30° of dilation that no parameter takes away: "
+            " On a triangular lattice rows must climb over each other, a dilation of 30° that no parameter removes: "
             "the critical Kh is calibrated, the volume change of the lattice is not."
         )
     else:
-        phrase += f" Voids take {100.0 * model.porosity:.0f} % of the area. Another seed packs them differently"
-        phrase += "." if several else "; --set 'slide.seeds=[1, 2, 3]' says how much that matters."
+        phrase += f" Voids take {100.0 * model.porosity:.0f} % of the area. Another seed gives another packing"
+        phrase += "." if several else "; --set 'slide.seeds=[1, 2, 3]' shows the influence of the packing."
     yield "Packing", phrase
     if surfaces.mean_distance_m is not None and surfaces.same_stratum_share is not None:
         deeper = ""
@@ -131,7 +131,7 @@ def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
             deeper = " Discs fail higher up, where the continuum fails at the same Kh."
         elif surfaces.excess_above is not None:
             deeper = (
-                f" Discs fail higher up: a failure of the continuum that is no deeper needs "
+                f" Discs fail higher up: for a failure of the continuum at that depth Kh must be larger by "
                 f"{100 * surfaces.excess_above:.0f} % more Kh."
             )
         yield (

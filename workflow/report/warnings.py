@@ -65,7 +65,7 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
         for text in _elsewhere(discs.slip_surface, float(np.ptp(results.config.section.outline()[:, 1]))):
             yield 2, text
         if discs.model.packing != "random":
-            yield 3, 'the discs lie in rows, which must climb over each other to slide: take dem.packing = "random"'
+            yield 3, 'the discs are in rows, which must climb over each other to slide: take dem.packing = "random"'
 
 
 def _of_cases(results: Results) -> Iterator[str]:
@@ -100,13 +100,13 @@ def _residual_strength(results: Results) -> Iterator[str]:
             none.append(number)
     if none:
         yield (
-            f"the layers that liquefy keep no strength at all in {of_cases(none)}, so that the slide has no lower "
+            f"the layers that liquefy have no residual strength in {of_cases(none)}, so that the slide has no lower "
             "limit of resistance: give a residual strength (slide.cases, residual or residual_strength)"
         )
     if at_once:
         yield (
-            f"sand that liquefies holds its residual strength at once in {of_cases(at_once)}, whereas it shears in "
-            "the field before it holds, so that a lateral spread comes out too short: give blow counts, or the shear "
+            f"liquefied sand has its residual strength without any strain in {of_cases(at_once)}, whereas in the field "
+            "it strains first, so that lateral spreads are underestimated: give blow counts, or the shear "
             "strain (slide.cases, strain_potential), at most 0.5 in loose sand"
         )
 
@@ -122,8 +122,8 @@ def _at_the_limit(results: Results) -> Iterator[str]:
         kc = case.kc
         if kc is not None and kc > 0.0 and abs(slide.kh / kc - 1.0) <= AT_LIMIT:
             yield (
-                f"in {of_cases(case.cases)} liquefied ground just stands under Kh = {coefficient(kc)}, and a slide "
-                f"under the {coefficient(slide.kh)} that is held depends on the last digit of that: take the cycles or "
+                f"in {of_cases(case.cases)} liquefied ground just stands under Kh = {coefficient(kc)}, so "
+                f"that its slide under Kh = {coefficient(slide.kh)} is undetermined: take the cycles or "
                 'the record of an earthquake (slide.kh = "earthquake", slide.accelerogram)'
             )
 
@@ -223,12 +223,12 @@ def _calibration(results: Results) -> Iterator[str]:
     elif calibration.verdict == "out of reach":
         yield (
             "calibration failed, since no factor on the strength of the discs gives the critical Kh of the finite "
-            "elements: take the slides as those of another soil"
+            "elements: the slides are those of another soil"
         )
     elif not 1.0 / CALIBRATED_FAR <= calibration.value <= CALIBRATED_FAR:
         name = calibration.parameter.replace("_", " ")
         what = {"all": "all constants", "strength": "the strength"}.get(name, f"the {name}")
         yield (
-            f"the discs fail at the critical Kh of the finite elements only with {what} of their contacts times "
+            f"the discs fail at the critical Kh of the finite elements only with {what} of the contacts multiplied by "
             f"{calibration.value:.2g}: compare the element tests of the layers"
         )

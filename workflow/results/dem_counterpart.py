@@ -24,7 +24,7 @@ class DemCounterpart(Answer):
     verdict: PathVerdict
     reason: str
     sides: Sides
-    flow: Flow = Field(description='"section": ψ as given, on a non-associated path')
+    flow: Flow = Field(description='"section": ψ as given, by a non-associated path')
     deeper_than_m: float | None = Field(
         default=None, description="where cohesionless faces fail before: failures less deep, such as discs cannot show"
     )

@@ -257,8 +257,8 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
     if ground.crust < THIN * counts.cell:
         wanted = int(CELLS_STEP * np.ceil(ground.section.layering.areas().sum() / ground.crust**2 / CELLS_STEP))
         notes.append(
-            f"{WARNING}what lies on ground that liquefies is {ground.crust:.2g} m thick, less than a cell, so that "
-            f"how far it slides is not resolved; check it with {wanted} cells (slide.mpm_cells)"
+            f"{WARNING}the ground above the liquefied strata is {ground.crust:.2g} m thick, less than a cell, so that "
+            f"its slide is not resolved; check with {wanted} cells (slide.mpm_cells)"
         )
     if ground.softened:
         listed = ", ".join(f'"{name}"' for name in ground.softened)

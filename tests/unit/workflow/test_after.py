@@ -69,8 +69,13 @@ def test_ground_that_hardly_moved_did_not_flow_and_the_report_says_what_that_mea
         cases = (after_liquefaction(1, 4.0, 0.8), after_liquefaction(2, 9.0, 1.3))
         found = LiquefiedAnswer(section=SectionLabel.of(given.section), sides="free-field", cases=cases)
         told = "\n".join(findings(results(given, liquefied=found)))
-        assert 'To stand without shaking it needs about 6 kPa in "upper" (0.15 of its mean effective stress).' in told
-        assert ("At most 0.2 m were measured, on 10 m of height, where a flow would not have stopped." in told) == said
+        assert (
+            'To stand without shaking the ground needs about 6 kPa in "upper" (0.15 of its mean effective stress).'
+            in told
+        )
+        assert (
+            "At most 0.2 m were measured, on 10 m of height, where a flow failure would have moved further." in told
+        ) == said
         assert ("at least 1.24 times as much" in told) == said
         assert ("With what was measured case 2 (case with 9 kPa) agrees." in told) == said
 
@@ -106,7 +111,9 @@ def test_sand_that_holds_its_residual_strength_at_once_is_warned_of(
     given = analysed({**data, "slide": {"cases": [kept]}})
     slides = CasesAnswer(sets={"calibrated": {1: dem_fixture.case(0.1, 0.5)}}, random=None)
     told = [
-        one for one in warned(results(given, cases=slides)) if "holds its residual strength at once in case 1" in one
+        one
+        for one in warned(results(given, cases=slides))
+        if "has its residual strength without any strain in case 1" in one
     ]
     assert bool(told) == said
 

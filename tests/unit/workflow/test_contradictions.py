@@ -285,9 +285,9 @@ def test_material_points_of_low_strength_that_slide_less_than_those_of_median_ar
 def test_material_points_that_a_side_stopped_are_not_at_rest(run: Config) -> None:
     """They lie still at the wall: the slide is a least value, told as one, and no interval ends there."""
     held = point_slide([(0.0, 0.0), (40.0, 20.0)], stopped_by="right")
-    for sides, end in (("fixed", "run up against the fixed side of"), ("smooth", "run out of")):
+    for sides, end in (("fixed", "reach the fixed side of"), ("smooth", "leave")):
         [warning] = ends_of({1: held}, sides)
-        assert warning.startswith(f"material points have {end} the section in case 1: 20")
+        assert warning.startswith(f"material points {end} the section in case 1: 20")
     assert not at_rest(held)
     assert at_rest(point_slide([(0.0, 0.0), (40.0, 20.0)]))
     stands = dem_fixture.case(0.1, 20.0).model_copy(update={"settled": False, "moved_lately_m": 0.0})
@@ -311,9 +311,9 @@ def test_points_that_leave_the_section_or_take_its_uphill_end_along_are_found() 
     assert ends_of({1: stays, 2: as_one}) == []
     leaves = point_slide([(0.0, 0.0), (40.0, 63.0)], stopped_by="right", settled=False)
     [warning] = ends_of({1: leaves, 2: stays})
-    assert warning.startswith("material points have run out of the section in case 1: 63 m is the least")
+    assert warning.startswith("material points leave the section in case 1: 63 m is the least")
     [warning] = ends_of({1: leaves, 2: stays}, "fixed")
-    assert warning.startswith("material points have run up against the fixed side of the section in case 1: 63 m is")
+    assert warning.startswith("material points reach the fixed side of the section in case 1: 63 m is")
     [warning] = ends_of({3: point_slide([(0.0, 8.0), (40.0, 20.0)])})
     assert warning.startswith("the uphill end of the section slides along by 8.0 m in case 3")
     falls_left = point_slide([(0.0, 20.0), (40.0, 8.0)], surface_before=((0.0, 0.0), (40.0, 10.0)))

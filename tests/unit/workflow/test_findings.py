@@ -104,7 +104,7 @@ def test_what_stands_beside_the_critical_kh(run: Config) -> None:
     }
     answer = fem(run).model_copy(update={**more, "warnings": (warning, known)})
     told = text(results(run, fem=answer, bounds=bounds(run, 0.30, 0.31)))
-    assert "With ψ = φ the ground slides out at the left side, where the section was cut off." in told
+    assert "With ψ = φ the ground slides out of the section at the left side." in told
     assert "At Kh = 0.050 already, the cohesionless face of upper from x = 20 to 44 m fails as an infinite" in told
     rows = {(row.value, row.conditions) for row in stability_rows(results(run, fem=answer), Texts())}
     assert ("0.306", "free-field sides, associated flow, ψ = φ") in rows
@@ -268,8 +268,8 @@ def test_what_is_doubtful_is_told(run: Config) -> None:
     discs = dem_fixture.critical(guessed, 0.24)
     told = warned(results(guessed, dem=discs, calibration=calibration))
     assert told[0] == "The ground is a reconstruction. Confirm the depths of the layers by borings."
-    assert "only with the stiffness of their contacts times 0.0075." in told[1]
-    assert told[-1].startswith("The discs lie in rows, which must climb over each other to slide.")
+    assert "only with the stiffness of the contacts multiplied by 0.0075." in told[1]
+    assert told[-1].startswith("The discs are in rows, which must climb over each other to slide.")
     model = discs.model.model_copy(update={"packing": "random"})
     loose = warned(results(guessed, dem=discs.model_copy(update={"model": model}), calibration=calibration))
     assert "rows" not in " ".join(loose)
@@ -392,10 +392,10 @@ def test_what_is_said_of_a_packing_is_of_its_kind(run: Config) -> None:
     rows = dict(sources_of_uncertainty(results(run, dem=discs, cases=cases)))
     assert "rows must climb over each other" in rows["Packing"]
     assert "Another seed" not in rows["Packing"]
-    assert "what they share with the discs in rows does not come from their order" in rows["Random packing"]
+    assert "their common results with the discs in rows are not due to the order of the rows" in rows["Random packing"]
     off = {"packing": "random", "surface_off_mean_m": 0.104, "surface_off_worst_m": 0.273}
     loose = discs.model_copy(update={"model": discs.model.model_copy(update=off)})
     told = dict(sources_of_uncertainty(results(run, dem=loose, cases=cases)))
-    assert "surface lies 0.10 m from the section's on average, and 0.27 m in the worst place." in told["Packing"]
-    assert "Another seed packs them differently." in told["Packing"]  # and two have been tried
+    assert "surface lies 0.10 m from the section's on average, and 0.27 m at the worst place." in told["Packing"]
+    assert "Another seed gives another packing." in told["Packing"]  # and two have been tried
     assert not any(word in told["Packing"] + told["Random packing"] for word in ("lattice", "rows", "order"))

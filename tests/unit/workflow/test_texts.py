@@ -156,7 +156,7 @@ def test_a_report_in_japanese_says_the_same_numbers() -> None:
         "crest slides with it. 全体のものである。</p>",
         "<sup>b</sup> Warning: 13 % of the energy is lost, so that the slide is a low estimate;<br><sup>c</sup>",
         "<td>In case 1 liquefaction leaves 砂 with a residual strength of 4.6 kPa and 4.2 kPa, a shear strain of 45 % "
-        "before it holds and 3.8 % less of its volume, and none of its friction and cohesion.</td>",
+        "before strength is regained and 3.8 % less of its volume, and none of its friction and cohesion.</td>",
         "<td>not judged: plasticity index 25 % is at least 7 %: behaves as clay; above the water table</td>",
     ],
 )
