@@ -34,7 +34,7 @@ ResidualStrength = Annotated[Strength, AfterValidator(_of_liquefied_soil)]
 class Case(Model):
     """Stiffness, strength and volume of the layers that name this case in `liquefies_in`, after liquefaction."""
 
-    name: str = Field(default="", description="what the case is called, such as low strength")
+    name: str = Field(default="", description="name of the case, such as low strength")
     stiffness: float = Field(
         default=1.0,
         gt=0.0,
@@ -46,8 +46,8 @@ class Case(Model):
         default=None,
         ge=0.0,
         le=1.0,
-        description="factor on the dashpots; if not given the root of stiffness: springs that are left are damped as "
-        "before",
+        description="factor on the dashpots; if not given the root of stiffness: so that the damping ratio is "
+        "unchanged",
     )
     friction: float = Field(
         default=0.0,
@@ -55,11 +55,11 @@ class Case(Model):
         le=1.0,
         description="factor on the friction; of other discs and of the continuum on tan phi",
     )
-    cohesion: float = Field(default=0.0, ge=0.0, le=1.0, description="share of its cohesion that the soil keeps")
+    cohesion: float = Field(default=0.0, ge=0.0, le=1.0, description="remaining share of the cohesion")
     residual: Share | dict[str, Share] = Field(
         default=0.0,
         description="residual strength over the vertical effective stress before shaking; one for all, or one for "
-        "each by the name of the stratum; what friction and cohesion leave counts in its place where that is more",
+        "each by the name of the stratum; friction and cohesion count instead where they give more",
     )
     residual_strength: ResidualStrength | dict[str, ResidualStrength] = Field(
         default=0.0,
@@ -68,11 +68,14 @@ class Case(Model):
     )
     strain_potential: Share | dict[str, Share] = Field(
         default=0.0,
-        description="shear strain that liquefied ground goes through before it holds, such as 0.4, with next to no "
+        description="shear strain of liquefied ground before it regains strength, such as 0.4, with hardly any "
         "stiffness; one for all, or one for each by the name of the stratum",
     )
     volumetric_strain: float = Field(
-        default=0.0, ge=0.0, le=0.2, description="volume that drains away over the onset, such as 0.03; discs shrink"
+        default=0.0,
+        ge=0.0,
+        le=0.2,
+        description="volumetric strain by drainage during the onset, such as 0.03; discs shrink",
     )
 
     @property

@@ -46,8 +46,7 @@ class DemSettings(Model):
     )
     paper: StrictBool = Field(
         default=False,
-        description="true to run the paper's own discs, unchanged and under its Kh of 0.1 for ever, beside those of "
-        'model = "soil"',
+        description="true to run the paper's own discs, too, unchanged and with its constant Kh of 0.1",
     )
     packing: Literal["auto", "box", "lattice", "random"] = Field(
         default="auto",
@@ -56,7 +55,7 @@ class DemSettings(Model):
         "elsewhere; soil discs are always random",
     )
     radius: Length | None = Field(default=None, description='(mean) radius of the discs, such as "0.75 m"')
-    elements: int = Field(default=2500, ge=50, le=1_000_000, description="discs wanted where no radius is given")
+    elements: int = Field(default=2500, ge=50, le=1_000_000, description="number of discs if no radius is given")
     spread: float = Field(default=0.2, ge=0.0, lt=0.9, description="half width of the radii of a random packing")
     porosity: float = Field(
         default=0.2,
@@ -75,7 +74,7 @@ class DemSettings(Model):
     mean: Literal["arithmetic", "harmonic"] = Field(
         default="arithmetic", description="mean of two layers' constants at a contact between them"
     )
-    kh: RecordedKh = Field(default=(0.2, 0.3), description="seismic coefficients whose states are kept")
+    kh: RecordedKh = Field(default=(0.2, 0.3), description="seismic coefficients whose states are stored")
     kh_limit: float = Field(default=1.0, gt=0.0, description="seismic coefficient beyond which to stop")
     resolution: float = Field(default=0.005, gt=0.0, le=0.1, description="width of the bracket of the critical Kh")
     unbalanced: float = Field(
@@ -105,8 +104,8 @@ class DemSettings(Model):
     allowed_overlap: float = Field(
         default=1.0, gt=0.0, le=2.0, description="deepest overlap over the mean radius; deeper ones stop a run"
     )
-    element_tests: StrictBool = Field(default=True, description="true to test patches of every layer's discs as well")
-    workers: int = Field(default=2, ge=1, le=256, description="trials, or threads of one, at a time")
+    element_tests: StrictBool = Field(default=True, description="true for element tests of the discs of every layer")
+    workers: int = Field(default=2, ge=1, le=256, description="number of concurrent trials, or of threads of one trial")
 
     @property
     def ductility(self) -> float:
@@ -183,29 +182,31 @@ class SlideSettings(Model):
         default=0.1,
         ge=0.0,
         le=1.0,
-        description='seismic coefficient that is held, or that reverses in kh_cycles; "k_max" takes that of '
+        description='seismic coefficient, constant or cyclic with kh_cycles; "k_max" takes that of '
         '[site_response], "earthquake" that of [earthquake] with its cycles, which is the default where there is one. '
-        "Where nothing says how the ground shakes, 0.1 both ways in the 15 cycles of magnitude 7.5",
+        "Where no shaking is given, 0.1 both ways in the 15 cycles of magnitude 7.5",
     )
     kh_seconds: float | None = Field(
-        default=None, gt=0.0, description="seconds for which Kh is held, then taken away; for ever if not given"
+        default=None,
+        gt=0.0,
+        description="seconds for which Kh is constant before it is removed; without end if not given",
     )
     kh_cycles: float | None = Field(
         default=None,
         gt=0.0,
         le=200.0,
-        description="uniform cycles of a Kh that pushes both ways, in the place of one that is held",
+        description="uniform cycles of a Kh that acts both ways, instead of a constant Kh",
     )
     kh_period: float | None = Field(default=None, gt=0.0, le=20.0, description="period of these cycles (s)")
     accelerogram: str = Field(
         default="",
-        description="a record of the base in the place of kh, a file as in [sliding_block]; positive pushes downhill; "
-        '"average" takes what [site_response] finds above the slip surface',
+        description="a record of the base instead of kh, a file as in [sliding_block]; positive acts downhill; "
+        '"average" takes the average acceleration above the slip surface by [site_response]',
     )
     unit: RecordUnit = ""
     component: RecordComponent = ""
     scale: float = Field(
-        default=1.0, ge=-100.0, le=100.0, description="a number that multiplies the record; negative turns it round"
+        default=1.0, ge=-100.0, le=100.0, description="factor on the record; negative reverses its direction"
     )
     liquefies_at: Seconds | Literal["F_L"] = Field(
         default="F_L",
@@ -215,7 +216,8 @@ class SlideSettings(Model):
     )
     onset: Seconds | None = Field(
         default=None,
-        description="seconds in which the layers liquefy; 0: at once. If not given 5, some cycles of shaking, and 0 "
+        description="seconds in which the layers liquefy; 0: instantaneously. If not given 5, some cycles of shaking, "
+        "and 0 "
         'for model = "paper"',
     )
     step: float | None = Field(
@@ -231,11 +233,11 @@ class SlideSettings(Model):
         description="at rest: movement of the surface (m) in 5 s, while discs may oscillate by three times that; of "
         "points that or 0.2 % of the slide, twice in a row",
     )
-    duration: float = Field(default=60.0, gt=0.0, description="seconds after which a slide is not followed further")
+    duration: float = Field(default=60.0, gt=0.0, description="largest duration of a slide in seconds")
     methods: tuple[Literal["discs", "mpm"], ...] = Field(
         default=("discs", "mpm"),
         min_length=1,
-        description='by which methods the slides are computed: "discs", "mpm" (material point method), or both',
+        description='methods by which the slides are computed: "discs", "mpm" (material point method), or both',
     )
     mpm_cells: int = Field(
         default=3000, ge=100, le=100_000, description="cells of the material point method on the section, about"
@@ -259,7 +261,7 @@ class SlideSettings(Model):
         if (self.kh_cycles is None) != (self.kh_period is None):
             problems.append("slide, kh_cycles and kh_period: expected both, or neither")
         elif self.kh_cycles is not None and self.kh_seconds is not None:
-            problems.append("slide, kh_cycles and kh_seconds: expected one of them; Kh reverses, or is held")
+            problems.append("slide, kh_cycles and kh_seconds: expected one of them; Kh is cyclic, or constant")
         elif self.kh_cycles is not None and self.accelerogram:
             problems.append("slide, kh_cycles and accelerogram: expected one of them; a record has its own cycles")
         return problems + [

@@ -105,9 +105,10 @@ class FemSettings(Model):
     sides: Sides = Field(
         default="free-field",
         description='"free-field" (free horizontally under the K0 stress, held vertically), "smooth" (held '
-        'horizontally, free vertically, as in slope programs), "fixed" (held in both) or "periodic" (both sides move '
-        'alike); a section file that does not say has "smooth" where its ground is level at both ends, "free-field" '
-        "where it slopes there, since held sides hold a slope back that continues",
+        'horizontally, free vertically, as in slope programs), "fixed" (held in both) or "periodic" (both sides have '
+        'equal displacements); a section file that does not say has "smooth" where its ground is level at both ends, '
+        '"free-field" '
+        "where it slopes there, since held sides support a slope that continues",
     )
     rigid_box: StrictBool = Field(
         default=True,
@@ -119,31 +120,31 @@ class FemSettings(Model):
     )
     least_depth: Length = Field(
         default=Quantity(0.5, "0.5 m"),
-        description="least depth of a failure of cohesionless faces that counts; less deep ones are shallow failures",
+        description="least depth of a failure that counts; less deep ones of cohesionless faces are shallow failures",
     )
     accuracy: float = Field(
         default=0.01,
         ge=0.0,
         le=0.5,
-        description="what may be left of the error before a finer mesh is made for the mechanism, such as 0.01: as a "
-        "share of the critical Kh, or of 0.2 where it is smaller; half of it of a factor of safety; 0 takes the mesh "
-        "as it is, as do columns and rows",
+        description="largest remaining error before a finer mesh is made for the mechanism, such as 0.01: as a "
+        "share of the critical Kh, or of 0.2 where it is smaller; half of it of a factor of safety; 0, as columns and "
+        "rows, keeps the first mesh",
     )
     max_cells: int = Field(default=6000, ge=100, le=500_000, description="cells of the finest of these meshes")
     vertical: float = Field(default=0.0, gt=-1.0, lt=1.0, description="vertical seismic coefficient, positive upwards")
     flow: Literal["auto", "davis", "associated", "section"] = Field(
         default="auto",
         description='"associated" sets ψ = φ, "davis" takes Davis\'s estimate where ψ < φ (less strength, associated '
-        'flow), "section" follows the non-associated path with ψ as the strata say; "auto": "associated", or "davis" '
-        "where the strata give a dilation angle below φ. The other one of the first two is told in the same line",
+        'flow), "section" follows the non-associated path with the ψ of the strata; "auto": "associated", or "davis" '
+        "where the strata give a dilation angle below φ. Results have the other one of the first two in the same line",
     )
     davis: Literal["A", "B", "C"] = Field(
         default="B", description="form of Davis's reduced strength in the factor of safety: A, B or C"
     )
     kh: RecordedKh = Field(
         default=(),
-        description="seismic coefficients whose fields are kept, such as [0.2, 0.3]; 0.5 and 0.8 of the critical one "
-        "where none is given, which is always kept itself",
+        description="seismic coefficients whose fields are stored, such as [0.2, 0.3]; 0.5 and 0.8 of the critical "
+        "one where none is given; that of the critical one is always stored",
     )
     kh_limit: float = Field(default=1.5, gt=0.0, description="seismic coefficient beyond which to stop")
     first_step: float = Field(default=0.02, gt=0.0, le=0.1, description="first step of the seismic coefficient")
@@ -155,7 +156,7 @@ class FemSettings(Model):
         description='displacement over which overstress decays, in elastic displacements; used with flow = "section"',
     )
     safety_factor_at: tuple[Annotated[float, Field(ge=-LARGEST, le=LARGEST)], ...] = Field(
-        default=(0.0,), description="seismic coefficients at which the factor of safety is wanted, such as [0.0, 0.1]"
+        default=(0.0,), description="seismic coefficients at which the factor of safety is computed, such as [0.0, 0.1]"
     )
     threads: int = Field(default=1, ge=1, le=256, description="threads of the stress update")
 
@@ -180,8 +181,8 @@ class BoundsSettings(Model):
         default=60.0,
         gt=0.0,
         le=86_400.0,
-        description="work after which to stop, such as 20: counted in seconds of a reference machine, not on the "
-        "clock, so that a loaded machine finds the same bounds",
+        description="largest work, such as 20: in seconds of a reference machine, computed and not measured, so that "
+        "a busy machine finds the same bounds",
     )
     safety_factor: StrictBool = Field(
         default=False,

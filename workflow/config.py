@@ -155,7 +155,7 @@ class Config(Tables):
         notices += below_loads(self.section, self.triggering)
         if slides and self.slide.cases and self.slide.cases == cases_of_loose_sand(self.section):
             notices.append(
-                "slide, cases: nothing says what strength liquefied ground keeps; loose sand with (N1)60 = 8, 3 "
+                "slide, cases: no residual strength is given; loose sand with (N1)60 = 8, 3 "
                 "and 12 is assumed (Olson & Stark 2002): give blow counts ([triggering]), or [[slide.cases]]"
             )
         return notices

@@ -126,7 +126,7 @@ def critical_kh(
                 failed = float("inf")
         elif not search.flexibility_m:
             search.kc_upper = kh
-            search.reason = f"stands under its own weight, but not at Kh = {kh:g}, the least tried: {trial.reason}"
+            search.reason = f"the discs stand at rest, but not at Kh = {kh:g}, the smallest tried: {trial.reason}"
             return search
         elif step <= width * (1.0 + 1e-9):
             break

@@ -208,7 +208,7 @@ def settle(
 def shake(model: DiscModel, ground: Ground) -> None:
     """Apply excess pore pressure by shaking, if there is any, to discs at rest, and bring them to rest again."""
     if ground.weaken(model):
-        calm_down(model, ground, "once shaking has added its pore pressure")
+        calm_down(model, ground, "with the excess pore pressure by shaking")
 
 
 def calm_down(model: DiscModel, ground: Ground, under: str) -> None:

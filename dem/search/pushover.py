@@ -210,13 +210,13 @@ def _failed(model: DiscModel, before: DiscModel, ground: Ground, machine: Displa
     if most >= FORMED * ground.radius:
         return "where a band of shear has formed"
     if most >= APART * moved:
-        return "where a part has come off: the rest would only follow it"
+        return "where a part has separated from the rest"
     return "as far as discs are pushed" if moved >= FURTHEST * machine.reach else ""
 
 
 def _point(model: DiscModel, moved: float, kh: float, most: float, seconds: float) -> Trial:
     """A point of the load-displacement curve, with the largest Kh so far."""
     more = kh > most
-    reason = "more than they have borne so far" if more else "they have borne more on the way"
+    reason = "more than the largest Kh so far" if more else "a larger Kh was reached before"
     ratios = unbalanced_ratio(model), kinetic_ratio(model)
     return Trial(kh, "stands" if more else "fails", reason, *ratios, moved, np.inf, seconds)

@@ -280,8 +280,8 @@ class Slider:
         notes += at_the_sides(sides)
         if (through := pressed_through(model)) > 0:
             notes.append(
-                f"{through} discs are pressed into the fixed ones at the sides or the base by more than a radius: the "
-                "box no longer holds them, and their layer is too soft for discs of this size"
+                f"{through} discs overlap the fixed ones at the sides or the base by more than a radius: the box no "
+                "longer retains them, since their layer is too soft for discs of this size"
             )
         notes += on_loose_mass(slide.loose_share)
         notes += self._lost()
@@ -304,9 +304,8 @@ class Slider:
         most = [f"{start.springs.layers[k].name} {change[k]:+.1f} %" for k in np.argsort(change)[:4]]
         left = f"; {slide.escaped} have left the box" if slide.escaped else ""
         return [
-            f"{100.0 * slide.area_lost_share:.1f} % of the ground's area is gone beyond what was to drain or to give "
-            f"way with softer springs: beyond {expected:.3g} m², since loose discs get denser as they shear "
-            f"({', '.join(most)}){left}"
+            f"{100.0 * slide.area_lost_share:.1f} % of the area of the ground is lost, not counting {expected:.3g} m² "
+            f"by drainage and softer springs: loose discs get denser as they shear ({', '.join(most)}){left}"
         ]
 
     def _flow(self) -> list[str]:
@@ -328,7 +327,7 @@ class Slider:
         hold = "more residual strength" if kept else "a residual strength"
         return [
             f"without any shaking it slides {far:.2g} m within {alone.rows[-1].time_s:.0f} s, a flow failure: its "
-            f"factor of safety after liquefaction is below 1, and {hold} (slide.cases, residual) may hold it"
+            f"factor of safety after liquefaction is below 1, and {hold} (slide.cases, residual) may stabilise it"
         ]
 
     def _keep(self) -> None:

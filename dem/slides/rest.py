@@ -50,9 +50,9 @@ def residual_motion_source(times: Sequence[float], weight: Sequence[float], shak
     by_weight, by_shaking = (max(float(work[-1] - work[first]), 0.0) for work in (weight, shaking))
     total = by_weight + by_shaking
     if total <= LITTLE * float(np.ptp(weight) + np.ptp(shaking)):
-        return "nothing drives it any more: it slows down, or swings"
+        return "no energy is supplied any more: it slows down, or oscillates"
     share = by_weight / total
     message = (
         f"in its last {WINDOW:g} s {100.0 * share:.0f} % of the energy came from its weight, the rest from shaking"
     )
-    return f"{message}: it would go on without" if share > 0.9 else message
+    return f"{message}: it would continue without shaking" if share > 0.9 else message

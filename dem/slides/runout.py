@@ -87,7 +87,7 @@ def on_loose_mass(share: float) -> list[str]:
     """A sentence on the share of the mass that has left the connected ground; empty if it is small."""
     if share <= TELL:
         return []
-    return [f"{100.0 * share:.0f} % of the mass has left the connected ground: it flew or rolled away as single discs"]
+    return [f"{100.0 * share:.0f} % of the mass has left the connected ground: single discs flew or rolled away"]
 
 
 def mass_quantile(model: DiscModel, share: float) -> float:

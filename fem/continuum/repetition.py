@@ -43,19 +43,21 @@ def refuse_other_water(section: Section) -> None:
     if np.ptp(change) > SAME:
         problems.append(
             f"the pore pressure changes from the left to the right side by {change.min() / 1e3:.1f} kPa at one depth "
-            f"and by {change.max() / 1e3:.1f} kPa at another; expected water that repeats with the ground, at the same "
-            "depth at both sides, or still water above all of it"
+            f"and by {change.max() / 1e3:.1f} kPa at another; expected a water table at the same depth at both sides, "
+            "or still water above the whole section"
         )
     elif abs(change[-1]) > SAME and abs(change[-1] - water.unit_weight * (ends[0][0] - ends[1][0])) > SAME:
         deep = [side[-1] / water.unit_weight for side in still]
         problems.append(
             f"the water is {deep[0]:.4g} m deep at the left side and {deep[1]:.4g} m at the right one; expected still "
-            "water above all of the ground, or none on it"
+            "water above the whole section, or no free water"
         )
     elif water.moves and abs(change[-1]) > SAME:
         problems.append("westergaard = true needs water that is as deep at both sides")
     if np.abs(shaken[1] - shaken[0]).max() > SAME:
-        problems.append("the pore pressure that shaking adds differs between the sides; expected the same at one depth")
+        problems.append(
+            "the excess pore pressure by shaking differs between the sides; expected equal pressures at equal depths"
+        )
     if problems:
         raise InputError(section.name, [f'fem, sides = "periodic": {text}' for text in problems])
 

@@ -112,7 +112,7 @@ def strength_of(strata: Sequence[Stratum], flow: FlowSetting, factor: float = 1.
 
 def davis_words(dilation: Iterable[float]) -> str:
     """The name of Davis's estimate for these dilation angles."""
-    return "Davis's estimate for ψ as given" if any(dilation) else "Davis's estimate for ψ = 0"
+    return "Davis's estimate for the given ψ" if any(dilation) else "Davis's estimate for ψ = 0"
 
 
 def tensile_strengths(strata: Sequence[Stratum]) -> np.ndarray:

@@ -206,7 +206,7 @@ def _first_that_holds(
 
 NONE_FOUND: Mapping[NoSolution, str] = {
     "no stress": "no stress field on this mesh is in equilibrium with the dead load",
-    "no mechanism": "in no mechanism on this mesh does the live load do work",
+    "no mechanism": "the live load does no work in any mechanism on this mesh",
 }
 
 

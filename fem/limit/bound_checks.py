@@ -95,9 +95,9 @@ class VelocityCheck:
     def __str__(self) -> str:
         """What keeps it from being a bound."""
         if self.flow_slack < 0.0:
-            return f"its strain rates miss the flow rule by {-self.flow_slack:.1e} of the largest"
+            return f"its strain rates violate the flow rule by {-self.flow_slack:.1e} of the largest"
         missed = max(self.volume, self.boundary, self.jump)
-        return f"its velocities miss volume, held sides or continuity by {missed:.1e} of the largest"
+        return f"its velocities violate volume, held sides or continuity by {missed:.1e} of the largest"
 
 
 def yield_slack(problem: LimitProblem, stress: np.ndarray) -> np.ndarray:

@@ -207,10 +207,10 @@ def _unstable(section: Section, upper: float) -> UnstableError:
     """
     if section.uplift is not None:
         return lifted(section.uplift, "the section fails under its own weight")
-    most = f"its Kh is at most {upper:.3g}" if upper > -1.0 else "no horizontal force could hold it"
+    most = f"its Kh is at most {upper:.3g}" if upper > -1.0 else "no horizontal force could stabilise it"
     loose = shaken_loose(section.strata)
     if loose:
-        return UnstableError(f"the section fails by the excess pore pressure of shaking and its weight: {most}", loose)
+        return UnstableError(f"the section fails by excess pore pressure and its weight: {most}", loose)
     return UnstableError(f"the section fails under its own weight: {most}; check strengths, densities")
 
 

@@ -48,7 +48,7 @@ def climb(
         if listener is not None:
             listener(path)
     if known > limit:
-        more = "raise the limit if more is of interest"
+        more = "raise the limit to search for larger values"
         return LimitLoad(path.factor, path.factor, "no failure", f"no failure up to {limit:g}", more), kept
     reason = f"it is the limit load of these elements; the path to it was followed to {path.factor:.4f}"
     return LimitLoad(path.factor, known, "plateau", reason), kept

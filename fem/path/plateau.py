@@ -159,9 +159,9 @@ def _stop_reason(path: EquilibriumPath, ductility: float, limit: float, rule: Pl
     highest, last = max(moving), moving[-1]
     doubled = f"changed by {100 * growth:.1f} % while the displacement doubled"
     if path.factor > limit:
-        return StopReason("no failure", f"no failure up to {limit:g}", "raise the limit if more is of interest")
+        return StopReason("no failure", f"no failure up to {limit:g}", "raise the limit to search for larger values")
     if ductility >= rule.earliest and last < (1.0 - rule.fall) * highest:
-        return StopReason("peak", f"it has fallen by {100 * (1.0 - last / highest):.0f} % from its peak", "")
+        return StopReason("peak", f"it fell by {100 * (1.0 - last / highest):.0f} % from its peak", "")
     if ductility >= rule.earliest and growth < rule.growth:
         return StopReason("plateau", f"it {doubled}", "")
     if ductility >= rule.latest or len(path.steps) >= path.settings.most_steps:

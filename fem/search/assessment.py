@@ -166,7 +166,7 @@ class _Search:
             raise self.fails(settings, error) from error
         below_one = [each.result for each in assessment.safety if each.result.kh == 0.0 and _fails(each.result.factor)]
         if adapted is not None and below_one:  # what little Kh there is, is the error of its mesh
-            unstable = UnstableError("the section fails under its own weight, if not on every mesh")
+            unstable = UnstableError("the section fails under its own weight on some meshes")
             raise self.fails(settings, unstable, below_one[0])
         return replace(assessment, warnings=[*assessment.warnings, *of_uplift(self.section.uplift)])
 
@@ -315,14 +315,14 @@ class _Search:
         loose = shaken_loose(self.section.strata)
         if factor.factor > 1.0 and loose:  # the factor is that before shaking
             message = (
-                "the section fails at any Kh by the excess pore pressure of shaking, and stands before it: its "
-                f"factor of safety is {factor.factor:.2f} then"
+                "the section fails at any Kh by excess pore pressure, and stands without it: then its factor of "
+                f"safety is {factor.factor:.2f}"
             )
             remedy = loose
         elif factor.factor > 1.0 and settings.sides == "free-field":  # the factor is that between held sides
             message = (
-                f"{error.reason} with the K0 stress on its free-field sides, and stands with its sides held: its "
-                f"factor of safety is {factor.factor:.2f} then"
+                f"{error.reason} with the K0 stress on its free-field sides, and stands with its sides held: then its "
+                f"factor of safety is {factor.factor:.2f}"
             )
             remedy = 'make the section longer, or take fem.sides = "smooth"'
         if is_dilating_fully(self.section.strata):

@@ -45,7 +45,7 @@ def of_uplift(uplift: Uplift | None) -> Iterator[ResultWarning]:
     if uplift is not None:
         yield ResultWarning(
             f"{uplift.words[0].upper()}{uplift.words[1:]}.",
-            "check the levels of the water, or relieve its pressure; no answer for such a section counts before",
+            "check the levels of the water, or relieve its pressure; no answer for this section is valid before",
         )
 
 
@@ -74,8 +74,8 @@ def of_base(mesh: QuadMesh, mechanism: State, verdict: "PathVerdict") -> Iterato
     """A warning of a mechanism along the base of the section."""
     if verdict in ("plateau", "peak") and touches_base(mesh, mechanism):
         yield ResultWarning(
-            "The slip surface runs along the base of the section: ground below it might fail with less.",
-            "make the section deeper, unless firm rock lies there",
+            "The slip surface runs along the base of the section: ground below the base might fail at a smaller Kh.",
+            "make the section deeper, unless the base is firm rock",
             contradiction=False,
         )
 

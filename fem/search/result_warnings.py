@@ -87,7 +87,7 @@ def of_others(kc: float, others: Iterable[Computed]) -> Iterator[ResultWarning]:
             yield ResultWarning(
                 f"With {other.what} the critical Kh is {other.kc:.3f} instead of {without:.3f}, "
                 f"{100.0 * change:+.0f} %.",
-                "refine the mesh until it no longer matters, or run the bounds",
+                "refine the mesh until the difference vanishes, or run the bounds",
                 contradiction=other.decisive,
             )
 

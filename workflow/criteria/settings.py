@@ -36,7 +36,7 @@ PRESETS: Mapping[Preset, PublishedCriterion] = {
     "hynes_griffin_franklin_1984": PublishedCriterion(
         1.0, 0.5, 1.0,
         "M. E. Hynes-Griffin & A. G. Franklin, US Army Waterways Experiment Station, MP GL-84-13 (1984); earth dams "
-        "that do not liquefy, with strengths lowered for the pore pressure of shaking",
+        "that do not liquefy, with strengths reduced for excess pore pressure",
     ),
     # C/D ratio of 1.1 under half of the site-adjusted peak acceleration: less than 1 to 2 inches.
     "nchrp_611": PublishedCriterion(
@@ -54,7 +54,7 @@ class FactorCriterion(Model):
     """A least factor of safety, a table [criteria.factor_of_safety]."""
 
     limit: float = Field(gt=0.0, le=100.0, description="the least factor of safety, such as 1.2")
-    kh: float = Field(default=0.0, ge=0.0, le=2.0, description="Kh at which it is asked for")
+    kh: float = Field(default=0.0, ge=0.0, le=2.0, description="Kh of this factor of safety")
     source: str = Field(default="", description=SOURCE)
 
 
@@ -103,7 +103,7 @@ class CriteriaSettings(Model):
         default=None, description='the largest settlement of a crest, { limit = "0.5 m" }'
     )
     freeboard: FreeboardCriterion | None = Field(
-        default=None, description='the least freeboard that is left, { limit = "0.5 m", water = 12.5 }'
+        default=None, description='the least freeboard after the earthquake, { limit = "0.5 m", water = 12.5 }'
     )
 
     def resolved(self, peak: float | None) -> Self:

@@ -93,7 +93,7 @@ def _lines(path: Path) -> list[str]:
         raise InputError(str(path), ["there is no such accelerogram"])
     text = read_text(path).text
     if "\0" in text:
-        message = "is no text but binary, as miniSEED, SAC or spreadsheets; expected columns of time and acceleration"
+        message = "is a binary file, such as miniSEED, SAC or a spreadsheet; expected columns of time and acceleration"
         raise InputError(str(path), [message])
     return text.splitlines()
 
@@ -139,7 +139,7 @@ def _accelerogram(name: str, series: RecordedSeries, unit: str) -> Accelerogram:
         series = replace(series, time=series.time - series.time[0])
     if measured.motion != "acceleration":
         peak = f"{np.abs(series.values).max():.4g} {series.unit or unit}"
-        remarks.append(f"it holds {measured.motion}, up to {peak}, which was differentiated in time")
+        remarks.append(f"it holds {measured.motion}, up to {peak}, which is differentiated in time")
         values = _differentiated(series.time, values, 1 if measured.motion == "velocity" else 2)
     elif series.counts:
         values = values - values.mean()
@@ -201,8 +201,8 @@ def _without_offset(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, l
     size = f"{mean / GAL:.3g} gal, {100.0 * abs(mean) / peak:.2g} % of its peak"
     shifted = abs(middle - mean) <= 0.25 * abs(mean) and abs(mean) < 0.5 * peak
     if shifted:
-        return values - mean, [f"its mean of {size}, was taken off as an offset"]
-    return values, [f"its mean is {size}, so that the ground does not end at rest; it was left as it is"]
+        return values - mean, [f"its mean of {size}, was subtracted as an offset"]
+    return values, [f"its mean is {size}, so that the ground does not end at rest; it is not corrected"]
 
 
 def _warnings(record: Accelerogram, stated: float | None) -> Iterator[str]:
@@ -211,7 +211,7 @@ def _warnings(record: Accelerogram, stated: float | None) -> Iterator[str]:
         yield text
     longest = float(np.diff(record.time).max())
     if longest > (1.0 + 1e-9) * COARSE:
-        yield f"its steps of time are up to {longest:g} s long; expected up to {COARSE:g} s; check their unit"
+        yield f"its time steps are up to {longest:g} s long; expected up to {COARSE:g} s; check their unit"
     if stated is not None and abs(record.peak - stated) > STATED * stated:
         yield f"its peak is {record.peak / GAL:.4g} gal, where its heading says {stated / GAL:.4g} gal"
 

@@ -106,7 +106,8 @@ class EarthquakeSettings(Model):
         expectation = f"{median:.0f} gal are expected of M {self.magnitude:g} at {self.distance / 1000.0:g} km"
         return (
             f"earthquake: its peak is {motion.median / GAL:.0f} gal, {motion.relation}, where {expectation} ({low:.0f} "
-            f"to {high:.0f}; {let_expect.relation}): the peak counts, and relations that need the distance are not used"
+            f"to {high:.0f}; {let_expect.relation}): the peak is used, and relations that need the distance are not "
+            "used"
         )
 
     def notices(self, slide: SlideSettings | None) -> list[str]:
@@ -116,7 +117,7 @@ class EarthquakeSettings(Model):
             notices.append(f"slide, kh = {cycles.kh:g} of [earthquake]: {cycles.words}")
         elif slide is not None and self.is_assumed(slide):
             magnitude = REFERENCE if self.magnitude is None else self.magnitude
-            why, remedy = "nothing says how the ground shakes", "give [earthquake], a record"
+            why, remedy = "no shaking is given", "give [earthquake], a record"
             if self != EarthquakeSettings():
                 why = "[earthquake] has no peak acceleration"
                 remedy = "give it there, or magnitude and distance, or a record"

@@ -280,7 +280,7 @@ def _interval(results: Results) -> str:
     weaker = all(is_weaker(case, before, strata[k], strata[j]) for (j, before), (k, case) in pairwise(cases))
     if random is not None and random.rising is not None and weaker:
         on = {0: "none", count: "each"}.get(random.rising, str(random.rising))
-        order = f" On {on} of these packings each case slides further than the case before."
+        order = f" Each case slides further than the case before on {on} of these packings."
     return f"On {count} random packings {fail_alike(results)} the largest slide is {listed(phrases)}.{order}"
 
 

@@ -64,18 +64,20 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
     factor: float | None = None
     strict = bracket = None
     if nothing:
-        notes.append("the layers keep no strength, so that no factor of safety can be given; see slide.cases, residual")
+        notes.append(
+            "the layers have no residual strength, so that there is no factor of safety; see slide.cases, residual"
+        )
     else:
         factor, strict = _factors(section, mesh, fem, asked, notes)
     lower = strict.lower if strict is not None and strict.lower > 0.0 else None
     upper = strict.upper if strict is not None and math.isfinite(strict.upper) else None
     if weight < 1.0 and not (upper is not None and upper < 1.0):  # else the factor of safety says so
         notes.append(
-            "the elements do not bear the weight of the ground"
+            "the finite elements do not stand under the weight of the ground"
             + (f", {100.0 * weight:.0f} % of it at most" if weight >= LEAST_SHARE else "")
         )
     if strict is not None and lower is None and upper is None:
-        notes.append("strict bounds: none of the factor of safety within the work allowed")
+        notes.append("strict bounds of the factor of safety: none within the allowed work")
     unstable = ""  # why ground that stands between held sides does not between its own
     if lower is not None and lower > 1.0:
         bracket, unstable = _between_own_sides(section, fem, asked, notes)
@@ -91,8 +93,8 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
         )
     stands, reason = _stands(kc, lower, upper)
     if unstable:
-        stands, reason = "flows", f"a mechanism that slides out at a side, where fem.sides lets it: {unstable}"
-        notes.append(f"between held sides a stress proves a factor of safety above {lower:.2f}")
+        stands, reason = "flows", f"a mechanism that leaves the section at a side, which fem.sides permits: {unstable}"
+        notes.append(f"between held sides a lower bound proves a factor of safety above {lower:.2f}")
         factor = lower = upper = None
     return Bearing(
         stands=stands,
@@ -207,9 +209,9 @@ def _note(what: str, error: NoAnswerError | InputError) -> str:
 def _stands(kc: float | None, lower: float | None, upper: float | None) -> tuple[Stands, str]:
     """Whether the ground stands without shaking: by strict bounds if they decide it, else by finite elements."""
     if upper is not None and upper < 1.0:
-        return "flows", f"a mechanism proves a factor of safety below {upper:.2f}"
+        return "flows", f"an upper bound proves a factor of safety below {upper:.2f}"
     if lower is not None and lower > 1.0:
-        return "stands", f"a stress proves a factor of safety above {lower:.2f}"
+        return "stands", f"a lower bound proves a factor of safety above {lower:.2f}"
     if kc is None:
         return "flows", "the elements find no equilibrium under its weight"
     return "stands", f"the elements find equilibria up to Kh = {kc:.3f}"

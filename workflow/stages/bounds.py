@@ -94,13 +94,13 @@ def _reason(bounds: "SafetyBounds", settings: BoundsSettings) -> str:
         case "triangles":
             why = f"{bounds.cells} triangles, {settings.max_cells} allowed"
         case "time":
-            why = f"its share of the work allowed ({settings.seconds:g} s) is used up"
+            why = f"its share of the allowed work ({settings.seconds:g} s) is used up"
         case "solver":
-            why = f"the solver of cone programs fails, up to {bounds.cells} triangles"
+            why = f"the solver of cone programs fails with up to {bounds.cells} triangles"
         case _:
             assert_never(bounds.ended)
     wanted = f"{100 * settings.of_factors.gap:g} %"
-    return f"The factor of safety is bracketed less closely than to the {wanted} asked for: {why}."
+    return f"The bounds of the factor of safety are wider than the required {wanted}: {why}."
 
 
 def answer_of(config: Config, bounds: "KhBounds", settings: BoundsSettings, seconds: float) -> BoundsAnswer:
@@ -162,7 +162,7 @@ def _direction_part(bounds: "DirectionBounds") -> DirectionPart:
 def _verdict(bracket: "Bracket", settings: BoundsSettings) -> tuple[Verdict, str]:
     gap = f"The gap of {_gap(bracket)}"
     if bracket.ended == "gap":
-        return "bracketed", f"{gap} is within the {_wanted(bracket, settings)} asked for."
+        return "bracketed", f"{gap} is within the required {_wanted(bracket, settings)}."
     if bracket.ended == "enough":
         return "unstable", f"It fails under its own weight: its Kh is at most {bracket.upper:.4f}."
     last = bracket.meshes[-1]
@@ -170,7 +170,7 @@ def _verdict(bracket: "Bracket", settings: BoundsSettings) -> tuple[Verdict, str
     why = f"{_why(bracket.ended, last.cells, settings)}; the gap is widest near x = {x:.1f} m, z = {z:.1f} m."
     why += "".join(f" {note[0].upper()}{note[1:]}." for note in last.notes)
     if math.isfinite(bracket.gap):
-        return "wide", f"{gap} is above the {_wanted(bracket, settings)} asked for: {why}"
+        return "wide", f"{gap} is above the required {_wanted(bracket, settings)}: {why}"
     bounds = (("lower", bracket.stress), ("upper", bracket.mechanism))
     return "no bracket", f"There is no {' and no '.join(name for name, bound in bounds if bound is None)} bound: {why}"
 
@@ -202,9 +202,9 @@ def _why(ended: "OpenEnd | None", cells: int, settings: BoundsSettings) -> str:
         case "triangles":
             return f"{cells} triangles, {settings.max_cells} allowed"
         case "time":
-            return f"{cells} triangles, and a finer mesh would take more than the work allowed ({settings.seconds:g} s)"
+            return f"{cells} triangles, and a finer mesh would take more than the allowed work ({settings.seconds:g} s)"
         case "stalled":
-            return f"finer meshes, up to {cells} triangles, no longer close it"
+            return f"finer meshes, up to {cells} triangles, no longer reduce it"
         case "solver":
             return f"the solver of cone programs failed on the last {FAILED_MESHES} meshes, up to {cells} triangles"
     assert_never(ended)

@@ -67,7 +67,7 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
             most = associated_kc(config.section, mesh, settings, MPI.COMM_SELF, _watch("ψ = φ", mesh, tell))
         except NoAnswerError as error:
             if isinstance(path, str):
-                path += f"; with ψ = φ there is no answer ({error.reason}): how much more it bears is not known"
+                path += f"; with ψ = φ there is no answer ({error.reason}): the upper limit is not known"
     if isinstance(path, str):
         return known.model_copy(update={"instead": path, "kc_upper": max(known.kc_upper, most)})
     curve = tuple(path.steps)
@@ -133,11 +133,11 @@ def _with_psi_as_given(
     try:
         path = non_associated_path(section, mesh, settings, MPI.COMM_SELF, _watch("ψ as given", mesh, tell))
     except NoAnswerError as error:
-        return f"with ψ as given there is no answer: {error.reason}"
+        return f"with the given ψ there is no answer: {error.reason}"
     if path.verdict == "no failure":
-        return f"with ψ as given there is {path.reason}"
+        return f"with the given ψ there is {path.reason}"
     if path.kc < davis:
-        return f"the path with ψ as given ended at Kh = {path.kc:.3f}, below Davis's estimate"
+        return f"the path with the given ψ ended at Kh = {path.kc:.3f}, below Davis's estimate"
     return path
 
 

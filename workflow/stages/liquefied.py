@@ -64,7 +64,7 @@ def _case(config: Config, mesh: "QuadMesh", remains: dict[int, Remains], numbers
 
 STAGE = Stage(
     name="liquefied",
-    what="whether it stands once layers have liquefied",
+    what="stability after liquefaction",
     work=work,
     needs=("mesh",),
     reads=("fem",),

@@ -253,7 +253,7 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
         how = "lost, so that the slide is a low estimate" if lost > 0.0 else "gained, so that the slide is a high one"
         notes.append(f"{WARNING}{abs(lost):.0f} % of the energy is {how}")
     if counts.stopped_by and ground.sides == "fixed":
-        notes.append(f"the slide ran up against the {counts.stopped_by} side of the section, which held it")
+        notes.append(f"the slide reached the {counts.stopped_by} side of the section, which stopped it")
     if ground.crust < THIN * counts.cell:
         wanted = int(CELLS_STEP * np.ceil(ground.section.layering.areas().sum() / ground.crust**2 / CELLS_STEP))
         notes.append(
@@ -262,7 +262,9 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
         )
     if ground.softened:
         listed = ", ".join(f'"{name}"' for name in ground.softened)
-        notes.append(f"{listed} were made less stiff, so that longer time steps are stable; strengths are as given")
+        notes.append(
+            f"{listed} have a reduced stiffness, so that longer time steps are stable; their strengths are unchanged"
+        )
     largest = int(np.argmax(slide))
     return PointCase(
         slide_max_m=counts.slide_max,

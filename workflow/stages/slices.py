@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 PICTURE = "figures/slip_circles.png"
 LEVEL = 10.0  # a circle with a larger factor of safety slides through level ground: there is no slope on that side
 NO_CIRCLE = "no circle slides: the ground is level, or every circle is too shallow or too steep"
-NO_FACE = "no circle slides with its crest, for the ground is level there, or every circle is too shallow or too steep"
+NO_FACE = "no circle slides with the crest: the ground is level there, or every circle is too shallow or too steep"
 SOURCE = "Bishop 1955 (simplified method); Spencer 1967; Duncan, Wright & Brandon 2014, chapter 6"
 
 

@@ -27,7 +27,7 @@ PATH_CELLS = 2500
 FLOWS: Mapping[Flow, str] = {
     "davis": "Davis's estimate",
     "associated": "ψ = φ",
-    "section": "the non-associated path with ψ as given",
+    "section": "the non-associated path with the given ψ",
 }
 
 
@@ -165,7 +165,7 @@ def _found(change: Change, tell: Tell) -> "LimitLoadResult | CriticalResult":
 
 STAGE = Stage(
     name="variants",
-    what="what the critical Kh depends on",
+    what="critical Kh with other assumptions",
     work=work,
     needs=("fem",),
     reads=("mesh", "fem", "variants"),

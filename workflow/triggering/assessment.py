@@ -22,7 +22,7 @@ from workflow.triggering.settings import TriggeringSettings
 
 ABOVE_WATER = "above the water table"  # why a soil is not judged
 LEAST_LOAD = 0.01  # of the total stress: what surcharges add to it is told
-CLAY = 'clay by its strength, φ = 0, and its plasticity index is not known; liquefies_in = "triggered" has it judged'
+CLAY = 'clay by its strength, φ = 0, and its plasticity index is not known; liquefies_in = "triggered" assesses it'
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ def _missing(section: Section, earthquake: EarthquakeSettings, settings: Trigger
     problems += [f'triggering, borings: {names.count(n)} are called "{n}"' for n in dict.fromkeys(names)
                  if names.count(n) > 1]  # fmt: skip
     if section.water_points() is None and all(stratum.piezometric_level is None for stratum in section.strata):
-        problems.append("water, table: missing; soil liquefies below water alone")
+        problems.append("water, table: missing; soil liquefies only below the water table")
     try:
         if earthquake.motion() is None:
             problems.append("earthquake: expected peak_acceleration, or magnitude and distance")

@@ -13,7 +13,7 @@ class FreeFaceSettings(Model):
     crest: Coordinate | None = Field(default=None, description="the x of its upper edge")
     toe: Coordinate | None = Field(default=None, description="the x of its foot")
     at: Coordinate | None = Field(
-        default=None, description="the x, behind the crest, where the displacement is asked for; by default the crest"
+        default=None, description="the x, behind the crest, where the displacement is computed; by default the crest"
     )
 
     def problems(self, ground: np.ndarray) -> list[str]:

@@ -10,7 +10,7 @@ from typing import Literal
 from workflow.triggering.blow_count import BlowCount, Resistance, Shaking
 
 SOURCE = "Japan Road Association, Specifications for Highway Bridges, Part V: Seismic Design"
-VALIDITY = "alluvial sand to a depth of 20 m; the code asks for no magnitude"
+VALIDITY = "alluvial sand to a depth of 20 m; the code needs no magnitude"
 DEEPEST = 20.0  # m
 KGF = 98.0665  # kPa in a kgf/cm²
 MotionType = Literal["I", "II"]

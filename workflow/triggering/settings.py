@@ -34,7 +34,7 @@ class TriggeringSettings(Model):
         "none of its own; for Idriss & Boulanger alone",
     )
     rods_above: Length = Field(
-        default=1.5, description='how far the rods stand out of the ground, such as "1.5 m"; for Idriss & Boulanger'
+        default=1.5, description='length of the rods above the ground, such as "1.5 m"; for Idriss & Boulanger'
     )
     motion: MotionType = Field(
         default="I", description='type of motion of the highway code from 2012 on: "I" plate boundary, "II" inland'

@@ -200,7 +200,7 @@ def test_ground_that_fails_by_itself_is_proven_to():
     soil = layer("bank", cohesion="5 kPa", friction_angle="0 deg")
     surface = [[0.0, 6.0], [12.0, 6.0], [13.5, 0.0], [24.0, 0.0]]
     bank = Section.parse({"name": "bank", "surface": surface, "base": {"depth": 3.0}, "strata": [soil]})
-    with pytest.raises(UnstableError, match="fails under its own weight: no horizontal force could hold it"):
+    with pytest.raises(UnstableError, match="fails under its own weight: no horizontal force could stabilise it"):
         kh_bounds(bank, FemSettings(sides="fixed"), BoundsSettings(max_cells=600))
 
 

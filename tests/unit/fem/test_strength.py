@@ -70,7 +70,7 @@ def test_the_flow_is_with_psi_equal_to_phi_unless_a_dilation_angle_below_phi_is_
     for flow in ("davis", "associated", "section"):
         assert flow_of([silent, none], flow) == flow
     assert davis_words([0.0, 0.0]) == "Davis's estimate for ψ = 0"
-    assert davis_words([0.0, 0.1]) == "Davis's estimate for ψ as given"
+    assert davis_words([0.0, 0.1]) == "Davis's estimate for the given ψ"
     clay = Section.parse(slope() | {"strata": [layer("a", friction_angle="0 deg", dilation_angle="0 deg")]}).strata
     assert flow_of(clay, "auto") == "associated"  # 0 is what psi = phi is
 

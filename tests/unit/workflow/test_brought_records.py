@@ -79,7 +79,7 @@ def test_the_components_have_the_names_above_their_units() -> None:
         ("time (s),acc (g)\n0.00,0.1\n0.01,NaN\n", "line 3: '0.01,NaN': a value is missing or not finite"),
         ("400 0.01 (8F9.6)\n" + "0.1 0.2 0.1 0.3 0.4 0.1 0.2 0.2\n-0.1 0.2 0.1 0.3 0.4 0.1 0.2 0.2\n",
          "holds rows of 8 numbers whose first ones are no times; expected a time step"),
-        ("\0\0\x01binary", "is no text but binary"),
+        ("\0\0\x01binary", "is a binary file"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_read_has_its_reason(text: str, told: str) -> None:

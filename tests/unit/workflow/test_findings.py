@@ -73,7 +73,7 @@ def test_a_critical_kh_with_what_it_hangs_on(run: Config) -> None:
 
 def test_another_flow_that_bears_more_than_strict_bounds_allow_is_left_out(run: Config) -> None:
     """No smaller ψ bears more than ψ = φ (Radenkovic 1961): a path above that was followed on too coarse a mesh."""
-    more = variant("dilation", "the non-associated path with ψ as given instead of ψ = φ", 0.30)
+    more = variant("dilation", "the non-associated path with the given ψ instead of ψ = φ", 0.30)
     less = variant("dilation", "the path with less", 0.235)
     found = results(run, fem=fem(run), variants=VariantsAnswer(variants=(more, less)), bounds=bounds(run, 0.27, 0.28))
     assert "kc = 0.235 with the path with less." in text(found)
@@ -222,7 +222,7 @@ def test_the_order_of_cases_is_told_where_each_leaves_less(
     sets = {"calibrated": {k: dem_fixture.case(0.1, float(k)) for k in random.cases}}
     given = run.model_copy(update={"slide": SlideSettings.model_validate({"cases": cases})})
     words = text(results(given, fem=fem(given), cases=CasesAnswer(sets=sets, random=random)))
-    assert ("each case slides further than the case before" in words) is told
+    assert ("Each case slides further than the case before" in words) is told
 
 
 def test_methods_that_disagree_are_told_to(run: Config) -> None:

@@ -234,7 +234,7 @@ def test_milliseconds_are_read_and_asked_for() -> None:
     assert "are 10 s apart" in refused(columns(time, values, "time,acc (m/s^2)"))
     assert "the heading gives the time" not in refused(columns(time, values, "t (h),acc (m/s^2)"))
     [remark] = read_text(columns(0.25 * np.arange(200), values, "time (s),acc (m/s^2)")).remarks
-    assert remark == "its steps of time are up to 0.25 s long; expected up to 0.1 s; check their unit"
+    assert remark == "its time steps are up to 0.25 s long; expected up to 0.1 s; check their unit"
 
 
 @given(seed=st.integers(0, 10**6), offset=st.floats(0.011, 0.2), sign=st.sampled_from([-1.0, 1.0]))
@@ -257,7 +257,7 @@ def test_a_pulse_keeps_its_mean_and_says_so() -> None:
     pulse = np.where((time > 5.0) & (time < 7.0), np.sin(0.5 * np.pi * (time - 5.0)), 0.0)
     found = read_text(columns(time, pulse, "time (s),a (m/s^2)"))
     np.testing.assert_allclose(found.acceleration, pulse, atol=1e-7)
-    assert "does not end at rest; it was left as it is" in found.remarks[0]
+    assert "does not end at rest; it is not corrected" in found.remarks[0]
 
 
 @pytest.mark.parametrize(("written", "point"), [("0,25 g", "0.25 g"), ("245,2 gal", "245.2 gal")])

@@ -1,4 +1,4 @@
-"""What is changed to see what the critical Kh depends on."""
+"""What is changed to see critical Kh with other assumptions."""
 
 from typing import cast
 
@@ -23,12 +23,16 @@ from workflow.stages.variants import PATH_CELLS, changed, on_a_mesh
         ({"fem": {"flow": "section"}}, "step", "first step of Kh 0.04 instead of 0.02"),
         ({}, "sides", "sides fixed instead of free-field"),
         ({"fem": {"sides": "fixed"}}, "sides", "sides free-field instead of fixed"),
-        ({}, "dilation", "the non-associated path with ψ as given instead of ψ = φ"),
-        ({"fem": {"flow": "davis"}}, "dilation", "the non-associated path with ψ as given instead of Davis's estimate"),
+        ({}, "dilation", "the non-associated path with the given ψ instead of ψ = φ"),
+        (
+            {"fem": {"flow": "davis"}},
+            "dilation",
+            "the non-associated path with the given ψ instead of Davis's estimate",
+        ),
         (
             {"fem": {"flow": "section"}},
             "dilation",
-            "Davis's estimate instead of the non-associated path with ψ as given",
+            "Davis's estimate instead of the non-associated path with the given ψ",
         ),
     ],
 )

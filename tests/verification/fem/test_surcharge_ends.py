@@ -11,7 +11,7 @@ from tests.support.water import section, soil
 def test_the_seismic_step_of_a_load_is_balanced_on_the_first_mesh(sides: Sides) -> None:
     """Two triangles at the end of a load on straight ground have six stresses there and six equations, of which one
     asks that the step of the load acts along the edge between them (the stresses are symmetric): no mesh had a lower
-    bound on which two met, however fine, and "its stress is out of balance by 4.2e-03" was told of all."""
+    bound on which two met, however fine, and "its stress is out of equilibrium by 4.2e-03" was told of all."""
     bank = section(
         soil("Loam", cohesion="5 kPa", friction_angle="30 deg", density="19 kN/m^3"),
         surface=[[0.0, 18.0], [30.0, 18.0], [50.0, 8.0], [90.0, 8.0]], base={"elevation": 0.0},
