@@ -182,14 +182,14 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
         ((name, thick),) = thin.items()
         return [
             *notes,
-            f"stratum {name} liquefies and is {thick:.2g} m thick in discs, less than two discs: discs do not resolve "
-            f"its slide, and give too little of it behind a bank; check it with discs of {radius}",
+            f"stratum {name} liquefies and is {thick:.2g} m thick in discs, less than two discs: discs of this size "
+            f"underestimate its slide behind a bank; check with discs of {radius}",
         ]
     listed = ", ".join(f"{name} ({thick:.2g} m)" for name, thick in thin.items())
     return [
         *notes,
-        f"strata {listed} liquefy and are thinner than two discs: discs do not resolve their slide, and give too "
-        f"little of it behind a bank; check them with discs of {radius}",
+        f"strata {listed} liquefy and are thinner than two discs: discs of this size underestimate their slide behind "
+        f"a bank; check with discs of {radius}",
     ]
 
 
