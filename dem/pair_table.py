@@ -89,8 +89,8 @@ def pair_table(
 def _weaker(pairs: np.ndarray, values: np.ndarray) -> None:
     """Write friction and cohesion of both materials, and the smaller rolling friction, into the constants of a pair."""
     first, other = np.broadcast_arrays(values[:, :, None], values[:, None, :])
-    for own, second in ((row.MU, row.MU_OTHER), (row.COHESION, row.COHESION_OTHER)):
-        pairs[own], pairs[second] = first[own], other[own]
+    for first_of_pair, second in ((row.MU, row.MU_OTHER), (row.COHESION, row.COHESION_OTHER)):
+        pairs[first_of_pair], pairs[second] = first[first_of_pair], other[first_of_pair]
     pairs[row.MU_ROLLING] = np.minimum(first[row.MU_ROLLING], other[row.MU_ROLLING])
 
 
@@ -98,8 +98,8 @@ def _attraction(layers: Sequence[LayerSprings]) -> np.ndarray:
     """Tensile strength (N) of contacts between layers (n + 1, n + 1): the smaller of both; at the boundary that of
     the layer.
     """
-    own = np.array([*(layer.attraction * layer.contact_cohesion for layer in layers), np.inf])
-    pull = np.minimum(own[:, None], own[None, :])
+    strength = np.array([*(layer.attraction * layer.contact_cohesion for layer in layers), np.inf])
+    pull = np.minimum(strength[:, None], strength[None, :])
     pull[-1, -1] = 0.0
     return pull
 

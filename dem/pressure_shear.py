@@ -69,18 +69,18 @@ def take_back_shear(state: DiscState) -> None:
 
 def _mean(
     over_pairs: Callable[[np.ndarray, np.ndarray], np.ndarray],
-    i: np.ndarray, j: np.ndarray, width: np.ndarray, area: np.ndarray, own: float,
+    i: np.ndarray, j: np.ndarray, width: np.ndarray, area: np.ndarray, at_zero: float,
 ) -> Callable[[np.ndarray], np.ndarray]:  # fmt: skip
     """The mean of values (n,) of discs over liquefied neighbours, by the kernel and their areas.
 
     over_pairs: sum over the pairs of every disc; i, j (pairs,): discs of each pair; width (pairs,): W, 0 but for two
     liquefied discs (1/m2); area (n,): of liquefied discs, 0 for others (m2); own: W at no distance (1/m2).
     """
-    weight = own * area + over_pairs(width * area[j], width * area[i])
+    weight = at_zero * area + over_pairs(width * area[j], width * area[i])
     whole = np.where(weight > 0.0, weight, 1.0)
 
     def mean(values: np.ndarray) -> np.ndarray:
         near = over_pairs(width * area[j] * values[j], width * area[i] * values[i])
-        return np.asarray((own * area * values + near) / whole)
+        return np.asarray((at_zero * area * values + near) / whole)
 
     return mean

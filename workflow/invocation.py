@@ -84,8 +84,8 @@ class Invocation:
 
     def job(self, **more: Any) -> Job:
         """The job of all stages."""
-        own: dict[str, Any] = {"mesh_options": self.mesh_options, "section_file": self.section}
-        return Job(self.config, self.store, stages.STAGES, **own, **more)
+        origin: dict[str, Any] = {"mesh_options": self.mesh_options, "section_file": self.section}
+        return Job(self.config, self.store, stages.STAGES, **origin, **more)
 
     def with_bounds(self) -> "Invocation":
         """The invocation with bounds, whatever the setting bounds.run."""

@@ -195,7 +195,7 @@ def find_fresh(where: np.ndarray, nobody: int, kind: np.ndarray) -> tuple[np.nda
     for at in range(LANES, len(kind)):
         if where[at] >= nobody:
             kind[at] = kind[at - LANES]
-    found = np.empty(chunks * (LANES // EIGHT), np.uint32)
+    groups = np.empty(chunks * (LANES // EIGHT), np.uint32)
     start = np.zeros(chunks + 1, np.int64)
     for chunk in range(chunks):
         count = start[chunk]
@@ -204,10 +204,10 @@ def find_fresh(where: np.ndarray, nobody: int, kind: np.ndarray) -> tuple[np.nda
             for k in range(at, at + EIGHT):
                 fresh |= kind[k] != kind[k - LANES]
             if fresh:
-                found[count] = at
+                groups[count] = at
                 count += 1
         start[chunk + 1] = count
-    return found[: start[-1]].copy(), start
+    return groups[: start[-1]].copy(), start
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -143,10 +143,10 @@ def _means(discs: np.ndarray, pairs: np.ndarray, width: np.ndarray, reach: float
     """
     n, count = values.shape
     out, weight = np.zeros((n, count)), np.zeros(n)
-    own = 7.0 / (math.pi * reach * reach)
+    at_zero = 7.0 / (math.pi * reach * reach)
     for i in range(n):
         if discs[i, bond.SHARE] > 0.0:
-            weight[i] = own * discs[i, bond.AREA]
+            weight[i] = at_zero * discs[i, bond.AREA]
             for q in range(count):
                 out[i, q] = weight[i] * values[i, q]
     for c in range(pairs.shape[1]):

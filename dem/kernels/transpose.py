@@ -47,8 +47,10 @@ def _join(builder: Any, parts: list[Any]) -> Any:
 
 def _all(builder: Any, value: Any) -> Any:
     """A vector of eight equal entries."""
-    one = builder.insert_element(ir.Constant(ir.VectorType(value.type, EIGHT), ir.Undefined), value, ir.IntType(32)(0))
-    return builder.shuffle_vector(one, one, _order(*[0] * EIGHT))
+    single = builder.insert_element(
+        ir.Constant(ir.VectorType(value.type, EIGHT), ir.Undefined), value, ir.IntType(32)(0)
+    )
+    return builder.shuffle_vector(single, single, _order(*[0] * EIGHT))
 
 
 def _turn(builder: Any, source: Any, begin: list[Any], fields: int, target: Any, to: Any) -> None:
@@ -160,11 +162,11 @@ def add_gathered(context: Any, values: Any, places: Any, first: Any, rows: Any, 
                 ),
                 pointers,
             )
-            found = builder.call(
+            gathered = builder.call(
                 read, [there, ir.IntType(32)(8), ir.Constant(mask, [1] * EIGHT), ir.Constant(_eight, ir.Undefined)]
             )
             sums = _at(builder, target, builder.add(arguments[4], word(row * _ROW)), _eight)
-            builder.store(builder.fadd(builder.load(sums, align=8), found), sums, 8)
+            builder.store(builder.fadd(builder.load(sums, align=8), gathered), sums, 8)
         return context.get_dummy_value()
 
     return types.none(values, places, types.uintp, rows, types.uintp), generate

@@ -61,9 +61,9 @@ class ContactNumbers(NamedTuple):
     @property
     def strength(self) -> float:
         """Half the deviator stress after the peak over the pressure, by the strength map."""
-        table, one = strength_map(self.turns), np.ones(1)
-        by_softness = table.gained_by_softness(self.stiffness, one, self.cohesion)
-        return float((table.strength(self.friction, self.cohesion, one) * by_softness)[0])
+        table, unit = strength_map(self.turns), np.ones(1)
+        by_softness = table.gained_by_softness(self.stiffness, unit, self.cohesion)
+        return float((table.strength(self.friction, self.cohesion, unit) * by_softness)[0])
 
     @property
     def modulus(self) -> float:

@@ -49,13 +49,15 @@ def strength_of_patch(numbers: ContactNumbers, seed: int) -> PatchStrength | str
             str(kept["reason"]) if "reason" in kept else PatchStrength(**{**kept, "course": np.array(kept["course"])})
         )
     try:
-        found: PatchStrength | str = compress(numbers.sample(seed, OVERLAP), PRESSURE)
+        strength: PatchStrength | str = compress(numbers.sample(seed, OVERLAP), PRESSURE)
     except (DemError, ValueError) as error:
-        found = str(error)
-    content = {"reason": found} if isinstance(found, str) else {**asdict(found), "course": found.course.tolist()}
+        strength = str(error)
+    content = (
+        {"reason": strength} if isinstance(strength, str) else {**asdict(strength), "course": strength.course.tolist()}
+    )
     with suppress(OSError), whole(file) as beside:
         beside.write_text(json.dumps(content))
-    return found
+    return strength
 
 
 def _name(numbers: ContactNumbers, seed: int) -> str:

@@ -168,15 +168,15 @@ class _ByMumps:
     """
 
     def __init__(
-        self, d: Discretisation, exchange: Exchange, rows: np.ndarray, own: np.ndarray, symmetric: bool
+        self, d: Discretisation, exchange: Exchange, rows: np.ndarray, owned: np.ndarray, symmetric: bool
     ) -> None:
         PETSc.garbage_cleanup(d.comm)  # PETSc keeps what Python let go of until all ranks are asked together
-        size, border = d.comm.allreduce(len(own)), rows.shape[1]
+        size, border = d.comm.allreduce(len(owned)), rows.shape[1]
         self._rows = rows
-        self._matrix = PETSc.Mat().createAIJ(((len(own), size), (len(own), size)), comm=d.comm)
+        self._matrix = PETSc.Mat().createAIJ(((len(owned), size), (len(owned), size)), comm=d.comm)
         cells = exchange.sum_to_owned(np.bincount(d.dofs[:, :border].ravel(), minlength=len(d.global_dofs)))
-        entries = np.clip(border * cells[own], 1, size).astype(PETSc.IntType)  # all that those cells have
-        self._matrix.setPreallocationNNZ((np.minimum(entries, len(own)), entries))
+        entries = np.clip(border * cells[owned], 1, size).astype(PETSc.IntType)  # all that those cells have
+        self._matrix.setPreallocationNNZ((np.minimum(entries, len(owned)), entries))
         self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, symmetric)
         self._matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, symmetric)
         self._ksp = PETSc.KSP().create(d.comm)

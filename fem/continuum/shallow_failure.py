@@ -171,7 +171,7 @@ def joined(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
     for face in faces:
         last = failures[-1] if failures else None
         if last and (last.stratum, last.end) == (face.stratum, face.start) and abs(last.kh - face.kh) < ALIKE:
-            failures[-1] = replace(min(last, face, key=lambda one: one.kh), start=last.start, end=face.end)
+            failures[-1] = replace(min(last, face, key=lambda piece: piece.kh), start=last.start, end=face.end)
         else:
             failures.append(face)
     return failures

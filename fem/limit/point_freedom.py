@@ -106,7 +106,7 @@ def _crests(problem: LimitProblem) -> np.ndarray:
 
 
 def _traction_equations(
-    problem: LimitProblem, point: int, cells: np.ndarray, place: np.ndarray, given: np.ndarray
+    problem: LimitProblem, point: int, cells: np.ndarray, place: np.ndarray, known: np.ndarray
 ) -> np.ndarray:
     """Equations of the tractions at a point from the stresses of its cells: continuity across inner edges, and zeros
     that are prescribed.
@@ -126,7 +126,7 @@ def _traction_equations(
                 row[:, np.flatnonzero(cells == cell)[0]] = sign * traction
         k = place[edge]
         if k >= 0:
-            row = row[given[k, int(outline.ends[k, 1] == point)]]
+            row = row[known[k, int(outline.ends[k, 1] == point)]]
         rows.append(row.reshape(-1, 3 * len(cells)))
     return np.vstack(rows)
 

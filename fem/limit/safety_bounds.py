@@ -96,13 +96,13 @@ def safety_bounds(
     deeper = deeper or _bounds_of(whole, fem, settings, start, FactorWork(0.5 * work.left))
     if deeper.lower > 0.0:
         start = replace(start, factor=deeper.lower, enough=deeper.lower, slips=deeper.lower)
-    given = _bounds_of(section, fem, settings, start, FactorWork(0.5 * work.left))
-    trials = [*deeper.trials, *given.trials]
-    if given.upper < (deeper.lower if given.lower > 0.0 else deeper.upper):
-        return replace(deeper, shallow_failure=given.upper, trials=trials)
-    if 0.0 < deeper.lower <= given.lower:
+    unchanged = _bounds_of(section, fem, settings, start, FactorWork(0.5 * work.left))
+    trials = [*deeper.trials, *unchanged.trials]
+    if unchanged.upper < (deeper.lower if unchanged.lower > 0.0 else deeper.upper):
+        return replace(deeper, shallow_failure=unchanged.upper, trials=trials)
+    if 0.0 < deeper.lower <= unchanged.lower:
         return replace(deeper, trials=trials)  # what the stronger ground does not bear fails this one, too
-    return replace(given, trials=trials)
+    return replace(unchanged, trials=trials)
 
 
 @dataclass(frozen=True)

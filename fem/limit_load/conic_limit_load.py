@@ -138,13 +138,13 @@ class Discretised:
         unit of stress. Only the first attempt begins at ``start``. ``least``: smallest multiplier of which the gap is a
         share.
         """
-        found = []
+        attempts = []
         for ground, place in ((self, start), (replace(self, unit=LARGER * self.unit), None)):
             solution = cone_program.solve_for_elements(program(ground), place, least)
             if solution.sure and solution.none != "no stress":
                 return ground, solution
-            found.append((ground, solution))
-        return next((pair for pair in found if pair[1].sure), found[-1])
+            attempts.append((ground, solution))
+        return next((pair for pair in attempts if pair[1].sure), attempts[-1])
 
     def stress(self, solution: cone_program.Solution) -> np.ndarray:
         """Stress (points, [xx, yy, xy]) in Pa of a solution."""
@@ -233,7 +233,7 @@ def _limit(
     """The limit load, and the starting point for others; raises as ``conic_limit_load`` does."""
     ratio = float(np.abs(ground.load(0)).sum() / np.abs(ground.load(1)).sum())  # both loads as large as one
     ground, solution = ground.solved(
-        lambda own: own.program(problem.strength, own.load(0), ratio * own.load(1)), start, LEAST_KH / ratio
+        lambda scaled: scaled.program(problem.strength, scaled.load(0), ratio * scaled.load(1)), start, LEAST_KH / ratio
     )
     if not solution.sure:
         raise NoAnswerError(f"the limit load of the elements was not found ({solution.ended})", "use another mesh")

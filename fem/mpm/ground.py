@@ -207,14 +207,14 @@ def _fill(
     places, volumes, owners, is_top = [], [], [], []
     for column, at in enumerate(x):
         first = True
-        for high, low, own in zip(top[column], bottom[column], owner[column], strict=True):
+        for high, low, stratum in zip(top[column], bottom[column], owner[column], strict=True):
             if high - low < THINNEST * spacing:
                 continue
             count = max(1, round((high - low) / spacing))
             z = high - (high - low) * (np.arange(count) + 0.5) / count
             places.append(np.column_stack([np.full(count, at), z]))
             volumes.append(np.full(count, spacing * (high - low) / count))
-            owners.append(np.full(count, own))
+            owners.append(np.full(count, stratum))
             is_top.append(np.arange(count) == (0 if first else -1))
             first = False
     return np.vstack(places), np.concatenate(volumes), np.concatenate(owners), np.concatenate(is_top)

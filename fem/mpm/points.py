@@ -159,8 +159,8 @@ class MaterialPoints:
 
     def kinetic(self, cell: float) -> float:
         """Kinetic energy (J/m), including that of the affine fields, on cells of size ``cell`` (m)."""
-        own = (self.v**2).sum(axis=1) + 0.25 * cell**2 * (self.affine**2).sum(axis=1)
-        return float(0.5 * np.sum(self.mass * own))
+        squared_speed = (self.v**2).sum(axis=1) + 0.25 * cell**2 * (self.affine**2).sum(axis=1)
+        return float(0.5 * np.sum(self.mass * squared_speed))
 
     def elastic(self) -> float:
         """Elastic energy (J/m) of the stress in the plane."""

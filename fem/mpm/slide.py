@@ -214,9 +214,9 @@ class PointSlider:
         stress = self.ground.effective
         strength = after[:, STRENGTH] + stress * after[:, SINE]
         edge = edge_strength(x, height, mass, liquefies, strength, self.ground.grid.cell)
-        own = np.where(liquefies >= 0, after[:, STRENGTH], before[:, STRENGTH])[edge.points]
-        own += stress[edge.points] * np.where(liquefies >= 0, after[:, SINE], before[:, SINE])[edge.points]
-        less = edge.strength < own
+        sound = np.where(liquefies >= 0, after[:, STRENGTH], before[:, STRENGTH])[edge.points]
+        sound += stress[edge.points] * np.where(liquefies >= 0, after[:, SINE], before[:, SINE])[edge.points]
+        less = edge.strength < sound
         near, donor = edge.points[less], edge.donors[less]
         after[np.ix_(near, [SINE, LIMIT])] = after[np.ix_(donor, [SINE, LIMIT])]
         after[near, STRENGTH] = np.maximum(edge.strength[less] - stress[near] * after[near, SINE], 0.0)
@@ -224,7 +224,7 @@ class PointSlider:
         liquefies[edge.points[less | strains]] = liquefies[edge.donors[less | strains]]
         near, donor = edge.points[strains], edge.donors[strains]
         potential[near] = potential[donor]
-        most = LARGEST_SHARE * np.minimum(edge.strength, own)[strains]
+        most = LARGEST_SHARE * np.minimum(edge.strength, sound)[strains]
         knee[near] = np.minimum(edge.demand[strains] * knee[donor], most)
 
     def _soften(
@@ -238,8 +238,8 @@ class PointSlider:
             return
         x, height, mass = self._columns()
         layer = np.where(potential > 0.0, liquefies, -1)
-        own = self.engine.original(self.ground.points.stratum) == layer
-        share = thickness_over_width(x, height, mass, layer, own, self.ground.grid.cell)[strains]
+        in_layer = self.engine.original(self.ground.points.stratum) == layer
+        share = thickness_over_width(x, height, mass, layer, in_layer, self.ground.grid.cell)[strains]
         strength = after[strains, STRENGTH] + self.ground.effective[strains] * after[strains, SINE]
         hard = before[strains, SHEAR]
         stiff = np.minimum((strength - knee[strains]) / (BEYOND * share), hard)

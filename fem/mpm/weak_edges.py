@@ -98,23 +98,23 @@ def edge_strength(
     for mine in _in_columns(x, column):
         above[mine] = np.cumsum(mass[mine]) - 0.5 * mass[mine]
         edges[int(column[mine[0]])] = _edges(mine, int(column[mine[0]]), x, height, mass, above, layer, strength)
-    found: dict[int, tuple[float, int, float]] = {}
+    nearest: dict[int, tuple[float, int, float]] = {}
     for edge in (edge for of_column in edges.values() for edge in of_column):
         low, high = _rows(edge, edges, layer, cell)
         near = edge.others[(row[edge.others] >= low) & (row[edge.others] <= high)]
         for p in near[layer[near] < 0]:
             scaled = edge.per_mass * above[p] if edge.below else strength[edge.donor]
             away = abs(x[p, 1] - edge.z)
-            if away < found.get(p, (np.inf,))[0]:
-                found[p] = away, edge.donor, scaled
-    points = np.array(sorted(found), dtype=int)
-    donors = np.array([found[p][1] for p in points], dtype=int)
-    strengths = np.array([found[p][2] for p in points], dtype=float)
+            if away < nearest.get(p, (np.inf,))[0]:
+                nearest[p] = away, edge.donor, scaled
+    points = np.array(sorted(nearest), dtype=int)
+    donors = np.array([nearest[p][1] for p in points], dtype=int)
+    strengths = np.array([nearest[p][2] for p in points], dtype=float)
     return EdgeStrength(points, donors, strengths, above[points] / above[donors])
 
 
 def thickness_over_width(
-    x: np.ndarray, height: np.ndarray, mass: np.ndarray, layer: np.ndarray, own: np.ndarray, cell: float
+    x: np.ndarray, height: np.ndarray, mass: np.ndarray, layer: np.ndarray, in_layer: np.ndarray, cell: float
 ) -> np.ndarray:
     """Thickness of a weak layer over the width of ground that shears in its place on the grid, column by column.
 
@@ -150,7 +150,7 @@ def thickness_over_width(
         moved *= cell * width / moved.sum()
         for k in np.unique(layer[mine][weak]):
             of_layer = layer[mine] == k
-            thickness, sheared = height[mine][of_layer & own[mine]].sum(), moved[of_layer].sum()
+            thickness, sheared = height[mine][of_layer & in_layer[mine]].sum(), moved[of_layer].sum()
             if 0.0 < thickness < sheared:
                 share[mine[of_layer]] = thickness / sheared
     return share

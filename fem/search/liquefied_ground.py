@@ -40,8 +40,8 @@ def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Secti
             "poissons_ratio": max(UNDRAINED, strata[k].poissons_ratio),
         }
         if kept.residual:
-            one = dict.fromkeys(("ocr", "ocr_exponent", "pre_overburden_pressure", "consolidated_below"))
-            change |= {**one, "strength_ratio": kept.residual}
+            removed = dict.fromkeys(("ocr", "ocr_exponent", "pre_overburden_pressure", "consolidated_below"))
+            change |= {**removed, "strength_ratio": kept.residual}
         strata[k] = strata[k].model_copy(update=change)
     return section.with_strata(strata)
 

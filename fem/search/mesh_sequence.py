@@ -120,8 +120,8 @@ class AdaptiveResult(Generic[F]):
 
     def resolves(self, other: State) -> bool:
         """Whether the cells of ``mesh`` are as small along another mechanism as along its own."""
-        own = self.result.mechanism
-        return len(self.rounds) < 2 or (own is not None and self._band(other) <= ALIKE * self._band(own))
+        mechanism = self.result.mechanism
+        return len(self.rounds) < 2 or (mechanism is not None and self._band(other) <= ALIKE * self._band(mechanism))
 
     def _band(self, mechanism: State) -> float:
         """Mean size (m) of the cells, weighted by the shear displacement of a mechanism across them."""

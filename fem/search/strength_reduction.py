@@ -116,11 +116,11 @@ def limit_load_safety_factor(
         problem, _, constant = at_the_sides(section, mesh, settings, comm, faces, kh != 0.0)
     if kh != 0.0:
         constant = constant + kh * seismic_load(problem, mesh, section, push(section, settings))
-    found = conic_safety_factor(problem, mesh, constant, kh, guess, start)
+    limit = conic_safety_factor(problem, mesh, constant, kh, guess, start)
     shallow = least_rolling_factor(section, faces, kh, _friction(section, settings))
     reason = f"it is that of {len(mesh.cells)} cells"
     return SafetyFactor(
-        kh, found.factor, found.factor, "plateau", reason, "", [], shallow, found.mechanism, start=found.start
+        kh, limit.factor, limit.factor, "plateau", reason, "", [], shallow, limit.mechanism, start=limit.start
     )
 
 

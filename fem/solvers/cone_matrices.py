@@ -115,8 +115,8 @@ def _shear_of(program: ConeProgram, across: sparse.csr_matrix, clay: np.ndarray)
     """
     corners, sin = len(program.cohesion), np.sin(program.friction)
     of_volume = sparse.diags(np.divide(program.weight, sin, out=np.zeros(corners), where=sin > 0.0)) @ across
-    own = (clay, len(program.live) + np.arange(len(clay)))
-    return (of_volume + sparse.csr_matrix((program.weight[clay], own), shape=across.shape)).tocsr()
+    entries = (clay, len(program.live) + np.arange(len(clay)))
+    return (of_volume + sparse.csr_matrix((program.weight[clay], entries), shape=across.shape)).tocsr()
 
 
 def _tension_of(program: ConeProgram) -> np.ndarray:
@@ -126,8 +126,8 @@ def _tension_of(program: ConeProgram) -> np.ndarray:
     """
     torn = program.torn
     tension = np.zeros(len(program.cohesion))
-    bare, given = (np.broadcast_to(value, tension.shape)[torn] for value in (program.bare, program.tension))
-    tension[torn] = program.weight[torn] * np.where(bare, 0.5 * given, given)
+    bare, cut_off = (np.broadcast_to(value, tension.shape)[torn] for value in (program.bare, program.tension))
+    tension[torn] = program.weight[torn] * np.where(bare, 0.5 * cut_off, cut_off)
     return tension
 
 

@@ -146,14 +146,14 @@ class Warm:
 
     def suits(self, form: Standard) -> bool:
         """Whether a program has the same corners and strain rates as this starting point."""
-        own, other = self.form, form
-        return own.matrix.shape == other.matrix.shape and all(
-            np.array_equal(one, two)
-            for one, two in (
-                (own.rates.indptr, other.rates.indptr),
-                (own.rates.indices, other.rates.indices),
-                (own.rates.data, other.rates.data),
-                *((getattr(own.corners, name), getattr(other.corners, name)) for name in ("clay", "single", "triple")),
+        mine, other = self.form, form
+        return mine.matrix.shape == other.matrix.shape and all(
+            np.array_equal(first, second)
+            for first, second in (
+                (mine.rates.indptr, other.rates.indptr),
+                (mine.rates.indices, other.rates.indices),
+                (mine.rates.data, other.rates.data),
+                *((getattr(mine.corners, name), getattr(other.corners, name)) for name in ("clay", "single", "triple")),
             )
         )
 
@@ -201,15 +201,17 @@ def _solve(
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)
     data = assembled(program, clay)
-    started, own = time.thread_time(), None
+    started, built_in = time.thread_time(), None
     if n >= LEAST_VELOCITIES and cholmod.available():
-        own = _by_interior_point(program, data, magnified, tolerance, most_work, start)
-    if own is not None and (own.status in MET or own.out_of_work):
-        end = own
+        built_in = _by_interior_point(program, data, magnified, tolerance, most_work, start)
+    if built_in is not None and (built_in.status in MET or built_in.out_of_work):
+        end = built_in
     else:
-        end = ask_clarabel(data, magnified, most_work - (own.work if own is not None else 0.0))
-    if own is not None and end is not own:
-        end = replace(end, work=end.work + own.work, iterations=end.iterations + own.iterations, fallback=True)
+        end = ask_clarabel(data, magnified, most_work - (built_in.work if built_in is not None else 0.0))
+    if built_in is not None and end is not built_in:
+        end = replace(
+            end, work=end.work + built_in.work, iterations=end.iterations + built_in.iterations, fallback=True
+        )
     x, z = end.x, end.z
     first = 1 + len(clay)
     stress = stress_of(program, -z[0], z[1:first], z[first : first + 3 * corners].reshape(corners, 3), clay)

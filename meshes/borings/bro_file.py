@@ -77,10 +77,10 @@ def _named(node: Element, name: str) -> Iterator[Element]:
 
 def _text(node: Element, name: str, default: str | None = None) -> str:
     """What the first element of a name says; raises StopIteration without one and without a default."""
-    found = next(((child.text or "").strip() for child in _named(node, name)), default)
-    if found is None:
+    text = next(((child.text or "").strip() for child in _named(node, name)), default)
+    if text is None:
         raise StopIteration
-    return found
+    return text
 
 
 def _readings(test: Element) -> Iterator[dict[int, float]]:

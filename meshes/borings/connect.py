@@ -174,13 +174,14 @@ def _spelled_alike(logs: Sequence[Log]) -> tuple[list[Log], list[str]]:
         plain = " ".join(name.split()).casefold()
         spellings.setdefault(first.setdefault(plain, name), []).append(name)
     whole = {name: kept for kept, names in spellings.items() for name in names}
-    one = [
+    unified = [
         replace(log, layers=tuple(joined([replace(layer, name=whole[layer.name]) for layer in log.layers])))
         for log in logs
     ]
     several = [list(dict.fromkeys(names)) for names in spellings.values() if len(set(names)) > 1]
-    return one, [f'{" and ".join(json.dumps(name, ensure_ascii=False) for name in names)} are taken for one stratum, '
-                 f'"{names[0]}"' for names in several]  # fmt: skip
+    notices = [f'{" and ".join(json.dumps(name, ensure_ascii=False) for name in names)} are taken for one stratum, '
+               f'"{names[0]}"' for names in several]  # fmt: skip
+    return unified, notices
 
 
 def _water_above(borings: Sequence[Placed]) -> list[str]:

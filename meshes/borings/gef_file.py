@@ -45,12 +45,12 @@ def read_gef(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
         With all problems.
     """
     text = read_text(path)
-    head, found, data = text.text.partition("#EOH")
+    head, mark, data = text.text.partition("#EOH")
     header: Header = {}
     for key, values in HEADER.findall(head):
         header.setdefault(key.upper(), []).append([value.strip() for value in values.split(",")])
     kinds = [line[0] for key in ("REPORTCODE", "PROCEDURECODE") for line in header.get(key, [])]
-    if not found or "COLUMNINFO" not in header or any("CPT" not in kind.upper() for kind in kinds):
+    if not mark or "COLUMNINFO" not in header or any("CPT" not in kind.upper() for kind in kinds):
         what = f", not {kinds[0]}" if kinds else ""
         raise InputError(str(path), [f"expected a cone penetration test in GEF, GEF-CPT-Report{what}"])
     try:

@@ -148,7 +148,7 @@ def section_of(model: ForeignModel, path: Path, name: str) -> FoundSection:
         layer = of_name[columns.stack.layers[k]]
         keys = {**layer.keys, **(layer.wet if wet else layer.dry)}
         levels = _across(keys, "piezometric_level", *sides)
-        called = columns.stack.names[k] + (", wet" if [one for one, _, _ in parts].count(k) > 1 and wet else "")
+        called = columns.stack.names[k] + (", wet" if [number for number, _, _ in parts].count(k) > 1 and wet else "")
         strata.append({"name": called, "bottom": {"elevation": _points(bottom)}, **STIFFNESS, **levels})
     data = {"name": name, "surface": _points(columns.points(ground)), "base": strata[-1].pop("bottom")}
     data |= {"water": water} if water else {}
@@ -171,10 +171,10 @@ def layer_names(layers: Sequence[Layer]) -> list[str]:
     names = []
     for layer in layers:
         known = kinds.setdefault(layer.soil, [])
-        own = layer._asdict() | {"points": None}
-        if own not in known:
-            known.append(own)
-        number = known.index(own) + 1
+        keys = layer._asdict() | {"points": None}
+        if keys not in known:
+            known.append(keys)
+        number = known.index(keys) + 1
         names.append(layer.soil if number == 1 else f"{layer.soil} {number}")
     return names
 

@@ -201,13 +201,13 @@ def _latest_state(
     for count, (label, state, outlines) in enumerate(states):
         places = [corners(_pairs(item["Points"])) for item in outlines]
         same = next((k for k, place in enumerate(places) if _holds(place, _middle(points))), None)
-        found = {} if same is None else _state(state, outlines[same]["Id"], places[same], soil, notices)
-        if found:
+        keys = {} if same is None else _state(state, outlines[same]["Id"], places[same], soil, notices)
+        if keys:
             if count:
                 notices.append(
                     f'preconsolidation of "{soil}" is that of stage "{label}": too low where water has risen since'
                 )
-            return found
+            return keys
     return {}
 
 

@@ -113,13 +113,13 @@ def free_surface_flow(
     for iteration in range(1, MOST_ITERATIONS + 1):
         dry, rate, spare = state(unknown)
         seeping = bare & ~dry
-        given = fixed | seeping | (dry & ends)
+        prescribed = fixed | seeping | (dry & ends)
         wanted = np.where(fixed, pressure, 0.0)
         slopes = np.where(spare, falls.area / through[falls.upper], 0.0)
         constant = falls.area * np.where(spare, most[falls.upper], falls.permeability)
         matrix = (conductance @ diags_array((~dry).astype(float)) + falls.matrix(slopes, size)).tocsr()
         load = np.bincount(falls.lower, constant, minlength=size) - np.bincount(falls.upper, constant, minlength=size)
-        free = np.flatnonzero(~given)
+        free = np.flatnonzero(~prescribed)
         if len(free):
             right = (load - matrix @ wanted)[free]
             wanted[free] = splu(matrix[free][:, free].tocsc()).solve(right)

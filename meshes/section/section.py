@@ -92,14 +92,14 @@ class Section(Model):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        problems = list(naming_problems([*(one.name for one in self.strata), *(zone.name for zone in self.zones)]))
+        problems = list(naming_problems([soil.name for soil in (*self.strata, *self.zones)]))
         if self.reconstruction and not self.reconstruction_note.strip():
             problems.append("reconstruction_note: expected a sentence that says what was reconstructed from what")
         bottoms = [stratum.bottom for stratum in self.strata]
         problems += geometry_problems(self.surface, self.base, self._water_lines(), bottoms)
         if not self.unusual:
-            own = [zone.soil.placed(f"zones {k}") for k, zone in enumerate(self.zones, start=1) if not zone.material]
-            problems += implausible([*self.strata, *own], self.water, self.surcharges)
+            soils = [zone.soil.placed(f"zones {k}") for k, zone in enumerate(self.zones, start=1) if not zone.material]
+            problems += implausible([*self.strata, *soils], self.water, self.surcharges)
         if not problems and self.zones:
             problems += self._apply_zones()
         if not problems:

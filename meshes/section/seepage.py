@@ -173,11 +173,11 @@ def steady_seepage(
     """
     from meshes.section.free_surface import free_surface_flow  # SciPy is loaded only where water flows
 
-    given = heads - grid.points[:, 1]
-    under = given > 1e-3 * tolerance  # not numbers are not
+    prescribed = heads - grid.points[:, 1]
+    under = prescribed > 1e-3 * tolerance  # not numbers are not
     bare = np.isfinite(heads)
     bare[grid.ground] = True
-    flow = free_surface_flow(grid, permeability, np.where(under, given, np.nan), bare & ~under)
+    flow = free_surface_flow(grid, permeability, np.where(under, prescribed, np.nan), bare & ~under)
     if not flow.converged:
         raise SeepageError(
             "the iteration of the phreatic line does not converge",
@@ -198,12 +198,12 @@ def _continued(grid: FlowGrid, flow: "FreeSurfaceFlow") -> np.ndarray:
     z, wet = grid.points[:, 1], flow.full
     pressure = np.where(wet, flow.pressure, -np.inf)
     for _, _, chain in grid.chains():
-        height, found, here = z[chain], flow.pressure[chain], wet[chain]
+        height, along, here = z[chain], flow.pressure[chain], wet[chain]
         last = np.maximum.accumulate(np.where(here, np.arange(len(chain)), -1))
         after = np.minimum.accumulate(np.where(here, np.arange(len(chain)), len(chain))[::-1])[::-1]
         for i in np.flatnonzero(~here):
             j, above = int(last[i]), int(after[i])
-            beyond = -(height[i] - height[0]) if j < 0 else found[j] - _fall(height, found, j) * (height[i] - height[j])
+            beyond = -(height[i] - height[0]) if j < 0 else along[j] - _fall(height, along, j) * (height[i] - height[j])
             if above < len(chain):  # water hangs above: its pressure is 0 at the next dry point
                 beyond = max(beyond, -(height[above - 1] - height[i]))
             pressure[chain[i]] = max(pressure[chain[i]], min(beyond, 0.0))

@@ -117,22 +117,22 @@ class TensionCrack(Model):
             stratum = section.strata[k]
             if not filled or stratum.friction_angle or stratum.pore_pressure_ratio:
                 return {}
-            own = None if stratum.pore_pressure_ratio is not None else pressure.levels[k]
-            level = self._water_level(section, bottom, own)
+            ground_level = None if stratum.pore_pressure_ratio is not None else pressure.levels[k]
+            level = self._water_level(section, bottom, ground_level)
             weight = {"density_saturated": stratum.density_ordinary}  # the water of cracks does not soak the ground
             return {"piezometric_level": Line(elevation=level.tolist()), "pore_pressure_ratio": None, **weight}
 
         strata = cut_at_cracks(section.strata, section.layering, bottom, section.given_extent, of_crack)
         return section.with_strata(strata)
 
-    def _water_level(self, section: Section, bottom: np.ndarray, own: np.ndarray | None) -> np.ndarray:
+    def _water_level(self, section: Section, bottom: np.ndarray, ground_level: np.ndarray | None) -> np.ndarray:
         """Level (n, 2) of the water in cracks, or the ``own`` one of the ground where that is higher.
 
         Water stands in a crack no higher than the lowest ground within the depth of the deepest crack to either side,
         where it would run out.
         """
         ground, depth = section.ground, float(self.depth(section, np.unique(bottom[:, 0])).max())
-        bends = np.concatenate([ground[:, 0], bottom[:, 0], *([] if own is None else [own[:, 0]])])
+        bends = np.concatenate([ground[:, 0], bottom[:, 0], *([] if ground_level is None else [ground_level[:, 0]])])
         x = np.unique(np.concatenate([bends, ground[:, 0] - depth, ground[:, 0] + depth]))
         x = x[(x >= ground[0, 0]) & (x <= ground[-1, 0])]
         middle = 0.5 * (x[1:] + x[:-1])
@@ -143,7 +143,7 @@ class TensionCrack(Model):
             beside = [level_at(ground, at + step, middle + step) for step in (-depth, depth)]
             lowest = np.where(np.abs(ground[:, 0] - middle[:, None]) < depth, ground[:, 1], np.inf).min(axis=1)
             water = np.minimum.reduce([top - deep + self.water_depth(deep), *beside, lowest])
-            return water if own is None else np.maximum(water, level_at(own, at, middle))
+            return water if ground_level is None else np.maximum(water, level_at(ground_level, at, middle))
 
         points = np.column_stack([np.repeat(x, 2)[1:-1], np.column_stack([level(x[:-1]), level(x[1:])]).ravel()])
         return _without_steps(points)

@@ -158,23 +158,23 @@ def _accelerogram(name: str, series: RecordedSeries, unit: str) -> Accelerogram:
     )
 
 
-def _unit(series: RecordedSeries, given: str) -> MotionUnit:
+def _unit(series: RecordedSeries, setting: str) -> MotionUnit:
     """Quantity and unit of the values. Raises ValueError if they are missing or contradictory."""
     named = motion_unit(series.unit) if series.unit else None
     if series.unit and named is None:
         raise ValueError(f'its heading gives the unit "{series.unit}", which is not understood; {EXPECTED}')
-    wanted = motion_unit(given) if given else None
+    wanted = motion_unit(setting) if setting else None
     if named is None and wanted is None:
         raise ValueError(
             'its heading names no unit; expected unit = "g", "m/s^2" or "gal" after the name of the file, or a '
             "heading such as time (s), acceleration (g)"
         )
     if named is not None and wanted is not None and named != wanted:
-        raise ValueError(f'unit = "{given}": its heading says "{series.unit}"; expected the same, or no unit')
+        raise ValueError(f'unit = "{setting}": its heading says "{series.unit}"; expected the same, or no unit')
     unit = named or wanted
     assert unit is not None
     if series.quantity and not unit.motion.startswith(series.quantity.lower()[:5]):
-        said = f"its heading says {series.quantity.lower()}, in {series.unit or given}, a unit of {unit.motion}"
+        said = f"its heading says {series.quantity.lower()}, in {series.unit or setting}, a unit of {unit.motion}"
         raise ValueError(f"{said}: expected equal values")
     return unit
 

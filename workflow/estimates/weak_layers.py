@@ -45,11 +45,11 @@ def thin_weak_layers(section: Section) -> tuple[str, ...]:
             if first == 0 or thick >= THIN * relief:
                 continue
             middle = float(column[inside[0]]) - 0.5 * thick
-            own = next(k for k in inside if column[k + 1] <= middle)
+            weak = next(k for k in inside if column[k + 1] <= middle)
             beside = [present[first - 1], *present[last + 1 : last + 2]]
-            strength, *others = (_strength(section, at, middle, own, k) for k in (own, *beside))
+            strength, *others = (_strength(section, at, middle, weak, k) for k in (weak, *beside))
             if strength < WEAK * min(others):
-                lengths[soils[own]] = lengths.get(soils[own], 0.0) + width
+                lengths[soils[weak]] = lengths.get(soils[weak], 0.0) + width
     return tuple(soil for soil in dict.fromkeys(soils) if lengths.get(soil, 0.0) > relief > 0.0)
 
 
@@ -59,9 +59,9 @@ def _runs(names: list[str]) -> list[tuple[int, int]]:
     return [(start, end - 1) for start, end in zip(starts, [*starts[1:], len(names)], strict=True)]
 
 
-def _strength(section: Section, x: float, z: float, own: int, soil: int) -> float:
+def _strength(section: Section, x: float, z: float, weak: int, soil: int) -> float:
     """Shear strength (Pa) on a level plane at x, z (m) in stratum ``own``, if that had the strength of ``soil``."""
     point, field = np.array([[x, z]]), section.cohesion_field
-    stress = float(field.effective_stress(point, point, np.array([own]))[0])
+    stress = float(field.effective_stress(point, point, np.array([weak]))[0])
     cohesion = float(field.at(point, point, np.array([soil]))[0])
     return cohesion + stress * float(np.tan(section.strata[soil].friction_angle))

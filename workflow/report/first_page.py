@@ -300,8 +300,8 @@ def _predicted(results: Results) -> dict[SlideMethod, list[float]]:
         discs += case.slide_max_m.values
     points = [case.slide_max_m for case in results.mpm.cases.values()] if results.mpm is not None else []
     slides: dict[SlideMethod, list[float]] = {"discs": discs, "mpm": points}
-    moved = {method: [slide for slide in found if slide > 0.0] for method, found in slides.items()}
-    return {method: found for method, found in moved.items() if found}
+    moved = {method: [slide for slide in lengths if slide > 0.0] for method, lengths in slides.items()}
+    return {method: lengths for method, lengths in moved.items() if lengths}
 
 
 def conclusions(results: Results, _: Texts) -> Iterator[str]:

@@ -49,8 +49,8 @@ def case_pictures(
     """The pictures of all cases of a set of springs; cases with equal answers share their states."""
     first = first_equal({n: cases[n].model_dump_json(exclude={"stiffness"}) for n in sorted(cases)})
     groups: dict[int, dict[int, CaseAnswer | PointCase]] = {}
-    for number, one in first.items():
-        groups.setdefault(one, {})[number] = cases[number]
+    for number, same in first.items():
+        groups.setdefault(same, {})[number] = cases[number]
     return [CasePictures(config, store, springs, group) for group in groups.values()]
 
 

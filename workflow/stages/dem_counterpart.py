@@ -98,12 +98,12 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
     least = depth or config.fem.least_depth
     settings = config.fem.changed(direction=fem.direction, least_depth=least, sides=held)
 
-    def told(what: str, path: "EquilibriumPath | None") -> None:
+    def report(what: str, path: "EquilibriumPath | None") -> None:
         tell((f"the continuum: {what}" + (f" = {path.factor:.4f}" if path is not None else ""), None))
 
     try:
         box = critical_as_discs(
-            config.section, config.mesh, stored_mesh(config.section, store), settings, MPI.COMM_SELF, told
+            config.section, config.mesh, stored_mesh(config.section, store), settings, MPI.COMM_SELF, report
         )
     except NoAnswerError:
         return None

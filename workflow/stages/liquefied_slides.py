@@ -43,8 +43,8 @@ def slide_stage(job: Job) -> None:
     pieces: list[SlideTask | Packing] = [*packings, *(SlideTask(config, store, each, frames=True) for each in computed)]
     hearer = Hearer(config, job.progress, pieces)
     outcomes = job.executor.compute(_computed, pieces, hearer, hearer.ended)
-    found: dict[PlannedSlide, Slide] = dict(zip(computed, outcomes[len(packings) :], strict=True))
-    slides = {each: found[alike[each]] for each in tasks}
+    outcome_of: dict[PlannedSlide, Slide] = dict(zip(computed, outcomes[len(packings) :], strict=True))
+    slides = {each: outcome_of[alike[each]] for each in tasks}
     random: RandomPackings | None = None
     if others is not None:
         calibrated = {

@@ -79,11 +79,11 @@ def _peak(config: Config, mesh: "QuadMesh", notes: list[str]) -> "AdaptiveResult
             return AdaptiveSearch(section, config.mesh, mesh, MPI.COMM_SELF).safety(fem, 0.0)
         return AdaptiveResult(safety_factor(section, mesh, fem, 0.0, MPI.COMM_SELF), mesh)
 
-    found = tried("finite elements, peak strength", notes, find)
-    if found is not None and found.result.verdict == "undecided":
-        notes.append(f"finite elements, peak strength: {found.result.reason}")
+    answer = tried("finite elements, peak strength", notes, find)
+    if answer is not None and answer.result.verdict == "undecided":
+        notes.append(f"finite elements, peak strength: {answer.result.reason}")
         return None
-    return found
+    return answer
 
 
 def _along(
