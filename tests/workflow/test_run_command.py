@@ -254,5 +254,5 @@ def test_init_writes_a_section_that_runs_as_it_is(tmp_path: Path, capsys: pytest
     assert run("check", path, "--out", tmp_path / "out") == 0
     before = path.read_text()
     assert run("init", path) == 2
-    assert "is there already" in capsys.readouterr().err
+    assert "exists already" in capsys.readouterr().err
     assert path.read_text() == before

@@ -61,7 +61,7 @@ def test_discs_that_lie_on_fixed_ones_are_told(start: DiscModel, ground: Ground)
     assert pressed_through(pressed) == 1
     slider = Slider(start, ground, [1], Case(stiffness=0.1), SlideSettings())
     slider.model = pressed
-    assert any("pressed into the fixed ones" in note for note in slider._notes())
+    assert any("overlap the fixed ones" in note for note in slider._notes())
 
 
 def test_areas(start: DiscModel, ground: Ground) -> None:
@@ -160,7 +160,7 @@ def test_a_crust_thinner_than_two_discs_is_told(start: DiscModel, ground: Ground
         crusted.layer[~crusted.fixed & (row == row[~crusted.fixed].max() - rows)] = 1
         told = thin_crust(crusted, ground, [1])
         assert len(told) == count
-        assert ["check it with discs of 0.32 m radius" in note for note in told] == [True] * count
+        assert ["check with discs of 0.32 m radius" in note for note in told] == [True] * count
     assert thin_crust(start, ground, []) == []
 
 

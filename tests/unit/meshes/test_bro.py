@@ -50,8 +50,8 @@ def test_a_document_is_a_sounding(tmp_path: Path) -> None:
     [
         (("r:CPT_O", "r:BHR_O"), "a document with CPT_O, not dispatchDataResponse"),
         (("</g:pos>", ""), "it cannot be read: mismatched tag"),
-        (("<c:broId>CPT07</c:broId>", ""), "it has not all that they have"),
-        (("{rows}", "1,2,3"), "it has not all that they have"),
+        (("<c:broId>CPT07</c:broId>", ""), "required parts are missing"),
+        (("{rows}", "1,2,3"), "required parts are missing"),
         (("{rows}", row(_0=1.0, _3=4.0)), "it has no reading with a depth, a resistance and a sleeve friction"),
         (("<r:dis", '<!DOCTYPE a [<!ENTITY b "c">]><r:dis'), "it defines entities"),
     ],

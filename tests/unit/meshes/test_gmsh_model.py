@@ -107,7 +107,7 @@ def test_ground_in_the_wrong_stratum_and_a_slit_are_refused() -> None:
     with pytest.raises(BadMeshError, match="gmsh gave stratum"):
         refuse_other_ground(replace(mesh, stratum=mistaken), layers)
     slit = np.vstack([mesh.boundaries["base"], mesh.cells[:1, :2]])
-    with pytest.raises(BadMeshError, match="a slit in the ground"):
+    with pytest.raises(BadMeshError, match="a gap in the mesh"):
         refuse_other_ground(replace(mesh, boundaries=mesh.boundaries | {"base": slit}), layers)
 
 
@@ -334,5 +334,5 @@ def test_what_cannot_be_mapped_says_why_and_where(bottom: dict[str, Any], reason
 )
 def test_rows_are_shared_out_by_thickness(total: int, weights: list[float], expected: list[int]) -> None:
     assert sorted(share_out(total, weights), reverse=True) == expected
-    with pytest.raises(ValueError, match="cannot be shared"):
+    with pytest.raises(ValueError, match="cannot be divided"):
         share_out(len(weights) - 1, weights)

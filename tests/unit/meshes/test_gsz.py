@@ -78,7 +78,7 @@ def test_feet_and_pounds(tmp_path: Path) -> None:
 def test_bad_models_are_told(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r'"Rain": expected an analysis of .*, one of Slope, Shaken'):
         read_gsz(written(tmp_path), "slope", "Rain")
-    with pytest.raises(InputError, match=r"as they have it \(no StabilityItem of analysis 3\)"):
+    with pytest.raises(InputError, match=r"or have another form \(no StabilityItem of analysis 3\)"):
         read_gsz(written(tmp_path), "slope", "Shaken")  # no context
     with pytest.raises(InputError, match="a point whose coordinates are not numbers"):
         read_gsz(written(tmp_path, change=('ID="1" X="0"', 'ID="1" X="nan"')), "slope")

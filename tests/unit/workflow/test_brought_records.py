@@ -74,8 +74,8 @@ def test_the_components_have_the_names_above_their_units() -> None:
     ("text", "told"),
     [
         ("No,acc (gal)\n" + rows("%d,%.4f", np.arange(COUNT), VALUES), 'its first column, "No", is no time'),
-        ("time (s),acc (g)\n" + rows("%.1f,%.6f", TIME, VALUES), "times are those before them, as 0: they were"),
-        ("time (s),acc (g)\n" + rows("%.2f,%.1f", TIME, 0.0 * VALUES), "holds zeros alone"),
+        ("time (s),acc (g)\n" + rows("%.1f,%.6f", TIME, VALUES), "times are equal to the time before, such as 0"),
+        ("time (s),acc (g)\n" + rows("%.2f,%.1f", TIME, 0.0 * VALUES), "holds only zeros"),
         ("time (s),acc (g)\n0.00,0.1\n0.01,NaN\n", "line 3: '0.01,NaN': a value is missing or not finite"),
         ("400 0.01 (8F9.6)\n" + "0.1 0.2 0.1 0.3 0.4 0.1 0.2 0.2\n-0.1 0.2 0.1 0.3 0.4 0.1 0.2 0.2\n",
          "holds rows of 8 numbers whose first ones are no times; expected a time step"),

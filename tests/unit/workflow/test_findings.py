@@ -278,7 +278,9 @@ def test_what_is_doubtful_is_told(run: Config) -> None:
         results(run, calibration=calibration, cases=slid)
     )
     out_of_reach = results(run, calibration=dem_fixture.calibration(0.24, False), cases=slid)
-    assert "discs whose calibration failed, as near to the critical Kh of the finite elements as" in text(out_of_reach)
+    assert "discs whose calibration failed, with the critical Kh nearest to that of the finite elements" in text(
+        out_of_reach
+    )
     [failed] = [one for one in warned(out_of_reach) if one.startswith("Calibration")]
     assert failed.startswith("Calibration failed, since no factor on the strength of the discs gives the critical Kh")
 

@@ -107,6 +107,6 @@ def test_migrate_writes_only_where_it_is_told_to(tmp_path: Path, capsys: pytest.
     assert old.read_text(encoding="utf-8") == OLD
     assert run("migrate", old, "-o", new) == 0
     assert run("migrate", old, "-o", new) == 2
-    assert "is there already" in capsys.readouterr().err
+    assert "exists already" in capsys.readouterr().err
     assert run("migrate", old, "--write") == 0
     assert old.read_text(encoding="utf-8") == new.read_text(encoding="utf-8") == rewritten(OLD, "old.toml")[0]

@@ -87,7 +87,7 @@ def test_ground_that_slides_at_the_first_kh_stood_under_its_own_weight() -> None
     ground, model = blocks([replace(SOIL, friction=0.01, ks=1.0, kpn=0.0, kps=0.0)])
     found = critical_kh(model, ground, SETTINGS)
     assert (found.verdict, found.kc_lower, found.kc_upper, found.kc) == ("undecided", 0.0, 0.02, None)
-    assert found.reason.startswith("the discs stand under their weight, but not at Kh = 0.02")
+    assert found.reason.startswith("the discs stand at rest, but not at Kh = 0.02")
 
 
 def test_ground_that_does_not_fail_stands_to_the_limit() -> None:

@@ -182,6 +182,6 @@ def test_what_lies_outside_a_range_gives_no_number() -> None:
     level = found["Zhang, Robertson & Brachman (2004)"]
     assert level.displacement_m is None
     assert "slope (%) = 0 is not within 0.2-3.5" in level.words
-    assert "no blow count below 15 comes with both fines and D50" in found["Youd, Hansen & Bartlett (2002)"].words
+    assert "no blow count below 15 has both fines and D50" in found["Youd, Hansen & Bartlett (2002)"].words
     assert found["Bray & Macedo (2019)"].displacement_m is not None
     assert all(one.source and one.validity for one in found.values())
