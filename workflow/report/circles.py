@@ -19,7 +19,7 @@ NO_BALANCE, BELOW = 0.97, 0.002
 STEEP = math.tan(math.radians(45.0))  # of a slip surface where it cuts down from the crest
 SHORT = 0.98  # times its critical Kh, below which the circle of a longer section is told
 ROUND = 5.0  # m, to which the length of ground to add is rounded up
-RELY = "rely on elements and bounds, for what fails first is no circle, as along a weak layer"
+RELY = "rely on elements and bounds, since the critical mechanism is no circle, as along a weak layer"
 
 
 def of_circles(results: Results) -> Iterator[str]:

@@ -149,7 +149,7 @@ def edge_sentence(stratum: str, start: float, end: float, kh: float) -> str:
     """The edge of a layer without cohesion, from ``start`` to ``end`` (m), that crumbles at ``kh``."""
     when = f"at Kh = {coefficient(kh)}" if kh > 0.0 else "by its own weight"
     width = f"{end - start:.2g} m wide where it comes out of the ground at x = {start:g} m"
-    return f"The edge of {shown_name(stratum)}, {width}, has no cohesion and crumbles {when}: no slope failure."
+    return f"The edge of {shown_name(stratum)}, {width}, has no cohesion and fails locally {when}: no slope failure."
 
 
 def _out_at(sides: tuple[str, ...]) -> str:
