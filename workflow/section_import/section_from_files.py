@@ -155,6 +155,10 @@ def draw_borings(connection: Connected, out: Path) -> Path:
     return picture
 
 
+# What a section lacks of one stratum.
+MISSING = re.compile(
+    r'(?P<stratum>strata (?P<number>\d+) ".*")[,:] (?P<key>\w+): missing; expected (?P<expected>.*)', re.DOTALL
+)
 GUESSED = "It is sound; stiffness and strength are guesses from N: correct them."
 
 
@@ -163,8 +167,22 @@ def to_be_given(path: Path, sound: str = GUESSED) -> list[str]:
     try:
         load_config(path)
     except InputError as error:
-        return ["To be given before it can run:", *(f"  - {text}" for text in error.problems)]
+        return ["To be given before it can run:", *(f"  - {text}" for text in _by_stratum(error.problems))]
     return [sound]
+
+
+def _by_stratum(problems: Sequence[str]) -> list[str]:
+    """The problems, of missing keys one line for each stratum, and one for each key with what is expected."""
+    missing: dict[int, tuple[str, list[str]]] = {}
+    expected, others = dict[str, str](), list[str]()
+    for text in problems:
+        if (match := MISSING.fullmatch(text)) is None:
+            others.append(text)
+            continue
+        missing.setdefault(int(match["number"]), (match["stratum"], []))[1].append(match["key"])
+        expected.setdefault(match["key"], match["expected"])
+    strata = [f"{stratum}: {', '.join(keys)}" for _, (stratum, keys) in sorted(missing.items())]
+    return [*strata, *(f"{key}: expected {text}" for key, text in expected.items()), *others]
 
 
 def _summary(connection: Connected) -> list[str]:

@@ -288,8 +288,9 @@ def test_what_was_not_measured_has_to_be_given(tmp_path: Path, capsys: pytest.Ca
     path = written(tmp_path, AGS4, "borings.ags")
     assert command_line.run("section", path, "-o", tmp_path / "made.toml", painted=True) == 0
     told = capsys.readouterr().out
-    assert 'strata 1 "MG"' in told
-    assert "density: missing" in told
+    lines = [line for line in told.splitlines() if line.startswith('  - strata 1 "MG"')]
+    assert lines == ['  - strata 1 "MG": youngs_modulus, poissons_ratio, cohesion, friction_angle, density']
+    assert told.count("density: expected a density or unit weight such as") == 1
     assert (tmp_path / "made.png").stat().st_size > 10_000
     assert command_line.run("section", path, "-o", tmp_path / "made.toml") == 2
 
@@ -300,7 +301,7 @@ def test_from_a_section_to_a_drawing_and_back(name: str, tmp_path: Path, capsys:
     given = Config.load(SECTIONS / f"{name}.toml")
     assert command_line.run("section", SECTIONS / f"{name}.toml", "-o", tmp_path / "drawn.dxf") == 0
     assert command_line.run("section", tmp_path / "drawn.dxf", "-o", tmp_path / "again.toml") == 0
-    assert "youngs_modulus: missing" in capsys.readouterr().out
+    assert "youngs_modulus: expected a stiffness" in capsys.readouterr().out
     data = tomllib.loads((tmp_path / "again.toml").read_text(encoding="utf-8"))
     data.pop("water", None)
     soils = {stratum.name: stratum for stratum in given.section.strata}

@@ -195,7 +195,7 @@ def test_layers_of_one_soil_keep_their_states(tmp_path: Path, capsys: pytest.Cap
     for text in (
         'preconsolidation that changes within "Clay"',
         'strength of "Sand" by SigmaTauTable',
-        "cohesion: missing",
+        "cohesion: expected a cohesion",
     ):
         assert text in told
     strata = tomllib.loads((tmp_path / "dike.toml").read_text())["strata"]
