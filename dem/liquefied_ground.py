@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.chunked_map import Ranges, serial
 from dem.kernels import liquefied_pairs as bond
 from dem.kernels.liquefied_lists import densities
 from dem.kernels.liquefied_stress import held_shear
 from dem.kernels.neighbours import Near, cell_grid, find_pairs, known_pairs
 from dem.pressure_shear import take_back_shear
-from dem.ranges import Ranges, serial
 from dem.state import DiscState
 
 REACH = 2.0  # mean diameters: with 1.6 the pressure alone would hold a hundredth of itself as shear

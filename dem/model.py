@@ -11,6 +11,7 @@ import numpy as np
 from dem import checkpoint
 from dem.acceleration import Acceleration
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
+from dem.chunked_map import Ranges, serial
 from dem.kernels.arguments import ENERGY_COLUMNS
 from dem.kernels.contact import DEPTH, GAP, KN, KPN, KPS, KS, STOP
 from dem.kernels.layout import LANES
@@ -29,7 +30,6 @@ from dem.kernels.period import folded
 from dem.lines import with_line_strengths
 from dem.liquefied_ground import change_areas, list_liquefied, match_strength
 from dem.pair_table import PairTable, pair_table
-from dem.ranges import Ranges, serial
 from dem.springs import Law, LayerSprings, Mean, Strength
 from dem.state import LINE_MEMORY, MEMORY, ROLLING_MEMORY, DiscState
 

@@ -9,7 +9,7 @@ import typer
 from meshes import shipped
 from meshes.errors import InputError
 from workflow import stages
-from workflow.exits import ended, ended_as_program
+from workflow.exit_codes import ended, ended_as_program
 from workflow.migrate import migrate
 from workflow.options import (
     Columns,

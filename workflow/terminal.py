@@ -54,8 +54,8 @@ def warn_of_old_words(section: Path, verbosity: Verbosity) -> None:
 
 def say_data(what: Any) -> None:
     """Print data as JSON, and nothing else."""
-    text = data.told(what)
-    out.print(text if is_legible(text) else data.told(what, only_ascii=True), soft_wrap=True, markup=False)
+    text = data.as_json(what)
+    out.print(text if is_legible(text) else data.as_json(what, only_ascii=True), soft_wrap=True, markup=False)
 
 
 def show_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:

@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 from numba import config
 
+from dem.chunked_map import threaded
 from dem.engine.checks import BALANCE, check_balance, check_escape, check_finite, check_overlap, check_speed
 from dem.engine.compliant_base import EVERY, felt, felt_until, follow, momentum
 from dem.engine.energy_balance import EnergyBalance
@@ -32,7 +33,6 @@ from dem.kernels.transpose import CONSTANT_RECORD
 from dem.kernels.work_buffers import new_buffer
 from dem.liquefied_ground import longest_look, steps_held
 from dem.model import DiscModel
-from dem.ranges import threaded
 
 AUTO_SHARE = 0.2  # of the stable step
 LOOSER = 10.0  # times the gap, where forces of liquefied ground are held

@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 
+from dem.chunked_map import Ranges, serial
 from dem.engine.memory import Room, large_zeros
 from dem.kernels.layout import (
     DISC_FIELDS,
@@ -26,7 +27,6 @@ from dem.kernels.liquefied_pairs import MEMORY as BOND_MEMORY
 from dem.kernels.motion import list_motion, place_fields, place_motion
 from dem.kernels.transpose import SHARED
 from dem.model import DiscModel
-from dem.ranges import Ranges, serial
 from dem.state import MEMORY, ROLLING_MEMORY
 
 FAR = 1e15  # m: where lanes without a disc are

@@ -20,7 +20,7 @@ ALIKE = 0.02
 HARD = 8
 
 
-def climb(
+def step_to_limit(
     path: EquilibriumPath,
     mesh: QuadMesh,
     known: float,

@@ -190,12 +190,12 @@ class _Search:
     def path_to(self, limit: AdaptiveResult[LimitLoadResult], settings: FemSettings) -> CriticalResult:
         """The path to a limit load, on its mesh; raises UnstableError."""
         start = limit.result.ground if element_for(self.section, settings) == "reduced" else None
-        return critical_coefficient(self.section, limit.mesh, settings, self.comm, self.told("Kh"), start)
+        return critical_coefficient(self.section, limit.mesh, settings, self.comm, self.path_listener("Kh"), start)
 
     def by_path(self, settings: FemSettings, safety: list[Safety] | None) -> Assessment:
         """The results from equilibrium paths alone; raises UnstableError."""
         mesh, beside = self.first, None
-        critical = critical_coefficient(self.section, mesh, settings, self.comm, self.told("Kh"))
+        critical = critical_coefficient(self.section, mesh, settings, self.comm, self.path_listener("Kh"))
         one_way = settings.changed(direction=critical.direction)
         opposite = AdaptiveResult(critical.other, mesh) if critical.other is not None else None
         if not is_dilating_fully(self.section.strata):
@@ -207,7 +207,7 @@ class _Search:
         """Start the searches for the factors of safety of the settings."""
         return [self.executor.submit(partial(self.or_warning, settings, kh)) for kh in settings.safety_factor_at]
 
-    def told(self, what: str) -> Callable[[EquilibriumPath], None]:
+    def path_listener(self, what: str) -> Callable[[EquilibriumPath], None]:
         """A listener to the progress of a path."""
         return lambda path: self.tell(what, path)
 
@@ -263,10 +263,10 @@ class _Search:
     def on_meshes(self, what: str = "") -> AdaptiveSearch:
         """A search on adapted meshes; ``what`` names the searched quantity at the beginning of its messages."""
 
-        def told(words: str) -> None:
+        def prefixed(words: str) -> None:
             self.tell(f"{what}: {words}" if what else words, None)
 
-        return AdaptiveSearch(self.section, self.meshing, self.first, self.comm, told, self.executor)
+        return AdaptiveSearch(self.section, self.meshing, self.first, self.comm, prefixed, self.executor)
 
     def between_sides(self, held: FemSettings) -> AdaptiveResult[CriticalResult]:
         """The answer with the sides and the flow rule of the settings."""
@@ -275,7 +275,9 @@ class _Search:
             limit = self.on_meshes(f"Kh, {held.sides} sides").critical(held)
             mesh, ground = limit.mesh, limit.result.ground
             start = ground if held.element in ("auto", "reduced") else None
-        result = critical_coefficient(self.section, mesh, held, self.comm, self.told(f"{held.sides} sides: Kh"), start)
+        result = critical_coefficient(
+            self.section, mesh, held, self.comm, self.path_listener(f"{held.sides} sides: Kh"), start
+        )
         return AdaptiveResult(result, mesh)
 
     def safety(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor]:
@@ -287,7 +289,9 @@ class _Search:
                 raise
             except NoAnswerError:  # the solver left none: a path has to do
                 pass
-        result = safety_factor(self.section, self.first, settings, kh, self.comm, self.told("factor of safety"))
+        result = safety_factor(
+            self.section, self.first, settings, kh, self.comm, self.path_listener("factor of safety")
+        )
         return AdaptiveResult(result, self.first)
 
     def with_factor_beside(

@@ -17,7 +17,7 @@ from fem.continuum.strength import Flow, flow_of
 from fem.limit_load.limit_load import Ground, at_rest, cohesionless_faces, faces_failing_at_rest, pushed
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import path_settings
-from fem.path.load_stepping import climb
+from fem.path.load_stepping import step_to_limit
 from fem.path.newton import ProportionalLoad
 from fem.path.path_step import PathStep
 from fem.path.plateau import LimitLoad, PathListener, PlateauRule, find_limit_load
@@ -199,7 +199,7 @@ def _followed(
     path = seismic_path(problem, ground.constant, ground.load, sign, settings)
     if known is not None:
         wanted = _wanted(settings, min(known.multiplier, settings.kh_limit))
-        limit, kept = climb(path, mesh, known.multiplier, settings.kh_limit, wanted, listener)
+        limit, kept = step_to_limit(path, mesh, known.multiplier, settings.kh_limit, wanted, listener)
         held, relaxed = limit.held, True
         kc = known.multiplier if limit.verdict == "plateau" else held
     else:

@@ -17,7 +17,7 @@ from meshes.section.section import Section
 
 
 @dataclass(frozen=True)
-class GivenSurface:
+class PrescribedSurface:
     """Critical seismic coefficients of the same mesh.
 
     Attributes
@@ -39,7 +39,7 @@ class GivenSurface:
 
 def critical_above(
     section: Section, mesh: QuadMesh, settings: FemSettings, line: np.ndarray, comm: Any
-) -> GivenSurface:
+) -> PrescribedSurface:
     """The limit loads with and without the nodes on and below ``line`` (k, 2), points [x, elevation] in m, held.
 
     Beyond its ends the line continues at their depth below the ground. For one rank; raises what
@@ -51,7 +51,7 @@ def critical_above(
     problem, below = ground.problem, _below(section, line, ground.problem.grid.node_points)
     problem.hold_components(~problem.free | np.repeat(below, 2))
     above = conic_limit_load(problem, mesh, ground.constant, ground.load)
-    return GivenSurface(ground.limit.multiplier, above.multiplier)
+    return PrescribedSurface(ground.limit.multiplier, above.multiplier)
 
 
 def _below(section: Section, line: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -6,17 +6,17 @@ from meshes.section.cutting import shown_name
 from meshes.section.section import Section
 from workflow.config import Config, notice_lines
 from workflow.earthquake.site_response import CLOSE as CAME_TO_REST
-from workflow.report import after
+from workflow.report import post_liquefaction
 from workflow.report.accuracy import accuracy, of_meshes
 from workflow.report.contradictions import FALLS, FALLS_TIMES
 from workflow.report.crests import crest_parts, crest_sentences
-from workflow.report.findings import CONTRADICTED, lies_still, moved_lately
 from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
 from workflow.report.numbers import between, coefficient, span
 from workflow.report.residual import residual_sentences
 from workflow.report.second_opinion import agreeing, contradicting, second_opinions
 from workflow.report.slices import slices_sentences
 from workflow.report.structures import structure_sentences
+from workflow.report.summary_text import CONTRADICTED, lies_still, moved_lately
 from workflow.report.tables import case_heads, case_rows
 from workflow.report.verdicts import verdict_paragraph
 from workflow.report.warnings import sides_warning, split
@@ -365,7 +365,7 @@ def sentences(
         "triggering": lambda: triggering_sentences(TriggeringAnswer.read(store)),
         "response": lambda: response_sentences(SiteResponseAnswer.read(store)),
         "residual": lambda: residual_sentences(ResidualAnswer.read(store).steps),
-        "liquefied": lambda: after.sentences(LiquefiedAnswer.read(store)),
+        "liquefied": lambda: post_liquefaction.sentences(LiquefiedAnswer.read(store)),
         "mesh": lambda: mesh_sentences(config, store),
         "fem": lambda: fem_sentences(FemAnswer.read(store), config.section, every, results),
         "bounds": lambda: bounds_sentences(BoundsAnswer.read(store)),

@@ -9,7 +9,7 @@ from workflow.config import Config
 from workflow.estimates.crest import Crest
 from workflow.estimates.crest_settlement import crest_settlement, freeboard, reconsolidation_settlement
 from workflow.estimates.structures import Standing, structures_of
-from workflow.report.findings import at_rest
+from workflow.report.summary_text import at_rest
 from workflow.results.cases import CasesAnswer, Profile
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointSlidesAnswer

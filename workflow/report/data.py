@@ -15,7 +15,7 @@ from workflow.run.record import Record
 from workflow.run.stage import Job
 
 
-def told(data: Any, only_ascii: bool = False) -> str:
+def as_json(data: Any, only_ascii: bool = False) -> str:
     """Format data as JSON text, with characters beyond ASCII escaped if ``only_ascii``."""
     return json.dumps(data, indent=1, ensure_ascii=only_ascii, allow_nan=False)
 

@@ -9,10 +9,10 @@ from workflow.estimates.comparison import estimates
 from workflow.estimates.slide_error import SlideMethod, slide_error
 from workflow.estimates.structures import structures_of
 from workflow.report.accuracy import METHODS, Accuracy, accuracy, proven_by, rounded_up
-from workflow.report.findings import CONTRADICTED, at_rest
 from workflow.report.numbers import coefficient, of_cases, rough_range, span
 from workflow.report.paper import rows
 from workflow.report.residual import residual_verdict
+from workflow.report.summary_text import CONTRADICTED, at_rest
 from workflow.report.texts import Texts
 from workflow.report.verdicts import spared
 from workflow.results.answer import FORCE

@@ -19,19 +19,19 @@ from workflow.figures.comparison import PICTURES
 from workflow.figures.displacements import slides
 from workflow.figures.front import FRONT
 from workflow.report import tables
-from workflow.report.after import just_enough
 from workflow.report.assumptions import assumptions
 from workflow.report.captions import collect
 from workflow.report.crests import holds_water
-from workflow.report.findings import lies_still, moved_lately, springs_of
-from workflow.report.labels import Labels, Notes
+from workflow.report.numbering import Labels, Notes
 from workflow.report.numbers import joined, number, scaled
 from workflow.report.paper import rows
 from workflow.report.player import films
+from workflow.report.post_liquefaction import just_enough
 from workflow.report.residual import residual_details
 from workflow.report.second_opinion import second_opinions
 from workflow.report.stability import stability_rows
 from workflow.report.structures import elsewhere, face_rows
+from workflow.report.summary_text import lies_still, moved_lately, springs_of
 from workflow.report.templates import templates
 from workflow.report.texts import Texts
 from workflow.report.uncertainty import sources_of_uncertainty
@@ -68,7 +68,7 @@ def page(results: Results, summary: Summary) -> str:
     template, content = environment.get_template("template.html.jinja"), _content(results, summary, texts)
     first, second = Labels(texts), Labels(texts)
     template.render(content, labels=first)
-    second.known, second.contents = first.found, first.sections
+    second.known, second.contents = first.numbers, first.sections
     return texts.page(template.render(content, labels=second))
 
 

@@ -36,7 +36,7 @@ ALMOST_ALL = 0.8  # the share of the surface that is "the whole but for the righ
 SLOPE_DEG = 2.6
 
 # A case in words, and whether it agrees with the paper.
-Judge = Callable[[CaseAnswer], tuple[str, bool]]
+Comparison = Callable[[CaseAnswer], tuple[str, bool]]
 
 SECTION = "the depths of the interfaces are a reconstruction"
 
@@ -165,12 +165,12 @@ def _slides(results: Results, name: str) -> Iterator[PaperRow]:
     held = "" if name == "table2" else _other_push(results)
     why = f"{SECTION}; {held}{open_points} (see docs/theory/paper.md)"
 
-    def row(number: int, what: str, paper: str, where: str, judge: Judge) -> PaperRow:
+    def row(number: int, what: str, paper: str, where: str, compare: Comparison) -> PaperRow:
         quantity = f"{what}, case {number}{springs}"
         case = cases.get(number)
         if case is None:
             return PaperRow(quantity, paper, where, _absent(results, "slide"))
-        ours, agrees = judge(case)
+        ours, agrees = compare(case)
         moving = "" if case.settled else f"; {case.reason}"
         return PaperRow(quantity, paper, where, ours, agrees, why + moving)
 

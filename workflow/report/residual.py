@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 
 from meshes.section.cutting import shown_name
-from workflow.report.after import factors
 from workflow.report.numbers import listed
+from workflow.report.post_liquefaction import factors
 from workflow.report.texts import Texts
 from workflow.results.residual import TwoSteps
 

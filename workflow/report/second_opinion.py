@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from workflow.estimates.slide_error import SlideMethod, slide_error
-from workflow.report.findings import at_rest
 from workflow.report.model_error import NAMES
 from workflow.report.numbers import rough_range
+from workflow.report.summary_text import at_rest
 from workflow.report.warnings import joined, split
 from workflow.results.cases import CaseAnswer, CasesAnswer
 from workflow.results.lengths import metres

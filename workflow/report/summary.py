@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 from workflow.estimates.comparison import estimates
 from workflow.report.crests import crest_parts
-from workflow.report.findings import findings
 from workflow.report.first_page import conclusions, headlines
 from workflow.report.paper import rows
 from workflow.report.second_opinion import agreeing, contradicting, second_opinions
 from workflow.report.structures import face_rows
+from workflow.report.summary_text import findings
 from workflow.report.texts import Texts
 from workflow.report.verdicts import verdict_paragraph, verdicts
 from workflow.report.warnings import warnings

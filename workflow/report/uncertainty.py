@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 from workflow.report.assumptions import FLOWS, SIDES
 from workflow.report.console import meshes_sentences
-from workflow.report.findings import fail_alike
 from workflow.report.flow_rule import critical_with_flow
 from workflow.report.numbers import coefficient, listed
+from workflow.report.summary_text import fail_alike
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.continuum import FemAnswer, Variant
 from workflow.results.discs import DiscsAnswer

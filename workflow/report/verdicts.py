@@ -7,9 +7,9 @@ import numpy as np
 from workflow.criteria.verdict import judge, together
 from workflow.estimates.structures import structures_of
 from workflow.report.crests import crest_parts
-from workflow.report.findings import at_rest
 from workflow.report.numbers import listed
 from workflow.report.structures import face_rows
+from workflow.report.summary_text import at_rest
 from workflow.results.answer import Line
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart, FacePart, SlicesAnswer

@@ -89,13 +89,13 @@ def _residual_strength(results: Results) -> Iterator[str]:
     if results.config.dem.paper or not (results.liquefied or results.mpm or results.case_set()[1]):
         return
     liquefies = [stratum for stratum in results.config.section.strata if stratum.liquefies_in]
-    none, at_once = [], []
+    none, without_strain = [], []
     for number in sorted({number for stratum in liquefies for number in stratum.liquefies_in}):
         case = results.config.cases[number - 1]
         if any(case.residual_of(stratum.name) or case.strength_of(stratum.name) for stratum in liquefies):
             sand = [stratum.name for stratum in liquefies if stratum.friction_angle > 0.0]
             if sand and not any(case.strain_potential_of(name) for name in sand):
-                at_once.append(number)
+                without_strain.append(number)
         elif not (case.cohesion or case.friction):
             none.append(number)
     if none:
@@ -103,10 +103,10 @@ def _residual_strength(results: Results) -> Iterator[str]:
             f"the layers that liquefy have no residual strength in {of_cases(none)}, so that the slide has no lower "
             "limit of resistance: give a residual strength (slide.cases, residual or residual_strength)"
         )
-    if at_once:
+    if without_strain:
         yield (
-            f"liquefied sand has its residual strength without any strain in {of_cases(at_once)}, whereas in the field "
-            "it strains first, so that lateral spreads are underestimated: give blow counts, or the shear "
+            f"liquefied sand has its residual strength without any strain in {of_cases(without_strain)}, whereas in the "
+            "field it strains first, so that lateral spreads are underestimated: give blow counts, or the shear "
             "strain (slide.cases, strain_potential), at most 0.5 in loose sand"
         )
 

@@ -22,7 +22,7 @@ class Entry(Part):
     search: DiscSearch
 
     @property
-    def found(self) -> Search:
+    def as_search(self) -> Search:
         """The search, to continue from."""
         values = {field.name: getattr(self.search, field.name) for field in fields(Search)}
         trials = [_trial(trial) for trial in self.search.trials]
@@ -51,7 +51,7 @@ class Journal:
                 entry = Entry.model_validate_json(line)
             except ValidationError:
                 continue
-            searches[entry.parameter, entry.factor] = entry.found
+            searches[entry.parameter, entry.factor] = entry.as_search
         return searches
 
     def add(self, parameter: str, factor: float, search: Search) -> None:

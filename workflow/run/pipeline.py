@@ -155,7 +155,7 @@ class Run:
         if stage.draw is not None and stage.drawn_after and self.record.entries[stage.name].files:
             self._draw(stage, stage.draw, begun)
 
-    def _draw(self, stage: Stage, draw: Callable[[Job], None], begun: "Begun") -> None:
+    def _draw(self, stage: Stage, draw: Callable[[Job], None], begun: "StartedStage") -> None:
         """Draw the pictures of a stage, in another process if there is one."""
 
         def keep(drawn: "Future[None]") -> None:
@@ -190,7 +190,7 @@ class Run:
         work = partial(_worked, decision.stage.work, self._for_others())
         self.beside.append(then(self.executor.begin(work, lambda progress: begun.progress(*progress)), end))
 
-    def _begin(self, decision: Decision) -> "Begun":
+    def _begin(self, decision: Decision) -> "StartedStage":
         """Remove intermediate files of other inputs, and record that a stage has begun."""
         stage, store, left = decision.stage, self.job.store, self.record[decision.stage.name]
         inputs = made_from(stage, self.job, self.record)  # those of a report depend on how the others have ended
@@ -201,9 +201,9 @@ class Run:
                 store.remove(stage.leftovers)
             self.log.line(f"{stage.name}: begins ({decision.why})")
             self.record.put(stage.name, Entry(inputs, "begun"))
-        return Begun(inputs, progress, store.marks((*stage.results, *stage.pictures)), time.perf_counter())
+        return StartedStage(inputs, progress, store.marks((*stage.results, *stage.pictures)), time.perf_counter())
 
-    def _end(self, decision: Decision, begun: "Begun", failure: NoAnswerError | None) -> None:
+    def _end(self, decision: Decision, begun: "StartedStage", failure: NoAnswerError | None) -> None:
         """Record how a stage has ended, and its files."""
         stage, store = decision.stage, self.job.store
         seconds = time.perf_counter() - begun.start
@@ -269,7 +269,7 @@ def _worked(work: Callable[[Job], None], job: Job, tell: Tell) -> None:
 
 
 @dataclass(frozen=True)
-class Begun:
+class StartedStage:
     """A stage that has begun: fingerprints of its inputs, progress callback, files before it, and start time (s)."""
 
     inputs: dict[str, str]

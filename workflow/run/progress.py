@@ -26,7 +26,7 @@ class TimeLeft:
 
     def __init__(self, start: float) -> None:
         self.start, self.share, self.end = start, 0.0, math.inf
-        self.told = math.inf
+        self.shown = math.inf
 
     def seconds(self, now: float, share: float | None) -> float | None:
         """Remaining time (s) at a time ``now`` (s) when a share of the work is finished; None if unknown."""
@@ -35,8 +35,8 @@ class TimeLeft:
         plain = self._plain(now, share)
         if share > self.share:
             self.share, self.end = share, now + plain
-        self.told = min(self.told, max(self.end - now, self.PATIENCE * plain))
-        return self.told
+        self.shown = min(self.shown, max(self.end - now, self.PATIENCE * plain))
+        return self.shown
 
     def words(self, now: float, share: float | None) -> str:
         """The remaining time in words, such as "2 min 5 s left"; empty if unknown."""

@@ -13,8 +13,8 @@ import numpy as np
 
 from dem.ground import Ground
 from dem.laboratory.element_table import element_tests
+from dem.laboratory.element_test_programme import ElementTestProgramme, compressed
 from dem.laboratory.layer_check import LayerCheck
-from dem.laboratory.soil_check import ElementTestProgramme, compressed
 from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
 from dem.precompile import precompile

@@ -37,7 +37,7 @@ def slide_stage(job: Job) -> None:
     others: RandomPackingsWanted | None = None
     if config.slide.packings(config.dem.model) and wanted:
         others = RandomPackingsWanted.of(config, store, wanted)
-    packings = others.at_once() if others is not None else []  # these take longest, and so begin
+    packings = others.first_packings() if others is not None else []  # these take longest, and so begin
     alike = first_alike(config, tasks)
     computed = list(dict.fromkeys(alike.values()))
     pieces: list[SlideTask | Packing] = [*packings, *(SlideTask(config, store, each, frames=True) for each in computed)]

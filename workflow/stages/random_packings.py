@@ -31,14 +31,14 @@ class RandomPackingsWanted:
     config, store : the config, and the folder of the run.
     continuum : the FEM model that the discs are calibrated to.
     numbers : of the cases.
-    own : the packing of the run itself, if it is a random one.
+    of_run : the packing of the run itself, if it is a random one.
     """
 
     config: Config
     store: Store
     continuum: Continuum
     numbers: tuple[int, ...]
-    own: Seed | None
+    of_run: Seed | None
 
     @classmethod
     def of(cls, config: Config, store: Store, numbers: Sequence[int]) -> "RandomPackingsWanted":
@@ -52,10 +52,10 @@ class RandomPackingsWanted:
 
     def _packings(self, parameter: str) -> list["Packing"]:
         seeds = self.config.slide.packings(self.config.dem.model)
-        others = [seed for seed in seeds if self.own is None or seed != self.own.seed]
+        others = [seed for seed in seeds if self.of_run is None or seed != self.of_run.seed]
         return [Packing(self.config, self.store, self.continuum, seed, parameter, self.numbers) for seed in others]
 
-    def at_once(self) -> list["Packing"]:
+    def first_packings(self) -> list["Packing"]:
         """The packings that can begin: all, or only the one that determines the parameter."""
         parameter = self.config.dem.parameter
         packings = self._packings("auto" if parameter == "none" else parameter)
@@ -76,8 +76,8 @@ class RandomPackingsWanted:
                 ),
             ]
         seeds, slides = [seed for seed, _ in packings], [slides for _, slides in packings]
-        if self.own is not None:
-            seeds, slides = [self.own, *seeds], [own_slides, *slides]
+        if self.of_run is not None:
+            seeds, slides = [self.of_run, *seeds], [own_slides, *slides]
         cases = {number: _case([each[number] for each in slides if number in each]) for number in sorted(self.numbers)}
         return RandomPackings(seeds=tuple(seeds), cases=cases)
 

@@ -20,7 +20,7 @@ class SampleRow:
     """
 
     drawn: dict[str, Any]
-    found: Numbers
+    results: Numbers
     reason: str = ""
     answered: tuple[str, ...] = ()
 
@@ -35,7 +35,7 @@ class Table:
     @property
     def names(self) -> list[str]:
         """The results, in the order in which they first appear."""
-        return list(dict.fromkeys(name for row in self.rows for name in row.found.numbers))
+        return list(dict.fromkeys(name for row in self.rows for name in row.results.numbers))
 
     @property
     def failed(self) -> int:
@@ -44,7 +44,7 @@ class Table:
 
     def column(self, name: str) -> np.ndarray:
         """A result over all samples (n,), NaN where it is missing."""
-        values = [row.found.numbers.get(name) for row in self.rows]
+        values = [row.results.numbers.get(name) for row in self.rows]
         return np.array([np.nan if value is None else value for value in values], dtype=float)
 
     def drawn(self, path: str) -> list[Any]:
@@ -53,14 +53,14 @@ class Table:
 
     def text(self) -> str:
         """The table as CSV; numbers with all their digits."""
-        words = list(dict.fromkeys(name for row in self.rows for name in row.found.words))
+        words = list(dict.fromkeys(name for row in self.rows for name in row.results.words))
         heads = [f"{path} ({unit})" if unit else path for path, unit in self.units.items()]
         out = io.StringIO()
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow(["sample", *heads, *self.names, *words, "failed"])
         for number, row in enumerate(self.rows, start=1):
-            numbers = _written(row.found.numbers.get(name) for name in self.names)
-            said = [row.found.words.get(name, "") for name in words]
+            numbers = _written(row.results.numbers.get(name) for name in self.names)
+            said = [row.results.words.get(name, "") for name in words]
             drawn = _written(row.drawn[path] for path in self.units)
             writer.writerow([number, *drawn, *numbers, *said, row.reason])
         return out.getvalue()

@@ -10,9 +10,9 @@ from dem.errors import ConfinementError
 from dem.laboratory import kept_strengths
 from dem.laboratory.compression import BINS, PatchStrength, compress
 from dem.laboratory.contact_numbers import PRESSURE, RADIUS, ContactNumbers
+from dem.laboratory.element_test_programme import SEEDS, ElementTestProgramme, Outcome, Task
 from dem.laboratory.kept_strengths import strength_of_patch
 from dem.laboratory.patch import Sample
-from dem.laboratory.soil_check import SEEDS, ElementTestProgramme, Outcome, Task
 from dem.laboratory.soil_layers import SoilLayer, soil_layers
 from meshes.section.section import Section
 from tests.support.sections import layer

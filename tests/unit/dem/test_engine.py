@@ -49,7 +49,7 @@ def same(a: DiscModel, b: DiscModel) -> bool:
 def lists(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Few discs are listed, laid out and brought back by one thread, unless they count as many."""
     if request.param == "lists by all threads":
-        monkeypatch.setattr("dem.ranges.FEW", 0)
+        monkeypatch.setattr("dem.chunked_map.FEW", 0)
 
 
 @pytest.mark.usefixtures("lists")

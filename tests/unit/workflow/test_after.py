@@ -5,9 +5,9 @@ import pytest
 from tests.support import dem_fixture
 from tests.support.answers import results, warned
 from tests.support.sections import analysed, slope
-from workflow.report.after import factors, just_enough
 from workflow.report.console import slide_sentences
-from workflow.report.findings import findings
+from workflow.report.post_liquefaction import factors, just_enough
+from workflow.report.summary_text import findings
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CasesAnswer
 from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum

@@ -23,7 +23,7 @@ from workflow.report.contradictions import (
     of_settlement,
     of_sides,
 )
-from workflow.report.findings import at_rest
+from workflow.report.summary_text import at_rest
 from workflow.results.bounds import SafetyPart
 from workflow.results.cases import CasesAnswer, RandomCase, RandomPackings, Spread
 from workflow.results.continuum import FactorOfSafety, OtherWay

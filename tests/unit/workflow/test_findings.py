@@ -7,10 +7,10 @@ from tests.support import dem_fixture
 from tests.support.answers import bounds, fem, results, variant, warned
 from tests.support.sections import analysed, slope
 from workflow.config import Config
-from workflow.report.findings import fail_alike, findings, springs_of
 from workflow.report.first_page import conclusions, headlines
 from workflow.report.numbers import about, between, coefficient, listed, rough, rough_range, span
 from workflow.report.stability import stability_rows
+from workflow.report.summary_text import fail_alike, findings, springs_of
 from workflow.report.texts import Texts
 from workflow.report.uncertainty import sources_of_uncertainty
 from workflow.report.warnings import joined

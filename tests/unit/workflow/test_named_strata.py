@@ -10,7 +10,7 @@ from meshes.section.cutting import key_in_file, shown_name, soil_numbers, value_
 from tests.support.sections import layer
 from workflow.config import Config
 from workflow.earthquake.column import _layers
-from workflow.report.findings import _cases_are
+from workflow.report.summary_text import _cases_are
 
 
 def cut(**settings: Any) -> Config:

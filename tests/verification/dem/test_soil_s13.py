@@ -7,8 +7,8 @@ import pytest
 from mpi4py import MPI
 from scipy.integrate import trapezoid
 
+from dem.laboratory.element_test_programme import ElementTestProgramme, compressed
 from dem.laboratory.layer_check import LayerCheck
-from dem.laboratory.soil_check import ElementTestProgramme, compressed
 from dem.laboratory.soil_layers import SoilLayer, soil_layers
 from dem.model import DiscModel
 from dem.search.critical import Search

@@ -15,7 +15,7 @@ class Labels:
     ----------
     texts : the texts in the language of the page
     known : numbers of the first rendering: "Table 3", "Figure 7", by name
-    found : numbers of this rendering
+    numbers : numbers of this rendering
     sections : headings by name, with their numbers
     contents : the sections of the first rendering
     counts : numbers of items so far, by kind
@@ -23,7 +23,7 @@ class Labels:
 
     texts: Texts = field(default_factory=Texts)
     known: dict[str, str] = field(default_factory=dict)
-    found: dict[str, str] = field(default_factory=dict)
+    numbers: dict[str, str] = field(default_factory=dict)
     sections: dict[str, str] = field(default_factory=dict)
     contents: dict[str, str] = field(default_factory=dict)
     counts: dict[str, int] = field(default_factory=dict)
@@ -46,7 +46,7 @@ class Labels:
         return self.sections[name]
 
     def _named(self, name: str, number: str) -> str:
-        self.found[name] = number
+        self.numbers[name] = number
         return number
 
     def __contains__(self, name: str) -> bool:

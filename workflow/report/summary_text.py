@@ -9,11 +9,11 @@ from meshes.section.cutting import shown_name
 from workflow.config import Config
 from workflow.estimates.comparison import Kind, estimates
 from workflow.report.accuracy import Accuracy, accuracy, numerical_error
-from workflow.report.after import in_short
 from workflow.report.contradictions import is_weaker, liquefied_strata
 from workflow.report.flow_rule import WHEN
 from workflow.report.model_error import model_error
 from workflow.report.numbers import about, coefficient, listed, of_cases, span
+from workflow.report.post_liquefaction import in_short
 from workflow.report.tables import factor
 from workflow.results.cases import CaseAnswer, CaseNumbers
 from workflow.results.continuum import FemAnswer
