@@ -105,7 +105,7 @@ def _residual_strength(results: Results) -> Iterator[str]:
         )
     if without_strain:
         yield (
-            f"liquefied sand has its residual strength without any strain in {of_cases(without_strain)}, whereas in the "
+            f"liquefied sand has its residual strength without any strain in {of_cases(without_strain)}; in the "
             "field it strains first, so that lateral spreads are underestimated: give blow counts, or the shear "
             "strain (slide.cases, strain_potential), at most 0.5 in loose sand"
         )
