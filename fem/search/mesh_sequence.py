@@ -52,12 +52,15 @@ class MeshRound:
         Difference from the mesh before as a share of ``value``; infinite for the first.
     rest : float
         Estimated remaining error as a share of ``value``, from this mesh and the one before; infinite for the first.
+    tells : bool
+        Whether the two meshes tell that error: not where ``value`` rose on about as many cells.
     """
 
     cells: int
     value: float
     change: float
     rest: float
+    tells: bool = True
 
 
 class MeshResult(Protocol):
@@ -165,7 +168,7 @@ class Wish:
     def is_met(self, last: MeshRound) -> bool:
         """Whether the remaining error of a mesh is within the accuracy."""
         size = max(abs(last.value), SMALLEST_KH)
-        return last.rest * size <= self.accuracy * max(size, self.least)
+        return last.tells and last.rest * size <= self.accuracy * max(size, self.least)
 
 
 def solve_adaptively(
@@ -204,7 +207,9 @@ def solve_adaptively(
         mesh, result, size = finer, answer, max(abs(answer.value), SMALLEST_KH)
         left = left_of_error(rounds[-1], len(mesh.cells), result.value)
         rest = (left if left >= 0.0 else -RISEN * left) / size
-        rounds.append(MeshRound(len(mesh.cells), result.value, abs(result.value - rounds[-1].value) / size, rest))
+        change = abs(result.value - rounds[-1].value) / size
+        tells = left >= 0.0 or len(mesh.cells) >= (1.0 + LEAST_GAIN) * cells
+        rounds.append(MeshRound(len(mesh.cells), result.value, change, rest, tells))
 
 
 def _reason_to_stop(rounds: list[MeshRound], result: MeshResult, wanted: int, wish: Wish) -> str:
