@@ -75,7 +75,8 @@ def show_strata(section: Section) -> None:
     title = escape(legible(section.heading))
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     for head in tables.STRATA_HEADS:
-        table.add_column(legible(head), justify="left" if head == "stratum" else "right")
+        name = head == "stratum"  # a name is wrapped, a number is told whole
+        table.add_column(legible(head), justify="left" if name else "right", no_wrap=not name)
     for row in tables.strata_rows(section):
         table.add_row(*(escape(legible(cell)) for cell in row))
     out.print(table)

@@ -14,6 +14,7 @@ import pytest
 import pyvista as pv
 import tomli_w
 from matplotlib.image import imread
+from rich.console import Console
 
 from meshes.quad_mesh import BadMeshError, QuadMesh, read
 from meshes.section.section import Section
@@ -297,6 +298,23 @@ def test_a_read_only_folder(section: Path, out: Path, capsys: pytest.CaptureFixt
     (out / "mesh").chmod(0o500)
     assert run("mesh", section, "--out", out) == 2
     assert "cannot be written: Permission denied" in capsys.readouterr().err
+
+
+def test_the_table_of_strata_wraps_names_and_no_numbers(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In 80 columns a levee's fill below water went "57.67-79.…"."""
+    data = slope()
+    data["surface"] = [[0.0, 30.0], [57.6667, 20.0], [1140.0, 20.0]]
+    data["strata"][0] |= {"name": "Fill of the levee with a long name", "bottom": {"elevation": 22.3456},
+                          "cohesion": "40 kPa", "cohesion_increase": "1.5 kPa/m", "cohesion_from": 30.0}  # fmt: skip
+    path = tmp_path / "slope.toml"
+    path.write_text(tomli_w.dumps(data))
+    monkeypatch.setattr("workflow.terminal.out", Console(width=70, highlight=False))
+    assert run("check", path, "--out", tmp_path / "out") == 0
+    table = capsys.readouterr().out.partition("The section is sound")[0]
+    assert "…" not in table
+    assert "40 + 1.5 z" in table
 
 
 def test_check_tells_what_is_not_as_it_was_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
