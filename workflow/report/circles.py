@@ -18,6 +18,7 @@ NO_CIRCLE, ABOVE = 1.05, 0.01
 NO_BALANCE, BELOW = 0.97, 0.002
 STEEP = math.tan(math.radians(45.0))  # of a slip surface where it cuts down from the crest
 SHORT = 0.98  # times its critical Kh, below which the circle of a longer section is told
+MATTERS = 1.5  # times the least critical Kh of both directions, beyond which a circle in a longer section is not told
 ROUND = 5.0  # m, to which the length of ground to add is rounded up
 RELY = "rely on elements and bounds, since the critical mechanism is no circle, as along a weak layer"
 
@@ -52,10 +53,14 @@ def of_circles(results: Results) -> Iterator[str]:
 
 
 def of_longer_sections(circles: Sequence[CirclePart]) -> Iterator[str]:
-    """Critical circles that end at a side of the section, and slide at a smaller Kh in a longer one."""
+    """Critical circles that end at a side of the section, and slide at a smaller Kh in a longer one.
+
+    A circle in the other direction, which fails at a much larger Kh even there, is not reported.
+    """
+    least = min((circle.bishop for circle in circles), default=0.0)
     for circle in circles:
         longer = circle.longer
-        if longer is None or longer.bishop > SHORT * circle.bishop:
+        if longer is None or longer.bishop > min(SHORT * circle.bishop, max(MATTERS * least, least + ABOVE)):
             continue
         more = min(max(math.ceil(longer.past_m / ROUND), 1) * ROUND, longer.beyond_m)
         yield (

@@ -94,3 +94,5 @@ def test_a_circle_that_a_side_cuts_off_is_told_with_the_length_that_is_missing()
     assert 'beyond = "15 m"' in told
     alike = one.model_copy(update={"longer": longer.model_copy(update={"bishop": 0.110})})
     assert list(of_longer_sections((alike,))) == []
+    weaker = CirclePart.model_construct(towards="right", bishop=0.05, longer=None)
+    assert list(of_longer_sections((one, weaker))) == [], "the other direction fails at half of that"
