@@ -26,7 +26,7 @@ from workflow.run.stage import Job, Stage
 
 if TYPE_CHECKING:
     from fem.limit.bounds import KhBounds
-    from fem.limit.bracket import Bracket, OpenEnd
+    from fem.limit.bracket import Bracket, EndReason, OpenEnd
     from fem.limit.directions import DirectionBounds, SmallerKhBounds
     from fem.limit.safety_bounds import SafetyBounds
 
@@ -210,12 +210,12 @@ def _why(ended: "OpenEnd | None", cells: int, settings: BoundsSettings) -> str:
     assert_never(ended)
 
 
-def _remedy(ended: "OpenEnd | None") -> str:
+def _remedy(ended: "EndReason | None") -> str:
     """What may help where a bound is missing."""
     match ended:
         case "time":
             return "allow more: seconds in the table [bounds]"
-        case None | "triangles":
+        case None | "triangles" | "gap" | "enough":
             return "allow more: max_cells in the table [bounds]"
         case "stalled" | "solver":
             return "more work does not help: rely on the finite elements (noshiro fem)"
