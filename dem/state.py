@@ -109,7 +109,7 @@ class DiscState:
     lists_made : int
         Number of neighbour lists made so far.
     energy_known, energy_edited, turnover : float
-        Energy at the end of the last run, energy added by changes between runs, and energy turned over (J/m).
+        Energy at the end of the last run, energy added by changes between runs, and total energy exchanged (J/m).
     """
 
     x: np.ndarray

@@ -8,7 +8,7 @@ from dem.kernels.contact import ALLOWED
 from dem.kernels.motion import all_finite, first_behind
 from dem.model import DiscModel
 
-BALANCE = 1e-3  # of the energy turned over
+BALANCE = 1e-3  # of the total energy exchanged
 FASTEST = 0.25  # of a radius, in one step
 
 
@@ -91,7 +91,7 @@ def check_escape(model: DiscModel, kept: str) -> None:
 
 
 def check_balance(model: DiscModel, energies: EnergyBalance, tolerance: float, kept: str) -> None:
-    """Raises EnergyBalanceError if more than `tolerance` of the energy turned over is not accounted for.
+    """Raises EnergyBalanceError if more than `tolerance` of the total energy exchanged is not accounted for.
 
     model: the discs; energies: balance since the start; kept: sentence on the checkpoint of the run.
     """
@@ -99,7 +99,7 @@ def check_balance(model: DiscModel, energies: EnergyBalance, tolerance: float, k
         speed = np.hypot(model.vx, model.vz) * np.sqrt(model.mass) * ~model.fixed
         disc = int(np.argmax(speed))
         raise EnergyBalanceError(
-            f"{energies.gap:.4g} J/m of {energies.turnover:.4g} turned over are unaccounted for "
-            f"(allowed {tolerance:g}); most energy of motion has {_place(model, disc)}. Take a smaller step, "
-            f"or allow more with `balance`. {kept}"
+            f"the energy balance has a gap of {energies.gap:.4g} J/m, of {energies.turnover:.4g} J/m exchanged "
+            f"(allowed share {tolerance:g}); {_place(model, disc)} has the largest kinetic energy. Take a smaller "
+            f"step, or allow more with `balance`. {kept}"
         )

@@ -62,7 +62,7 @@ class EnergyBalance:
         """The balance from the results of the kernels: `energy.energies` and the sums of all slices.
 
         measured: (ENERGIES,) energies now (J); sums: (slices, ENERGY_COLUMNS) work and losses (J); edits: energy that
-        changes of the model added (J); turnover: energy turned over so far (J).
+        changes of the model added (J); turnover: total energy exchanged so far (J).
         """
         total = sums.sum(axis=0)
         balance = cls(

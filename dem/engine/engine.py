@@ -108,8 +108,8 @@ class Engine:
     energies : bool
         Whether the energy balance is computed; then a run stops with an error if it does not close.
     balance : float
-        Largest gap of the energy balance over the energy turned over; after liquefaction ten times this, since forces
-        of liquefied ground are held for several steps.
+        Largest gap of the energy balance over the total energy exchanged; after liquefaction ten times this, since
+        forces of liquefied ground are held for several steps.
     pulls : bool
         Whether dashpots of element springs may pull (only for comparison with closed forms).
     crack_by : "contact" or "pore"

@@ -18,7 +18,7 @@ def along(ax: float, az: float, bx: float, bz: float) -> float:
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)
 def damping_loss(way: float, dashpot: float, dashpot_before: float) -> float:
-    """Work of a dashpot since the last step, twice (J), from its forces (N) now and then.
+    """Twice the work of a dashpot in one step (J), from its forces at the begin and at the end of the step (N).
 
     The work in a step is the displacement times the mean of the forces at both ends of the step. The scheme reduces the
     kinetic energy v(n-1/2) v(n+1/2) m/2 by this amount, so that the balance of linear springs and dashpots closes to
@@ -52,7 +52,7 @@ def damping_losses(
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)
 def sliding_loss(before: float, trial: float, kept: float, flexibility: float) -> float:
-    """Work that a spring whose force was cut from `trial` to `kept` (N) has lost since the last step, twice (J).
+    """Twice the work (J) dissipated in one step by a spring whose force was reduced from `trial` to `kept` (N).
 
     before: its force in the last step (N); flexibility: one over its stiffness (m/N).
     """

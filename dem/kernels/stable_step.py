@@ -103,7 +103,7 @@ def add_block(
 def bound(blocks: np.ndarray, at: np.uint64, invmass: float, rim: float) -> float:
     """Gershgorin's bound of the largest eigenvalue (1/s2) of the block that begins at `at`, over mass.
 
-    blocks: of all discs; invmass: 1/m (1/kg); rim: r^2/I with levers in radii (1/kg).
+    blocks: of all discs; invmass: 1/m (1/kg); rim: r^2/I (1/kg), where the lever arms are in units of the radius.
     """
     cross = np.sqrt(invmass * rim)
     across, moment_x, moment_z = abs(blocks[at + TWO]), abs(blocks[at + THREE]), abs(blocks[at + FOUR])

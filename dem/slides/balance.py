@@ -182,7 +182,8 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
         ((name, thick),) = thin.items()
         return [
             *notes,
-            f"stratum {name} liquefies and is {thick:.2g} m thick in discs, less than two discs: discs of this size "
+            f"stratum {name} liquefies and is {thick:.2g} m thick in the model, less than two disc diameters: discs "
+            "of this size "
             f"underestimate its slide behind a bank; check with discs of {radius}",
         ]
     listed = ", ".join(f"{name} ({thick:.2g} m)" for name, thick in thin.items())
@@ -219,6 +220,7 @@ def thin_crust(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[
     if crust >= 4.0 * ground.radius:
         return []
     return [
-        f"the ground above the liquefied strata is {crust:.2g} m thick in discs, less than two discs: discs of this "
+        f"the ground above the liquefied strata is {crust:.2g} m thick in the model, less than two disc diameters: "
+        "discs of this "
         f"size move at random and underestimate its slide behind a bank; check with discs of {crust / 4.0:.2g} m radius"
     ]

@@ -11,7 +11,7 @@ import numpy as np
 WINDOW = 5.0  # s
 SWING = 3.0  # times what counts as still, about where the ground has come to lie: little damps the swing of firm ground
 LATELY = 10.0  # s
-LITTLE = 0.01  # of the energy turned over, in a window
+LITTLE = 0.01  # of the total energy exchanged, in a window
 
 
 def at_rest(times: Sequence[float], moved: Sequence[Sequence[float]], still: float) -> bool:

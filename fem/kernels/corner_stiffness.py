@@ -27,9 +27,9 @@ def stiffnesses(
 ) -> None:  # fmt: skip
     """C⁻¹ of all corners, written to ``out`` (k, 3, 3).
 
-    ``axis`` and ``size`` are w (cones, 3) and η (cones,), ``lone`` the w² (singles,) of single openings, and δ is
-    ``soft`` times η² of a corner. ``sine``, ``clay``, ``single``, ``triple``: see above; ``torn_sine``: sin φ of the
-    cones of tension cut-offs.
+    ``axis``: w (cones, 3); ``size``: η (cones,); ``lone``: w² of the scalar constraints of cut-offs (singles,). The
+    compliance δ of a corner is ``soft`` times its η². ``sine``, ``clay``, ``single``, ``triple``: see above;
+    ``torn_sine``: sin φ of the cones of tension cut-offs.
     """
     corners = len(sine)
     c, low = np.empty((3, 3)), np.zeros((3, 3))

@@ -65,13 +65,14 @@ class MaterialPointEnergy:
 
     @property
     def transfer_loss_share(self) -> float:
-        """The energy lost in transfers between points and grid over the energy turned over (-)."""
+        """The energy lost in transfers between points and grid over the total energy exchanged (-)."""
         return self.transfer_loss / self.turned_over
 
     @property
     def imbalance_share(self) -> float:
-        """Work that is neither dissipated nor stored in the points, lost by transfers and time steps, over the energy
-        turned over (-).
+        """Work that is neither dissipated nor stored in the points, over the total energy exchanged (-).
+
+        Transfers between points and grid and the time steps lose it.
         """
         kept = self.dissipated + self.elastic - self.elastic_began + self.kinetic - self.kinetic_began
         return (self.external - kept) / self.turned_over

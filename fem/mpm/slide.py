@@ -30,7 +30,7 @@ DECAYS = (10.0, 1.0)
 # where it would if its stiffness were lost slowly, and does not swing for minutes; the loops of sand take that energy.
 CREEP = 5.0
 KEEP = 10.0  # s of the clock between two checkpoints
-LOSS = 0.02  # of the energy turned over that may be out of balance before a slide is doubted
+LOSS = 0.02  # of the total energy exchanged that may be out of balance before a slide is doubted
 # Properties that change as ground liquefies, and their columns, and that of the force at free-field sides, in what is
 # remembered of them.
 CHANGED = (

@@ -25,9 +25,9 @@ class PointSlide:
     before, after : ndarray (k, 2)
         The surface in coordinates of the section.
     transfer_loss_share : float
-        Energy lost between points and grid over the energy turned over (-).
+        Energy lost between points and grid over the total energy exchanged (-).
     energy_lost_share : float
-        All energy that the ground neither dissipated nor stores, over the energy turned over (-).
+        All energy that the ground neither dissipated nor stores, over the total energy exchanged (-).
     stopped_by : str or None
         "left" or "right": the side at which the slide was stopped, or at which it left the section if the side is
         free-field.

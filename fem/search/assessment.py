@@ -98,8 +98,8 @@ def critical_as_discs(
     comm: Any,
     listener: AssessmentListener,
 ) -> AdaptiveResult[CriticalResult]:
-    """The critical Kh in one direction with the sides of the settings, on its own meshes; for failures deeper than
-    ``settings.least_depth`` below cohesionless faces.
+    """The critical Kh in one direction with the sides of the settings, on meshes refined for it; failures shallower
+    than ``settings.least_depth`` below cohesionless faces do not count.
 
     It follows from Davis's estimate instead of ψ = φ where the ground then stands under its weight: discs hardly
     dilate. Raises InputError, NoEquilibriumError, UnstableError.
@@ -173,8 +173,9 @@ class _Search:
     def with_limit_loads(
         self, adapted: AdaptiveResult[LimitLoadResult], settings: FemSettings, safety: list[Safety] | None
     ) -> Assessment:
-        """The answers that limit loads are compared with; ``safety``: factors whose computation has begun, if any;
-        raises UnstableError.
+        """The critical Kh by the path, the other direction and the factors of safety, compared with limit loads.
+
+        ``safety``: factors of safety that are already being computed, or None. Raises UnstableError.
 
         With Davis's estimate, the path starts before it is known whether the mesh for ψ = φ is better, which is rare.
         """

@@ -328,8 +328,8 @@ class _Method:
     ) -> tuple[np.ndarray, np.ndarray]:
         """A solution refined until its residual is ``within`` of the right-hand side, or no longer falls.
 
-        Each correction minimises the residual together with the corrections before (Eisenstat, Elman & Schultz 1983);
-        otherwise the residual by the compliance δ of clay, or by rounding, would fall slowly.
+        Each correction minimises the residual over all corrections so far (Eisenstat, Elman & Schultz 1983). Simple
+        iterative refinement would converge slowly, because the factors contain a compliance δ of clay and rounding.
         """
         (dy, dz), size = start, max(np.abs(ry).max(), np.abs(rz).max())
         ey, ez = ry - self.a_t @ dz, rz - self.a @ dy + self.squared(dz)

@@ -200,7 +200,7 @@ def _calibration(results: Results, name: str) -> bool:
         axes.axvline(answer.value, color=DISCS, linewidth=0.8, linestyle=DASHED)
         taken = f"factor taken, {answer.value:.3g}"
         handles.append(Line2D([], [], color=DISCS, linewidth=0.8, linestyle=DASHED, label=taken))
-    handles.append(Line2D([], [], color=CRITICAL, linewidth=1.0, label="critical Kh asked for, and tolerance"))
+    handles.append(Line2D([], [], color=CRITICAL, linewidth=1.0, label="target critical Kh, and tolerance"))
     sheet.legend(handles, 5)
     with results.store.writing(name) as file:
         sheet.save(file)

@@ -146,7 +146,7 @@ def beside_sentences(answer: FemAnswer) -> Iterator[str]:
 
 
 def edge_sentence(stratum: str, start: float, end: float, kh: float) -> str:
-    """The edge of a layer without cohesion, from ``start`` to ``end`` (m), that crumbles at ``kh``."""
+    """The edge of a layer without cohesion, from ``start`` to ``end`` (m), that fails locally at ``kh``."""
     when = f"at Kh = {coefficient(kh)}" if kh > 0.0 else "by its own weight"
     width = f"{end - start:.2g} m wide where it comes out of the ground at x = {start:g} m"
     return f"The edge of {shown_name(stratum)}, {width}, has no cohesion and fails locally {when}: no slope failure."

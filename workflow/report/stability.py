@@ -103,7 +103,7 @@ def _circle(of: str, circle: CirclePart, section: Section, digits: int, _: Texts
     depth = float(depth_below_ground(section, np.array(circle.surface_m)).max())
     conditions = _("Bishop, towards the {side}, {depth} m deep", side=_(circle.towards), depth=f"{depth:.1f}")
     if circle.strengthened:
-        conditions += _("; with a cohesion given to the cohesionless face, which fails at a smaller Kh")
+        conditions += _("; the cohesionless face has a cohesion added, because without it it fails at a smaller Kh")
     return Row(of, f"{circle.bishop:.{digits}f}", spencer, conditions)
 
 

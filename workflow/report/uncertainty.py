@@ -113,7 +113,8 @@ def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
     phrase = f"Packing: {model.packing}, {model.elements} discs of {model.radius_m:.3g} m radius."
     if model.surface_off_mean_m is not None and model.surface_off_worst_m is not None:
         phrase += (
-            f" Before the slide their surface lies {model.surface_off_mean_m:.2f} m from the section's on average, and "
+            f" Before the slide the surface of the discs lies {model.surface_off_mean_m:.2f} m from the section's on "
+            "average, and "
             f"{model.surface_off_worst_m:.2f} m at the worst place."
         )
     if model.packing != "random":

@@ -199,12 +199,13 @@ class Variant(Part):
     seconds: float = Field(description="computing time")
     kc_without: float | None = Field(
         default=None,
-        description="the critical Kh without the change, where both were found on a coarser mesh than the answer",
+        description="the critical Kh without the change, where both were computed on a coarser mesh than the answer",
     )
 
     def of(self, kc: float) -> float | None:
-        """The critical Kh with the change, for the answer ``kc``; if both were computed on another mesh, by their
-        ratio.
+        """The critical Kh with the change.
+
+        Where the change was computed on a coarser mesh than the answer ``kc``, it is ``kc`` times the ratio there.
         """
         if self.kc is None or self.kc_without is None:
             return self.kc

@@ -28,8 +28,12 @@ class PointCase(MovedSurface):
     settled: bool = Field(description="whether the surface came to rest")
     reason: str
     seconds_simulated: float
-    transfer_loss_share: float = Field(description="energy lost between points and grid, over that turned over")
-    energy_lost_share: float = Field(description="energy out of balance over that turned over; negative: created")
+    transfer_loss_share: float = Field(
+        description="energy lost between points and grid, over the total energy exchanged"
+    )
+    energy_lost_share: float = Field(
+        description="energy out of balance over the total energy exchanged; negative: created"
+    )
     stopped_by: str | None = Field(default=None, description="the side that the slide ran up against, or out of")
     notes: tuple[str, ...] = Field(description="what a reader must know to believe these numbers")
 

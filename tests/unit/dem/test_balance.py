@@ -143,7 +143,7 @@ def test_a_thin_layer_is_told_with_the_radius_that_it_wants(start: DiscModel, gr
     thin.layer[~thin.fixed & (row == 3)] = 0
     told = thin_layers(thin, ground, [1])
     assert len(told) == 1
-    assert "less than two discs" in told[0]
+    assert "less than two disc diameters" in told[0]
     assert "0.38 m" in told[0]  # a row of 1.5 m: two discs of a quarter of that
     both = thin.copy()
     both.layer[~thin.fixed & (row != 3)] = 1

@@ -94,7 +94,7 @@ def test_energy_from_nowhere_stops_the_run(monkeypatch: pytest.MonkeyPatch) -> N
     sums = model.energy_sums
     sums[0, 3] += 0.01 * model.turnover  # a dashpot that took what nobody gave
     model.energy_known += 0.01 * model.turnover
-    with pytest.raises(EnergyBalanceError, match=r"unaccounted for .* disc \d+ at x = "):
+    with pytest.raises(EnergyBalanceError, match=r"balance has a gap .* disc \d+ at x = "):
         engine.run(model, 0.1)
 
 

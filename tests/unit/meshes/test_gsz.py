@@ -100,7 +100,7 @@ def test_bad_models_are_told(tmp_path: Path) -> None:
     [
         (("<Name>Clay", "<Name>Fill"), "It is sound."),
         (('ID="Regions-2" Entry="2"', ""), "not taken: region 2, which has no material"),
-        (("UndrainedPhiZero", "SFnDepth"), "cohesion: missing"),
+        (("UndrainedPhiZero", "SFnDepth"), "cohesion: expected a cohesion"),
     ],
 )
 def test_what_a_model_has_otherwise(

@@ -168,7 +168,7 @@ def test_a_triangle_is_refused_by_its_place(here: pytest.MonkeyPatch) -> None:
         gmsh.model.mesh.generate(2)
 
     here.setattr(gmsh_model, "build_free", leave_triangles)
-    with pytest.raises(BadMeshError, match=r"gmsh left a Triangle 3 near x = [78]\.\d+ m, z = [34]\.\d+ m"):
+    with pytest.raises(BadMeshError, match=r"gmsh made a Triangle 3 near x = [78]\.\d+ m, z = [34]\.\d+ m"):
         generate(Section.parse(slope()), MeshSettings(method="free"))
 
 

@@ -35,7 +35,7 @@ def test_one_warning_tells_of_a_side_that_the_mechanism_reaches() -> None:
 
 
 def test_points_behind_a_bank_with_a_sloping_bed_have_smooth_sides_unless_the_file_says_otherwise() -> None:
-    bank = {**slope(), "surface": [[0.0, 18.0], [20.0, 18.0], [44.0, 6.0], [70.0, 5.0]]}
+    bank = {**slope(), "surface": [[0.0, 18.0], [20.0, 18.0], [44.0, 6.0], [70.0, 4.0]]}
     bank.pop("fem", None)
     run = Config.parse(bank)
     assert (run.fem.sides, run.slide.mpm_sides) == ("free-field", "smooth")
