@@ -224,7 +224,7 @@ def test_a_printer_that_crashes_is_told_and_ends_nothing_else(
     crashes.chmod(0o755)
     monkeypatch.setattr("workflow.report.pdf.browser", lambda: str(crashes))
     assert run("report", runs["stands"], "--pdf") == 2
-    assert "did not print: exit code -11" in " ".join(capsys.readouterr().err.split())
+    assert "could not print the report: exit code -11" in " ".join(capsys.readouterr().err.split())
     assert not (runs["stands"] / "report.pdf").exists()
 
 
