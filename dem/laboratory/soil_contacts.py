@@ -70,7 +70,7 @@ class SoilContacts:
         *,
         buoyant_density: float | None = None,
     ) -> LayerSprings:
-        """The constants of a layer of such discs.
+        """The constants of a layer of discs that behave like this soil.
 
         Parameters
         ----------

@@ -9,7 +9,7 @@ filled, which is repeated where a column still deviates (`dem.search.levelling`)
 
 Discs that came to rest under their weight alone have hardly more contacts than equilibrium requires (three each), and
 move at a small share of their strength: S-13 moved 0.44 m under Kh = 0.1, its continuum 0.10 m. Natural ground is
-denser than that. So the discs are shaken down by some cycles of a small Kh, after which Kh = 0.1 moves S-13 by 0.05 m.
+denser than such a packing. So the discs are compacted by some cycles of a small Kh; then Kh = 0.1 moves S-13 by 0.05 m.
 """
 
 from collections.abc import Sequence

@@ -116,8 +116,8 @@ def upper_bound(
 def free_velocities(problem: LimitProblem, moves: np.ndarray) -> sparse.csr_matrix:
     """The matrix from the free velocities to all velocities (2 n,); ``moves`` (2 n,) marks those that are not held.
 
-    On an edge from a point that cannot strain the velocity v has no slope at this point: 4 v(middle) = 3 v(point) +
-    v(end). Periodic sides have equal velocities.
+    At a point whose strain rate must vanish, the velocity v along an edge has no slope:
+    4 v(middle) = 3 v(point) + v(end). Periodic sides have equal velocities.
     """
     mesh = problem.mesh
     left, right = mesh.matched

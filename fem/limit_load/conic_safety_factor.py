@@ -12,9 +12,9 @@ large if λ < 0. S is about the derivative of the strength by -ln F, so that λ 
 the envelope theorem the derivative of λ by -ln F is the mean of -∂R/∂ln F at the computed stress, weighted by the shear
 rates of the mechanism, plus a term of the opening at a tension cut-off T, where -∂T/∂ln F = T. Newton's method with
 this derivative gives the share λ' of the strength that is not needed at F. As the strength is about proportional to
-1/F, the correction of ln F is -ln(1 - λ'). With it the factor is found in one to three programs for every kind of
-failure: a slope to one side, an embankment that spreads to both sides, or the ground below a footing, for which no Kh
-could measure the reserve.
+1/F, the correction of ln F is -ln(1 - λ'). The search takes one to three cone programs for every kind of failure: a
+slope to one side, an embankment that spreads to both sides, or the ground below a footing, which no Kh brings to
+failure.
 """
 
 import math

@@ -182,8 +182,8 @@ def _dip(section: Section) -> float:
 def _columns(section: Section, spacing: float, margin: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Columns of points: x (m), and tops (m), bottoms (m) and strata (columns, layers) of the layers in each.
 
-    The last layer is the rigid ground below the base (stratum -1). It continues for ``margin`` cells beyond the sides;
-    the ground above it for ``BORDER`` cells.
+    The last layer is the rigid ground below the base (stratum -1). The rigid ground continues for ``margin`` cells
+    beyond the sides, the layers above for ``BORDER`` cells.
     """
     left, right = section.extent
     extra = 2 * margin

@@ -83,7 +83,7 @@ def _components(lines: Sequence[str]) -> list[RecordedSeries]:
         place = timed[0] if timed else 0
         if not timed and values.shape[1] >= VALUES_IN_A_ROW and np.any(np.diff(values[:, 0]) < 0.0):
             raise ValueError(
-                f"holds rows of {values.shape[1]} numbers whose first ones are no times; expected a time step in the "
+                f"holds rows of {values.shape[1]} numbers whose first column is no time; expected a time step in the "
                 'heading of such a series, as in "dt = 0.01 s"'
             )
         time, no_component = _times(values[:, place], columns[place]), [place, *counters]

@@ -78,7 +78,7 @@ def test_the_components_have_the_names_above_their_units() -> None:
         ("time (s),acc (g)\n" + rows("%.2f,%.1f", TIME, 0.0 * VALUES), "holds only zeros"),
         ("time (s),acc (g)\n0.00,0.1\n0.01,NaN\n", "line 3: '0.01,NaN': a value is missing or not finite"),
         ("400 0.01 (8F9.6)\n" + "0.1 0.2 0.1 0.3 0.4 0.1 0.2 0.2\n-0.1 0.2 0.1 0.3 0.4 0.1 0.2 0.2\n",
-         "holds rows of 8 numbers whose first ones are no times; expected a time step"),
+         "holds rows of 8 numbers whose first column is no time; expected a time step"),
         ("\0\0\x01binary", "is a binary file"),
     ],
 )  # fmt: skip
