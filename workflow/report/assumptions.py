@@ -65,8 +65,9 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
             "Discs",
             "Some thousand discs in a plane represent the ground. "
             + (
-                "Stiffness and strength of the contacts between discs are those of the soil by element tests; one factor "
-                f"on all strengths makes the critical Kh of the discs equal to that of the finite elements. {DISCS}"
+                "Stiffness and strength of the contacts between discs are those of the soil by element tests; one "
+                f"factor on all strengths makes the critical Kh of the discs equal to that of the finite elements. "
+                f"{DISCS}"
                 if config.dem.model == "soil"
                 else "Their springs are calibrated only to the critical Kh of the finite elements, not to the "
                 "stiffness after failure or the dilation of the soil."
