@@ -14,7 +14,7 @@ from tests.support.borings import SAND
 from tests.support.sections import layer
 from workflow.config import Config
 from workflow.run.store import Store
-from workflow.stages.mpm import PointRun, _alike, _answer, _slid, at_rest
+from workflow.stages.mpm import PointRun, _answer, _slid, alike_by_strength, at_rest
 
 
 @pytest.fixture(scope="module")
@@ -62,8 +62,8 @@ def test_less_strength_slides_further_and_the_method_says_its_interval(folder: P
 
 def test_a_case_that_keeps_the_strength_of_another_slides_alike_and_is_computed_once(folder: Path) -> None:
     config = Config.load(folder.parent / "gentle.toml")
-    assert _alike(config, [1, 2, 3]) == {1: 1, 2: 2, 3: 2}
-    assert _alike(config, [3]) == {3: 3}
+    assert alike_by_strength(config, [1, 2, 3]) == {1: 1, 2: 2, 3: 2}
+    assert alike_by_strength(config, [3]) == {3: 3}
     answer = json.loads((folder / "mpm/slides.json").read_text())
     assert answer["cases"]["3"] == answer["cases"]["2"]
     assert not any("case 3" in line for line in (folder / "log.txt").read_text().splitlines() if " s, slide " in line)

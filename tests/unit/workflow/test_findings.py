@@ -398,6 +398,6 @@ def test_what_is_said_of_a_packing_is_of_its_kind(run: Config) -> None:
     off = {"packing": "random", "surface_off_mean_m": 0.104, "surface_off_worst_m": 0.273}
     loose = discs.model_copy(update={"model": discs.model.model_copy(update=off)})
     told = dict(sources_of_uncertainty(results(run, dem=loose, cases=cases)))
-    assert "surface lies 0.10 m from the section's on average, and 0.27 m at the worst place." in told["Packing"]
+    assert "the discs lies 0.10 m from the section's on average, and 0.27 m at the worst place." in told["Packing"]
     assert "Another seed gives another packing." in told["Packing"]  # and two have been tried
     assert not any(word in told["Packing"] + told["Random packing"] for word in ("lattice", "rows", "order"))
