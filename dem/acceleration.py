@@ -47,21 +47,31 @@ class Acceleration:
         """Three components (3, times) in m/s2: along x, along z, and horizontally (perpendicular to gravity),
         positive to the right.
         """
-        size = float(np.hypot(*gravity))
-        right = (-gravity[1] / size, gravity[0] / size) if size > 0.0 else (1.0, 0.0)
+        right = right_of(gravity)
         return np.array([self.x, self.z, right[0] * self.x + right[1] * self.z])
 
     def mean(self, begin: float, end: float) -> np.ndarray:
         """Mean along x and z (2,) from one time (s) to a later one."""
+        part = self.between(begin, end)
+        values = np.array([part.x, part.z])
+        return np.asarray(0.5 * (values[:, 1:] + values[:, :-1]) @ np.diff(part.times) / (end - begin))
+
+    def between(self, begin: float, end: float) -> "Acceleration":
+        """The part from one time (s) to a later one."""
         inside = self.times[(self.times > begin) & (self.times < end)]
         times = np.concatenate([[begin], inside, [end]])
-        values = np.array([np.interp(times, self.times, values) for values in (self.x, self.z)])
-        return np.asarray(0.5 * (values[:, 1:] + values[:, :-1]) @ np.diff(times) / (end - begin))
+        return Acceleration(times, np.interp(times, self.times, self.x), np.interp(times, self.times, self.z))
 
     def at(self, time: float) -> "Acceleration":
         """The acceleration at one time (s), as a constant one."""
         x, z = (np.interp(time, self.times, values) for values in (self.x, self.z))
         return Acceleration(np.array([time]), np.array([x]), np.array([z]))
+
+
+def right_of(gravity: tuple[float, float]) -> tuple[float, float]:
+    """The horizontal direction to the right, perpendicular to gravity (m/s2); along x without gravity."""
+    size = float(np.hypot(*gravity))
+    return (-gravity[1] / size, gravity[0] / size) if size > 0.0 else (1.0, 0.0)
 
 
 def tilted_gravity(tilt: float, g: float = GRAVITY) -> tuple[float, float]:

@@ -76,7 +76,7 @@ def show_strata(section: Section) -> None:
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     for head in tables.STRATA_HEADS:
         name = head == "stratum"  # a name is wrapped, a number is told whole
-        table.add_column(legible(head), justify="left" if name else "right", no_wrap=not name)
+        table.add_column(legible(head), justify="left" if name else "right", no_wrap=not name, overflow="fold")
     for row in tables.strata_rows(section):
         table.add_row(*(escape(legible(cell)) for cell in row))
     out.print(table)

@@ -15,17 +15,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from dem.acceleration import Acceleration
+from dem.acceleration import Acceleration, right_of
 from dem.state import DiscState
 
 EVERY = 0.004  # s between two looks at the momentum of the discs
 DELAY = 0.04  # s; with less than ten looks the lowest row of discs resonates with the base
-
-
-def right_of(model: DiscState) -> tuple[float, float]:
-    """The horizontal direction in the frame of the discs, across gravity."""
-    size = float(np.hypot(*model.gravity))
-    return (-model.gravity[1] / size, model.gravity[0] / size) if size > 0.0 else (1.0, 0.0)
 
 
 def felt(model: DiscState) -> Acceleration:
@@ -33,7 +27,7 @@ def felt(model: DiscState) -> Acceleration:
     here = model.acceleration.at(model.time)
     if model.base_impedance == 0.0:
         return here
-    x, z = right_of(model)
+    x, z = right_of(model.gravity)
     return replace(here, x=here.x - model.base_rate * x, z=here.z - model.base_rate * z)
 
 
@@ -41,19 +35,16 @@ def felt_until(model: DiscState, end: float) -> Acceleration:
     """Acceleration of the discs from now to a time (s), up to which that of a compliant base changes linearly."""
     if model.base_impedance == 0.0:
         return model.acceleration
-    given, begin = model.acceleration, model.time
-    inside = given.times[(given.times > begin) & (given.times < end)]
-    times = np.concatenate([[begin], inside, [end]])
-    rate = np.interp(times, [begin, end], [model.base_rate, model.base_next])
-    x, z = right_of(model)
-    return Acceleration(
-        times, np.interp(times, given.times, given.x) - rate * x, np.interp(times, given.times, given.z) - rate * z
-    )
+    begin = model.time
+    given = model.acceleration.between(begin, end)
+    rate = np.interp(given.times, [begin, end], [model.base_rate, model.base_next])
+    x, z = right_of(model.gravity)
+    return replace(given, x=given.x - rate * x, z=given.z - rate * z)
 
 
 def momentum(model: DiscState) -> float:
     """Horizontal momentum of the discs that can move (kg m/s per metre)."""
-    x, z = right_of(model)
+    x, z = right_of(model.gravity)
     free = ~model.fixed
     return float(np.sum(model.mass[free] * (x * model.vx[free] + z * model.vz[free])))
 
@@ -79,7 +70,7 @@ def follow(model: DiscState, before: float, began: float, planned: float) -> Non
     speed = model.base_velocity + 0.5 * over * (model.base_rate + rate)
     free = ~model.fixed
     carried = float(np.sum((model.mass * (1.0 + _carried(model)))[free]))
-    x, z = right_of(model)
+    x, z = right_of(model.gravity)
     push = (model.acceleration.mean(began, model.time) @ np.array([x, z])) - 0.5 * (model.base_rate + rate)
     force = carried * push - (momentum(model) - before) / over
     model.base_velocity, model.base_rate = speed, rate
@@ -88,5 +79,5 @@ def follow(model: DiscState, before: float, began: float, planned: float) -> Non
 
 def _carried(model: DiscState) -> np.ndarray:
     """Horizontal added mass (n,) of the discs over their mass."""
-    x, z = right_of(model)
+    x, z = right_of(model.gravity)
     return np.asarray(x * model.added_mass_x + z * model.added_mass_z)
