@@ -2,8 +2,8 @@
 
 import matplotlib.pyplot as plt
 
-from workflow.triggering.blow_count import BlowCount, Shaking
-from workflow.triggering.idriss_boulanger import assess
+from workflow.earthquake.triggering.blow_count import BlowCount, Shaking
+from workflow.earthquake.triggering.idriss_boulanger import assess
 
 shaking = Shaking(magnitude=7.7, peak=0.2)  # peak acceleration over g
 figure, axes = plt.subplots(figsize=(4.0, 3.6), layout="constrained")

@@ -11,7 +11,7 @@ from docs.verify.record import PARTS
 from docs.verify.slides.command import verify_slides
 from docs.verify.slopes import verify_slopes
 from meshes.errors import InputError
-from workflow.exit_codes import ended_as_program
+from workflow.cli.exit_codes import ended_as_program
 from workflow.run.spelling import is_legible
 
 JSON_OPTION = typer.Option(

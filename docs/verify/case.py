@@ -12,7 +12,7 @@ from fem.settings import FemSettings
 from meshes.errors import InputError
 from meshes.section.section import Model, Section, read_toml
 from meshes.settings import MeshSettings
-from workflow.renamed import current
+from workflow.config.renamed import current
 
 # Where the cases are in a checkout, seen from its top.
 FOLDER = Path("tests/verification/published")

@@ -23,7 +23,7 @@ def run(*arguments: object, side_by_side: bool = False, painted: bool = False) -
     """
     with pytest.MonkeyPatch.context() as patch:
         if not side_by_side:
-            patch.setattr("workflow.terminal.Processes", lambda count: SERIAL)
+            patch.setattr("workflow.cli.terminal.Processes", lambda count: SERIAL)
         if not painted:
             unpainted(patch)
         try:

@@ -14,9 +14,9 @@ from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
-from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
-from workflow.triggering.assessment import Assessment, assess
+from workflow.config.after_triggering import config_after_triggering
+from workflow.earthquake.triggering.assessment import Assessment, assess
 
 SOIL: dict[str, Any] = {
     "youngs_modulus": "30 MPa",

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from dem.case import Case
-from workflow.after_triggering import cases_after_triggering
 from workflow.config import FILES, Config
+from workflow.config.after_triggering import cases_after_triggering
+from workflow.earthquake.triggering.assessment import assess
 from workflow.run.fingerprint import inputs
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 from workflow.stages import STAGES
-from workflow.triggering.assessment import assess
 
 TABLES = {type(Config.model_fields[table].default): table for table in Config.tables()}
 KEYS = tuple(f"{table}.{key}" for model, table in TABLES.items() for key in model.model_fields)

@@ -12,8 +12,8 @@ from matplotlib.image import imread
 from meshes import shipped
 from tests.support.command_line import run
 from tests.support.sections import layer, slope, written
+from workflow.cli.options import Panel
 from workflow.config import Config
-from workflow.options import Panel
 from workflow.stages import NAMES
 
 

@@ -310,7 +310,7 @@ def test_the_table_of_strata_wraps_names_and_no_numbers(
                           "cohesion": "40 kPa", "cohesion_increase": "1.5 kPa/m", "cohesion_from": 30.0}  # fmt: skip
     path = tmp_path / "slope.toml"
     path.write_text(tomli_w.dumps(data))
-    monkeypatch.setattr("workflow.terminal.out", Console(width=70, highlight=False))
+    monkeypatch.setattr("workflow.cli.terminal.out", Console(width=70, highlight=False))
     assert run("check", path, "--out", tmp_path / "out") == 0
     table = capsys.readouterr().out.partition("The section is sound")[0]
     assert "…" not in table

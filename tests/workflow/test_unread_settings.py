@@ -8,11 +8,11 @@ import pytest
 from tests.support.command_line import run
 from tests.support.sections import written
 from tests.support.settings_reads import KEYS
+from workflow.cli.invocation import Invocation
+from workflow.cli.study import _unread
+from workflow.cli.unread import in_words
 from workflow.config import Config
-from workflow.invocation import Invocation
 from workflow.stages import STAGES, command_of
-from workflow.study.command import _unread
-from workflow.unread import in_words
 
 NAMES = [stage.name for stage in STAGES]
 
@@ -83,7 +83,7 @@ def test_bounds_that_are_not_wanted_are_not_made_beside_a_factor_of_safety(
 ) -> None:
     """They took 87 of 180 s."""
     chosen = []
-    monkeypatch.setattr("workflow.terminal.execute", lambda _, choice, *__: chosen.append(choice.chosen))
+    monkeypatch.setattr("workflow.cli.terminal.execute", lambda _, choice, *__: chosen.append(choice.chosen))
     path = written(tmp_path)
     run("fem", path, "--out", tmp_path / "out", "--safety-factor")
     run("fem", path, "--out", tmp_path / "out", "--safety-factor", "--set", "bounds.run=false")
@@ -108,7 +108,7 @@ def test_the_command_bounds_tells_of_bounds_run_where_it_was_set(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     configs: list[Config] = []
-    monkeypatch.setattr("workflow.terminal.execute", lambda job, *rest, **more: configs.append(job.config))
+    monkeypatch.setattr("workflow.cli.terminal.execute", lambda job, *rest, **more: configs.append(job.config))
     assert run("bounds", written(tmp_path), "--out", tmp_path / "out", *asked) == 0
     assert ("noshiro bounds does not read bounds.run" in capsys.readouterr().out) == told
     assert configs[0].bounds.run is True

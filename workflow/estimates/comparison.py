@@ -9,11 +9,11 @@ import numpy as np
 
 from dem.slides.cycles import cyclic_acceleration
 from meshes.section.section import Section
+from workflow.config.tables import Tables
 from workflow.estimates.empirical import empirical
 from workflow.estimates.estimate import Estimate, Kind, flow_words, mean_inclination
 from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
 from workflow.estimates.sliding_block import SmoothPlane, newmark, rectangular_pulse
-from workflow.tables import Tables
 
 NEWMARK = "N. M. Newmark, Géotechnique 15 (1965) 139-160"
 NEWMARK_VALIDITY = (

@@ -9,8 +9,10 @@ from meshes.borings.boring import Sample
 from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
+from workflow.config.tables import Tables
 from workflow.earthquake.attenuation import Motion
 from workflow.earthquake.column import MAKDISI, column_of
+from workflow.earthquake.triggering.assessment import Judged, assess, normalised_counts
 from workflow.estimates import truss
 from workflow.estimates.estimate import Estimate, depth_below_ground, flow_words, mean_inclination
 from workflow.estimates.lateral_spread import (
@@ -37,8 +39,6 @@ from workflow.estimates.slope_displacement import (
     bray_macedo,
     bray_travasarou,
 )
-from workflow.tables import Tables
-from workflow.triggering.assessment import Judged, assess, normalised_counts
 
 BLOCK = "a rigid mass on a slip surface of constant strength; no liquefaction"
 YOUD_TITLE, ZHANG_TITLE = "Youd, Hansen & Bartlett (2002)", "Zhang, Robertson & Brachman (2004)"

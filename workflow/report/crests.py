@@ -6,6 +6,8 @@ import numpy as np
 
 from meshes.errors import InputError
 from workflow.config import Config
+from workflow.earthquake.triggering.assessment import assess
+from workflow.earthquake.triggering.consequences import left
 from workflow.estimates.crest import Crest
 from workflow.estimates.crest_settlement import crest_settlement, freeboard, reconsolidation_settlement
 from workflow.estimates.structures import Standing, structures_of
@@ -14,8 +16,6 @@ from workflow.results.cases import CasesAnswer, Profile
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.verdicts import CrestPart
-from workflow.triggering.assessment import assess
-from workflow.triggering.consequences import left
 
 Settlements = tuple[float, float, float]  # by the slide: its value, and the interval over packings
 

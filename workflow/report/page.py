@@ -12,6 +12,7 @@ from fem.continuum.strength import flow_of, is_dilating_fully
 from meshes.errors import InputError
 from meshes.section.polyline import downhill
 from meshes.section.section import Section
+from workflow.config.tables import ReportSettings
 from workflow.estimates.comparison import estimates, is_s13
 from workflow.estimates.structures import structures_of
 from workflow.figures import fonts
@@ -42,7 +43,6 @@ from workflow.results.results import Results
 from workflow.results.summary import Summary
 from workflow.run.log import machine, versions
 from workflow.run.progress import duration
-from workflow.tables import ReportSettings
 
 MOST_TESTS = 60  # in a table
 MOST_WARNINGS, NOTE = 9, 3  # on the first page; the weight of what stands among the checks

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from meshes.errors import InputError
-from workflow.after_triggering import load_config
 from workflow.config import Config
+from workflow.config.after_triggering import load_config
 from workflow.report.captions import Picture, collect
 from workflow.report.numbers import bracket, number
 from workflow.report.tables import plain

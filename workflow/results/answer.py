@@ -20,7 +20,7 @@ from pydantic import (
 )
 
 from meshes.section.section import Section
-from workflow.renamed import current_answer
+from workflow.config.renamed import current_answer
 from workflow.run.store import OtherVersionError, Store
 
 Point = tuple[float, float]

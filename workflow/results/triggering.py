@@ -7,9 +7,8 @@ from pydantic import Field
 from meshes.borings.boring import Cone, Sample
 from workflow.config import Config
 from workflow.earthquake.attenuation import GAL
-from workflow.results.answer import Answer, Known, Part, SectionLabel
-from workflow.triggering.assessment import Assessment, Judged
-from workflow.triggering.consequences import (
+from workflow.earthquake.triggering.assessment import Assessment, Judged
+from workflow.earthquake.triggering.consequences import (
     ISHIHARA_YOSHIMINE,
     PRESSURE_VALIDITY,
     SEED,
@@ -17,8 +16,9 @@ from workflow.triggering.consequences import (
     left,
     pore_pressures,
 )
-from workflow.triggering.potential import SOURCE, risk
-from workflow.triggering.residual import RELATIONS
+from workflow.earthquake.triggering.potential import SOURCE, risk
+from workflow.earthquake.triggering.residual import RELATIONS
+from workflow.results.answer import Answer, Known, Part, SectionLabel
 
 
 class MotionPart(Part):

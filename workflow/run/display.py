@@ -12,9 +12,8 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from workflow.options import Verbosity
 from workflow.run.plan import Decision
-from workflow.run.progress import Progress, TimeLeft, duration
+from workflow.run.progress import Progress, TimeLeft, Verbosity, duration
 from workflow.run.record import Entry, Outcome
 from workflow.run.spelling import legible
 from workflow.run.stage import Stage

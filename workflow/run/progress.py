@@ -1,7 +1,8 @@
-"""Progress of a stage, and the time left."""
+"""Progress of a stage, the time left, and how much of it is printed."""
 
 import math
 from collections.abc import Callable
+from enum import Enum
 
 # A line for people, with the quantity that matters, and the share that is done from 0 to 1, or None if nobody knows.
 Progress = Callable[[str, float | None], None]
@@ -9,6 +10,22 @@ Progress = Callable[[str, float | None], None]
 
 def silent(_line: str, _share: float | None) -> None:
     """Ignore progress."""
+
+
+class Verbosity(Enum):
+    """How much a command prints: only errors, sentences, every step, or the answers as JSON."""
+
+    QUIET, NORMAL, VERBOSE, JSON = range(4)
+
+    @classmethod
+    def of(cls, quiet: bool, verbose: bool, json: bool) -> "Verbosity":
+        """The verbosity by options of the command line: --json before --quiet, --quiet before --verbose."""
+        return cls.JSON if json else cls.QUIET if quiet else cls.VERBOSE if verbose else cls.NORMAL
+
+    @property
+    def in_sentences(self) -> bool:
+        """Whether a command prints sentences."""
+        return self in (Verbosity.NORMAL, Verbosity.VERBOSE)
 
 
 class TimeLeft:

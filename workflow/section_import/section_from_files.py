@@ -19,10 +19,9 @@ from meshes.models.gsz_file import read_gsz
 from meshes.models.stix_file import read_stix
 from meshes.models.xslope_file import read_xslope
 from meshes.section.quantity import LENGTH
-from workflow.after_triggering import load_config
 from workflow.config import Config
+from workflow.config.after_triggering import load_config
 from workflow.figures.borings import draw
-from workflow.terminal import say
 
 READERS: dict[str, Callable[[Path, Mapping[str, str]], BoringFile]] = {
     ".csv": read_csv,
@@ -88,16 +87,11 @@ class Reading:
         return cls(off_line, named, size, part, names)
 
 
-def make_section(files: Sequence[Path], out: Path, reading: Reading | None = None) -> None:
-    """Write a section from files of borings or from a drawing, or a drawing of a section, and print the result.
+def make_section(files: Sequence[Path], out: Path, reading: Reading) -> list[str]:
+    """Write a section from files of borings or from a drawing, or a drawing of a section; what was done, in sentences.
 
     Raises InputError with every problem found.
     """
-    for line in _made(files, out, reading or Reading()):
-        say(line)
-
-
-def _made(files: Sequence[Path], out: Path, reading: Reading) -> list[str]:
     kinds = {file.suffix.lower() for file in files}
     alone = {DRAWING, ".toml", *MODELS}
     unknown = sorted(kinds - set(READERS) - alone)

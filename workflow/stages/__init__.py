@@ -38,7 +38,7 @@ def __getattr__(name: str) -> Any:
 
 def stored_job(folder: Path) -> "Job":
     """The job of the run in a folder; raises InputError if it holds no run."""
-    from workflow.after_triggering import load_config
+    from workflow.config.after_triggering import load_config
     from workflow.run.record import Record
     from workflow.run.stage import Job
     from workflow.run.store import Store

@@ -5,7 +5,7 @@ from typing import Any, TypeVar
 
 from meshes.section.liquefies import Remains
 from workflow.config import Config
-from workflow.triggering.assessment import assess
+from workflow.earthquake.triggering.assessment import assess
 
 Item = TypeVar("Item", bound=Hashable)
 

@@ -1,8 +1,8 @@
 """The stage `triggering`: which strata the earthquake liquefies, by the blow counts of the borings."""
 
+from workflow.earthquake.triggering.assessment import assess
 from workflow.results.triggering import TriggeringAnswer
 from workflow.run.stage import Job, Stage
-from workflow.triggering.assessment import assess
 
 PICTURE = "figures/triggering.png"
 

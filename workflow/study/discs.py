@@ -4,8 +4,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from meshes.errors import InputError
-from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
+from workflow.config.after_triggering import config_after_triggering
 from workflow.results.cases import QUANTITIES, CasesAnswer
 from workflow.run import pipeline
 from workflow.run.plan import Choice, Decision

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from meshes.errors import InputError, NoAnswerError
-from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
+from workflow.config.after_triggering import config_after_triggering
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import Spread
 from workflow.results.study import Failure, Group, Result, StudyAnswer

@@ -12,8 +12,8 @@ from docs.verify.case import case_files
 from meshes.errors import InputError
 from meshes.section.quantity import Angle, Length
 from meshes.section.section import Model, read_toml
-from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
+from workflow.config.after_triggering import config_after_triggering
 
 # Where the cases are in a checkout, seen from its top.
 FOLDER = Path("tests/verification/slides")

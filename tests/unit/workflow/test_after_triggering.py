@@ -6,8 +6,7 @@ from typing import Any
 import pytest
 
 from tests.support.borings import bored
-from workflow import after_triggering
-from workflow.config import Config
+from workflow.config import Config, after_triggering
 
 
 def left_to_analyses(folder: Path) -> dict[str, Any]:
@@ -33,7 +32,7 @@ def test_reading_a_config_calls_no_analysis(tmp_path: Path, monkeypatch: pytest.
         for name in ("assess", "left", "pore_pressures", "column_of", "push_of_slides"):
             patched.setattr(after_triggering, name, refuse)
         for place in ("assessment.assess", "consequences.left", "consequences.pore_pressures"):
-            patched.setattr(f"workflow.triggering.{place}", refuse)
+            patched.setattr(f"workflow.earthquake.triggering.{place}", refuse)
         for place in ("column.column_of", "site_response.response", "equivalent_kh.equivalent_kh"):
             patched.setattr(f"workflow.earthquake.{place}", refuse)
         config = Config.parse(data)

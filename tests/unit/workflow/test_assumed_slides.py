@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from dem.case import LOOSE_SAND, SOFTENED, Case
 from meshes.errors import InputError
 from tests.support.sections import analysed, slope
+from workflow.earthquake.triggering.consequences import limiting_shear_strain
+from workflow.earthquake.triggering.residual import Penetration, olson_stark
 from workflow.report.tables import parameter_rows
 from workflow.stages.liquefaction import liquefying
-from workflow.triggering.consequences import limiting_shear_strain
-from workflow.triggering.residual import Penetration, olson_stark
 
 
 def liquefied(**tables: Any) -> dict[str, Any]:

@@ -16,8 +16,8 @@ from tests.support.borings import bored, test
 from tests.support.newmark import newmark_shaken
 from tests.support.records import motion, peer
 from tests.support.sections import analysed, slope
-from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
+from workflow.config.after_triggering import config_after_triggering
 from workflow.earthquake.accelerogram import Accelerogram
 from workflow.earthquake.equivalent_kh import (
     SHARE,

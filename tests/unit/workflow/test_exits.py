@@ -5,7 +5,7 @@ from collections.abc import Callable
 import pytest
 
 from meshes.errors import InputError
-from workflow.exit_codes import BAD_INPUT, FAULT, STOPPED, ended
+from workflow.cli.exit_codes import BAD_INPUT, FAULT, STOPPED, ended
 
 
 def interrupted_by_itself() -> None:

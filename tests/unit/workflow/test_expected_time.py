@@ -8,7 +8,7 @@ import pytest
 from tests.support import SECTIONS
 from tests.support.docs import program
 from workflow import stages
-from workflow.after_triggering import load_config
+from workflow.config.after_triggering import load_config
 from workflow.run.plan import Action, Decision
 from workflow.stages.expected_time import SECONDS, announcement
 

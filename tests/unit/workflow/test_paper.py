@@ -8,8 +8,8 @@ import pytest
 from tests.support import SECTIONS, dem_fixture
 from tests.support.answers import bounds, fem, results
 from tests.support.sections import slope
-from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
+from workflow.config.after_triggering import config_after_triggering
 from workflow.estimates.comparison import is_s13
 from workflow.report.paper import rows
 from workflow.report.uncertainty import sources_of_uncertainty

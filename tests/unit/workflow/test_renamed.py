@@ -9,10 +9,9 @@ import pytest
 from meshes.errors import InputError
 from tests.support import SECTIONS
 from tests.support.command_line import run
-from workflow import renamed
-from workflow.config import Config
-from workflow.invocation import Invocation
-from workflow.renamed import Renamed, current, current_answer, notices, rewritten
+from workflow.cli.invocation import Invocation
+from workflow.config import Config, renamed
+from workflow.config.renamed import Renamed, current, current_answer, notices, rewritten
 
 OLD = """# sides = "roller" is an old word
 name = "roller"

@@ -14,7 +14,7 @@ from scipy import stats
 from meshes.errors import InputError, NoAnswerError
 from tests.support.borings import bored
 from tests.support.sections import analysed, slope
-from workflow.after_triggering import config_after_triggering
+from workflow.config.after_triggering import config_after_triggering
 from workflow.results.study import StudyAnswer
 from workflow.run.store import Store
 from workflow.study.parts import PARTS

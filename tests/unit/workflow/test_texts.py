@@ -13,6 +13,7 @@ from tests.support import TOP
 from tests.support.answers import bounds, fem, results
 from tests.support.sections import analysed, slope
 from workflow.config import Config
+from workflow.config.tables import ReportSettings
 from workflow.estimates.slide_error import SlideError, SlideMethod
 from workflow.report import assumptions, model_error, uncertainty
 from workflow.report.accuracy import METHODS
@@ -23,7 +24,6 @@ from workflow.report.tables import STRATA_HEADS
 from workflow.report.texts import Texts, catalogue, sentences
 from workflow.report.warnings import split
 from workflow.results.answer import FORCE
-from workflow.tables import ReportSettings
 
 REPORT = TOP / "workflow/report"
 # Of the reports of a study and of a comparison, which are in English alone.

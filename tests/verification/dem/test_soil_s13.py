@@ -24,8 +24,8 @@ from fem.search.dem_counterpart import non_associated_path
 from meshes.executor import SERIAL
 from meshes.gmsh_model import generate
 from tests.support import SECTIONS
-from workflow.after_triggering import load_config
 from workflow.config import Config
+from workflow.config.after_triggering import load_config
 from workflow.stages.shaking import shaking_of
 
 pytestmark = pytest.mark.slow

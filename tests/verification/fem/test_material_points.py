@@ -28,8 +28,8 @@ from meshes.section.quantity import GRAVITY
 from tests.support import SECTIONS
 from tests.support.material_points import UNIT_WEIGHT, EndlessSlope, lattice, pushed
 from tests.support.sections import layer, slope
-from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
+from workflow.config.after_triggering import config_after_triggering
 from workflow.stages.mpm import slide_of_points
 
 DENSITY = 1800.0

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from workflow.triggering import idriss_boulanger
-from workflow.triggering.blow_count import Shaking
-from workflow.triggering.boulanger_idriss import (
+from workflow.earthquake.triggering import idriss_boulanger
+from workflow.earthquake.triggering.blow_count import Shaking
+from workflow.earthquake.triggering.boulanger_idriss import (
     ConeTest,
     assess,
     equivalent_count,
@@ -18,7 +18,7 @@ from workflow.triggering.boulanger_idriss import (
     resistance_ratio,
     why_not,
 )
-from workflow.triggering.consequences import limiting_shear_strain
+from workflow.earthquake.triggering.consequences import limiting_shear_strain
 
 # liquepy 0.6.34, boulanger_and_idriss_2014.run_bi2014 with u2 = 0, pga 0.25 g, M 7, water at 1.5 m and p_a 101.325 kPa
 # (K_σ by its calc_k_sigma with that p_a): depth (m), qc and fs, σv and σ'v (kPa), Ic, qc1N, qc1Ncs, CSR, CRR.

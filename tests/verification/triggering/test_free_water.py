@@ -15,7 +15,7 @@ from liquepy.trigger import boulanger_and_idriss_2014 as liquepy
 from scipy.optimize import brentq
 
 from tests.support.sections import analysed, assessment
-from workflow.triggering.assessment import Judged
+from workflow.earthquake.triggering.assessment import Judged
 
 WATER, GROUND, ATMOSPHERE = 9.81, 10.0, 101.325  # kN/m³, m, kPa
 MAGNITUDE, PEAK = 7.2, 0.3

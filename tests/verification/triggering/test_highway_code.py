@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workflow.triggering.blow_count import BlowCount, Shaking
-from workflow.triggering.highway_code import (
+from workflow.earthquake.triggering.blow_count import BlowCount, Shaking
+from workflow.earthquake.triggering.highway_code import (
     assess_1990,
     assess_later,
     corrected_2012,

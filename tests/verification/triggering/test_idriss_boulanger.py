@@ -2,8 +2,8 @@
 
 import pytest
 
-from workflow.triggering.blow_count import BlowCount, Shaking
-from workflow.triggering.idriss_boulanger import (
+from workflow.earthquake.triggering.blow_count import BlowCount, Shaking
+from workflow.earthquake.triggering.idriss_boulanger import (
     assess,
     fines_correction,
     magnitude_scaling,

@@ -5,8 +5,8 @@ import pytest
 
 from tests.support import SECTIONS
 from tests.support.sections import assessment
-from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
+from workflow.config.after_triggering import config_after_triggering
 from workflow.estimates.empirical import empirical
 from workflow.estimates.lateral_spread import Spreading, why_not_youd, youd, zhang_free_face
 

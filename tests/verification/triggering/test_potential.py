@@ -2,7 +2,7 @@
 
 import pytest
 
-from workflow.triggering.potential import potential, risk
+from workflow.earthquake.triggering.potential import potential, risk
 
 
 def test_closed_form() -> None:

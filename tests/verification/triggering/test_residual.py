@@ -12,13 +12,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workflow.triggering.consequences import (
+from workflow.earthquake.triggering.consequences import (
     limiting_factor,
     pore_pressure_ratio,
     shear_strain,
     volumetric_strain,
 )
-from workflow.triggering.residual import (
+from workflow.earthquake.triggering.residual import (
     IDRISS_BOULANGER,
     KRAMER_WANG,
     OLSON_STARK,

@@ -9,8 +9,8 @@ import tomli_w
 
 from tests.support import command_line
 from tests.support.borings import bored
-from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
+from workflow.config.after_triggering import config_after_triggering
 from workflow.earthquake.site_response import (
     HalfSpace,
     Layer,

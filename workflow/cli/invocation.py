@@ -10,14 +10,14 @@ from typing import Any
 from fem.continuum.repetition import refuse_other_sides
 from meshes.errors import InputError
 from meshes.section.section import read_toml
-from workflow import renamed, stages
-from workflow.after_triggering import load_config
-from workflow.config import Config, merged
+from workflow import stages
+from workflow.cli.unread import keys_of, unread
+from workflow.config import Config, merged, renamed
+from workflow.config.after_triggering import load_config
 from workflow.earthquake.records_in_use import records
 from workflow.run.mesh_options import kept
 from workflow.run.stage import Job
 from workflow.run.store import Store
-from workflow.unread import keys_of, unread
 
 Tables = Mapping[str, Mapping[str, Any]]
 

@@ -7,7 +7,7 @@ Stresses in kPa, grain sizes in mm, fines in percent.
 import math
 from typing import Literal
 
-from workflow.triggering.blow_count import BlowCount, Resistance, Shaking
+from workflow.earthquake.triggering.blow_count import BlowCount, Resistance, Shaking
 
 SOURCE = "Japan Road Association, Specifications for Highway Bridges, Part V: Seismic Design"
 VALIDITY = "alluvial sand to a depth of 20 m; the code needs no magnitude"

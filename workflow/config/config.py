@@ -16,13 +16,13 @@ from meshes.section.cutting import key_in_file
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, read_toml
 from meshes.section.sentences import sentences
+from workflow.config.renamed import current
+from workflow.config.tables import Tables
 from workflow.earthquake.records_in_use import remarks
 from workflow.earthquake.settings import CYCLES, EARTHQUAKE
-from workflow.renamed import current
-from workflow.tables import Tables
-from workflow.triggering.assessment import below_loads, off_the_section
-from workflow.triggering.plausibility import implausible_triggering
-from workflow.triggering.settings import CASE_NAMES, left_to_blow_counts
+from workflow.earthquake.triggering.assessment import below_loads, off_the_section
+from workflow.earthquake.triggering.plausibility import implausible_triggering
+from workflow.earthquake.triggering.settings import CASE_NAMES, left_to_blow_counts
 from workflow.uncertain.limits import Reach, reach_of
 from workflow.uncertain.path import changed, plain
 

@@ -39,6 +39,8 @@ def section(
     part: Annotated[str | None, PART_OPTION] = None,
 ) -> None:
     """Make a section from borings, a drawing or a model of another program, or draw a section as DXF."""
+    from workflow.cli.terminal import say
     from workflow.section_import.section_from_files import Reading, make_section
 
-    make_section(files, to, Reading.of(off, layers, columns or (), unit, part, borings or ()))
+    for line in make_section(files, to, Reading.of(off, layers, columns or (), unit, part, borings or ())):
+        say(line)

@@ -6,7 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
-from workflow.options import Json, Quiet, Scheduler, SectionFile, Set, Verbosity, Workers
+from workflow.cli.options import Json, Quiet, Scheduler, SectionFile, Set, Workers
+from workflow.run.progress import Verbosity
 
 
 def study(
@@ -33,17 +34,17 @@ def study(
     The same command continues where it was stopped, and computes only what is new.
     """
     from meshes.section.section import read_toml
-    from workflow.after_triggering import load_config
+    from workflow.cli.invocation import dotted
+    from workflow.cli.terminal import say, say_data, warn
+    from workflow.cli.watch import Counted
     from workflow.config import merged
-    from workflow.invocation import dotted
-    from workflow.renamed import notices
+    from workflow.config.after_triggering import load_config
+    from workflow.config.renamed import notices
     from workflow.report.study import sentences, write_page
     from workflow.run.store import Store
     from workflow.study.ensemble import Ensemble
     from workflow.study.pictures import draw_all
     from workflow.study.study import run
-    from workflow.study.watch import Counted
-    from workflow.terminal import say, say_data, warn
 
     options = {"samples": samples, "method": method, "seed": seed}
     asked = {"study": {key: value for key, value in options.items() if value is not None}}
@@ -85,16 +86,16 @@ def converge(
     The same command continues where it was stopped.
     """
     from meshes.section.section import read_toml
-    from workflow.after_triggering import load_config
+    from workflow.cli.invocation import dotted
+    from workflow.cli.terminal import say, say_data, warn
+    from workflow.cli.watch import Counted
     from workflow.config import merged
+    from workflow.config.after_triggering import load_config
+    from workflow.config.renamed import notices
     from workflow.figures.convergence import draw
-    from workflow.invocation import dotted
-    from workflow.renamed import notices
     from workflow.run.store import Store
     from workflow.study.converge import run
     from workflow.study.ensemble import Ensemble
-    from workflow.study.watch import Counted
-    from workflow.terminal import say, say_data, warn
 
     changed = dotted(settings or [])
     config = load_config(section, changed)
@@ -120,9 +121,9 @@ def converge(
 
 def _unread(settings: Mapping[str, Mapping[str, Any]], command: str, parts: Sequence[str]) -> list[str]:
     """One sentence on each setting of the command line that no part of a study reads."""
+    from workflow.cli.unread import in_words, is_read, keys_of
     from workflow.stages import NAMES, command_of
     from workflow.study.parts import read_by
-    from workflow.unread import in_words, is_read, keys_of
 
     reads = read_by(parts)
     keys = [key for key in keys_of(settings) if not is_read(key, reads)]

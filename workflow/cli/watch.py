@@ -2,8 +2,8 @@
 
 import time
 
+from workflow.cli.terminal import err
 from workflow.run.progress import TimeLeft
-from workflow.terminal import err
 
 EVERY = 10.0  # s between two lines where there is no terminal
 AT_ONCE = 0.2  # s on a terminal, where the line changes in place

@@ -16,10 +16,10 @@ from meshes.errors import InputError, NoAnswerError
 from meshes.executor import Processes
 from meshes.section.section import Section, read_toml
 from workflow.config import notice_lines
-from workflow.options import Verbosity
-from workflow.renamed import notices
+from workflow.config.renamed import notices
 from workflow.report import data, tables
 from workflow.run.plan import Action, Choice, Decision, plan
+from workflow.run.progress import Verbosity
 from workflow.run.record import Record
 from workflow.run.spelling import is_legible, legible
 from workflow.run.stage import Job

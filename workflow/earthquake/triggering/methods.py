@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
 
-from workflow.triggering import boulanger_idriss, highway_code, idriss_boulanger
-from workflow.triggering.blow_count import BlowCount, Resistance, Shaking
-from workflow.triggering.boulanger_idriss import ConeTest
-from workflow.triggering.settings import Method, TriggeringSettings
+from workflow.earthquake.triggering import boulanger_idriss, highway_code, idriss_boulanger
+from workflow.earthquake.triggering.blow_count import BlowCount, Resistance, Shaking
+from workflow.earthquake.triggering.boulanger_idriss import ConeTest
+from workflow.earthquake.triggering.settings import Method, TriggeringSettings
 
 
 @dataclass(frozen=True)

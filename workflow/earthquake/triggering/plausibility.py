@@ -6,7 +6,7 @@ from meshes.borings.plausible import implausible_tests
 from meshes.section.plausibility import Range, sentence, within
 from meshes.section.section import Section
 from workflow.earthquake.settings import EarthquakeSettings
-from workflow.triggering.settings import TriggeringSettings
+from workflow.earthquake.triggering.settings import TriggeringSettings
 
 # From a fault that breaks the ground to the deepest earthquake; from beside a fault to where nothing is felt; rods that
 # a rig can carry; from mud to hard rock.

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
-from workflow.triggering.blow_count import ATMOSPHERE
+from workflow.earthquake.triggering.blow_count import ATMOSPHERE
 
 # Fines (%) and by how much they raise (N1)60 where the residual strength is meant (Seed 1987).
 FINES = ((10.0, 1.0), (25.0, 2.0), (50.0, 4.0), (75.0, 5.0))

@@ -7,8 +7,8 @@ California at Davis (2014); numbers of equations are that report's. Stresses in 
 import math
 from dataclasses import dataclass
 
-from workflow.triggering.blow_count import ATMOSPHERE, Resistance, Shaking
-from workflow.triggering.idriss_boulanger import DEEPEST, stress_reduction
+from workflow.earthquake.triggering.blow_count import ATMOSPHERE, Resistance, Shaking
+from workflow.earthquake.triggering.idriss_boulanger import DEEPEST, stress_reduction
 
 SOURCE = "R. W. Boulanger, I. M. Idriss, CPT and SPT Based Liquefaction Triggering Procedures, UCD/CGM-14/01 (2014)"
 VALIDITY = "sands to non-plastic silts, soil behaviour index up to 2.6; M 5-8.5; its cases are less than 12 m deep"

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from meshes.errors import InputError
-from workflow.options import SectionFile
+from workflow.cli.options import SectionFile
 
 
 def migrate(
@@ -18,8 +18,8 @@ def migrate(
 ) -> None:
     """Rewrite a section file whose settings have had other names; comments and layout stay."""
     from meshes.section.section import read_toml
-    from workflow.renamed import rewritten
-    from workflow.terminal import say
+    from workflow.cli.terminal import say
+    from workflow.config.renamed import rewritten
 
     if to is not None and write:
         raise InputError("noshiro migrate", ["expected --out FILE or --write, not both"])

@@ -14,9 +14,9 @@ from meshes.section.section import Section
 from workflow.config import K_MAX, Config
 from workflow.earthquake.column import column_of
 from workflow.earthquake.settings import SHAKES, SiteResponseSettings, assumed_push, push_of_slides
-from workflow.triggering.assessment import Assessment, assess
-from workflow.triggering.consequences import left, pore_pressures
-from workflow.triggering.settings import TriggeringSettings
+from workflow.earthquake.triggering.assessment import Assessment, assess
+from workflow.earthquake.triggering.consequences import left, pore_pressures
+from workflow.earthquake.triggering.settings import TriggeringSettings
 
 
 def config_after_triggering(config: Config, source: str = "section") -> Config:

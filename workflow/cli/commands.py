@@ -9,9 +9,9 @@ import typer
 from meshes import shipped
 from meshes.errors import InputError
 from workflow import stages
-from workflow.exit_codes import ended, ended_as_program
-from workflow.migrate import migrate
-from workflow.options import (
+from workflow.cli.exit_codes import ended, ended_as_program
+from workflow.cli.migrate import migrate
+from workflow.cli.options import (
     Columns,
     Folder,
     Force,
@@ -27,15 +27,15 @@ from workflow.options import (
     Set,
     Size,
     Verbose,
-    Verbosity,
     Version,
     literal_help,
 )
-from workflow.section_import.command import section
-from workflow.study.command import converge, study
+from workflow.cli.section import section
+from workflow.cli.study import converge, study
+from workflow.run.progress import Verbosity
 
 if TYPE_CHECKING:
-    from workflow.invocation import Invocation
+    from workflow.cli.invocation import Invocation
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -64,7 +64,7 @@ def init(
     json: Json = False,
 ) -> None:  # fmt: skip
     """Write a section to start from: a commented example, or one of those that come with noshiro."""
-    from workflow.example import said_of, write_example
+    from workflow.config.example import said_of, write_example
 
     write_example(file, start)
     typer.echo(said_of(file, json))
@@ -73,10 +73,10 @@ def init(
 @app.command(rich_help_panel=Panel.BEFORE)
 def check(section: SectionFile, folder: Out = None, settings: Set = None, json: Json = False) -> None:
     """Validate a section and draw it; nothing else."""
+    from workflow.cli.invocation import Invocation
+    from workflow.cli.terminal import say, say_data, show_strata
     from workflow.figures.ground import draw_with_borings
-    from workflow.invocation import Invocation
     from workflow.report.data import of_section
-    from workflow.terminal import say, say_data, show_strata
 
     invocation = Invocation.of(section, folder, {}, settings)
     picture = invocation.store.folder / "figures" / "section.png"
@@ -119,9 +119,9 @@ def run_all(
     json: Json = False,
 ) -> None:  # fmt: skip
     """The whole workflow: mesh, FEM, calibrated discs, slides, pictures and report."""
-    from workflow.invocation import Invocation
+    from workflow.cli.invocation import Invocation
+    from workflow.cli.terminal import execute, show_plan, show_strata
     from workflow.run.plan import Choice
-    from workflow.terminal import execute, show_plan, show_strata
 
     choice = Choice.of(stages.STAGES, start, only or (), force)
     verbosity = Verbosity.of(quiet, verbose, json)
@@ -150,8 +150,8 @@ def mesh(
     json: Json = False,
 ) -> None:
     """Mesh a section with quadrilaterals and draw both. Later commands on the same folder take the same mesh."""
-    from workflow.invocation import Invocation, mesh_options
-    from workflow.terminal import show_strata
+    from workflow.cli.invocation import Invocation, mesh_options
+    from workflow.cli.terminal import show_strata
 
     verbosity = Verbosity.of(quiet, verbose, json)
     options = {"mesh": mesh_options(refine, size, free, columns, rows)}
@@ -189,9 +189,9 @@ def fem(
     json: Json = False,
 ) -> None:
     """Find the critical seismic coefficient of a section, and where it fails. Runs under mpirun, too."""
-    from workflow.invocation import Invocation, mesh_options
+    from workflow.cli.invocation import Invocation, mesh_options
+    from workflow.cli.terminal import err, out
     from workflow.run.ranks import Ranks
-    from workflow.terminal import err, out
 
     flow = "associated" if associated else None
     options = {"kh": kh, "sides": sides, "element": element, "direction": direction, "vertical": vertical, "flow": flow}
@@ -223,8 +223,8 @@ def plot(
     json: Json = False,
 ) -> None:
     """Draw the pictures of a run again, or single ones, without computing anything."""
+    from workflow.cli.terminal import redraw, say, say_data
     from workflow.figures.single import draw
-    from workflow.terminal import redraw, say, say_data
 
     job = stages.stored_job(folder)
     if field is None and at is None:
@@ -256,8 +256,8 @@ def report(
     json: Json = False,
 ) -> None:
     """Write summary and report of a run again, from the stored results."""
+    from workflow.cli.terminal import execute, warn_of_old_words
     from workflow.run.plan import Choice
-    from workflow.terminal import execute, warn_of_old_words
 
     job, verbosity = stages.stored_job(folder), Verbosity.of(quiet, verbose, json)
     warn_of_old_words(folder / "section.toml", verbosity)
@@ -273,8 +273,8 @@ def compare(
     json: Json = False,
 ) -> None:
     """Compare runs: differences of their inputs, and their results; with --page their pictures, too."""
+    from workflow.cli.terminal import say, say_data, show_runs
     from workflow.report import side_by_side
-    from workflow.terminal import say, say_data, show_runs
 
     runs = side_by_side.read(folders)
     if page is not None:
@@ -303,7 +303,7 @@ def bounds(
     json: Json = False,
 ) -> None:
     """Strict lower and upper bound of the critical seismic coefficient, ψ = φ; they check the finite elements."""
-    from workflow.invocation import Invocation
+    from workflow.cli.invocation import Invocation
 
     options = {"gap": gap, "davis": davis, "max_cells": max_cells, "safety_factor": safety_factor}
     invocation = Invocation.of(section, folder, {"bounds": options, "fem": {"sides": sides}}, settings)
@@ -322,7 +322,7 @@ def _of_stage(stage: str, panel: str, words: str) -> None:
         verbose: Verbose = False,
         json: Json = False,
     ) -> None:
-        from workflow.invocation import Invocation
+        from workflow.cli.invocation import Invocation
 
         _up_to(stage, Invocation.of(section, folder, {}, settings), force, Verbosity.of(quiet, verbose, json))
 
@@ -350,7 +350,7 @@ def slide(
     json: Json = False,
 ) -> None:
     """Slides after liquefaction, by calibrated discs and by material points."""
-    from workflow.invocation import Invocation
+    from workflow.cli.invocation import Invocation
 
     invocation, cases = Invocation.of(section, folder, {}, settings), tuple(case) if case else None
     invocation.refuse_unknown(cases or ())
@@ -366,21 +366,21 @@ app.registered_commands.sort(key=lambda command: [*Panel].index(Panel(command.ri
 
 
 def _up_to(
-    stage: str, invocation: "Invocation", force: bool, verbosity: "Verbosity", beside: Sequence[str] = (), **more: Any
+    stage: str, invocation: "Invocation", force: bool, verbosity: Verbosity, beside: Sequence[str] = (), **more: Any
 ) -> None:
     """Run a stage and others ``beside`` it, after the stages that they need and that have not run yet."""
+    from workflow.cli.terminal import execute
     from workflow.run.plan import Choice
-    from workflow.terminal import execute
 
     job = invocation.job(**more)
     choice = Choice.up_to(job.stages, stage, force, beside)
     execute(job, choice, verbosity, _warn(verbosity, invocation, stages.command_of(stage), choice.chosen))
 
 
-def _warn(verbosity: "Verbosity", invocation: "Invocation", command: str, chosen: Sequence[str]) -> list[str]:
+def _warn(verbosity: Verbosity, invocation: "Invocation", command: str, chosen: Sequence[str]) -> list[str]:
     """Print, and return, warnings: options of an earlier command that still apply, and settings that are not read."""
-    from workflow.terminal import warn
-    from workflow.unread import in_words
+    from workflow.cli.terminal import warn
+    from workflow.cli.unread import in_words
 
     names = [entry.name or entry.callback.__name__ for entry in app.registered_commands if entry.callback]
     return warn([*invocation.notices, *in_words(invocation.unread(chosen), command, names)], verbosity)
@@ -389,7 +389,3 @@ def _warn(verbosity: "Verbosity", invocation: "Invocation", command: str, chosen
 def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) -> None:
     """Run a command and exit with its code: 0 done, 2 bad input, 3 no answer, 130 stopped, 1 fault of the program."""
     (ended_as_program if arguments is None else ended)(lambda: literal_help(command)(arguments, standalone_mode=True))
-
-
-if __name__ == "__main__":
-    main()

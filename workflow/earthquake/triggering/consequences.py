@@ -5,10 +5,10 @@ import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from workflow.triggering.assessment import Assessment, Judged, fines_of, normalised_counts
-from workflow.triggering.blow_count import KPA
-from workflow.triggering.residual import RELATIONS, Penetration
-from workflow.triggering.settings import CaseName, TriggeringSettings
+from workflow.earthquake.triggering.assessment import Assessment, Judged, fines_of, normalised_counts
+from workflow.earthquake.triggering.blow_count import KPA
+from workflow.earthquake.triggering.residual import RELATIONS, Penetration
+from workflow.earthquake.triggering.settings import CaseName, TriggeringSettings
 
 ISHIHARA_YOSHIMINE = (
     "K. Ishihara, M. Yoshimine, Soils and Foundations 32 (1992) 173-188, as Idriss & Boulanger (2008) have it"

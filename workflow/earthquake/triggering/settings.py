@@ -9,7 +9,7 @@ from meshes.borings.boring import Boring
 from meshes.section.liquefies import TRIGGERED
 from meshes.section.quantity import Length
 from meshes.section.section import Model
-from workflow.triggering.highway_code import MotionType
+from workflow.earthquake.triggering.highway_code import MotionType
 
 Method = Literal["idriss_boulanger_2008", "boulanger_idriss_2014", "highway_1990", "highway_2012", "highway_2017"]
 

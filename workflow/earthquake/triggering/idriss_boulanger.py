@@ -6,7 +6,7 @@ Institute (2008). Stresses in kPa.
 
 import math
 
-from workflow.triggering.blow_count import ATMOSPHERE, BlowCount, Resistance, Shaking
+from workflow.earthquake.triggering.blow_count import ATMOSPHERE, BlowCount, Resistance, Shaking
 
 SOURCE = "I. M. Idriss, R. W. Boulanger, Soil Liquefaction during Earthquakes, EERI MNO-12 (2008)"
 VALIDITY = "sands to non-plastic silts; M 5-8.5; to a depth of 34 m, of little certainty below 20 m"

@@ -64,6 +64,6 @@ def _stop() -> NoReturn:
 def _complain(*lines: str, style: str = "red") -> None:
     from rich.markup import escape
 
-    from workflow.terminal import err
+    from workflow.cli.terminal import err
 
     err.print(*(escape(line) for line in lines), style=style, soft_wrap=True)

@@ -1,7 +1,7 @@
 """The options that commands have in common."""
 
 from collections.abc import Callable
-from enum import Enum, StrEnum
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -32,22 +32,6 @@ class Panel(StrEnum):
     LIQUEFACTION = "Liquefaction"
     UNCERTAIN = "Uncertain numbers"
     AFTER = "After a run"
-
-
-class Verbosity(Enum):
-    """How much a command prints: only errors, sentences, every step, or the answers as JSON."""
-
-    QUIET, NORMAL, VERBOSE, JSON = range(4)
-
-    @classmethod
-    def of(cls, quiet: bool, verbose: bool, json: bool) -> "Verbosity":
-        """The verbosity by options of the command line: --json before --quiet, --quiet before --verbose."""
-        return cls.JSON if json else cls.QUIET if quiet else cls.VERBOSE if verbose else cls.NORMAL
-
-    @property
-    def in_sentences(self) -> bool:
-        """Whether a command prints sentences."""
-        return self in (Verbosity.NORMAL, Verbosity.VERBOSE)
 
 
 Version = Annotated[

@@ -13,12 +13,12 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from workflow.earthquake.attenuation import Motion, Range
 from workflow.earthquake.settings import EarthquakeSettings
-from workflow.triggering import boulanger_idriss, idriss_boulanger
-from workflow.triggering.blow_count import KPA, BlowCount, Resistance, Shaking
-from workflow.triggering.boulanger_idriss import ConeTest
-from workflow.triggering.methods import RELATIONS, Relation
-from workflow.triggering.potential import potential
-from workflow.triggering.settings import TriggeringSettings
+from workflow.earthquake.triggering import boulanger_idriss, idriss_boulanger
+from workflow.earthquake.triggering.blow_count import KPA, BlowCount, Resistance, Shaking
+from workflow.earthquake.triggering.boulanger_idriss import ConeTest
+from workflow.earthquake.triggering.methods import RELATIONS, Relation
+from workflow.earthquake.triggering.potential import potential
+from workflow.earthquake.triggering.settings import TriggeringSettings
 
 ABOVE_WATER = "above the water table"  # why a soil is not judged
 LEAST_LOAD = 0.01  # of the total stress: what surcharges add to it is told

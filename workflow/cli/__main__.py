@@ -1,0 +1,5 @@
+"""Run the command: `python -m workflow.cli`."""
+
+from workflow.cli.commands import main
+
+main()
