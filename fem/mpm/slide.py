@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fem.continuum.liquefied_ground import LEAST, UNDRAINED
 from fem.kernels import material_points as kernel
 from fem.mpm.checkpoint import keep, resume
 from fem.mpm.engine import MaterialPointEngine, Push
@@ -14,7 +15,6 @@ from fem.mpm.ground import FAR, PointGround, with_free_sides
 from fem.mpm.points import UNLIMITED
 from fem.mpm.slide_record import PointSlide
 from fem.mpm.weak_edges import edge_strength, thickness_over_width
-from fem.search.liquefied_ground import LEAST, UNDRAINED
 from meshes.section.liquefies import Remains
 from meshes.section.strain_potential import BEYOND, LARGEST_SHARE, stress_at_potential
 

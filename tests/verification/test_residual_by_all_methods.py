@@ -14,9 +14,9 @@ from dem.model import DiscModel
 from dem.packing import lattice_box
 from dem.settings import DemSettings
 from dem.slides.liquefied_strength import onset
+from fem.continuum.liquefied_ground import liquefied_section
 from fem.mpm.ground import ground_of
 from fem.mpm.slide import PointSlider, SlideProgramme
-from fem.search.liquefied_ground import liquefied_section
 from meshes.section.liquefies import Remains
 from meshes.section.section import Section
 from meshes.triangles import triangulate

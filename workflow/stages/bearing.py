@@ -140,7 +140,7 @@ def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float
     from mpi4py import MPI
 
     from fem.continuum.strength import is_associated
-    from fem.search.liquefied_ground import weight_borne
+    from fem.search.weight_borne import weight_borne
 
     if not is_associated(section.strata, fem.flow):
         return math.inf

@@ -39,7 +39,7 @@ def _different(config: Config) -> dict[tuple[tuple[int, Remains], ...], list[int
 
 def _case(config: Config, mesh: "QuadMesh", remains: dict[int, Remains], numbers: list[int]) -> LiquefiedCase:
     """Stability of the ground in cases of equal residual strengths."""
-    from fem.search.liquefied_ground import liquefied_section
+    from fem.continuum.liquefied_ground import liquefied_section
 
     section = liquefied_section(config.section, remains)
     mean = section.cohesion_field.means()

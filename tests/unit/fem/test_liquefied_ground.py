@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem.search.liquefied_ground import LEAST, liquefied_section, weight_borne
+from fem.continuum.liquefied_ground import LEAST, liquefied_section
+from fem.search.weight_borne import weight_borne
 from fem.settings import FemSettings
 from meshes import generate
 from meshes.section.liquefies import Remains

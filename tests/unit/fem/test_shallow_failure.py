@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from fem.continuum.liquefied_ground import liquefied_section
 from fem.continuum.shallow_failure import faces_at, shallow_failures, strengthened
 from fem.limit.bounds import DirectionGround, kh_bounds
-from fem.search.liquefied_ground import liquefied_section
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.liquefies import Remains
 from meshes.section.section import Section

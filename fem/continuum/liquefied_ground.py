@@ -4,13 +4,7 @@ volume.
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
-from fem.continuum.shallow_failure import faces_at
-from fem.limit_load.conic_limit_load import conic_limit_load
-from fem.path.gravity import under_weight
-from fem.settings import FemSettings
-from meshes.quad_mesh import QuadMesh
 from meshes.section.liquefies import Remains
 from meshes.section.section import Section
 
@@ -19,7 +13,6 @@ from meshes.section.section import Section
 UNDRAINED = 0.49
 # Of the vertical effective stress: what is left of ground that is said to keep nothing, for a strength there must be.
 LEAST = 1e-3
-LITTLE = 1e-3  # of the weight, that is there before the rest is brought on: limit loads are measured by it
 
 
 def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Section:
@@ -44,16 +37,3 @@ def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Secti
             change |= {**removed, "strength_ratio": kept.residual}
         strata[k] = strata[k].model_copy(update=change)
     return section.with_strata(strata)
-
-
-def weight_borne(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any) -> float:
-    """The multiple of its weight that the ground resists between held sides (limit load of a mesh); below 1 it flows.
-
-    Cohesionless faces that fail by themselves are strengthened, as in the search for the critical Kh: they bear no
-    share of their weight, whatever the ground below them does. The flow is associated. Raises what
-    ``conic_limit_load`` does.
-    ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
-    """
-    faces = [face for face in faces_at(section, settings, 0.0) if face.kh < 0.0]
-    problem, weight = under_weight(section, mesh, settings.changed(element="reduced"), comm, faces)
-    return LITTLE + conic_limit_load(problem, mesh, LITTLE * weight, weight).multiplier
