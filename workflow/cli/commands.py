@@ -64,7 +64,7 @@ def init(
     json: Json = False,
 ) -> None:  # fmt: skip
     """Write a section to start from: a commented example, or one of those that come with noshiro."""
-    from workflow.config.example import said_of, write_example
+    from workflow.cli.example import said_of, write_example
 
     write_example(file, start)
     typer.echo(said_of(file, json))

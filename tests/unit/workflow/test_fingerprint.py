@@ -33,7 +33,7 @@ SOURCES = (
     "meshes/section/layering.py", "fem/kernels/return_mapping.py", "dem/table2_dem.csv", "workflow/figures/canvas.py",
     "workflow/report/template.html.jinja",
 )  # fmt: skip
-OTHERS = ("meshes/sections/s13.toml", "workflow/config/example.toml")
+OTHERS = ("meshes/sections/s13.toml", "workflow/cli/example.toml")
 
 
 @pytest.fixture(scope="module")

@@ -13,9 +13,9 @@ from meshes.section.recorded_kh import in_name
 from meshes.settings import MeshSettings
 from tests.support import SECTIONS
 from tests.support.sections import slope
+from workflow.cli.example import example
 from workflow.cli.invocation import Invocation, dotted
 from workflow.config import Config, merged
-from workflow.config.example import example
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from meshes.errors import InputError
 def example(name: str | None = None) -> str:
     """The text of the commented example, or of a section that comes with the program; InputError if there is none."""
     if name is None:
-        return resources.files("workflow.config").joinpath("example.toml").read_text(encoding="utf-8")
+        return resources.files("workflow.cli").joinpath("example.toml").read_text(encoding="utf-8")
     if name not in shipped.names():
         raise InputError("--from", [f"{name!r}: expected one of {', '.join(shipped.names())}"])
     return shipped.file_of(name).read_text(encoding="utf-8")
