@@ -27,7 +27,8 @@ def read_ags3(text: str) -> Ags3:
     """The groups of a file; a line that begins with <CONT> continues the cells of the row above it."""
     groups, group = Ags3(), ""
     row: dict[str, str] = {}
-    for cells in csv.reader(text.splitlines(keepends=True)):
+    reader = csv.reader(text.splitlines(keepends=True))
+    for cells in reader:
         first, heads = cells[0].strip() if cells else "", groups.headings.get(group, [])
         if first.startswith("**"):
             group, row = GROUPS.get(name := first.strip("*?"), name), {}
@@ -40,7 +41,7 @@ def read_ags3(text: str) -> Ags3:
             for key, cell in zip(heads[1:], cells[1:], strict=False):
                 row[key] = row.get(key, "") + cell
         elif "".join(cells).strip() and group:
-            row = dict(zip(heads, cells, strict=False))
+            row = {**dict(zip(heads, cells, strict=False)), "line_number": str(reader.line_num)}
             groups.rows[group].append(row)
     return groups
 

@@ -7,10 +7,10 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from meshes.borings.ags4_cone import cones_of
-from meshes.borings.ags4_groups import KINDS, Groups, Row, read_groups
+from meshes.borings.ags4_groups import KINDS, LINE, Groups, Row, read_groups
 from meshes.borings.blows import is_refusal, read_blows
 from meshes.borings.boring import Sample
-from meshes.borings.complaints import folded
+from meshes.borings.complaints import folded, unread_counts
 from meshes.borings.log import (
     BoringFile,
     Log,
@@ -47,7 +47,8 @@ DRY = {
 
 
 def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:
-    """The borings of a file that have layers or a cone, in its order; one with a fault is left out, and it is told.
+    """The borings of a file that have layers or a cone, in its order; one with a fault is left out, as is a blow count
+    that is not understood, with a notice.
 
     Parameters
     ----------
@@ -57,7 +58,8 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
     Raises
     ------
     InputError
-        With all problems, where fewer than two borings with layers are without.
+        With all problems, where fewer than two borings with layers are without, or more than half of the blow counts
+        are not understood.
     """
     groups, columns = read_groups(path), columns or {}
     naming = (columns["layer"],) if "layer" in columns else ("GEOL_GEOL", "GEOL_LEG")
@@ -86,6 +88,10 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
                 f"group {group}, borings {', '.join(lost[:3])}{more}: not used, as LOCA has none of them"
             )
     logs = [log for row in borings if (log := _log(row, axes, naming, groups)) is not None]
+    left_out, too_many = unread_counts(groups.unread, sum(len(log.samples) for log in logs))
+    if too_many:
+        raise InputError(str(path), [*folded(groups.problems), *too_many])
+    groups.notices.extend(f"{path.name}, {text}" for text in left_out)
     if not logs and not groups.problems:
         groups.problems.append("no boring of LOCA has layers in GEOL, or a cone in SCPT")
     if groups.problems and sum(bool(log.layers) for log in logs) < 2:
@@ -145,7 +151,7 @@ def _samples(name: str, groups: Groups) -> tuple[Sample, ...]:
         depth = _number(row, "ISPT_TOP", name, groups) + MIDDLE
         if math.isnan(depth):
             continue
-        sample = _sample(f"{where}, ", depth, _count_of(count, report, driven), row.get("ISPT_ERAT", ""), groups)
+        sample = _sample(row, f"{where}, ", depth, _count_of(count, report, driven), groups)
         if sample is None:
             continue
         other = samples.setdefault(depth, sample)
@@ -175,9 +181,9 @@ def _count_of(count: str, report: str, driven: str) -> str:
     return count or report
 
 
-def _sample(where: str, depth: float, count: str, energy: str, groups: Groups) -> Sample | None:
+def _sample(row: Row, where: str, depth: float, count: str, groups: Groups) -> Sample | None:
     data: dict[str, object] = {"depth": depth, "N": count}
-    if energy:
+    if energy := row.get("ISPT_ERAT", ""):
         try:
             data["energy_ratio"] = Sample(depth=1.0, N=1.0, energy_ratio=float(energy.strip(" %"))).energy_ratio
         except ValueError:
@@ -185,7 +191,7 @@ def _sample(where: str, depth: float, count: str, energy: str, groups: Groups) -
     try:
         sample = Sample.model_validate(data)
     except ValidationError as error:
-        groups.problems.extend([f"{where}{text}" for text in sentences(error, data, Sample)])
+        groups.unread.extend(f"line {row[LINE]}, {where}{text}" for text in sentences(error, data, Sample))
         return None
     groups.problems.extend(implausible_sample(where, sample))
     return sample

@@ -22,6 +22,7 @@ LENGTHS = (
     "SCPT_DPTH", "WSTG_DPTH", "WSTD_POST",
 )  # fmt: skip
 KINDS: dict[str, Kind] = {**dict.fromkeys(LENGTHS, COORDINATE), **dict.fromkeys(UNITS, STRENGTH)}
+LINE = "line_number"  # key of a row: the number of its line in the file
 
 Row = Mapping[str, str]
 
@@ -36,6 +37,7 @@ class Groups:
     units : by heading, only of those that have a kind
     problems : what is wrong, filled as the file is read
     notices : what a person has to know, one sentence each
+    unread : blow counts that are not understood, one sentence each
     """
 
     rows: Mapping[str, Sequence[Row]]
@@ -43,6 +45,7 @@ class Groups:
     units: Mapping[str, str]
     problems: list[str] = field(default_factory=list)
     notices: list[str] = field(default_factory=list)
+    unread: list[str] = field(default_factory=list)
 
     def of(self, group: str, boring: str) -> list[Row]:
         """The rows of a group that belong to a boring."""
@@ -76,11 +79,11 @@ def read_groups(path: Path) -> Groups:
         numbered = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line.strip(' ,"')]
         lines = "".join(line + "\n" for _, line in numbered)  # a blank line ends no group
         try:
-            tables, headings = ags4.AGS4_to_dict(io.StringIO(lines))
+            tables, headings, _ = ags4.AGS4_to_dict(io.StringIO(lines), get_line_numbers=True)
         except (ags4.AGS4Error, IndexError, KeyError) as error:
             reason = _reason(error, [number for number, _ in numbered])
             raise InputError(str(path), [f"cannot be read as AGS4: {reason}"]) from None
-        rows, units = _rows(tables)
+        rows, units = _rows(tables, [number for number, _ in numbered])
         notices += _departures(ags4, path, lines)
     else:
         raise InputError(str(path), ["holds no GROUP; expected AGS4, with a group LOCA of the borings, or AGS3"])
@@ -95,13 +98,18 @@ def read_groups(path: Path) -> Groups:
     return Groups(rows, {group: list(names) for group, names in headings.items()}, known, notices=notices)
 
 
-def _rows(tables: Mapping[str, Mapping[str, Sequence[str]]]) -> tuple[dict[str, list[dict[str, str]]], dict[str, str]]:
-    """The rows of data by group, and the units by heading, of what python-ags4 reads."""
+def _rows(
+    tables: Mapping[str, Mapping[str, Sequence[Any]]], numbers: Sequence[int]
+) -> tuple[dict[str, list[dict[str, str]]], dict[str, str]]:
+    """The rows of data by group, and the units by heading, of what python-ags4 reads from lines of these numbers."""
     rows: dict[str, list[dict[str, str]]] = {}
     units: dict[str, str] = {}
     for group, columns in tables.items():
-        names = [name.strip() for name in columns]
-        every = [dict(zip(names, map(_stripped, cells), strict=True)) for cells in zip(*columns.values(), strict=True)]
+        lines = [str(numbers[line - 1]) for line in columns[LINE]]
+        columns = {name.strip(): lines if name == LINE else cells for name, cells in columns.items()}
+        every = [
+            dict(zip(columns, map(_stripped, cells), strict=True)) for cells in zip(*columns.values(), strict=True)
+        ]
         rows[group] = [row for row in every if row.get("HEADING") == "DATA"]
         units |= {key: unit for row in every if row.get("HEADING") == "UNIT" for key, unit in row.items()}
     return rows, units

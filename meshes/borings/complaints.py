@@ -3,9 +3,24 @@
 import re
 from collections.abc import Sequence
 
+MOST_UNREAD = 0.5  # share of the blow counts of a file that may be left out
 MOST_ALIKE = 3  # complaints that differ in places and values alone and are told one by one
 VALUES = re.compile(r"'[^']*'|\"[^\"]*\"|[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 PLACE = re.compile(r"boring \S+?(?=[,:])")
+
+
+def unread_counts(unread: Sequence[str], read: int) -> tuple[list[str], list[str]]:
+    """Notices on blow counts that are left out, and problems where they are more than half of the counts of a file.
+
+    Parameters
+    ----------
+    unread : for each blow count that is not understood, a sentence with its place and value
+    read : number of blow counts that are understood
+    """
+    if len(unread) > MOST_UNREAD * (len(unread) + read):
+        return [], folded([f"{text}; {len(unread)} of {len(unread) + read} blow counts are not understood"
+                           for text in unread])  # fmt: skip
+    return folded([f"{text}; this blow count is left out" for text in unread]), []
 
 
 def folded(problems: Sequence[str]) -> list[str]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from meshes.borings.boring import Sample
-from meshes.borings.complaints import folded
+from meshes.borings.complaints import folded, unread_counts
 from meshes.borings.cone_file import read_cones
 from meshes.borings.log import (
     DEPTHS_EXPECTED,
@@ -36,7 +36,7 @@ def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
     """The borings of a file, in its order.
 
     A layer may have several lines, one for each of its tests; N stands in the middle of its line. A file with a column
-    qc holds cone penetration tests.
+    qc holds cone penetration tests. A blow count that is not understood is left out, with a notice.
 
     Parameters
     ----------
@@ -46,18 +46,20 @@ def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
     Raises
     ------
     InputError
-        With all problems.
+        With all problems, and where more than half of the blow counts are not understood.
     """
     columns = columns or {}
     if has_column(path, "qc", columns):
         return read_cones(path, columns)
     table = read_table(path, NEEDED, KNOWN, columns)
     logs = [_log(name, lines, table) for name, lines in table.lines.items()]
-    if table.problems:
-        raise InputError(str(path), folded(table.problems))
     kept = [log for log in logs if log is not None]
+    left_out, too_many = unread_counts(table.unread, sum(len(log.samples) for log in kept))
+    if table.problems or too_many:
+        raise InputError(str(path), folded([*table.problems, *(too_many or table.unread)]))
     shares = shares_for_percent([sample for log in kept for sample in log.samples])
-    return BoringFile(kept, [*table.notices, *shares, *refusal_notices(kept)])
+    left_out = [f"{path.name}, {text}" for text in left_out]
+    return BoringFile(kept, [*table.notices, *left_out, *shares, *refusal_notices(kept)])
 
 
 def _unit_meant(weight: str) -> str:
@@ -132,7 +134,9 @@ def _sample(number: int, cells: Mapping[str, str], depth: float, table: Table) -
     try:
         sample = Sample.model_validate(data)
     except ValidationError as error:
-        table.problems.extend(f"line {number}, {text}" for text in sentences(error, data, Sample))
+        of_count = all(entry["loc"][:1] == ("N",) for entry in error.errors())
+        told = table.unread if of_count else table.problems
+        told.extend(f"line {number}, {text}" for text in sentences(error, data, Sample))
         return None
     # A grain size with its unit is meant; [triggering] asks again.
     asked = sample.model_copy(update={"d50": None}) if isinstance(data.get("d50"), str) else sample

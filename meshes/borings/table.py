@@ -31,12 +31,15 @@ PLAIN = {"N": BLOWS, "fines": PERCENT, "plasticity": PERCENT}
 
 @dataclass(frozen=True)
 class Table:
-    """Lines of a file by boring, each with its number and its cells by column; units by column; faults, and notices."""
+    """Lines of a file by boring, each with its number and its cells by column; units by column; faults, blow counts
+    that are not understood, and notices.
+    """
 
     lines: Mapping[str, Sequence[tuple[int, Mapping[str, str]]]]
     units: Mapping[str, str]
     problems: list[str] = field(default_factory=list)
     notices: list[str] = field(default_factory=list)
+    unread: list[str] = field(default_factory=list)
 
     def length(self, number: int, cells: Mapping[str, str], key: str) -> float:
         """A coordinate in m; not a number, and a problem, where it cannot be read."""

@@ -229,6 +229,28 @@ def test_the_borings_of_a_section_are_chosen(tmp_path: Path, capsys: pytest.Capt
     assert tomllib.loads(made.read_text(encoding="utf-8"))["name"] == "site_plan_1"
 
 
+def test_a_blow_count_that_is_not_understood_is_left_out(tmp_path: Path) -> None:
+    """One of four is told with file, line and value; where most of them are, the file is refused."""
+    head = "boring,x,ground_level,top,bottom,layer,N\n"
+    lines = [f"{name},{x},5,{k},{k + 1},sand,{N}\n" for name, x, k, N in
+             (("A", 0, 0, 4), ("A", 0, 1, "x7"), ("B", 20, 0, 5), ("B", 20, 1, 9))]  # fmt: skip
+    read = read_csv(written(tmp_path, head + "".join(lines), "b.csv"))
+    assert [[sample.N for sample in log.samples] for log in read.logs] == [[4.0], [5.0, 9.0]]
+    assert [log.layers[-1].bottom for log in read.logs] == [2.0, 2.0]
+    [text] = read.notices
+    assert text.startswith("b.csv, line 3, N = 'x7': expected the blow count for 30 cm as measured")
+    assert text.endswith("; this blow count is left out")
+    most = head + "".join(lines).replace(",4\n", ",?\n").replace(",5\n", ",?\n")
+    assert "3 of 4 blow counts are not understood" in told(tmp_path, most, "most.csv")[0]
+    spt = ("ISPT", "LOCA_ID,ISPT_TOP,ISPT_NVAL", ",m,", "B1,3,12; B1,4.5,twelve; B2,3,7")
+    path = written(tmp_path, "\n\n" + ags(LOCA, GEOL, spt), "b.ags")
+    where = next(k for k, line in enumerate(path.read_text().splitlines(), start=1) if "twelve" in line)
+    read = read_ags4(path)
+    assert [[sample.N for sample in log.samples] for log in read.logs] == [[12.0], [7.0]]
+    start = f"b.ags, line {where}, boring B1, SPT at 4.5 m, N = 'twelve'"
+    assert any(text.startswith(start) and text.endswith("left out") for text in read.notices)
+
+
 def test_complaints_of_one_kind_are_told_once(tmp_path: Path) -> None:
     lines = "".join(f"A,0,5,{k},{k + 1},sand,n{k}\n" for k in range(33))
     [text] = told(tmp_path, "boring,x,ground_level,top,bottom,layer,N\n" + lines, "b.csv")

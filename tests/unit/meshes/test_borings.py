@@ -126,7 +126,6 @@ def test_values_have_units_too(tmp_path: Path) -> None:
         ("B-4,150,5,,3,sand,7,6,18,4", "line 11, top: missing; expected a coordinate"),
         ("B-4,150,5,0,3,,7,6,18,4", "line 11, layer: missing"),
         (",150,5,0,3,sand,7,6,18,4", "line 11, boring: missing"),
-        ("B-4,150,5,0,3,sand,many,6,18,4", "line 11, N = 'many'"),
         ("B-4,150,5,3,2,sand,7,6,18,4", "the bottom at 2 m is not below the top"),
         ("B-4,150,5,1,3,sand,7,6,18,4", "its first layer begins at 1 m"),
         ("B-4,150,5,0,3,sand,7,6,18 apples,4", "unit_weight = '18 apples'"),
