@@ -65,8 +65,8 @@ class LayerSprings:
         Stiffness of contacts of soil discs at overlaps above `STOP_DEPTH` (N/m); no effect if kn is larger.
     boundary : float
         Normal spring against boundary discs (N/m) if stiffer than kn: that of the layer before liquefaction.
-    undrained : bool
-        Whether the strength is undrained (phi = 0), so that the volume is constant during a slide.
+    undrained_strength : float
+        s_u of clay (phi = 0), whose volume is constant during a slide (Pa); 0 for soil that is not undrained.
     faded : float
         Lost share of the contacts of soil discs after liquefaction, see `dem.liquefied_ground`.
     """
@@ -91,7 +91,7 @@ class LayerSprings:
     rolling_friction: float = 0.0
     stop: float = 0.0
     boundary: float = 0.0
-    undrained: bool = False
+    undrained_strength: float = 0.0
     faded: float = 0.0
 
     def __post_init__(self) -> None:
@@ -100,7 +100,7 @@ class LayerSprings:
                 raise ValueError(f"layer {self.name}: {key} must be positive, is {getattr(self, key)}")
         for key in (
             "ks", "cn", "ct", "kpn", "kps", "effective_density", "cohesion", "contact_cohesion", "rolling_friction",
-            "stop", "attraction",
+            "stop", "attraction", "undrained_strength",
         ):  # fmt: skip
             if not getattr(self, key) >= 0.0:
                 raise ValueError(f"layer {self.name}: {key} must not be negative, is {getattr(self, key)}")

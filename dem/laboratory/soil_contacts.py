@@ -92,7 +92,8 @@ class SoilContacts:
         """
         weight = density if buoyant_density is None else buoyant_density
         strength = self.strength(radius)
-        return soil_discs(name, self.stiffness, strength, density, weight, radius, void_ratio, allowed_overlap=OVERLAP)
+        discs = soil_discs(name, self.stiffness, strength, density, weight, radius, void_ratio, allowed_overlap=OVERLAP)
+        return replace(discs, undrained_strength=0.0 if self.turns else float(self.wanted[0]))
 
 
 def mohr_coulomb_strength(cohesion: float, friction_angle: float, pressure: np.ndarray) -> np.ndarray:

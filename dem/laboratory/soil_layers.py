@@ -2,7 +2,7 @@
 represented by the stress in its middle; see `soil_contacts`.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from dem.laboratory.element_table import middle_stresses
 from dem.laboratory.soil_contacts import SoilContacts, soil_contacts
@@ -25,8 +25,7 @@ class SoilLayer(SoilContacts):
     def springs(self, radius: float, void_ratio: float) -> LayerSprings:
         """The constants of discs of this mean radius (m) in a packing of this void ratio."""
         s = self.stratum
-        discs = self.discs(s.name, s.density_seismic, radius, void_ratio, buoyant_density=s.density_ordinary)
-        return replace(discs, undrained=s.friction_angle == 0.0)
+        return self.discs(s.name, s.density_seismic, radius, void_ratio, buoyant_density=s.density_ordinary)
 
 
 def soil_layers(section: Section) -> list[SoilLayer]:

@@ -13,6 +13,7 @@ from dem.engine.engine import Engine, largest_step
 from dem.laboratory.patch import POROSITIES
 from dem.model import DiscModel
 from dem.packing import random_packing
+from dem.slides.undrained_clay import replace_contacts_of_clay
 from dem.slides.until_rest import UntilRest, run_until_rest
 from dem.springs import SMOOTH, LayerSprings
 
@@ -23,6 +24,7 @@ ROUGHNESS = 0.4  # mean radii that the tops of the floor's discs lie below z = 0
 AT_REST = 1e-7  # of g times the height: kinetic energy per mass
 STILL = 1e-3  # of the width
 SECONDS = 60.0  # sqrt(height / g), until which a column has settled
+FADES = 5.0  # sqrt(height / g), in which the contacts of clay fade out
 
 LayersOf = Callable[[float], Sequence[LayerSprings]]  # void ratio to springs
 
@@ -103,7 +105,12 @@ class SoilColumn:
         return float(1.0 - np.sum(np.pi * self.model.radius[free] ** 2) / (self.width * level))
 
     def settle(self) -> None:
-        """Let the column settle under its weight with the gate closed. Raises DemError."""
+        """Let the column settle under its weight with the gate closed; clay is undrained from then on. Raises DemError."""
+        self._come_to_rest()
+        replace_contacts_of_clay(self.model, FADES * self.unit)
+        self._come_to_rest()
+
+    def _come_to_rest(self) -> None:
         free = ~self.model.fixed
         for _ in range(round(SECONDS)):
             Engine(dt=0.5 * largest_step(self.model).seconds, energies=False).run(self.model, self.unit)

@@ -11,9 +11,11 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from dem.liquefied_ground import has_begun
 from dem.model import DiscModel
 
 NEARLY = 0.25  # mean radii between the rims of discs that still belong together: so much room has one in a cage
+BONDED = 1.0  # the same of liquefied discs and of undrained clay, which bonds hold up to two diameters apart
 TELL = 0.01  # of the mass, that has left the connected ground before it is told
 FULL = 0.5  # of a row of discs: columns with less are beyond the front
 
@@ -46,7 +48,8 @@ def connected_ground(model: DiscModel) -> np.ndarray:
     Parameters
     ----------
     model
-        Discs; they nearly touch if their gap is below a quarter of their mean radius.
+        Discs; they nearly touch if their gap is below a quarter of their mean radius, or below that radius where bonds
+        hold both.
 
     Returns
     -------
@@ -55,8 +58,9 @@ def connected_ground(model: DiscModel) -> np.ndarray:
     """
     free = np.flatnonzero(~model.fixed)
     places, r = np.column_stack([model.x, model.z])[free], model.radius[free]
-    nearly = NEARLY * float(r.mean())
-    i, j = cKDTree(places).query_pairs(2.0 * float(r.max()) + nearly, output_type="ndarray").T
+    bonded, mean = has_begun(model)[free], float(r.mean())
+    i, j = cKDTree(places).query_pairs(2.0 * float(r.max()) + BONDED * mean, output_type="ndarray").T
+    nearly = np.where(bonded[i] & bonded[j], BONDED, NEARLY) * mean
     near = np.hypot(*(places[j] - places[i]).T) < r[i] + r[j] + nearly
     links = coo_matrix((np.ones(int(near.sum())), (i[near], j[near])), shape=(len(free), len(free)))
     _, part = connected_components(links, directed=False)

@@ -24,7 +24,7 @@ def undrained(start: DiscModel, liquefy: Sequence[int]) -> list[int]:
     """
     if start.law != "soil":
         return []
-    return [k for k, layer in enumerate(start.springs.layers) if k not in liquefy and layer.undrained]
+    return [k for k, layer in enumerate(start.springs.layers) if k not in liquefy and layer.undrained_strength > 0.0]
 
 
 def area_per_disc(model: DiscModel, start: DiscModel) -> np.ndarray:

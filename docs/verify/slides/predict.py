@@ -27,7 +27,7 @@ from workflow.stages.shaking import shaking_of
 
 STANDS = 3.0  # gamma H / s_u at which a slow loss of strength begins; columns stand below 3.83
 STEPS = 24  # of gravity in a slow loss of strength, each of a unit sqrt(H / g)
-UNITS = 4.0  # of that, after it
+UNITS = 12.0  # of that, after it, at most
 POINTS = 60  # of a profile that is kept
 
 Found = tuple[float, float, bool, Line, Line]  # value, loose share, at rest, surface before and after

@@ -49,7 +49,7 @@ def wedge() -> tuple[DiscModel, Ground]:
 def undrained_wedge(wedge: tuple[DiscModel, Ground]) -> tuple[DiscModel, Ground]:
     """The same, with weak clay in the place of what liquefies."""
     start = wedge[0].copy()
-    clay = replace(LAYERS[1], friction=0.0, contact_cohesion=2e3, undrained=True)
+    clay = replace(LAYERS[1], friction=0.0, contact_cohesion=2e3, undrained_strength=2e3)
     start.set_springs([LAYERS[0], clay])
     return start, wedge[1]
 
@@ -80,7 +80,7 @@ def test_what_cannot_drain(start: DiscModel) -> None:
     soil.law = "soil"
     assert undrained(soil, []) == []
     assert undrained(soil, [1]) == []
-    soil.set_springs([replace(layer, undrained=True) for layer in soil.springs.layers])
+    soil.set_springs([replace(layer, undrained_strength=2e3) for layer in soil.springs.layers])
     assert undrained(soil, [1]) == [0]
     paper = soil.copy()
     paper.law = "paper"
