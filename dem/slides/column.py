@@ -105,7 +105,7 @@ class SoilColumn:
         return float(1.0 - np.sum(np.pi * self.model.radius[free] ** 2) / (self.width * level))
 
     def settle(self) -> None:
-        """Let the column settle under its weight with the gate closed; clay is undrained from then on. Raises DemError."""
+        """Let the column settle with the gate closed; clay is undrained from then on. Raises DemError."""
         self._come_to_rest()
         replace_contacts_of_clay(self.model, FADES * self.unit)
         self._come_to_rest()
