@@ -7,7 +7,7 @@ import numpy as np
 
 from dem.laboratory.compression import PatchStrength
 from dem.laboratory.contact_numbers import PRESSURE, ContactNumbers
-from dem.laboratory.kept_strengths import strength_of_patch
+from dem.laboratory.kept_strengths import is_kept, strength_of_patch
 from dem.laboratory.layer_check import LayerCheck
 from dem.laboratory.patch import VOID_RATIO
 from dem.laboratory.soil_layers import SoilLayer
@@ -47,6 +47,11 @@ class ElementTestProgramme:
             ContactNumbers.of(layer, float(p)).nearest for layer in self.layers for p in layer.pressures
         )
         return [(kind, seed) for kind in kinds for seed in SEEDS]
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether all patches were compressed in earlier runs, whose results are stored."""
+        return all(is_kept(*task) for task in self.tasks)
 
     def checks(self, done: Sequence[Outcome]) -> list[LayerCheck]:
         """The comparison of every layer with its discs, from the results of the ``tasks``."""

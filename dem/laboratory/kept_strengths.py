@@ -42,7 +42,7 @@ def strength_of_patch(numbers: ContactNumbers, seed: int) -> PatchStrength | str
     PatchStrength or str
         The result, or the reason if the patch does not come to rest or cannot be compressed.
     """
-    file = _folder() / f"{_name(numbers, seed)}.json"
+    file = _file(numbers, seed)
     with suppress(OSError, ValueError, TypeError, KeyError):
         kept = json.loads(file.read_text())
         return (
@@ -60,10 +60,15 @@ def strength_of_patch(numbers: ContactNumbers, seed: int) -> PatchStrength | str
     return strength
 
 
-def _name(numbers: ContactNumbers, seed: int) -> str:
-    """File name of the numbers and the seed, with all digits."""
+def is_kept(numbers: ContactNumbers, seed: int) -> bool:
+    """Whether the result of a patch is stored; ``numbers``: of its contacts, ``seed``: of its packing."""
+    return _file(numbers, seed).exists()
+
+
+def _file(numbers: ContactNumbers, seed: int) -> Path:
+    """File of the result for the numbers, with all digits, and the seed."""
     values = "_".join(f"{value:.17g}" for value in (numbers.friction, numbers.cohesion, numbers.kappa))
-    return f"{'turning' if numbers.turns else 'fixed'}_{values}_{seed}"
+    return _folder() / f"{'turning' if numbers.turns else 'fixed'}_{values}_{seed}.json"
 
 
 @cache

@@ -128,6 +128,8 @@ class Calibrator:
         Executor of several searches.
     until_failed
         Whether the test of soil discs continues beyond the critical Kh until they have failed.
+    threads
+        Threads of a search that is done alone; searches of the executor have one each.
 
     ``pushed`` holds the discs at the end of every displacement-controlled test in this process, and ``rested`` soil
     discs at rest, by parameter and factor.
@@ -146,9 +148,10 @@ class Calibrator:
         on_search: OnSearch | None = None,
         executor: Executor = SERIAL,
         until_failed: bool = True,
+        threads: int = 1,
     ) -> None:
         self.ground, self.layers, self.settled, self.settings = ground, list(layers), settled, settings
-        self.continuum, self.until_failed = continuum, until_failed
+        self.continuum, self.until_failed, self.threads = continuum, until_failed, threads
         self.searches = dict(known or {})
         self.pushed: dict[Key, DiscModel] = {}
         self.rested: dict[Key, DiscModel] = {}
@@ -157,7 +160,7 @@ class Calibrator:
     def __getstate__(self) -> dict[str, Any]:
         """State for another process: all but the listener and the known searches."""
         nothing: dict[str, Any] = {"searches": {}, "pushed": {}, "rested": {}}
-        return self.__dict__ | nothing | {"on_trial": None, "on_search": None, "executor": SERIAL}
+        return self.__dict__ | nothing | {"on_trial": None, "on_search": None, "executor": SERIAL, "threads": 1}
 
     def settled_with(self, parameter: str, factor: float) -> DiscModel:
         """Discs at rest with a factor on a parameter.
@@ -174,16 +177,13 @@ class Calibrator:
             self.rested[key] = settle(self.ground, layers, self.settings, self.settled.copy())
         return self.rested[key]
 
-    def search(self, parameter: str, factor: float, threads: int = 1, *, fine: bool = True) -> Search:
-        """The critical Kh with a factor on a parameter; fine: with a resolution of at most half the tolerance.
-
-        threads: of the engine.
-        """
+    def search(self, parameter: str, factor: float, *, fine: bool = True) -> Search:
+        """The critical Kh with a factor on a parameter; fine: with a resolution of at most half the tolerance."""
         key = key_of(parameter, factor)
         if key in self.searches:
             return self.searches[key]
         try:
-            search = self._found(key, self.settled_with(parameter, factor), threads, fine)
+            search = self._found(key, self.settled_with(parameter, factor), fine)
         except DemError as error:  # critical_kh hands none on: the discs did not settle
             search = Search(kc_upper=0.0, verdict="fails under its own weight", reason=str(error))
         self._know(key, search)
@@ -194,19 +194,19 @@ class Calibrator:
         if self.on_search is not None:
             self.on_search(*key, search)
 
-    def _found(self, key: Key, settled: DiscModel, threads: int, fine: bool) -> Search:
+    def _found(self, key: Key, settled: DiscModel, fine: bool) -> Search:
         settings = self.settings
         if settings.model == "soil":
             if self.continuum is None:
                 raise ValueError("the displacement of soil discs follows from a continuum: give `continuum`")
             search, self.pushed[key] = pushover_critical_kh(
-                settled, self.ground, settings, self.continuum, threads=threads, on_trial=self.on_trial,
+                settled, self.ground, settings, self.continuum, threads=self.threads, on_trial=self.on_trial,
                 until_failed=self.until_failed,
             )  # fmt: skip
             return search
         width = settings.resolution
         return critical_kh(
-            settled, self.ground, settings, threads=threads,
+            settled, self.ground, settings, threads=self.threads,
             resolution=min(width, 0.5 * settings.tolerance) if fine else width,
             on_trial=self.on_trial,
         )  # fmt: skip
@@ -334,7 +334,7 @@ def calibrate(
         if met() or ends is None or ends[1] / ends[0] < NARROWEST:
             break
         factor = _between(tried, target, *ends)
-        tried[factor] = calibrator.search(parameter, factor, settings.workers)
+        tried[factor] = calibrator.search(parameter, factor)
     tried = dict(sorted(tried.items(), key=lambda pair: pair[0]))
     value = min(tried, key=lambda f: (tried[f].verdict != "bracketed", abs(middle(tried[f]) - target)))
     verdict: Verdict = "calibrated" if _met(tried[value], target, settings.tolerance) else "out of reach"

@@ -130,10 +130,12 @@ def _searched(
     config: Config, store: Store, progress: Progress, executor: Executor
 ) -> tuple[Searched, Search | None, tuple[LayerCheck, ...]]:
     """The searches of the discs, and concurrently that of the paper's own discs if the settings request them, and
-    element tests of the discs of every layer. The FEM counterpart is computed first, while the discs settle.
+    element tests of the discs of every layer. The FEM counterpart is computed first, while the discs settle. Threads of
+    one search wait for each other at every step, and so a search has several only while nothing else is computed.
     """
     if config.dem.model != "soil":
-        return _calibrated(config, store, lambda message: progress(*message), executor), None, ()
+        alone = _calibrated(config, store, config.dem.workers, lambda message: progress(*message), executor)
+        return alone, None, ()
     searched, ended = 0.0, 0
 
     def tell(words: str) -> None:
@@ -149,20 +151,21 @@ def _searched(
 
     soils = soil_layers(config.section) if config.dem.element_tests else ()
     programme = ElementTestProgramme(soils, config.dem.mean_radius(config.section))
-    first: list[Piece] = [(dem_counterpart_piece, (config, store)), (_at_rest, (config, store))]
-    first += [(_paper, (config, store))] if config.dem.paper else []
     tests: list[Piece] = [(compressed, (task,)) for task in programme.tasks]
+    threads = max(1, config.dem.workers // (1 + config.dem.paper)) if programme.is_kept else 1
+    searches: list[Piece] = [(_calibrated, (config, store, threads))]
+    searches += [(_paper, (config, store, threads))] if config.dem.paper else []
 
     def one_more(place: int, _: Any) -> None:
         nonlocal ended
-        if place > 0:
+        if place >= len(searches):
             ended += 1
             tell(f"element tests of the discs of every layer: {ended} of {len(tests)}")
 
-    begun = executor.compute(_done, first, heard)
-    outcome, *tested = executor.compute(_done, [(_calibrated, (config, store)), *tests], heard, one_more)
-    layers = tuple(programme.checks(tested))
-    return outcome, begun[2] if config.dem.paper else None, layers
+    executor.compute(_done, [(dem_counterpart_piece, (config, store)), (_at_rest, (config, store))], heard)
+    outcomes = executor.compute(_done, [*searches, *tests], heard, one_more)
+    found, tested = outcomes[: len(searches)], outcomes[len(searches) :]
+    return found[0], found[1] if config.dem.paper else None, tuple(programme.checks(tested))
 
 
 Piece = tuple[Callable[..., Any], tuple[Any, ...]]  # what is done, and what it is given
@@ -179,9 +182,9 @@ def _at_rest(config: Config, store: Store, tell: Tell) -> None:
     discs_at_rest(config, store, config.dem, SETTLED, lambda what: tell((what, None)))
 
 
-def _calibrated(config: Config, store: Store, tell: Tell, executor: Executor = SERIAL) -> Searched:
+def _calibrated(config: Config, store: Store, threads: int, tell: Tell, executor: Executor = SERIAL) -> Searched:
     """The discs of the section at rest, their critical Kh, and the factor with which it is equal to that of the
-    continuum.
+    continuum; a search has so many ``threads``.
     """
     discs = discs_at_rest(config, store, config.dem, SETTLED, lambda what: tell((what, None)))
     continuum = continuum_for(config, store)
@@ -193,8 +196,8 @@ def _calibrated(config: Config, store: Store, tell: Tell, executor: Executor = S
         share = share_of.after_trial(len(calibrator.searches))
         tell((f"Kh = {trial.kh:.4f} {trial.verdict}, unbalanced force ratio {trial.unbalanced_ratio:.1e}", share))
 
-    calibrator = calibrator_for(discs, store, config.dem, JOURNAL, on_trial, continuum, executor)
-    base = calibrator.search("", 1.0, config.dem.workers)
+    calibrator = calibrator_for(discs, store, config.dem, JOURNAL, on_trial, continuum, executor, threads=threads)
+    base = calibrator.search("", 1.0)
     if base.kc is None:
         return Searched(base)
     searched = Searched(base, calibrated(calibrator, continuum, one_at_a_time=not soil) if asked else None)
@@ -220,16 +223,16 @@ def calibration_answer(
     return CalibrationAnswer.of(searched.base, searched.calibration, config.dem.tolerance, **more)
 
 
-def _paper(config: Config, store: Store, tell: Tell) -> Search:
-    """The paper's own discs, as the paper used them, and the Kh at which they fail."""
+def _paper(config: Config, store: Store, threads: int, tell: Tell) -> Search:
+    """The paper's own discs, as the paper used them, and the Kh at which they fail; with so many ``threads``."""
     dem = config.dem.as_paper()
     discs = discs_at_rest(config, store, dem, PAPER, lambda what: tell((f"the paper's discs: {what}", None)))
 
     def on_trial(trial: Trial) -> None:
         tell((f"the paper's discs: Kh = {trial.kh:.4f} {trial.verdict}", None))
 
-    calibrator = calibrator_for(discs, store, dem, PAPER_JOURNAL, on_trial)
-    return calibrator.search("", 1.0, dem.workers)
+    calibrator = calibrator_for(discs, store, dem, PAPER_JOURNAL, on_trial, threads=threads)
+    return calibrator.search("", 1.0)
 
 
 def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDiscs, Start]:

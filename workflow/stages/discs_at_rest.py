@@ -87,19 +87,19 @@ def calibrator_for(
     continuum: Continuum | None = None,
     executor: Executor = SERIAL,
     until_failed: bool = True,
+    threads: int = 1,
 ) -> Calibrator:
     """The calibrator of discs, which continues from the searches in a journal.
 
     ``store``: the folder of the run; ``dem``: settings; ``on_trial``: called with every trial; ``continuum``: critical
-    Kh
-    and yield displacement; ``executor``: computes in parallel; ``until_failed``: whether the test of soil discs
-    continues until they have a slip surface.
+    Kh and yield displacement; ``executor``: computes in parallel; ``until_failed``: whether the test of soil discs
+    continues until they have a slip surface; ``threads``: of a search that is done alone.
     """
     kept = Journal(store, journal)
     return Calibrator(
         discs.ground, discs.layers, discs.settled, dem, continuum=continuum, known=kept.known(),
         on_trial=lambda trial, _: on_trial(trial), on_search=kept.add, executor=executor,
-        until_failed=until_failed,
+        until_failed=until_failed, threads=threads,
     )  # fmt: skip
 
 
