@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from dem import checkpoint
 from dem.acceleration import Acceleration
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.chunked_map import Ranges, serial
@@ -32,15 +31,11 @@ from dem.liquefied_ground import change_areas, list_liquefied, match_strength
 from dem.pair_table import PairTable, pair_table
 from dem.springs import Law, LayerSprings, Mean, Strength
 from dem.state import LINE_MEMORY, MEMORY, ROLLING_MEMORY, DiscState
+from meshes.files import read_checkpoint, write_checkpoint
 
 # what changes its sign when the two discs of a pair change places
 TURNED = ("force_x", "force_z", "rolled", "torque")
 WIDEST = 0.125  # of the skin: across no more do discs of cohesive soil attract each other
-# Arrays of a checkpoint that older versions called otherwise.
-RENAMED = {
-    "drift_x": "pore_acceleration_x", "drift_z": "pore_acceleration_z", "swing_x": "added_mass_x",
-    "swing_z": "added_mass_z",
-}  # fmt: skip
 SORT_EVERY = 16  # lists made between two sortings in space
 
 
@@ -329,20 +324,19 @@ class DiscModel(DiscState):
         return copy.deepcopy(self)
 
     def save(self, path: Path | str) -> None:
-        """Write a checkpoint of the whole model to one HDF5 file, which is never half written."""
+        """Write a checkpoint of the whole model to one file, which is never half written."""
         arrays = {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
         arrays |= {f"acceleration_{name}": value for name, value in vars(self.acceleration).items()}
         plain = {name: value for name, value in vars(self).items() if isinstance(value, int | float | str)}
         layers = [asdict(layer) for layer in self.springs.layers]
         strengths = [strength and asdict(strength) for strength in self.line_strength]
         more = {"gravity": self.gravity, "period": self.period, "layers": layers, "line_strength": strengths}
-        checkpoint.write(Path(path), arrays, plain | more)
+        write_checkpoint(Path(path), arrays, plain | more)
 
     @classmethod
     def load(cls, path: Path | str) -> "DiscModel":
         """The model of a checkpoint. Raises OSError, KeyError or TypeError for a file of another version."""
-        arrays, plain = checkpoint.read(Path(path))
-        arrays = {RENAMED.get(name, name): values for name, values in arrays.items()}
+        arrays, plain = read_checkpoint(Path(path))
         series = Acceleration(*(arrays.pop(f"acceleration_{name}") for name in ("times", "x", "z")))
         layers = [LayerSprings(**layer) for layer in plain.pop("layers")]
         for name in ("gravity", "period"):  # JSON knows no tuples

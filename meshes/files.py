@@ -1,13 +1,19 @@
-"""Files that appear whole or not at all."""
+"""Files that appear whole or not at all, and checkpoints of arrays in such files."""
 
+import json
 import os
 import re
-from collections.abc import Iterator
+import zipfile
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 # What `whole` calls a file that is not whole yet: the number of the process that writes it, then its name.
 BESIDE = re.compile(r"\.(\d+)-.+")
+PLAIN = "plain"  # name in a checkpoint of all values that are no arrays, as JSON
 
 
 @contextmanager
@@ -25,3 +31,19 @@ def whole(path: Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             beside.unlink()
+
+
+def write_checkpoint(path: Path, arrays: Mapping[str, np.ndarray], plain: Mapping[str, Any]) -> None:
+    """Write arrays, and plain values that JSON can hold, to a file of NumPy (.npz), exact to the last bit."""
+    with whole(path) as beside, beside.open("wb") as file:
+        np.savez(file, allow_pickle=False, **arrays, **{PLAIN: np.array(json.dumps(plain))})
+
+
+def read_checkpoint(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """Read arrays and plain values back; raises OSError for a file that is no such checkpoint."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = dict(file)
+        return arrays, json.loads(str(arrays.pop(PLAIN)))
+    except (KeyError, ValueError, EOFError, zipfile.BadZipFile) as error:
+        raise OSError(f"{path} is no checkpoint") from error

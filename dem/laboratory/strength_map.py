@@ -17,7 +17,7 @@ rotate: with rotation they roll under tension, and a vertical face that is stabl
 Discs without contact friction still have a friction angle of some 8 degrees by their geometry. Clay has none: its
 contacts have a negative friction in addition to their cohesion, so that their strength falls as the normal force rises.
 
-The maps are computed by `python -m dem.laboratory.make_map`, and stored next to this file.
+The maps are computed by `python -m docs.strength_map`, and stored next to this file.
 """
 
 import csv

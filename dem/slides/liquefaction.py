@@ -71,7 +71,7 @@ class Slider:
     settings
         Kh, its duration, and criteria for the end of a slide.
     folder
-        Folder of checkpoint.h5 and rows.json, or None.
+        Folder of checkpoint.npz and rows.json, or None.
     shaking
         A record of the base instead of Kh; without one Kh is constant, or cyclic by the settings.
     """
@@ -156,7 +156,7 @@ class Slider:
     def _begin_again(self) -> None:
         """Repeat the slide from its onset with half the time step."""
         if self.folder is not None:
-            (self.folder / "checkpoint.h5").unlink(missing_ok=True)
+            (self.folder / "checkpoint.npz").unlink(missing_ok=True)
         self.slide.step_share *= 0.5
         self.slide.rows, self.swelling, self.slide.overlap = [], [], 0.0
         self.model = self._begun()
@@ -349,15 +349,15 @@ class Slider:
         }
         with whole(self.folder / "rows.json") as beside:
             beside.write_text(json.dumps(state))
-        self.model.save(self.folder / "checkpoint.h5")
+        self.model.save(self.folder / "checkpoint.npz")
         self.kept = time.monotonic()
 
     def _resumed(self) -> DiscModel | None:
-        if self.folder is None or not (self.folder / "checkpoint.h5").exists():
+        if self.folder is None or not (self.folder / "checkpoint.npz").exists():
             return None
         try:
             state = json.loads((self.folder / "rows.json").read_text())
-            model = DiscModel.load(self.folder / "checkpoint.h5")
+            model = DiscModel.load(self.folder / "checkpoint.npz")
             self.slide.step_share, self.slide.overlap = state["step_share"], state["overlap"]
             swelling = state["swelling"]
         except (OSError, KeyError, TypeError, ValueError):

@@ -9,12 +9,12 @@ import numpy as np
 
 from fem.continuum.liquefied_ground import LEAST, UNDRAINED
 from fem.kernels import material_points as kernel
-from fem.mpm.checkpoint import keep, resume
 from fem.mpm.engine import MaterialPointEngine, Push
 from fem.mpm.ground import FAR, PointGround, with_free_sides
 from fem.mpm.points import UNLIMITED
 from fem.mpm.slide_record import PointSlide
 from fem.mpm.weak_edges import edge_strength, thickness_over_width
+from meshes.files import read_checkpoint, write_checkpoint
 from meshes.section.liquefies import Remains
 from meshes.section.strain_potential import BEYOND, LARGEST_SHARE, stress_at_potential
 
@@ -37,6 +37,8 @@ CHANGED = (
     kernel.STRENGTH, kernel.SIN_PHI, kernel.LIMIT, kernel.SHEAR, kernel.BULK, kernel.SOFT, kernel.KNEE, kernel.VISCOUS,
 )  # fmt: skip
 STRENGTH, SINE, LIMIT, SHEAR, BULK, SOFT, KNEE, VISCOUS, SIDE = range(9)
+ENGINE, BEGAN = "engine_", "began_"  # begin the names of arrays in a checkpoint
+LISTS, ENDED = ("times", "slide", "settlement"), ("reason", "stopped_by", "settled")
 SMOOTH = 2.0  # m of the surface over which movement is averaged, and three points at least
 
 
@@ -145,10 +147,8 @@ class PointSlider:
         self.engine.decay = decay
         self._remember(programme)
         shares: dict[int, float] = dict.fromkeys(programme.starts, 0.0)
-        left = resume(checkpoint, self.engine, slide) if checkpoint is not None else None
-        if left is not None:
-            shares = dict(zip(programme.starts, (float(share) for share in left.pop("shares")), strict=True))
-            self.began |= left
+        if checkpoint is not None:
+            self._resume(checkpoint, slide, shares)
         kept = time.monotonic()
         while not slide.reason:
             self._liquefy(programme, shares)
@@ -167,12 +167,39 @@ class PointSlider:
             elif self.engine.time >= programme.duration - 1e-9:
                 slide.reason = f"still moving after {programme.duration:.3g} s"
             if checkpoint is not None and (slide.reason or time.monotonic() - kept > KEEP):
-                keep(checkpoint, self.engine, slide, shares=np.array([*shares.values()]), **self.began)
+                self._keep(checkpoint, slide, shares)
                 kept = time.monotonic()
         slide.after = self._surface()
         energy = self.engine.energy
         slide.transfer_loss_share, slide.energy_lost_share = energy.transfer_loss_share, energy.imbalance_share
         return slide
+
+    def _keep(self, path: Path, slide: PointSlide, shares: Mapping[int, float]) -> None:
+        """Write the engine, the slide so far, and the lost ``shares`` of strength to a checkpoint."""
+        arrays = {ENGINE + name: array for name, array in self.engine.as_it_is().items()}
+        arrays |= {name: np.array(getattr(slide, name)) for name in (*LISTS, "before")}
+        plain = {"shares": [*shares.values()], **{name: getattr(slide, name) for name in ENDED}}
+        write_checkpoint(path, arrays | {BEGAN + name: array for name, array in self.began.items()}, plain)
+
+    def _resume(self, path: Path, slide: PointSlide, shares: dict[int, float]) -> None:
+        """Restore engine, slide and shares from a checkpoint, so that it continues with the same bits, if there is
+        one.
+        """
+        try:
+            arrays, plain = read_checkpoint(path)
+        except OSError:
+            return
+        self.engine.go_on_from(_of(arrays, ENGINE))
+        self.began |= _of(arrays, BEGAN)
+        shares.update(zip(list(shares), plain["shares"], strict=True))
+        slide.times = [float(time) for time in arrays["times"]]
+        slide.slide, slide.settlement, slide.before = (
+            list(arrays["slide"]),
+            list(arrays["settlement"]),
+            arrays["before"],
+        )
+        for name in ENDED:
+            setattr(slide, name, plain[name])
 
     def _remember(self, programme: SlideProgramme) -> None:
         """Store strength and shear stiffness of every point before and after liquefaction, and the number of the
@@ -326,3 +353,8 @@ def _share(since: float, onset: float) -> float:
     if since < -1e-9:
         return 0.0
     return 1.0 if onset == 0.0 else min(1.0, (since + onset / ONSET_STEPS) / onset)
+
+
+def _of(arrays: Mapping[str, np.ndarray], begin: str) -> dict[str, np.ndarray]:
+    """The arrays whose names have this beginning, without it."""
+    return {name.removeprefix(begin): array for name, array in arrays.items() if name.startswith(begin)}

@@ -46,7 +46,7 @@ class Measured:
 
 def at_rest(given: Config, dem: DemSettings, folder: Path) -> tuple[DiscModel, float]:
     """Discs at rest, and the seconds that took; 0 if they were in the folder."""
-    file, begin = folder / "settled.h5", time.perf_counter()
+    file, begin = folder / "settled.npz", time.perf_counter()
     if file.exists():
         return DiscModel.load(file), 0.0
     soil = soil_layers(given.section)
@@ -91,7 +91,7 @@ def measure(given: Config, discs: int, seconds: float, threads: int, folder: Pat
         million_disc_steps_per_s=round(len(start) * done / max(clock, 1e-9) / 1e6, 1),
         steps_per_simulated_s=round(done / max(first.model.time - since, 1e-9)),
         memory_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1000,
-        checkpoint_mb=round((whole / "checkpoint.h5").stat().st_size / 1e6, 1),
+        checkpoint_mb=round((whole / "checkpoint.npz").stat().st_size / 1e6, 1),
         slide_max_m=round(first.slide.rows[-1].slide_max_m, 3),
         same_when_resumed=same(first.model, again.model) and first.slide.rows == again.slide.rows,
     )  # fmt: skip

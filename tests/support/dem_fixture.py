@@ -69,7 +69,7 @@ def critical(run: Config, kc: float, cracked_elsewhere: dict[str, float] | None 
     states = tuple(
         DiscState(
             set=which, kh=kh, verdict="stands" if share == 0.0 else "fails", reason="by hand", unbalanced_ratio=1e-5,
-            kinetic_ratio=1e-9, displacement_m=0.05, elastic_displacement_m=None, seconds=3.0, file="dem/none.h5",
+            kinetic_ratio=1e-9, displacement_m=0.05, elastic_displacement_m=None, seconds=3.0, file="dem/none.npz",
             cracked_share_by_stratum={s.name: share for s in run.section.strata} | (cracked_elsewhere or {}),
             slip_surface=surface, largest_displacement_m=10 * share,
         )
@@ -154,7 +154,7 @@ def calibrate_stage(run: Config, store: Store, progress: Progress, executor: Exe
     with journal.open("a", encoding="utf-8") as file:
         file.write("{}\n")
     progress("Kh = 0.25, unbalanced ratio 3e-3", 0.5)
-    store.write_text("dem/settled.h5", "settled")
+    store.write_text("dem/settled.npz", "settled")
     critical(run, kc).write(store)
     calibration(kc, reached).write(store)
     for name in ("dem_model", "dem_before_kh_0.20", "dem_after_kh_0.20"):

@@ -14,7 +14,7 @@ from dem.engine.engine import Engine, largest_step
 from dem.errors import ConfinementError
 from dem.model import DiscModel
 from dem.springs import LayerSprings
-from dem.tied_packing import TiedPacking
+from docs.verify.slides.tied_packing import TiedPacking
 
 STEP = 0.4  # of the stable step
 SKIN = 0.2  # mean radii

@@ -8,7 +8,7 @@ import pytest
 import tomli_w
 
 from tests.support import command_line
-from workflow.results.bearing import Bearing, Stands
+from workflow.results.stability import Bearing, Stands
 from workflow.stages.residual import verdict_of
 
 CLAY = {"youngs_modulus": "30 MPa", "poissons_ratio": 0.45, "density": "18 kN/m^3", "friction_angle": "0 deg"}

@@ -75,13 +75,13 @@ def test_the_ground_before_anything_is_the_sections(whole: Path) -> None:
     """Surface within half a radius in every column; weight and horizontal force of the soil; no disc turns."""
     section = Config.load(whole / "section.toml")
     discs = answer(whole, "dem/critical.json")["model"]
-    settled = DiscModel.load(whole / "dem/settled.h5")
+    settled = DiscModel.load(whole / "dem/settled.npz")
     assert discs["discs"] == "soil"
     assert settled.law == "soil"
     assert (settled.inertia_ratio[~settled.fixed] > 0.0).tolist() == (settled.layer[~settled.fixed] != 2).tolist()
     away = misfit(section.section, settled, discs["radius_m"])
     assert np.abs(away).max() <= 0.5 * discs["radius_m"]
-    calibrated = np.abs(misfit(section.section, DiscModel.load(whole / "dem/calibrated.h5"), discs["radius_m"]))
+    calibrated = np.abs(misfit(section.section, DiscModel.load(whole / "dem/calibrated.npz"), discs["radius_m"]))
     assert discs["surface_off_mean_m"] == pytest.approx(calibrated.mean())
     assert discs["surface_off_worst_m"] == pytest.approx(calibrated.max())
     areas = section.section.layering.areas()
@@ -120,7 +120,7 @@ def test_cases_that_soil_discs_feel_alike_are_one_slide(whole: Path) -> None:
 def test_what_soil_discs_feel_of_a_case_is_all_that_their_slide_depends_on(whole: Path) -> None:
     """Slides of one effect have the same bits; where stiffness is felt, the effect and the bits are others."""
     config = Config.load(whole / "section.toml")
-    start = DiscModel.load(whole / "dem/calibrated.h5")
+    start = DiscModel.load(whole / "dem/calibrated.npz")
     ground = ground_for(config.section, Store(whole), config.dem, start)
     settings = config.slide.changed(duration=4.0)  # they liquefy after 2 s
 

@@ -16,8 +16,7 @@ from workflow.criteria.settings import CriteriaSettings
 from workflow.earthquake.accelerogram import Accelerogram
 from workflow.earthquake.accelerogram import read as read_record
 from workflow.earthquake.settings import EarthquakeSettings, SiteResponseSettings
-from workflow.earthquake.triggering.free_face import FreeFaceSettings
-from workflow.earthquake.triggering.settings import TriggeringSettings
+from workflow.earthquake.triggering.settings import FreeFaceSettings, TriggeringSettings
 from workflow.uncertain.settings import StudySettings, UncertainSettings
 
 

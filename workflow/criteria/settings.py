@@ -1,4 +1,4 @@
-"""Limits that the answers are compared with: a table [criteria]."""
+"""Limits that the answers are compared with, a table [criteria], and the verdict."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -120,3 +120,36 @@ class CriteriaSettings(Model):
     def lacks_peak(self) -> bool:
         """Whether a preset could not be resolved because there is no peak acceleration."""
         return self.preset is not None and self.factor_of_safety is None
+
+
+Verdict = Literal["satisfied", "not satisfied", "not decided"]
+
+
+def judge(low: float | None, high: float | None, limit: float, at_least: bool) -> Verdict:
+    """Compare the interval of a quantity with its limit.
+
+    Parameters
+    ----------
+    low, high : float or None
+        Ends of the interval in which the quantity lies; None where there is no answer.
+    limit : float
+        The limit in the unit of the quantity.
+    at_least : bool
+        Whether the limit is the least value that is allowed; otherwise it is the largest one.
+
+    Returns
+    -------
+    Verdict
+        "not decided" without an answer, and where the limit lies inside the interval.
+    """
+    if low is None or high is None:
+        return "not decided"
+    keeps = [value >= limit if at_least else value <= limit for value in (low, high)]
+    return "satisfied" if all(keeps) else "not decided" if any(keeps) else "not satisfied"
+
+
+def together(verdicts: tuple[Verdict, ...]) -> Verdict:
+    """The verdict on several criteria together, all of which must be satisfied."""
+    if "not satisfied" in verdicts:
+        return "not satisfied"
+    return "satisfied" if verdicts and set(verdicts) == {"satisfied"} else "not decided"

@@ -8,7 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DPI, INK, WIDTH, save
-from workflow.results.convergence import Series
+from workflow.results.study import Series
 
 HEIGHT = 2.2  # inches of a row of frames
 ACROSS = 4

@@ -26,12 +26,11 @@ from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.lengths import metres
-from workflow.results.liquefied import LiquefiedAnswer
 from workflow.results.material_points import PointSlidesAnswer
-from workflow.results.residual import ResidualAnswer
 from workflow.results.results import Results
 from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.slices import SlicesAnswer
+from workflow.results.stability import LiquefiedAnswer, ResidualAnswer
 from workflow.results.stored_mesh import stored_mesh
 from workflow.results.summary import Summary
 from workflow.results.triggering import StratumPart, TriggeringAnswer

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 
 from meshes.section.cutting import shown_name
 from workflow.report.numbers import bracket, coefficient, listed, of_cases, span
-from workflow.results.bearing import Bearing
 from workflow.results.lengths import metres
-from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 from workflow.results.results import Results
+from workflow.results.stability import Bearing, LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 
 Strata = tuple[LiquefiedStratum, ...]
 FLOWS = 0.1  # of the height of the ground, below which a displacement was no flow: that ends when the face is flat

@@ -6,7 +6,7 @@ from meshes.section.cutting import shown_name
 from workflow.report.numbers import listed
 from workflow.report.post_liquefaction import factors
 from workflow.report.texts import Texts
-from workflow.results.residual import TwoSteps
+from workflow.results.stability import TwoSteps
 
 
 def residual_verdict(steps: TwoSteps, _: Texts) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from workflow.criteria.verdict import judge, together
+from workflow.criteria.settings import judge, together
 from workflow.estimates.structures import structures_of
 from workflow.report.crests import crest_parts
 from workflow.report.numbers import listed

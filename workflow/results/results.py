@@ -15,11 +15,10 @@ from workflow.results.cases import CaseAnswer, CasesAnswer
 from workflow.results.continuum import FemAnswer, VariantsAnswer
 from workflow.results.dem_counterpart import DemCounterpart
 from workflow.results.discs import DiscsAnswer
-from workflow.results.liquefied import LiquefiedAnswer
 from workflow.results.material_points import PointSlidesAnswer
-from workflow.results.residual import ResidualAnswer
 from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.slices import SlicesAnswer
+from workflow.results.stability import LiquefiedAnswer, ResidualAnswer
 from workflow.results.triggering import TriggeringAnswer
 from workflow.run.plan import changes, is_of_this_input, made_from
 from workflow.run.record import Entry, Record

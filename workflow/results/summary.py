@@ -12,10 +12,9 @@ from meshes.section.structure import Kind
 from workflow.results.answer import Answer, Part, SectionLabel
 from workflow.results.cases import CaseNumbers, CaseSummary, RandomPackings
 from workflow.results.continuum import MeshCount, PathVerdict
-from workflow.results.liquefied import LiquefiedCase
 from workflow.results.material_points import PointCase
-from workflow.results.residual import TwoSteps
 from workflow.results.slices import SlicesAnswer
+from workflow.results.stability import LiquefiedCase, TwoSteps
 from workflow.results.triggering import StratumPart
 from workflow.results.verdicts import CrestPart, HeadlinePart, VerdictPart, WarningPart
 

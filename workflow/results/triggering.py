@@ -7,7 +7,7 @@ from pydantic import Field
 from meshes.borings.boring import Cone, Sample
 from workflow.config import Config
 from workflow.earthquake.attenuation import GAL
-from workflow.earthquake.triggering.assessment import Assessment, Judged
+from workflow.earthquake.triggering.assessment import SOURCE, Assessment, Judged, risk
 from workflow.earthquake.triggering.consequences import (
     ISHIHARA_YOSHIMINE,
     PRESSURE_VALIDITY,
@@ -16,7 +16,6 @@ from workflow.earthquake.triggering.consequences import (
     left,
     pore_pressures,
 )
-from workflow.earthquake.triggering.potential import SOURCE, risk
 from workflow.earthquake.triggering.residual import RELATIONS
 from workflow.results.answer import Answer, Known, Part, SectionLabel
 

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from workflow.criteria.verdict import Verdict
+from workflow.criteria.settings import Verdict
 from workflow.results.answer import Part
 
 Criterion = Literal["factor of safety", "critical Kh", "displacement", "crest settlement", "freeboard"]

@@ -27,7 +27,6 @@ PACKAGES = (
     "vtk",
     "pyvista",
     "matplotlib",
-    "h5py",
     "clarabel",
 )
 
@@ -95,5 +94,5 @@ def versions() -> dict[str, str]:
 def _versions() -> Iterator[tuple[str, str]]:
     yield "python", platform.python_version()
     for name in PACKAGES:
-        with suppress(metadata.PackageNotFoundError):  # Debian's h5py comes without its name
+        with suppress(metadata.PackageNotFoundError):
             yield name, metadata.version(name)

@@ -11,7 +11,7 @@ from fem.settings import BoundsSettings, FemSettings
 from meshes.errors import InputError, NoAnswerError
 from meshes.section.section import Section
 from workflow.config import Config
-from workflow.results.bearing import Bearing, Stands
+from workflow.results.stability import Bearing, Stands
 
 if TYPE_CHECKING:
     from fem.limit.directions import SmallerKhBounds

@@ -10,7 +10,7 @@ from workflow.results.discs import SETS, DiscsAnswer, DiscState, SetOfSprings
 from workflow.run.store import Store
 from workflow.stages.discs_at_rest import PAPER, SETTLED, ground_for
 
-CALIBRATED = "dem/calibrated.h5"
+CALIBRATED = "dem/calibrated.npz"
 STARTS: dict[SetOfSprings, str] = {"before": SETTLED, "after": CALIBRATED, "paper": PAPER}
 
 

@@ -24,7 +24,7 @@ FAILING = "failing"
 
 def state_file(which: SetOfSprings, label: str) -> str:
     """File of a stored state in the folder."""
-    return f"dem/state_{which}_{label}.h5"
+    return f"dem/state_{which}_{label}.npz"
 
 
 @dataclass(frozen=True)

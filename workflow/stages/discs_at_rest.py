@@ -22,8 +22,8 @@ from workflow.results.dem_counterpart import DemCounterpart
 from workflow.results.journal import Journal
 from workflow.run.store import Store
 
-SETTLED = "dem/settled.h5"
-PAPER = "dem/paper_settled.h5"
+SETTLED = "dem/settled.npz"
+PAPER = "dem/paper_settled.npz"
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from meshes.section.liquefies import Remains
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
-from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
+from workflow.results.stability import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 from workflow.run.stage import Job, Stage, unless_it_liquefies
 from workflow.stages.bearing import WITHOUT_EFFECT, bearing_of
 from workflow.stages.liquefaction import LOST, cases_as_data, remaining

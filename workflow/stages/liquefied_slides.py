@@ -74,7 +74,7 @@ def _wanted(config: Config, cases: tuple[int, ...] | None) -> list[int]:
 
 def _starts(config: Config, store: Store) -> dict[str, tuple[DiscModel, Ground]]:
     """Discs at rest to start from: the calibrated ones, and the paper's as printed if the settings request them."""
-    calibrated = DiscModel.load(store.folder / "dem/calibrated.h5")
+    calibrated = DiscModel.load(store.folder / "dem/calibrated.npz")
     starts = {"calibrated": (calibrated, ground_for(config.section, store, config.dem, calibrated))}
     paper = ""
     if config.dem.model == "soil" and config.dem.paper:

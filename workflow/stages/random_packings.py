@@ -113,7 +113,7 @@ def packed(packing: Packing, tell: Tell) -> Packed:
     """The calibration of a packing and its slides by case; no slides where the calibration is out of reach."""
     config, store, parameter = packing.config, packing.store, packing.parameter
     dem = config.dem.changed(packing="random", seed=packing.seed, parameter=parameter)
-    discs = discs_at_rest(config, store, dem, f"dem/slide_seed{dem.seed}_settled.h5", tell)
+    discs = discs_at_rest(config, store, dem, f"dem/slide_seed{dem.seed}_settled.npz", tell)
     calibrator = calibrator_for(
         discs, store, dem, f"dem/slide_seed{dem.seed}_trials.jsonl",
         lambda trial: tell(f"Kh = {trial.kh:.4f} {trial.verdict}"), packing.continuum,

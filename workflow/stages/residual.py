@@ -13,7 +13,7 @@ import numpy as np
 from meshes.errors import InputError
 from workflow.config import Config
 from workflow.results.answer import SectionLabel, line
-from workflow.results.residual import AlongSurface, ResidualAnswer, SoftenedStratum, TwoSteps, Verdict
+from workflow.results.stability import AlongSurface, ResidualAnswer, SoftenedStratum, TwoSteps, Verdict
 from workflow.run.stage import Job, Stage
 from workflow.stages.bearing import WITHOUT_EFFECT, bearing_of, tried
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from fem.search.strength_reduction import SafetyFactor
     from meshes.quad_mesh import QuadMesh
     from meshes.section.section import Section
-    from workflow.results.bearing import Bearing
+    from workflow.results.stability import Bearing
 
 
 def work(job: Job) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from meshes.errors import InputError, NoAnswerError
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
-from workflow.results.convergence import ConvergenceAnswer, Series
+from workflow.results.study import ConvergenceAnswer, Series
 from workflow.run.store import Store
 from workflow.study.ensemble import Ensemble, OnRow, Row
 from workflow.study.parts import PARTS

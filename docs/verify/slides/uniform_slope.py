@@ -22,7 +22,7 @@ from dem.settings import SlideSettings
 from dem.slides.liquefaction import Slider
 from dem.slides.until_rest import UntilRest, run_until_rest
 from dem.springs import LayerSprings
-from dem.tied_packing import TiedPacking, tied_packing
+from docs.verify.slides.tied_packing import TiedPacking, tied_packing
 from meshes.section.quantity import GRAVITY
 
 G = 9.81  # m/s2

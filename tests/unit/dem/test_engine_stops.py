@@ -68,7 +68,7 @@ def test_smallest_of_all_limits_sets_the_step() -> None:
 
 def test_nan_stops_the_run_and_leaves_the_checkpoint(tmp_path: Path) -> None:
     model = box(6, 5)
-    kept = tmp_path / "kept.h5"
+    kept = tmp_path / "kept.npz"
     engine = Engine(checkpoint=kept, checkpoint_every=0.05)
     engine.run(model, 0.1)
     model.vx_half[17] = model.vx[17] = np.nan

@@ -40,8 +40,7 @@ from dem.model import DiscModel
 from dem.packing import lattice_box
 from dem.pair_table import pair_table
 from dem.pressure_shear import take_back_shear
-from dem.slides.liquefied_strength import SHEAR_MODULUS, liquefied, onset
-from dem.slides.overburden import effective_overburden
+from dem.slides.liquefied_strength import SHEAR_MODULUS, effective_overburden, liquefied, onset
 from tests.support.dem_cases import BARE, RADIUS
 from tests.support.liquefied import GRAVITY, ShearedBox, sand, with_voids
 
@@ -103,8 +102,8 @@ def test_stops_and_checkpoints_do_not_change_a_bit(tmp_path: Path, soft: bool) -
     engine.run(whole, steps=301)
     for steps in (3, 97, 1, 100):
         engine.run(part, steps=steps)
-        part.save(tmp_path / "half.h5")
-        part = DiscModel.load(tmp_path / "half.h5")
+        part.save(tmp_path / "half.npz")
+        part = DiscModel.load(tmp_path / "half.npz")
     engine.run(part, steps=100)
     assert whole.steps_held > 1
     same(whole, part)

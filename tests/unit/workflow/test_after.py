@@ -10,7 +10,7 @@ from workflow.report.post_liquefaction import factors, just_enough
 from workflow.report.summary_text import findings
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CasesAnswer
-from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
+from workflow.results.stability import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 
 
 def after_liquefaction(number: int, strength: float, factor: float) -> LiquefiedCase:

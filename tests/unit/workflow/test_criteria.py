@@ -8,8 +8,7 @@ from meshes.errors import InputError
 from meshes.section.structure import Structure, structure_problems
 from tests.support import TOP
 from workflow.config import Config
-from workflow.criteria.settings import CriteriaSettings, FactorCriterion
-from workflow.criteria.verdict import judge, together
+from workflow.criteria.settings import CriteriaSettings, FactorCriterion, judge, together
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ except SystemExit as stop:
 print(json.dumps(sorted(sys.modules)))
 """
 # Each of these takes a tenth of a second or more to load.
-COMPUTE = {"numba", "gmsh", "dolfinx", "mpi4py", "scipy", "pyvista", "vtkmodules", "meshio", "clarabel", "h5py"}
+COMPUTE = {"numba", "gmsh", "dolfinx", "mpi4py", "scipy", "pyvista", "vtkmodules", "meshio", "clarabel"}
 READ = {"pint", "jinja2"}
 ANY = {"numpy", "matplotlib", "PIL"}
 

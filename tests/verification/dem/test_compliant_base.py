@@ -97,8 +97,8 @@ def test_a_checkpoint_keeps_how_the_base_moves(column: Column, tmp_path) -> None
     model.acceleration = Acceleration(model.time + np.array([0.0, 0.3]), np.array([0.0, PUSH]), np.zeros(2))
     engine = Engine(dt=0.5 * largest_step(model).seconds)
     engine.run(model, 0.3)
-    model.save(tmp_path / "base.h5")
-    other = DiscModel.load(tmp_path / "base.h5")
+    model.save(tmp_path / "base.npz")
+    other = DiscModel.load(tmp_path / "base.npz")
     assert model.base_velocity != 0.0
     for each, threads in ((model, 1), (other, 2)):
         Engine(dt=engine.dt, threads=threads).run(each, 0.2)

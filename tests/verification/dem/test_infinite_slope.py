@@ -13,7 +13,7 @@ from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.model import DiscModel
 from dem.springs import LayerSprings, Strength, soil_discs
-from dem.tied_packing import TiedPacking, tied_packing
+from docs.verify.slides.tied_packing import TiedPacking, tied_packing
 from tests.support.dem_cases import GRAVITY
 from tests.support.tied_shear import shear
 

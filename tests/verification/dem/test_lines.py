@@ -73,8 +73,8 @@ def test_a_smooth_and_a_rough_line_in_one_box() -> None:
 def test_other_springs_and_checkpoints_keep_what_lines_hold(tmp_path: Path) -> None:
     model = two_lines((SMOOTH, None))
     model.set_springs([replace(SAND, friction=0.4)])
-    model.save(tmp_path / "state.h5")
-    again = DiscModel.load(tmp_path / "state.h5")
+    model.save(tmp_path / "state.npz")
+    again = DiscModel.load(tmp_path / "state.npz")
     for one in (model, again):
         one.set_velocity(5.0, 0.0)
         Engine(dt=1e-4).run(one, 1.0)

@@ -10,7 +10,7 @@ from tests.support import SECTIONS
 from tests.support.borings import bored
 from tests.support.sections import analysed, problems
 from workflow.config import Config
-from workflow.estimates.empirical import empirical
+from workflow.estimates.empirical import bray_macedo, bray_travasarou, empirical
 from workflow.estimates.lateral_spread import (
     Spreading,
     displacement_index,
@@ -21,7 +21,6 @@ from workflow.estimates.lateral_spread import (
     zhang_free_face,
 )
 from workflow.estimates.sliding_block import newmark
-from workflow.estimates.slope_displacement import bray_macedo, bray_travasarou
 from workflow.estimates.truss import Truss, truss_of
 
 # Magnitude, distance (km), slope (%), T15 (m), F15 (%), D50 (mm), and the displacement observed (m): rows of gently

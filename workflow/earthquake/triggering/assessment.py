@@ -1,6 +1,7 @@
 """F_L at every blow count of a section, which strata liquefy, and P_L of every boring."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -17,7 +18,6 @@ from workflow.earthquake.triggering import boulanger_idriss, idriss_boulanger
 from workflow.earthquake.triggering.blow_count import KPA, BlowCount, Resistance, Shaking
 from workflow.earthquake.triggering.boulanger_idriss import ConeTest
 from workflow.earthquake.triggering.methods import RELATIONS, Relation
-from workflow.earthquake.triggering.potential import potential
 from workflow.earthquake.triggering.settings import TriggeringSettings
 
 ABOVE_WATER = "above the water table"  # why a soil is not judged
@@ -292,3 +292,29 @@ def _stretches(section: Section, x: list[float]) -> dict[float, float]:
     left, right = section.given_extent
     limits = [left, *(0.5 * (a + b) for a, b in pairwise(x)), right]
     return {place: max(limits[k + 1] - limits[k], 1e-9) for k, place in enumerate(x)}
+
+
+SOURCE = "T. Iwasaki, F. Tatsuoka, K. Tokida, S. Yasuda, 2nd Int. Conf. Microzonation, San Francisco (1978) 885-896"
+DEEPEST = 20.0  # m
+# P_L up to which damage is what (Iwasaki et al. 1982): the words of the method's authors.
+RISKS = ((0.0, "very low"), (5.0, "low"), (15.0, "high"))
+
+
+def potential(layers: Sequence[tuple[float, float, float | None]]) -> float:
+    """P_L = ∫ F w dz from the ground to 20 m, F = 1 - F_L where F_L < 1, w = 10 - z/2.
+
+    ``layers`` are (top, bottom, F_L) with depths in m; None where the soil does not liquefy. From 0 to 100.
+    """
+    total = 0.0
+    for top, bottom, factor in layers:
+        top, bottom = min(top, DEEPEST), min(bottom, DEEPEST)
+        if factor is None or factor >= 1.0 or bottom <= top:
+            continue
+        weight = 10.0 * (bottom - top) - 0.25 * (bottom**2 - top**2)
+        total += (1.0 - factor) * weight
+    return total
+
+
+def risk(value: float) -> str:
+    """The risk of liquefaction damage in the words of Iwasaki et al. (1982)."""
+    return next((word for up_to, word in RISKS if value <= up_to), "very high")

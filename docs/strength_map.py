@@ -1,4 +1,4 @@
-"""Recompute the maps of `strength_map`: python -m dem.laboratory.make_map [FILE] [--seeds N] [--workers N].
+"""Recompute the maps of `dem.laboratory.strength_map`: python -m docs.strength_map [FILE] [--workers N].
 
 All patches are tested at one pressure, since only the two dimensionless numbers matter, and kappa = kn / p is 400.
 Rotating discs without cohesion are tested with more seeds than those with cohesion. It takes three quarters of an hour
@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from dem.errors import ConfinementError, EscapeError
+from dem.laboratory import strength_map
 from dem.laboratory.compression import PatchStrength, compress
 from dem.laboratory.contact_numbers import PRESSURE, ContactNumbers
-from dem.laboratory.strength_map import KAPPA, MAP
 
 FRICTION = (-0.45, -0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8)
 COHESION = (0.0, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4, 12.8, 25.6)
@@ -41,7 +41,7 @@ def patch_strength(place: tuple[bool, float, float, int]) -> PatchStrength | Non
     if cohesion_number == 0.0:  # what holds nothing without any push cannot hold less with one
         friction = max(friction, 0.0)
     try:
-        return compress(ContactNumbers(turns, friction, cohesion_number, KAPPA).sample(seed), PRESSURE)
+        return compress(ContactNumbers(turns, friction, cohesion_number, strength_map.KAPPA).sample(seed), PRESSURE)
     except (ConfinementError, EscapeError):
         return None
 
@@ -50,7 +50,7 @@ def row_of(cohesion_number: float, patches: Sequence[PatchStrength]) -> list[str
     """The values of the map at one of its points, from the patches tested there."""
     after = np.array([patch.after for patch in patches]) / PRESSURE
     peak = np.mean([patch.course for patch in patches], axis=0).max() / PRESSURE
-    stiffness = ContactNumbers(True, 0.0, cohesion_number, KAPPA).stiffness * PRESSURE
+    stiffness = ContactNumbers(True, 0.0, cohesion_number, strength_map.KAPPA).stiffness * PRESSURE
     modulus = np.mean([patch.E for patch in patches]) / stiffness
     dilation = np.degrees(np.mean([patch.dilation for patch in patches]))
     return [f"{value:.4g}" for value in (after.mean(), peak, after.std(ddof=1), modulus, dilation)]
@@ -59,7 +59,7 @@ def row_of(cohesion_number: float, patches: Sequence[PatchStrength]) -> list[str
 def main() -> None:
     """Compute the maps, and write their file."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("file", nargs="?", type=Path, default=Path(__file__).with_name(MAP))
+    parser.add_argument("file", nargs="?", type=Path, default=Path(strength_map.__file__).with_name(strength_map.MAP))
     parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args()
     wanted = [(turns, mu, c, seed) for turns, mu, c, seeds in places() for seed in range(seeds)]
