@@ -36,7 +36,7 @@ def whole(path: Path) -> Iterator[Path]:
 def write_checkpoint(path: Path, arrays: Mapping[str, np.ndarray], plain: Mapping[str, Any]) -> None:
     """Write arrays, and plain values that JSON can hold, to a file of NumPy (.npz), exact to the last bit."""
     with whole(path) as beside, beside.open("wb") as file:
-        np.savez(file, allow_pickle=False, **arrays, **{PLAIN: np.array(json.dumps(plain))})
+        np.savez(file, **arrays, **{PLAIN: np.array(json.dumps(plain))})
 
 
 def read_checkpoint(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:

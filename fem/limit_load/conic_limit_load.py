@@ -181,28 +181,24 @@ def conic_limit_load(
     ``start`` of another limit load with the same mesh, held components and loads, which saves half of the work.
     """
     ground = gathered(problem, mesh, dead, live)
-    starts: list[cone_program.Warm | None] = [None]  # those of other ranks are not sent
-
-    def find() -> ConicLimitLoad:
-        limit, starts[0] = _limit(problem, mesh, ground, start)
-        return limit
-
-    return replace(computed_by_first_rank(problem, find), start=starts[0])
+    answer: ConicLimitLoad | NoAnswerError | None = None
+    warm = None  # it is not sent to other ranks
+    if problem.grid.comm.rank == 0:
+        ratio = float(np.abs(ground.load(0)).sum() / np.abs(ground.load(1)).sum())  # both loads as large as one
+        ground, solution = ground.solved(
+            lambda unit: unit.program(problem.strength, unit.load(0), ratio * unit.load(1)), start, LEAST_KH / ratio
+        )
+        answer = _limit(problem, mesh, ground, solution, ratio)
+        warm = None if solution.none else solution.warm
+    return replace(of_first_rank(problem, answer), start=warm)
 
 
 A = TypeVar("A")
 
 
-def computed_by_first_rank(problem: "PlaneStrain", find: Callable[[], A]) -> A:
-    """The result of the first MPI rank, or its NoAnswerError, on all ranks."""
-    comm = problem.grid.comm
-    answer: A | NoAnswerError | None = None
-    if comm.rank == 0:
-        try:
-            answer = find()
-        except NoAnswerError as error:
-            answer = error
-    answer = comm.bcast(answer)
+def of_first_rank(problem: "PlaneStrain", answer: A | NoAnswerError | None) -> A:
+    """The answer of the first MPI rank on all ranks; raises it if it is a NoAnswerError."""
+    answer = problem.grid.comm.bcast(answer)
     if isinstance(answer, NoAnswerError):
         raise answer
     return cast(A, answer)
@@ -228,22 +224,20 @@ def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Dis
 
 
 def _limit(
-    problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised, start: cone_program.Warm | None
-) -> tuple[ConicLimitLoad, cone_program.Warm | None]:
-    """The limit load, and the starting point for others; raises as ``conic_limit_load`` does."""
-    ratio = float(np.abs(ground.load(0)).sum() / np.abs(ground.load(1)).sum())  # both loads as large as one
-    ground, solution = ground.solved(
-        lambda scaled: scaled.program(problem.strength, scaled.load(0), ratio * scaled.load(1)), start, LEAST_KH / ratio
-    )
+    problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised, solution: cone_program.Solution, ratio: float
+) -> ConicLimitLoad | NoAnswerError:
+    """The limit load by a ``solution`` whose multiplier is that of the live load over ``ratio``, or why there is
+    none.
+    """
     if not solution.sure:
-        raise NoAnswerError(f"the limit load of the elements was not found ({solution.ended})", "use another mesh")
+        return NoAnswerError(f"the limit load of the elements was not found ({solution.ended})", "use another mesh")
     if solution.none == "no mechanism":
-        return ConicLimitLoad(np.inf, None, (np.inf, np.inf)), None
+        return ConicLimitLoad(np.inf, None, (np.inf, np.inf))
     if solution.none:
-        raise UnstableError("the section fails under its own weight: no stress balances it")
+        return UnstableError("the section fails under its own weight: no stress balances it")
     kh = ratio * solution.multiplier
     low, high = (ratio * multiplier for multiplier in solution.bracket)
-    return ConicLimitLoad(kh, ground.mechanism(problem, mesh, solution, kh), (low, high)), solution.warm
+    return ConicLimitLoad(kh, ground.mechanism(problem, mesh, solution, kh), (low, high))
 
 
 def _strain_matrix(cells: _Cells, factor: np.ndarray, size: int) -> sparse.csr_matrix:

@@ -26,7 +26,7 @@ import numpy as np
 from fem.continuum.fields import State
 from fem.continuum.strength import strength_of
 from fem.errors import UnstableError
-from fem.limit_load.conic_limit_load import Discretised, computed_by_first_rank, gathered
+from fem.limit_load.conic_limit_load import Discretised, gathered, of_first_rank
 from fem.solvers import cone_program
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
@@ -116,16 +116,17 @@ def conic_safety_factor(
     mean = _elastic_mean(problem, forces)
     ground = gathered(problem, mesh, forces)
     means = grid.comm.gather(mean) or [mean]
-
-    starts: list[FactorStart | None] = [None]  # those of other ranks are not sent
-
-    def find() -> tuple[float, State]:
-        factor, mechanism, starts[0] = _Search(problem, mesh, ground, np.concatenate(means), start).find(guess, kh)
-        return factor, mechanism
-
-    factor, mechanism = computed_by_first_rank(problem, find)
+    answer: tuple[float, State] | NoAnswerError | None = None
+    ahead = None  # it is not sent to other ranks
+    if grid.comm.rank == 0:
+        try:
+            factor, mechanism, ahead = _Search(problem, mesh, ground, np.concatenate(means), start).find(guess, kh)
+            answer = factor, mechanism
+        except NoAnswerError as error:
+            answer = error
+    factor, mechanism = of_first_rank(problem, answer)
     problem.use_strength(factor)
-    return ConicSafetyFactor(factor, mechanism, starts[0])
+    return ConicSafetyFactor(factor, mechanism, ahead)
 
 
 def too_weak(kh: float) -> UnstableError:

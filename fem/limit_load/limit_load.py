@@ -186,16 +186,30 @@ def pushed(
     Raises InputError, UnstableError.
     ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
-    if faces is not None:
-        return _pushed(section, mesh, settings, comm, faces)
-    sand, always = cohesionless_faces(section, settings), faces_failing_at_rest(section, settings)
-    first = min((face.kh for face in sand), default=np.inf)
-    if first > 0.0 and not is_unique(section, settings):
-        return _pushed(section, mesh, settings, comm, always)
-    ground = _pushed(section, mesh, settings, comm, sand + always)
-    if ground.limit is not None and ground.limit.multiplier <= first < np.inf and first > 0.0:
-        return _pushed(section, mesh, settings, comm, always)
-    return ground
+    first = 0.0  # Kh at which the first face fails
+    if faces is None:
+        sand, always = cohesionless_faces(section, settings), faces_failing_at_rest(section, settings)
+        first = min((face.kh for face in sand), default=np.inf)
+        faces = sand + always if first <= 0.0 or is_unique(section, settings) else always
+    if not is_unique(section, settings):
+        problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, faces)
+        load = seismic_load(problem, mesh, section, push(section, settings))
+        return Ground(problem, constant, constant, gravity, faces, load, None, settings)
+    while True:
+        problem, weight, constant = at_the_sides(section, mesh, settings, comm, faces)
+        load = seismic_load(problem, mesh, section, push(section, settings))
+        limit = None
+        try:
+            limit = conic_limit_load(problem, mesh, constant, load)
+        except UnstableError:
+            raise
+        except NoAnswerError:  # a path has to do
+            pass
+        if limit is not None and limit.multiplier < 0.0:
+            raise UnstableError("the section fails under its own weight")
+        if limit is None or not limit.multiplier <= first < np.inf or first <= 0.0:
+            return Ground(problem, weight, constant, None, faces, load, limit, settings)
+        faces, first = always, 0.0  # the ground below fails before them
 
 
 def at_rest(ground: Ground) -> Ground:
@@ -209,26 +223,6 @@ def at_rest(ground: Ground) -> Ground:
 def is_unique(section: Section, settings: FemSettings) -> bool:
     """Whether the limit load is unique and the element suits limit analysis; no step size matters then."""
     return is_associated(section.strata, settings.flow) and element_for(section, settings) == "reduced"
-
-
-def _pushed(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[ShallowFailure]) -> Ground:
-    """The ground with ``faces`` strengthened, and the limit load where there is one; at rest where there is none."""
-    if is_unique(section, settings):
-        problem, weight, constant = at_the_sides(section, mesh, settings, comm, faces)
-        load = seismic_load(problem, mesh, section, push(section, settings))
-        limit = None
-        try:
-            limit = conic_limit_load(problem, mesh, constant, load)
-        except UnstableError:
-            raise
-        except NoAnswerError:  # a path has to do
-            pass
-        if limit is not None and limit.multiplier < 0.0:
-            raise UnstableError("the section fails under its own weight")
-        return Ground(problem, weight, constant, None, faces, load, limit, settings)
-    problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, faces)
-    load = seismic_load(problem, mesh, section, push(section, settings))
-    return Ground(problem, constant, constant, gravity, faces, load, None, settings)
 
 
 def cohesionless_faces(section: Section, settings: FemSettings) -> list[ShallowFailure]:

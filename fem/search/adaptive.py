@@ -7,6 +7,7 @@ On each mesh of the sequence (``mesh_sequence.py``) the limit load follows from 
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,9 +22,9 @@ from fem.search.mesh_sequence import (
     SMALLEST_KH,
     AdaptiveResult,
     MeshRound,
+    MeshSequence,
     Wish,
     nothing,
-    solve_adaptively,
 )
 from fem.search.strength_reduction import SafetyFactor, limit_load_safety_factor
 from fem.settings import FACTOR_SHARE, LEAST_KH, FemSettings
@@ -140,22 +141,20 @@ class AdaptiveSearch:
     def _towards(
         self, direction: Direction, settings: FemSettings, other: Callable[[], float]
     ) -> AdaptiveResult[LimitLoadResult]:
-        wish = settings.changed(direction=direction)
-        faces = self._rough_faces(self.first, wish)
-
-        def solve(mesh: QuadMesh) -> LimitLoadResult:
-            nonlocal faces
+        one_way = settings.changed(direction=direction)
+        faces = self._rough_faces(self.first, one_way)
+        wish = Wish(settings.accuracy, self._most_cells(settings), other, LEAST_KH)
+        sequence = MeshSequence[LimitLoadResult](self.first, wish)
+        while (mesh := sequence.mesh) is not None:
             self.tell(f"limit load of {len(mesh.cells)} cells, {direction}")
-            result = critical_limit_load(self.section, mesh, wish, self.comm, faces)
-            faces = result.ground.faces
-            return result
-
-        def remade(mesh: QuadMesh, strain: np.ndarray, cells: int) -> QuadMesh:
-            return self._next(mesh, strain, cells, faces or (), wish)
-
-        return solve_adaptively(
-            self.first, remade, solve, Wish(settings.accuracy, self._most_cells(settings), other, LEAST_KH)
-        )
+            answer: LimitLoadResult | NoAnswerError
+            try:
+                answer = critical_limit_load(self.section, mesh, one_way, self.comm, faces)
+                faces = answer.ground.faces
+            except NoAnswerError as error:
+                answer = error
+            sequence.take(answer, partial(self._next, faces=faces or (), settings=one_way))
+        return sequence.result
 
     def _next(
         self, mesh: QuadMesh, strain: np.ndarray, cells: int, faces: Sequence[ShallowFailure], settings: FemSettings
@@ -237,21 +236,19 @@ class AdaptiveSearch:
     def safety(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor]:
         """The factor of safety at ``kh``; raises what ``limit_load_safety_factor`` does on the first mesh."""
         guess = self._rough_safety(settings, kh)
-        faces = faces_at(self.section, settings, kh)
-
-        def solve(mesh: QuadMesh) -> SafetyFactor:
-            nonlocal guess
+        remade = partial(self._next, faces=faces_at(self.section, settings, kh), settings=settings)
+        wish = Wish(FACTOR_SHARE * settings.accuracy, self._most_cells(settings))
+        sequence = MeshSequence[SafetyFactor](self.first, wish)
+        while (mesh := sequence.mesh) is not None:
             self.tell(f"factor of safety at Kh = {kh:g}: {len(mesh.cells)} cells")
-            result = limit_load_safety_factor(self.section, mesh, settings, kh, self.comm, guess)
-            guess = result.factor
-            return result
-
-        def remade(mesh: QuadMesh, strain: np.ndarray, cells: int) -> QuadMesh:
-            return self._next(mesh, strain, cells, faces, settings)
-
-        return solve_adaptively(
-            self.first, remade, solve, Wish(FACTOR_SHARE * settings.accuracy, self._most_cells(settings))
-        )
+            answer: SafetyFactor | NoAnswerError
+            try:
+                answer = limit_load_safety_factor(self.section, mesh, settings, kh, self.comm, guess)
+                guess = answer.factor
+            except NoAnswerError as error:
+                answer = error
+            sequence.take(answer, remade)
+        return sequence.result
 
     def safety_beside(self, base: AdaptiveResult[SafetyFactor], other: FemSettings, kh: float) -> float:
         """The factor of safety by the flow rule of ``other`` settings on the mesh of ``base``. Where this mesh does not

@@ -87,7 +87,19 @@ def assess(
     """
     settings = settings.changed(flow=flow_of(section.strata, settings.flow))
     with one_more_thread(comm.size == 1) as executor:
-        return _Search(section, meshing, first, comm, listener, executor).assessed(settings)
+        search = _Search(section, meshing, first, comm, listener, executor)
+        # All answers; those that do not depend on each other are computed concurrently.
+        adapted, safety = None, None
+        if is_associated(section.strata, settings.flow):
+            if settings.direction != "both":
+                safety = search.begin_safety(settings)
+            try:
+                adapted = search.on_meshes("Kh").critical(settings)
+            except UnstableError as error:
+                raise search.fails(settings, error) from error
+            except NoAnswerError:  # an equilibrium path has to do
+                pass
+        return search.assessed(adapted, settings, safety)
 
 
 def critical_as_discs(
@@ -151,13 +163,14 @@ class _Search:
     listener: AssessmentListener
     executor: Executor
 
-    def assessed(self, settings: FemSettings) -> Assessment:
-        """All answers; those that do not depend on each other are computed concurrently."""
-        safety = None
-        if settings.direction != "both" and is_associated(self.section.strata, settings.flow):
-            safety = self.begin_safety(settings)
+    def assessed(
+        self, adapted: AdaptiveResult[LimitLoadResult] | None, settings: FemSettings, safety: list[Safety] | None
+    ) -> Assessment:
+        """All answers, by the limit loads on meshes adapted to the mechanism, or by an equilibrium path alone.
+
+        ``safety``: factors of safety that are already being computed, or None. Raises UnstableError.
+        """
         try:
-            adapted = self.limit_loads(settings)
             if adapted is None:
                 assessment = self.by_path(settings, safety)
             else:
@@ -219,19 +232,6 @@ class _Search:
     def dilates_more(self, settings: FemSettings) -> bool:
         """Whether the flow rule has a larger dilation angle than the section file (0 where it gives none)."""
         return settings.flow == "associated" and not is_dilating_fully(self.section.strata)
-
-    def limit_loads(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult] | None:
-        """The limit loads on meshes adapted to the mechanism; None without any, where an equilibrium path is followed
-        alone. Raises UnstableError.
-        """
-        if not is_associated(self.section.strata, settings.flow):
-            return None
-        try:
-            return self.on_meshes("Kh").critical(settings)
-        except UnstableError:
-            raise
-        except NoAnswerError:
-            return None
 
     def beside_limit_loads(
         self, adapted: AdaptiveResult[LimitLoadResult], settings: FemSettings

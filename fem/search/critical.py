@@ -15,10 +15,11 @@ from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.shallow_failure import ShallowFailure
 from fem.continuum.strength import Flow, flow_of
 from fem.limit_load.limit_load import Ground, at_rest, cohesionless_faces, faces_failing_at_rest, pushed
-from fem.path.equilibrium_path import EquilibriumPath, PathStep
+from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import path_settings
 from fem.path.load_stepping import step_to_limit
 from fem.path.newton import ProportionalLoad
+from fem.path.path_step import PathStep
 from fem.path.plateau import LimitLoad, PathListener, PlateauRule, find_limit_load
 from fem.settings import Element, FemSettings, PathVerdict
 from meshes.errors import InputError

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from fem.continuum.fields import state_of
-from fem.path.equilibrium_path import EquilibriumPath, PathStep
+from fem.path.equilibrium_path import EquilibriumPath
+from fem.path.path_step import PathStep
 from fem.path.plateau import PathListener
 from fem.search.critical import critical_coefficient
 from fem.search.slip_surface import slip_surface

@@ -171,45 +171,76 @@ class Wish:
         return last.tells and last.rest * size <= self.accuracy * max(size, self.least)
 
 
-def solve_adaptively(
-    first: QuadMesh,
-    remade: Callable[[QuadMesh, np.ndarray, int], QuadMesh],
-    solve: Callable[[QuadMesh], F],
-    wish: Wish,
-) -> AdaptiveResult[F]:
-    """Solve on ``first``, then on meshes that ``remade`` returns for the plastic shear strain of the last answer and a
-    number of cells.
+class MeshSequence(Generic[F]):
+    """Meshes on which an answer is computed, one after the other, until its remaining error is within the accuracy, the
+    largest number of cells is reached, or a mesh has no answer; then the last answer counts.
 
-    The sequence ends when the remaining error is within the accuracy, when the largest number of cells is reached, or
-    when the next mesh has no answer; then the last answer counts. Every rank makes the same mesh. Raises what ``solve``
-    raises on the first mesh.
-    ``wish``: accuracy and largest number of cells.
+    Parameters
+    ----------
+    first
+        The first mesh.
+    wish
+        Accuracy and largest number of cells.
+
+    Attributes
+    ----------
+    mesh : QuadMesh or None
+        The mesh on which the next answer is to be computed, for `take`; None at the end.
     """
-    mesh, result = first, solve(first)
-    rounds = [MeshRound(len(mesh.cells), result.value, math.inf, math.inf)]
-    while True:
+
+    def __init__(self, first: QuadMesh, wish: Wish) -> None:
+        self.mesh: QuadMesh | None = first
+        self._wish, self._rounds = wish, list[MeshRound]()
+        self._last: tuple[F, QuadMesh] | None = None
+        self._reason = ""
+
+    def take(self, answer: F | NoAnswerError, remade: Callable[[QuadMesh, np.ndarray, int], QuadMesh]) -> None:
+        """Take the answer on the mesh, or why it has none, and make the next mesh, if there is to be one.
+
+        ``remade`` makes it for a mesh, the plastic shear strain of its answer, and a number of cells. Every rank makes
+        the same mesh. Raises the error of the first mesh.
+        """
+        mesh, self.mesh = self.mesh, None
+        assert mesh is not None
+        if isinstance(answer, NoAnswerError):
+            return self._end(answer)
+        if self._rounds and answer.mechanism is None:
+            return self._end(NoAnswerError(answer.reason, ""))
+        self._last = answer, mesh
+        self._rounds.append(self._round(answer.value, len(mesh.cells)))
         cells = len(mesh.cells)
-        wanted = max(math.ceil((MORE_CELLS if len(rounds) > 1 else 1.0) * cells), FEWEST_CELLS)
-        if wanted > wish.max_cells >= FEWER_CELLS * cells:
-            wanted = wish.max_cells
-        reason = _reason_to_stop(rounds, result, wanted, wish)
-        if not reason:
-            assert result.mechanism is not None
+        wanted = max(math.ceil((MORE_CELLS if len(self._rounds) > 1 else 1.0) * cells), FEWEST_CELLS)
+        if wanted > self._wish.max_cells >= FEWER_CELLS * cells:
+            wanted = self._wish.max_cells
+        self._reason = _reason_to_stop(self._rounds, answer, wanted, self._wish)
+        if not self._reason:
+            assert answer.mechanism is not None
             try:
-                finer = remade(mesh, result.mechanism.plastic_shear_strain, wanted)
-                answer = solve(finer)
-                if answer.mechanism is None:
-                    reason = f"there is no answer on the next mesh: {answer.reason}"
+                self.mesh = remade(mesh, answer.mechanism.plastic_shear_strain, wanted)
             except NoAnswerError as error:
-                reason = f"there is no answer on the next mesh: {error}"
-        if reason:
-            return AdaptiveResult(result, mesh, rounds, wish.is_met(rounds[-1]), reason)
-        mesh, result, size = finer, answer, max(abs(answer.value), SMALLEST_KH)
-        left = left_of_error(rounds[-1], len(mesh.cells), result.value)
+                self._end(error)
+        return None
+
+    @property
+    def result(self) -> AdaptiveResult[F]:
+        """The last answer, and the sequence that led to it."""
+        assert self._last is not None
+        return AdaptiveResult(*self._last, self._rounds, self._wish.is_met(self._rounds[-1]), self._reason)
+
+    def _end(self, error: NoAnswerError) -> None:
+        if self._last is None:
+            raise error
+        self._reason = f"there is no answer on the next mesh: {error}"
+
+    def _round(self, value: float, cells: int) -> MeshRound:
+        """A mesh of the sequence, compared with the one before."""
+        if not self._rounds:
+            return MeshRound(cells, value, math.inf, math.inf)
+        before, size = self._rounds[-1], max(abs(value), SMALLEST_KH)
+        left = left_of_error(before, cells, value)
         rest = (left if left >= 0.0 else -RISEN * left) / size
-        change = abs(result.value - rounds[-1].value) / size
-        tells = left >= 0.0 or len(mesh.cells) >= (1.0 + LEAST_GAIN) * cells
-        rounds.append(MeshRound(len(mesh.cells), result.value, change, rest, tells))
+        tells = left >= 0.0 or cells >= (1.0 + LEAST_GAIN) * before.cells
+        return MeshRound(cells, value, abs(value - before.value) / size, rest, tells)
 
 
 def _reason_to_stop(rounds: list[MeshRound], result: MeshResult, wanted: int, wish: Wish) -> str:

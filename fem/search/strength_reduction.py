@@ -17,7 +17,7 @@ from fem.continuum.shallow_failure import faces_at, least_rolling_factor
 from fem.continuum.strength import is_associated, strength_of
 from fem.errors import UnstableError
 from fem.limit_load.conic_safety_factor import LARGEST_FACTOR, FactorStart, conic_safety_factor, too_weak
-from fem.path.equilibrium_path import EquilibriumPath, PathStep
+from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import (
     UNDER_GRAVITY,
     apply_load,
@@ -28,6 +28,7 @@ from fem.path.gravity import (
     under_weight,
 )
 from fem.path.newton import StrengthReduction
+from fem.path.path_step import PathStep
 from fem.path.plateau import PathListener, PlateauRule, find_limit_load
 from fem.search.critical import ASSOCIATED_RULE
 from fem.settings import FemSettings, PathVerdict

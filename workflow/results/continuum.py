@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 from pydantic import Field
 
 from fem.continuum.strength import Flow, davis_words
-from fem.path.equilibrium_path import PathStep
+from fem.path.path_step import PathStep
 from fem.search.result_warnings import ResultWarning
 from fem.settings import YIELDED, Element, FemSettings, PathVerdict
 from workflow.results.answer import Answer, Line, Part, SectionLabel

@@ -6,7 +6,7 @@ from typing import ClassVar, Self
 from pydantic import Field
 
 from fem.continuum.strength import Flow
-from fem.path.equilibrium_path import PathStep
+from fem.path.path_step import PathStep
 from fem.settings import YIELDED, Sides
 from workflow.results.answer import Answer, Line
 from workflow.results.continuum import FemAnswer, PathVerdict, displacement_at

@@ -21,7 +21,6 @@ from workflow.results.continuum import (
     ShallowFailurePart,
 )
 from workflow.results.stored_mesh import FEM_FILE
-from workflow.run.progress import Progress, silent
 from workflow.run.ranks import Ranks
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
@@ -36,22 +35,10 @@ if TYPE_CHECKING:
     from meshes.quad_mesh import QuadMesh
 
 
-def work(job: Job) -> None:
-    """Find the critical Kh with all MPI ranks."""
-    from workflow.results.stored_mesh import stored_mesh
-
-    ranks = job.ranks or Ranks()
-    mesh = stored_mesh(job.config.section, job.store)
-    ranks.call()
-    fem_stage(job.config, mesh, job.store, ranks.comm, job.progress)
-
-
 def help_compute(job: Job, ranks: Ranks) -> None:
     """The work of every rank but the first: its share of the finite element analysis, if there is one."""
-    from workflow.results.stored_mesh import stored_mesh
-
     if ranks.called():
-        fem_stage(job.config, stored_mesh(job.config.section, job.store), None, ranks.comm, silent)
+        work(job)
 
 
 def draw(job: Job) -> None:
@@ -62,15 +49,20 @@ def draw(job: Job) -> None:
     draw_all(job.config, FemResults.load(job.config.section, job.store), job.store)
 
 
-def fem_stage(config: Config, mesh: "QuadMesh", store: Store | None, comm: Any, progress: Progress) -> None:
+def work(job: Job) -> None:
     """Find the critical Kh in both directions, with ψ = φ and by Davis's estimate, and factors of safety; writes fem/.
 
-    Every rank computes; only the one with a store writes. Raises InputError, UnstableError, NoEquilibriumError, and,
-    when all is written, NoAnswerError if the path ended undecided.
-    ``config``: of the run; ``mesh``: initial mesh; ``comm``: MPI communicator; ``progress``: called with every step.
+    Every MPI rank computes; only the first one writes. Raises InputError, UnstableError, NoEquilibriumError, and, when
+    all is written, NoAnswerError if the path ended undecided.
     """
     from fem.search.assessment import assess
     from meshes.quad_mesh import save
+    from workflow.results.stored_mesh import stored_mesh
+
+    config, store, progress, ranks = job.config, job.store, job.progress, job.ranks or Ranks()
+    mesh = stored_mesh(config.section, store)
+    if ranks.first:
+        ranks.call()
 
     def tell(what: str, path: "EquilibriumPath | None") -> None:
         if path is None:
@@ -84,9 +76,9 @@ def fem_stage(config: Config, mesh: "QuadMesh", store: Store | None, comm: Any, 
         )
 
     progress("gravity", None)
-    assessment = assess(config.section, config.mesh, mesh, config.fem, comm, tell)
+    assessment = assess(config.section, config.mesh, mesh, config.fem, ranks.comm, tell)
     result = assessment.critical
-    if store is not None:
+    if ranks.first:
         with store.writing(FEM_FILE) as path:
             save(assessment.mesh, path)
         answer_of(config, assessment).write(store)

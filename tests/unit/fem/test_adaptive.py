@@ -1,5 +1,6 @@
 """The sequence of meshes: when it ends, what it says of the answer, on a solver whose error is known."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from types import SimpleNamespace
@@ -11,8 +12,9 @@ import pytest
 from fem.continuum.shallow_failure import shallow_failures
 from fem.errors import UnstableError
 from fem.search.adaptive import next_mesh, strong_below
-from fem.search.mesh_sequence import AdaptiveResult, MeshRound, Wish, solve_adaptively
+from fem.search.mesh_sequence import AdaptiveResult, MeshRound, MeshSequence, Wish
 from fem.settings import FemSettings
+from meshes.errors import NoAnswerError
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
@@ -39,6 +41,19 @@ class Solver:
         shear = np.exp(-np.abs(z - 0.15 * x))
         mechanism = SimpleNamespace(plastic_shear_strain=shear) if self.fails else None
         return SimpleNamespace(value=EXACT + self.error / len(mesh.cells), reason="it is told", mechanism=mechanism)
+
+
+def solve_adaptively(
+    first: QuadMesh, remade: Callable[..., QuadMesh], solve: Callable[[QuadMesh], Any], wish: Wish
+) -> AdaptiveResult:
+    sequence: MeshSequence[Any] = MeshSequence(first, wish)
+    while sequence.mesh is not None:
+        try:
+            answer = solve(sequence.mesh)
+        except NoAnswerError as error:
+            answer = error
+        sequence.take(answer, remade)
+    return sequence.result
 
 
 def solved(
