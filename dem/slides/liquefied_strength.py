@@ -10,61 +10,11 @@ from dem.ground import Ground
 from dem.kernels.liquefied_pairs import FITTED
 from dem.liquefied_ground import LEAST_STRAIN, MOST_STRAIN, Onset
 from dem.model import DiscModel
+from dem.slides.overburden import effective_overburden
 from dem.slides.volume import area_per_disc
 from dem.springs import Law, LayerSprings
 from meshes.section.section import Section
 from meshes.section.strain_potential import BEYOND, stress_at_potential
-
-WIDE = 2.0  # mean diameters to either side over which weight is spread
-
-
-def effective_overburden(model: DiscModel) -> np.ndarray:
-    """Vertical effective stress (n,) in Pa at the centres of all discs.
-
-    It is the weight of all higher discs and of half the disc itself, with the forces of water and of loads on the
-    ground; the weight of each disc is distributed over `WIDE` mean diameters to either side. Fixed discs have no
-    weight.
-    """
-    free = np.flatnonzero(~model.fixed)
-    down = -model.mass * model.pull[1]
-    width = WIDE * 2.0 * float(model.radius[free].mean())
-    left, right = float((model.x - model.radius)[free].min()), float((model.x + model.radius)[free].max())
-    length = right - left if model.period is None else model.period[0]
-    columns = max(3, int(length / width))
-    across = length / columns
-
-    def column_of(x: np.ndarray) -> np.ndarray:
-        column = np.floor((x - left) / across).astype(int)
-        return np.clip(column, 0, columns - 1) if model.period is None else column % columns
-
-    there, here = column_of(model.x[free]), column_of(model.x)
-    out = np.zeros(len(model))
-    for k in range(columns):
-        around = [k - 1, k, k + 1]
-        if model.period is not None:
-            around = [c % columns for c in around]
-        above, below = free[np.isin(there, around)], np.flatnonzero(here == k)
-        dx = model.x[above] - model.x[below][:, np.newaxis]
-        dz = model.z[above] - model.z[below][:, np.newaxis]
-        if model.period is not None:
-            repeats = np.floor(dx / length + 0.5)
-            dx, dz = dx - repeats * length, dz - repeats * model.period[1]
-        share = np.maximum(1.0 - np.abs(dx) / across, 0.0) / across
-        higher = np.clip(0.5 + 0.5 * dz / model.radius[above], 0.0, 1.0)
-        out[below] = (share * higher) @ down[above]
-    if model.period is None:
-        out /= _within(model.x, left, right, across)
-    return np.maximum(out, 0.0)
-
-
-def _within(x: np.ndarray, left: float, right: float, width: float) -> np.ndarray:
-    """Share of a triangular distribution (half width `width`, peak at x) between two sides (n,)."""
-
-    def beyond(distance: np.ndarray) -> np.ndarray:
-        return 0.5 * np.clip(1.0 - np.maximum(distance, 0.0) / width, 0.0, 1.0) ** 2
-
-    return 1.0 - beyond(x - left) - beyond(right - x)
-
 
 NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go through each other
 NOTHING = 1e-6  # Pa
