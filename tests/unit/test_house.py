@@ -90,6 +90,7 @@ BREACHES = [
     ("fem/limit/bounds.py", "import fem.continuum.discretisation", "Limit analysis does without dolfinx"),
     ("fem/continuum/loads.py", "import fem.limit.bounds", "do without limit analysis"),
     ("dem/engine/engine.py", "import dem.search.critical", "The rooms of the discs"),
+    ("meshes/borings/log.py", "import meshes.drawings.shapes", "The rooms of the meshes"),
     ("workflow/run/plan.py", "import workflow.stages", "The floors of the workflow"),
     ("workflow/attic.py", "", "The floors of the workflow"),
 ]
