@@ -31,6 +31,7 @@ lint: setup ## style, types, who may import whom, and the words of the documenta
 	$(BIN)/lint-imports
 	$(BIN)/python docs/prose.py
 	$(BIN)/python docs/docstrings.py
+	$(BIN)/python docs/names.py
 
 test: checked ## what every change must pass
 	$(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder

@@ -91,8 +91,8 @@ class Case(Model):
 
     def strength_of(self, stratum: str) -> float:
         """The residual strength (Pa) of a stratum by its name, where it is given as a stress."""
-        kept = self.residual_strength
-        return value_of_stratum(kept, stratum) or 0.0 if isinstance(kept, dict) else kept
+        strengths = self.residual_strength
+        return value_of_stratum(strengths, stratum) or 0.0 if isinstance(strengths, dict) else strengths
 
     def strain_potential_of(self, stratum: str) -> float:
         """The strain potential of a stratum by its name: its shear strain before it regains strength."""
@@ -101,8 +101,8 @@ class Case(Model):
 
     def residual_remains(self, stratum: str) -> Remains:
         """Remaining strength of a stratum by its name, from its residual strength alone."""
-        kept = self.residual_of(stratum), self.strength_of(stratum), self.strain_potential_of(stratum)
-        return Remains(0.0, 0.0, *kept)
+        remains = self.residual_of(stratum), self.strength_of(stratum), self.strain_potential_of(stratum)
+        return Remains(0.0, 0.0, *remains)
 
     def remains_of(self, section: Section, number: int) -> Remains:
         """The strength of a stratum after liquefaction: its residual strength, or shares of cohesion and friction where
@@ -115,8 +115,8 @@ class Case(Model):
         if not (self.cohesion or self.friction):
             return residual
         stress, cohesion = field.mean_effective_stress(number), field.means()[number].cohesion
-        kept = self.cohesion * cohesion + self.friction * np.tan(stratum.friction_angle) * stress
-        return shares if kept > residual.residual * stress + residual.strength else residual
+        strength = self.cohesion * cohesion + self.friction * np.tan(stratum.friction_angle) * stress
+        return shares if strength > residual.residual * stress + residual.strength else residual
 
     @model_validator(mode="after")
     def _one_residual(self) -> Self:

@@ -60,10 +60,10 @@ class Ground:
 
     def to_section(self, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Places (m) in the frame of the section, from places in the frame of the discs."""
-        dx, dz = self.turned(u, v)
+        dx, dz = self.to_section_axes(u, v)
         return self.origin[0] + dx, self.origin[1] + dz
 
-    def turned(self, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def to_section_axes(self, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Vectors in the frame of the section, from vectors in the frame of the discs."""
         c, s = np.cos(self.tilt), np.sin(self.tilt)
         return c * u + s * v, -s * u + c * v
@@ -74,10 +74,12 @@ class Ground:
         model = self.packing.discs(DiscMaterials(layers, law=settings.model, mean=settings.mean), gravity=gravity)
         if self.section is not None:
             places = self.to_section(model.x, model.z)
-            model.pore_acceleration_x, model.pore_acceleration_z = self._own(still_water(self.section, places, model))
-            shaken = added_mass(self.section, places, model)
-            if shaken is not None:
-                model.added_mass_x, model.added_mass_z = self._own(shaken)
+            model.pore_acceleration_x, model.pore_acceleration_z = self._to_disc_axes(
+                still_water(self.section, places, model)
+            )
+            added = added_mass(self.section, places, model)
+            if added is not None:
+                model.added_mass_x, model.added_mass_z = self._to_disc_axes(added)
         return model
 
     def weaken(self, model: DiscModel) -> bool:
@@ -85,7 +87,7 @@ class Ground:
         added = None if self.section is None else excess(self.section, self.to_section(model.x, model.z), model)
         if added is None:
             return False
-        ax, az = self._own(added)
+        ax, az = self._to_disc_axes(added)
         model.pore_acceleration_x = model.pore_acceleration_x + ax
         model.pore_acceleration_z = model.pore_acceleration_z + az
         return True
@@ -109,14 +111,14 @@ class Ground:
             return None
         places = brought_back(*self.to_section(model.x, model.z), self.section.extent[0], model.repeats)
         felt = buoyancy(self.section, places, model)
-        return None if felt is None else np.array(self._own(felt))
+        return None if felt is None else np.array(self._to_disc_axes(felt))
 
-    def _own(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _to_disc_axes(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Vectors (n, 2) in the frame of the discs, from vectors in the frame of the section."""
         c, s = np.cos(self.tilt), np.sin(self.tilt)
         return c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]
 
-    def held(self, kh: float, start: float, rise: float, seconds: float | None) -> Acceleration:
+    def constant_acceleration(self, kh: float, start: float, rise: float, seconds: float | None) -> Acceleration:
         """Kh that rises in `rise` seconds from `start` (s), is held, and falls to zero within a second; + is downhill.
         seconds: time from `start` until it begins to fall; None if it never falls. kh: seismic coefficient that is held
         (-).
@@ -127,10 +129,10 @@ class Ground:
         off = self.shaking(kh, 0.0, start + max(seconds, rise + 1e-3), start + max(seconds, rise + 1e-3) + 1.0)
         return Acceleration(np.append(on.times, off.times), np.append(on.x, off.x), np.append(on.z, off.z))
 
-    def shaken(self, times: np.ndarray, push: np.ndarray) -> Acceleration:
+    def recorded_acceleration(self, times: np.ndarray, acceleration: np.ndarray) -> Acceleration:
         """A horizontal acceleration (m/s2) given at some times (s), + is downhill; zero before and after."""
         before, after = times[:1] - SOON, times[-1:] + SOON
-        felt = self.downhill * np.concatenate([[0.0], push, [0.0]])
+        felt = self.downhill * np.concatenate([[0.0], acceleration, [0.0]])
         return Acceleration(np.concatenate([before, times, after]), felt * np.cos(self.tilt), felt * np.sin(self.tilt))
 
     def steady(self, kh: float) -> Acceleration:
@@ -143,8 +145,8 @@ class Ground:
         before, after: Kh before and after (-); start, end: the times (s).
         """
         change = Acceleration.seismic(self.downhill * (after - before), tilt=self.tilt, ramp=(start, end))
-        held = self.steady(before)
-        return Acceleration(change.times, change.x + held.x[0], change.z + held.z[0])
+        before_change = self.steady(before)
+        return Acceleration(change.times, change.x + before_change.x[0], change.z + before_change.z[0])
 
 
 def springs_of(section: Section, settings: DemSettings, radius: float) -> list[LayerSprings]:

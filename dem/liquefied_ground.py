@@ -9,7 +9,7 @@ import numpy as np
 from dem.chunked_map import Ranges, serial
 from dem.kernels import liquefied_pairs as bond
 from dem.kernels.liquefied_lists import densities
-from dem.kernels.liquefied_stress import held_shear
+from dem.kernels.liquefied_stress import measured_shear
 from dem.kernels.neighbours import Near, cell_grid, find_pairs, known_pairs
 from dem.pressure_shear import take_back_shear
 from dem.state import DiscState
@@ -69,7 +69,7 @@ def list_liquefied(state: DiscState, in_ranges: Ranges = serial) -> None:
     order = state.order
     number = np.empty(len(state), np.int32)
     number[order] = np.arange(len(state), dtype=np.int32)
-    wet = has_begun(state)[order]
+    wet = is_liquefying(state)[order]
     # pairs of which neither has liquefied are left out as pairs of fixed discs are
     near = Near(state.x[order], state.z[order], state.radius[order], ~wet, 0.0, state.reach + state.skin, state.repeats)
     grid, known = cell_grid(near), known_pairs(state.liquefied_i, state.liquefied_j, number)
@@ -103,7 +103,7 @@ def match_strength(state: DiscState) -> None:
         return
     wet = state.liquefied
     way = np.array([state.x - state.x_list, state.z - state.z_list])
-    held, strain, used = held_shear(
+    stress, strain, used = measured_shear(
         wet, way, np.array([state.liquefied_i, state.liquefied_j]), state.bonds, state.reach, state.repeats
     )
     measured = wet[:, bond.SHARE] == 1.0
@@ -112,8 +112,8 @@ def match_strength(state: DiscState) -> None:
         measured[state.liquefied_j[state.fixed[state.liquefied_i]]] = False
     slipped = np.where(measured, np.clip((used - SLIPS) / (FLOWS - SLIPS), 0.0, 1.0), 0.0) * strain
     factor = state.strength_factor
-    asked = np.maximum(wet[:, bond.STRENGTH] / factor, LEAST_STRENGTH)
-    lacking = np.clip(1.0 - held / asked, -MOST_LACKING, MOST_LACKING)
+    required = np.maximum(wet[:, bond.STRENGTH] / factor, LEAST_STRENGTH)
+    lacking = np.clip(1.0 - stress / required, -MOST_LACKING, MOST_LACKING)
     change = np.clip(ADJUSTS * slipped * lacking, -MOST_CHANGE, MOST_CHANGE)
     now = np.clip(factor * np.exp(change), LEAST_FACTOR, MOST_FACTOR)
     wet[:, bond.STRENGTH] *= now / factor
@@ -145,7 +145,7 @@ def liquefy(model: DiscState, onset: Onset) -> None:
         model.liquefied = np.zeros((len(model), bond.FIELDS))
         model.strength_factor = np.ones(len(model))
         model.reach = reach
-    wet, new = model.liquefied, onset.discs & ~has_begun(model)
+    wet, new = model.liquefied, onset.discs & ~is_liquefying(model)
     wet[:, bond.AREA] = np.where(wet[:, bond.AREA] > 0.0, wet[:, bond.AREA], onset.area)
     wet[new, bond.PRESSURE] = onset.pressure[new]
     wet[new, bond.STRENGTH] = onset.strength[new]
@@ -175,7 +175,7 @@ def longest_look(model: DiscState) -> tuple[float, int]:
     It follows from the highest frequency of a disc on its bonds and pore water: twice the sum of their stiffness over
     its mass, as for contacts; sums over pairs are replaced by integrals over a uniform density.
     """
-    which = np.flatnonzero(has_begun(model))
+    which = np.flatnonzero(is_liquefying(model))
     if not len(which):
         return np.inf, -1
     wet = model.liquefied[which]
@@ -187,7 +187,7 @@ def longest_look(model: DiscState) -> tuple[float, int]:
     return float(SOFTEST / np.sqrt(square[highest])), int(which[highest])
 
 
-def steps_held(model: DiscState, dt: float) -> int:
+def steps_between_looks(model: DiscState, dt: float) -> int:
     """Number of steps of dt (s) for which forces of liquefied ground are constant."""
     return int(np.clip(longest_look(model)[0] / dt, 1, MOST_STEPS))
 
@@ -204,11 +204,11 @@ def change_areas(model: DiscState, factor: np.ndarray) -> None:
     if not len(model.liquefied):
         return
     model.liquefied[:, bond.AREA] *= factor
-    begun = has_begun(model)
-    model.liquefied[begun, bond.NOW] = _densities(model)[begun]
+    liquefying = is_liquefying(model)
+    model.liquefied[liquefying, bond.NOW] = _densities(model)[liquefying]
 
 
-def has_begun(model: DiscState) -> np.ndarray:
+def is_liquefying(model: DiscState) -> np.ndarray:
     """Mask (n,) of the discs whose liquefaction has begun."""
     return model.liquefied[:, bond.STIFFNESS] > 0.0 if len(model.liquefied) else np.zeros(len(model), bool)
 
@@ -218,4 +218,4 @@ def set_share(model: DiscState, share: np.ndarray) -> None:
     unchanged.
     """
     wet = model.liquefied
-    wet[:, bond.SHARE] = np.where(has_begun(model), share, 0.0)
+    wet[:, bond.SHARE] = np.where(is_liquefying(model), share, 0.0)

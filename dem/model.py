@@ -21,9 +21,9 @@ from dem.kernels.neighbours import (
     find_lines,
     find_pairs,
     known_pairs,
+    reversal_signs,
     share_out,
     spatial_order,
-    turned,
 )
 from dem.kernels.period import folded
 from dem.lines import with_line_strengths
@@ -34,7 +34,7 @@ from dem.state import LINE_MEMORY, MEMORY, ROLLING_MEMORY, DiscState
 from meshes.files import read_checkpoint, write_checkpoint
 
 # what changes its sign when the two discs of a pair change places
-TURNED = ("force_x", "force_z", "rolled", "torque")
+SIGN_CHANGES = ("force_x", "force_z", "rolled", "torque")
 WIDEST = 0.125  # of the skin: across no more do discs of cohesive soil attract each other
 SORT_EVERY = 16  # lists made between two sortings in space
 
@@ -173,13 +173,13 @@ class DiscModel(DiscState):
         share_out(i, j, len(self))
         owner, other = order[i], order[j]
         # a pair may have changed its owner
-        sign = turned(self.pair_i, other, old)
+        sign = reversal_signs(self.pair_i, other, old)
         self._carry(old, sign, in_ranges)
         self.pair_i, self.pair_j = owner, other
         disc, line = find_lines(xs, zs, rs, still, skin, self.lines, 4.0 * rs.max())
-        kept = {key: k for k, key in enumerate(zip(self.line_disc, self.line_id, strict=True))}
+        places = {key: k for k, key in enumerate(zip(self.line_disc, self.line_id, strict=True))}
         self.line_disc, self.line_id = order[disc], line
-        before = np.array([kept.get(key, -1) for key in zip(self.line_disc, line, strict=True)], int)
+        before = np.array([places.get(key, -1) for key in zip(self.line_disc, line, strict=True)], int)
         for name in LINE_MEMORY:
             setattr(self, name, np.append(getattr(self, name), 0.0)[before])
 
@@ -192,7 +192,7 @@ class DiscModel(DiscState):
         """History variables of the contacts of a new list, see `carry_over`."""
         before = tuple(getattr(self, name) for name in self.memory)
         after = tuple(np.empty(len(old)) for _ in before)
-        turns = np.array([name in TURNED for name in self.memory])
+        turns = np.array([name in SIGN_CHANGES for name in self.memory])
         in_ranges(lambda begin, end: carry_over(begin, end, before, old, sign, turns, after), len(old))
         for name, values in zip(self.memory, after, strict=True):
             setattr(self, name, values)
@@ -270,17 +270,17 @@ class DiscModel(DiscState):
         count = len(self.lines)
         if any(not 0 <= k < count for k in which):
             raise ValueError(f"there is no rigid line {[k for k in which if not 0 <= k < count]}: there are {count}")
-        kept = np.setdiff1d(np.arange(count), which)
+        remaining = np.setdiff1d(np.arange(count), which)
         number = np.full(count, -1, np.int32)
-        number[kept] = np.arange(len(kept), dtype=np.int32)
+        number[remaining] = np.arange(len(remaining), dtype=np.int32)
         here = number[self.line_id] >= 0
         for name in ("line_disc", *LINE_MEMORY):
             setattr(self, name, getattr(self, name)[here])
         self.line_id = number[self.line_id[here]]
-        self.lines = self.lines[kept].copy()
+        self.lines = self.lines[remaining].copy()
         if self.line_strength:
-            self.line_strength = tuple(self.line_strength[k] for k in kept)
-            self.springs = replace(self.springs, line_block=tuple(self.springs.line_block[k] for k in kept))
+            self.line_strength = tuple(self.line_strength[k] for k in remaining)
+            self.springs = replace(self.springs, line_block=tuple(self.springs.line_block[k] for k in remaining))
 
     def set_radius(self, radius: np.ndarray) -> None:
         """Replace the radii (m): discs swell, or shrink as liquefied ground that loses volume.
@@ -324,7 +324,7 @@ class DiscModel(DiscState):
         return copy.deepcopy(self)
 
     def save(self, path: Path | str) -> None:
-        """Write a checkpoint of the whole model to one file, which is never half written."""
+        """Write a checkpoint of the whole model to one file, completely or not at all."""
         arrays = {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
         arrays |= {f"acceleration_{name}": value for name, value in vars(self.acceleration).items()}
         plain = {name: value for name, value in vars(self).items() if isinstance(value, int | float | str)}

@@ -101,8 +101,8 @@ def triangular_lattice(outline: np.ndarray, stratum_at: StratumAt, radius: float
     """
     outline = _checked(outline)
     c, s = np.cos(angle), np.sin(angle)
-    turned = outline @ np.array([[c, -s], [s, c]])
-    low, high = turned.min(axis=0) + radius, turned.max(axis=0) - radius
+    rotated = outline @ np.array([[c, -s], [s, c]])
+    low, high = rotated.min(axis=0) + radius, rotated.max(axis=0) - radius
     row = np.arange(max(0, int((high[1] - low[1]) / (2.0 * radius * ROW) + 1e-9) + 1))
     column = np.arange(max(0, int((high[0] - low[0]) / (2.0 * radius) + 1e-9) + 1))
     u = (low[0] + 2.0 * radius * (column[None, :] + 0.5 * (row[:, None] % 2))).ravel()

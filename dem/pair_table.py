@@ -62,8 +62,8 @@ def pair_table(
         raise ValueError("contact cohesion, rolling friction and stop are properties of soil discs: use law='soil'")
     n = len(layers)
     pairs = _square(values, mean)
-    held = np.maximum(values[row.KN], [layer.boundary for layer in layers])
-    pairs[row.KN, :n, n] = pairs[row.KN, n, :n] = held
+    stiffness = np.maximum(values[row.KN], [layer.boundary for layer in layers])
+    pairs[row.KN, :n, n] = pairs[row.KN, n, :n] = stiffness
     left = _share_left([layer.faded for layer in layers])
     _fade(pairs, left)
     np.divide(_attraction(layers) * left, pairs[row.KN], out=pairs[row.GAP], where=pairs[row.KN] > 0.0)

@@ -21,7 +21,7 @@ from dem.kernels import stepping
 from dem.kernels.stepping import take_steps
 from dem.model import DiscModel
 from dem.springs import LayerSprings
-from meshes.compiled import kept_kernels
+from meshes.compiled import kernel_folder
 from meshes.executor import Executor, LostError, Processes, Tell
 
 MARK = "discs"  # file beside the kernels: those of the discs are there
@@ -33,7 +33,7 @@ SOIL = LayerSprings(
 
 def precompile(executor: Executor, tell: Tell) -> None:
     """Compile the kernels that take some seconds each, unless they are already compiled."""
-    mark = kept_kernels() / f"{MARK}-{_kept_for()}"
+    mark = kernel_folder() / f"{MARK}-{_conditions()}"
     if not config.DISABLE_JIT and not mark.exists():
         tell("the step loop of the discs is compiled, once for this version of the program")
         executor.compute(_compiled, ("steps", "energies"))
@@ -41,13 +41,13 @@ def precompile(executor: Executor, tell: Tell) -> None:
             mark.touch()
 
 
-def _kept_for() -> str:
+def _conditions() -> str:
     """Fingerprint of the conditions of Numba's compiled files: its version, the processor, the file of the step
     loop.
     """
     source = Path(stepping.__file__)
-    kept = (numba.__version__, get_host_cpu_name(), str(source), source.stat().st_mtime_ns)
-    return hashlib.sha256(repr(kept).encode()).hexdigest()[:16]
+    conditions = (numba.__version__, get_host_cpu_name(), str(source), source.stat().st_mtime_ns)
+    return hashlib.sha256(repr(conditions).encode()).hexdigest()[:16]
 
 
 def _compiled(what: str, _: Tell) -> None:

@@ -24,7 +24,7 @@ SEEDS: Mapping[DiscModelName, tuple[int, ...]] = {"soil": (1, 2), "paper": ()}
 ONSET: Mapping[DiscModelName, float] = {"soil": 5.0, "paper": 0.0}
 # soil discs have dashpots a tenth as large, and their energy balances with this
 STEP: Mapping[DiscModelName, float] = {"soil": 0.6, "paper": 0.3}
-PAPER_PUSH: Mapping[str, Any] = {  # of the paper, Sec. 4(3): Kh = 0.1, for ever
+PAPER_LOADING: Mapping[str, Any] = {  # of the paper, Sec. 4(3): Kh = 0.1, for ever
     "kh": 0.1, "kh_seconds": None, "kh_cycles": None, "kh_period": None, "accelerogram": "",
 }  # fmt: skip
 CASES: Mapping[DiscModelName, tuple[Case, ...]] = {"soil": LOOSE_SAND, "paper": SOFTENED}  # where none are given
@@ -268,8 +268,8 @@ class SlideSettings(Model):
             f'slide, cases {number}, {key}: there is no "{name}"; expected one of {", ".join(strata)}'
             for number, case in enumerate(self.cases, start=1)
             for key in ("residual", "residual_strength")
-            if isinstance(kept := getattr(case, key), dict)
-            for name in kept
+            if isinstance(values := getattr(case, key), dict)
+            for name in values
             if name not in strata
         ]
 

@@ -87,7 +87,7 @@ class DiscState:
         Strength of the bonds of liquefied discs over the prescribed one; empty before liquefaction.
     reach : float
         Reach of the kernel of the pore water (m), 0 before liquefaction.
-    steps_held : int
+    steps_between_looks : int
         Number of steps for which forces of liquefied ground are constant.
     mean, law : str
         Kind of mean of the constants of two layers, and contact law.
@@ -178,7 +178,7 @@ class DiscState:
     bonds: np.ndarray = field(default_factory=lambda: np.zeros((0, BOND_MEMORY)))
     strength_factor: np.ndarray = field(default_factory=lambda: np.zeros(0))
     reach: float = 0.0
-    steps_held: int = 1
+    steps_between_looks: int = 1
 
     def __len__(self) -> int:
         return len(self.x)

@@ -1,7 +1,7 @@
 """Forces of water and surcharges on discs, by the same fields as in finite elements and bounds. The force on a disc is
-that of its share of the soil at its initial place; forces on the ground surface, and between strata with different pore
-pressures, act on the nearest discs. The force on a disc is constant as it moves, except for buoyancy: the water table
-does not move, and the buoyancy of soil discs that cross it follows from their part below it (`buoyancy`).
+the force on its share of the soil at its initial place; forces on the ground surface, and between strata with different
+pore pressures, act on the nearest discs. The force on a disc is constant as it moves, except for buoyancy: the water
+table does not move, and the buoyancy of soil discs that cross it follows from their part below it (`buoyancy`).
 """
 
 from collections.abc import Callable
@@ -54,7 +54,7 @@ def buoyancy(section: Section, places: Places, discs: DiscState) -> np.ndarray |
     places
         Present positions of the discs (m); the water table does not move.
     discs
-        Radii (m) and layers of the discs, and mask of the held ones.
+        Radii (m) and layers of the discs, and mask of the fixed ones.
 
     Returns
     -------
@@ -82,7 +82,7 @@ def excess(section: Section, places: Places, discs: DiscState) -> np.ndarray | N
     """Acceleration (n, 2) in m/s2 of discs by excess pore pressure by shaking; None without any."""
     if not any(s.excess_pore_pressure_ratio for s in section.strata):
         return None
-    return _of_pores(section, places, discs, section.water_pressure.shaken, None)
+    return _of_pores(section, places, discs, section.water_pressure.excess, None)
 
 
 def added_mass(section: Section, places: Places, discs: DiscState) -> np.ndarray | None:
@@ -94,7 +94,7 @@ def added_mass(section: Section, places: Places, discs: DiscState) -> np.ndarray
     if not surface.present:
         return None
     mesh = triangulate(section, EDGE * float(discs.radius.mean()))
-    at, force = _on_ground(mesh, lambda middle, out: surface.shaken(1, middle, middle, out))
+    at, force = _on_ground(mesh, lambda middle, out: surface.seismic(1, middle, middle, out))
     return _at_nearest(discs, places, at, force / GRAVITY)
 
 

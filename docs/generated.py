@@ -52,9 +52,12 @@ def commands() -> str:
         if panels[name] != panel:
             parts.append(f"## {(panel := panels[name])}")
         rows = [
-            (", ".join(f"`{word}`" for word in (*one.opts, *one.secondary_opts)), getattr(one, "help", "") or "")
-            for one in command.params
-            if one.name != "help"
+            (
+                ", ".join(f"`{word}`" for word in (*parameter.opts, *parameter.secondary_opts)),
+                getattr(parameter, "help", "") or "",
+            )
+            for parameter in command.params
+            if parameter.name != "help"
         ]
         what = " ".join((command.help or "").split())
         parts += [f"### noshiro {name}", what, table(("argument or option", "what"), rows) if rows else ""]
@@ -79,9 +82,9 @@ def python_interface() -> str:
 
 def made(name: str) -> str:
     """When the numbers of a table were found, and by which command they are found again."""
-    told = numbers()[name]
-    by = f" by commit {told['commit']}" if told["commit"] else ""
-    return f"Generated {told['date']}{by}. Again: `{told['command']}`."
+    values = numbers()[name]
+    by = f" by commit {values['commit']}" if values["commit"] else ""
+    return f"Generated {values['date']}{by}. Again: `{values['command']}`."
 
 
 def closed_forms() -> str:
@@ -100,18 +103,18 @@ def closed_forms() -> str:
 
 def s13() -> str:
     """S-13 beside the paper."""
-    found: Mapping[str, Any] = numbers()["s13"]
+    values: Mapping[str, Any] = numbers()["s13"]
     lines = [
-        ("critical Kh, finite elements (free sides, Davis's estimate, as its file asks)", found["kc"]),
-        ("critical Kh for ψ = φ", found["kc_associated"]),
-        ("strict bounds for ψ = φ", f"{found['lower']} to {found['upper']}"),
-        ("critical Kh of finite elements with fixed sides, which the discs are compared with", found["kc_target"]),
-        ("critical Kh of soil discs, uncalibrated, by packing", ", ".join(map(str, found["kc_discs_of_packings"]))),
-        ("critical Kh of the paper's discs", found["kc_paper_discs"]),
-        ("largest slide, cases 1 to 3 (m)", f"{found['slide_least_m']} to {found['slide_most_m']}"),
+        ("critical Kh, finite elements (free sides, Davis's estimate, as its file asks)", values["kc"]),
+        ("critical Kh for ψ = φ", values["kc_associated"]),
+        ("strict bounds for ψ = φ", f"{values['lower']} to {values['upper']}"),
+        ("critical Kh of finite elements with fixed sides, which the discs are compared with", values["kc_target"]),
+        ("critical Kh of soil discs, uncalibrated, by packing", ", ".join(map(str, values["kc_discs_of_packings"]))),
+        ("critical Kh of the paper's discs", values["kc_paper_discs"]),
+        ("largest slide, cases 1 to 3 (m)", f"{values['slide_least_m']} to {values['slide_most_m']}"),
     ]
     agrees = {True: "yes", False: "no", "": "-"}
-    rows = [(one["quantity"], one["paper"], one["ours"], agrees[one["agrees"]]) for one in found["paper"]]
+    rows = [(entry["quantity"], entry["paper"], entry["ours"], agrees[entry["agrees"]]) for entry in values["paper"]]
     parts = ["# S-13", made("s13"), table(("quantity", "here"), lines), "## Beside the paper"]
     parts += ["What the paper says: [the paper](../theory/paper.md)."]
     parts += [table(("quantity", "paper", "here", "agrees"), rows)]
@@ -120,8 +123,8 @@ def s13() -> str:
 
 def speed() -> str:
     """Times, beside LAMMPS where it has the same problem, and those of `noshiro fem` on twenty sections."""
-    found = numbers()
-    slopes, discs, sections = found["published"], found["dem_throughput"], found["sections"]
+    values = numbers()
+    slopes, discs, sections = values["published"], values["dem_throughput"], values["sections"]
     rows: list[Sequence[object]] = [
         ("published slopes: strict bounds, median", f"{slopes['bounds_seconds']} s"),
         ("published slopes: finite elements with ψ = φ, median", f"{slopes['associated_seconds']} s"),

@@ -12,7 +12,7 @@ from docs.numbers_file import keep_numbers
 from docs.published_slopes import DPI, PAGE, PICTURES, save_in_few_colours, with_remarks
 from docs.verify.record import FILE, read_answers
 from docs.verify.slides.case import FOLDER, Column, Ground, SlideCase, read_cases
-from docs.verify.slides.command import number, predicted, told
+from docs.verify.slides.command import number, predicted, sentence
 from docs.verify.slides.record import SlideAnswer
 from docs.verify.slides.verdict import CLOSE, FAR, SlideVerdict, bias, judge, judge_points, right
 from workflow.estimates import slide_error
@@ -124,7 +124,7 @@ def _table(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer], verdi
             measured,
             predicted(answer, verdict)
             + ("" if answer.points is None else f"<br>material points {number(answer.points)}"),
-            told(verdict) + _of_points(case, answer),
+            sentence(verdict) + _of_points(case, answer),
             f"{100.0 * max(answer.loose):.1f} %" if answer.loose else "",
             verdict.word,
         ]
@@ -135,7 +135,7 @@ def _table(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer], verdi
 def _of_points(case: SlideCase, answer: SlideAnswer) -> str:
     """The ratio of material points, on a line of its own."""
     verdict = judge_points(case, answer)
-    return "" if verdict is None else f"<br>{told(verdict)} ({verdict.word})"
+    return "" if verdict is None else f"<br>{sentence(verdict)} ({verdict.word})"
 
 
 def _remarks(case: SlideCase, answer: SlideAnswer | None) -> Iterator[str]:
@@ -187,9 +187,9 @@ def errors(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> st
         kind: str = problem.kind
         if case.known.group == "field":
             kind = "flow" if isinstance(problem, Ground) and problem.flow else "spread"
-        for who, verdict in verdicts.items():
+        for source, verdict in verdicts.items():
             if verdict is not None and verdict.ratio is not None:
-                table.writerow([case.name, case.known.group, kind, who, f"{verdict.ratio:.3g}"])
+                table.writerow([case.name, case.known.group, kind, source, f"{verdict.ratio:.3g}"])
     return text.getvalue()
 
 

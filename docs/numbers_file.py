@@ -42,8 +42,8 @@ def keep_numbers(
         return None
     path = folder / FILE
     tables = tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
-    found_by = ", ".join(sorted({commit or "unknown" for commit in commits})) or version_of(folder)
-    made = {"command": command, "date": date.today().isoformat(), "commit": found_by}
+    commits_named = ", ".join(sorted({commit or "unknown" for commit in commits})) or version_of(folder)
+    made = {"command": command, "date": date.today().isoformat(), "commit": commits_named}
     tables[table] = {**made, **numbers}
     text = HEAD + tomli_w.dumps({name: tables[name] for name in sorted(tables)})
     return Store(folder).write_text(FILE, text)

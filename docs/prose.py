@@ -81,8 +81,8 @@ def faults(text: str) -> Iterator[tuple[int, str, str]]:
 def _refused(lines: Iterable[tuple[int, str]], words: Mapping[str, str]) -> Iterator[tuple[int, str, str]]:
     for number, line in lines:
         for pattern, better in words.items():
-            for found in re.finditer(pattern, line, flags=re.IGNORECASE):
-                yield number, found[0].strip(), better
+            for match in re.finditer(pattern, line, flags=re.IGNORECASE):
+                yield number, match[0].strip(), better
 
 
 def strings(source: str) -> Iterator[tuple[int, str]]:
@@ -118,32 +118,32 @@ def texts(path: Path) -> Iterator[tuple[int, str]]:
 def pages() -> list[Path]:
     """README, the READMEs of the packages, and every page of the documentation."""
     written = [path for path in (TOP / "docs").rglob("*.md") if "build" not in path.relative_to(TOP / "docs").parts]
-    found = [TOP / "README.md", *(TOP / package / "README.md" for package in PACKAGES)]
-    return [path for path in (*found, *sorted(written)) if str(path.relative_to(TOP)) not in LEFT_OUT]
+    written_pages = [TOP / "README.md", *(TOP / package / "README.md" for package in PACKAGES)]
+    return [path for path in (*written_pages, *sorted(written)) if str(path.relative_to(TOP)) not in LEFT_OUT]
 
 
 def main() -> int:
     """Prints the faults; 1 if there are any."""
-    told = [
+    messages = [
         f'{path.relative_to(TOP)}:{line}: "{word}": {better}'
         for path in pages()
         for line, word, better in faults(path.read_text(encoding="utf-8"))
     ]
     packages = [path for package in PACKAGES for path in sorted((TOP / package).rglob("*"))]
-    told += [
+    messages += [
         f'{path.relative_to(TOP)}:{line}: "{word}": {better}'
         for path in packages
         if path.suffix in (".py", ".jinja", ".toml")
         for line, word, better in _refused(texts(path), TEXT_WORDS)
     ]
-    told += [
+    messages += [
         f'{path.relative_to(TOP)}:{line}: "{word}": {better}'
         for path in packages
         if path.suffix == ".py"
         for line, word, better in _refused(docstrings(path.read_text(encoding="utf-8")), DOCSTRING_WORDS)
     ]
-    print("\n".join(told) or "prose: no word of the old language")
-    return 1 if told else 0
+    print("\n".join(messages) or "prose: no word of the old language")
+    return 1 if messages else 0
 
 
 if __name__ == "__main__":

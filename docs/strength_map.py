@@ -1,8 +1,8 @@
 """Recompute the maps of `dem.laboratory.strength_map`: python -m docs.strength_map [FILE] [--workers N].
 
 All patches are tested at one pressure, since only the two dimensionless numbers matter, and kappa = kn / p is 400.
-Rotating discs without cohesion are tested with more seeds than those with cohesion. It takes three quarters of an hour
-of CPU time.
+Rotating discs without cohesion are tested with more seeds than those with cohesion. The computation takes three
+quarters of an hour of CPU time.
 """
 
 import argparse

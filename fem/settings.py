@@ -81,8 +81,8 @@ def _level_ends(section: Section) -> tuple[bool, bool]:
     """Whether the ground is level at the left and at the right end, over half of the mean height of the section.
 
     Ground counts as level also where it falls by less than a tenth of the steepest stretch of that length: a plateau of
-    1:40 behind a cut is no slope that continues. Longer stretches are not asked for: on soft ground deeper than the
-    level ground beside it is wide, an embankment had a tenth of its critical Kh between free-field sides.
+    1:40 behind a cut is no slope that continues. Longer level stretches are not required: with free-field sides, an
+    embankment on soft ground deeper than the adjacent level ground is wide had a tenth of its critical Kh.
     """
     ground, (left, right) = section.ground, section.extent
     stretch = STRETCH * float(section.layering.areas().sum()) / (right - left)

@@ -39,10 +39,10 @@ def fan_out(mesh: TriMesh, points: np.ndarray, widest: float) -> tuple[TriMesh, 
     Bisection of the longest edges alone would never bring more cells to a point.
     """
     corners = mesh.points[mesh.cells]
-    ahead = np.roll(corners, -1, axis=1) - corners
+    edges = np.roll(corners, -1, axis=1) - corners
     back = np.roll(corners, 1, axis=1) - corners
-    cross = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
-    angle = np.arctan2(cross, np.sum(ahead * back, axis=-1))
+    cross = edges[..., 0] * back[..., 1] - edges[..., 1] * back[..., 0]
+    angle = np.arctan2(cross, np.sum(edges * back, axis=-1))
     cut = np.zeros(len(mesh.edges), dtype=bool)
     cut[np.roll(mesh.cell_edges, -1, axis=1)[points[mesh.cells] & (angle > widest)]] = True
     return cut_edges(mesh, _alike(mesh, cut))

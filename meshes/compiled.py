@@ -43,7 +43,7 @@ def keep_compiled_kernels() -> None:
         sys.modules["numba.core.config"].reload_config()
 
 
-def kept_kernels() -> Path:
+def kernel_folder() -> Path:
     """The folder of this process; call it after `keep_compiled_kernels`."""
     return Path(os.environ[VARIABLE])
 

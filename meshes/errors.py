@@ -22,7 +22,7 @@ class InputError(ValueError):
         count = "1 problem" if len(self.problems) == 1 else f"{len(self.problems)} problems"
         super().__init__("\n".join([f"{source}: {count}", *(f"  - {text}" for text in self.problems)]))
 
-    def found_in(self, name: str, file: Path | None) -> "InputError":
+    def of_file(self, name: str, file: Path | None) -> "InputError":
         """The error of a ``file``, if there is one, in place of the section that it calls by ``name``."""
         return self if file is None or self.source != name else InputError(str(file), self.problems)
 

@@ -21,12 +21,12 @@ from threading import Event, Lock, current_thread, local, main_thread
 from typing import Any, ParamSpec, TypeVar
 from weakref import WeakSet
 
-from meshes.worker import DONE, TOLD, Worker, WorkerEndedError
+from meshes.worker import DONE, MESSAGE, Worker, WorkerEndedError
 
 A = TypeVar("A")
 P = ParamSpec("P")
-Given = TypeVar("Given")
-Found = TypeVar("Found")
+Input = TypeVar("Input")
+Result = TypeVar("Result")
 
 # How a task tells how far it is, in a few plain values.
 Tell = Callable[[Any], None]
@@ -60,11 +60,11 @@ class Executor(futures.Executor):
 
     def compute(
         self,
-        work: Callable[[Given, Tell], Found],
-        inputs: Sequence[Given],
+        work: Callable[[Input, Tell], Result],
+        inputs: Sequence[Input],
         heard: Callable[[int, Any], None] | None = None,
-        done: Callable[[int, Found], None] | None = None,
-    ) -> list[Found]:
+        done: Callable[[int, Result], None] | None = None,
+    ) -> list[Result]:
         """The results of the work for all inputs, in their order; raises the first error of a task.
 
         In this thread ``heard`` hears what a task tells, with the place of its input, and ``done`` every result as it
@@ -90,17 +90,17 @@ def _telling_nothing(work: Callable[[], A], _: Tell) -> A:
     return work()
 
 
-def _do(future: "Future[A]", work: Callable[[], A], kept: type[BaseException] = BaseException) -> None:
+def _do(future: "Future[A]", work: Callable[[], A], errors: type[BaseException] = BaseException) -> None:
     """Do some work and keep its result, or its error of a given kind."""
     try:
         future.set_result(work())
-    except kept as error:
+    except errors as error:
         future.set_exception(error)
 
 
-def then(future: "Future[A]", follow: Callable[["Future[A]"], Found]) -> "Future[Found]":
+def then(future: "Future[A]", follow: Callable[["Future[A]"], Result]) -> "Future[Result]":
     """A future of what follows once another future is done; it runs in the thread that has done that one."""
-    following: Future[Found] = Future()
+    following: Future[Result] = Future()
     future.add_done_callback(lambda done: _do(following, partial(follow, done)))
     return following
 
@@ -111,7 +111,7 @@ class OneThread(Executor):
     count = 2
 
     def __init__(self) -> None:
-        self._event, self._begun = Event(), WeakSet["Future[Any]"]()
+        self._event, self._futures = Event(), WeakSet["Future[Any]"]()
         self._pool = ThreadPoolExecutor(1, initializer=_cancelled.set, initargs=(self._event,))
 
     def begin(self, work: Callable[[Tell], A], heard: Tell | None = None) -> "Future[A]":
@@ -125,14 +125,14 @@ class OneThread(Executor):
     def begin_there(self, work: Callable[[], A]) -> "Future[A]":
         """A task assigned to the thread."""
         future = self._pool.submit(work)
-        self._begun.add(future)
+        self._futures.add(future)
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """Cancel all that is left, and wait for nothing."""
         self._event.set()
         self._pool.shutdown(wait=False, cancel_futures=True)
-        _left.update(future for future in self._begun if not future.done())
+        _left.update(future for future in self._futures if not future.done())
 
 
 class _Shared(Future[A]):
@@ -140,11 +140,11 @@ class _Shared(Future[A]):
 
     def __init__(self, work: Callable[[], A]) -> None:
         super().__init__()
-        self._work, self._begun = work, Lock()
+        self._work, self._claim = work, Lock()
 
     def do(self) -> None:
         """Do the task, unless another thread has begun it or it was cancelled."""
-        if self._begun.acquire(blocking=False) and self.set_running_or_notify_cancel():
+        if self._claim.acquire(blocking=False) and self.set_running_or_notify_cancel():
             _do(self, self._work)
 
     def result(self, timeout: float | None = None) -> A:
@@ -214,7 +214,7 @@ class Processes(Executor):
         self.count, self.tries = count, tries
         self._start = partial(Worker, environment, preload, forks)
         self._threads = ThreadPoolExecutor(count)  # each has one process do its tasks
-        self._own, self._workers, self._lock, self._ended = local(), set[Worker](), Lock(), False
+        self._of_thread, self._workers, self._lock, self._ended = local(), set[Worker](), Lock(), False
 
     def begin(self, work: Callable[[Tell], A], heard: Tell | None = None) -> "Future[A]":
         """See `Executor.begin`. The error of a task whose processes have ended is LostError."""
@@ -222,11 +222,11 @@ class Processes(Executor):
 
     def compute(
         self,
-        work: Callable[[Given, Tell], Found],
-        inputs: Sequence[Given],
+        work: Callable[[Input, Tell], Result],
+        inputs: Sequence[Input],
         heard: Callable[[int, Any], None] | None = None,
-        done: Callable[[int, Found], None] | None = None,
-    ) -> list[Found]:
+        done: Callable[[int, Result], None] | None = None,
+    ) -> list[Result]:
         """See `Executor.compute`. A single task, or all for one process, are done in this one.
 
         ``work``, ``inputs``, ``heard``, ``done``: as there.
@@ -235,12 +235,12 @@ class Processes(Executor):
             return super().compute(work, inputs, heard, done)
         news: SimpleQueue[tuple[int, bool, Any]] = SimpleQueue()
 
-        def begin(place: int, task_input: Given) -> "Future[Found]":
+        def begin(place: int, task_input: Input) -> "Future[Result]":
             future = self.begin(partial(work, task_input), lambda message: news.put((place, False, message)))
             future.add_done_callback(lambda _: news.put((place, True, None)))
             return future
 
-        tasks: list[Future[Found]] = []
+        tasks: list[Future[Result]] = []
         missing = len(inputs)
         try:
             for place, task_input in enumerate(inputs):
@@ -273,7 +273,7 @@ class Processes(Executor):
             worker = self._worker()
             try:
                 kind, value = worker.call(request)
-                while kind == TOLD:
+                while kind == MESSAGE:
                     heard(value)
                     kind, value = worker.next()
             except WorkerEndedError:
@@ -291,13 +291,13 @@ class Processes(Executor):
         with self._lock:
             if self._ended:
                 raise futures.CancelledError
-            worker: Worker | None = getattr(self._own, "worker", None)
+            worker: Worker | None = getattr(self._of_thread, "worker", None)
             if worker is None:
-                self._own.worker = worker = self._start()
+                self._of_thread.worker = worker = self._start()
                 self._workers.add(worker)
             return worker
 
     def _let_go(self, worker: Worker) -> None:
         worker.kill()
-        self._own.worker = None
+        self._of_thread.worker = None
         self._workers.discard(worker)

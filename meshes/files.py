@@ -12,30 +12,30 @@ from typing import Any
 import numpy as np
 
 # What `whole` calls a file that is not whole yet: the number of the process that writes it, then its name.
-BESIDE = re.compile(r"\.(\d+)-.+")
+TEMPORARY = re.compile(r"\.(\d+)-.+")
 PLAIN = "plain"  # name in a checkpoint of all values that are no arrays, as JSON
 
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
-    """A path beside one, to write to; what stands there at the end of the block becomes the file, at once.
+    """A path temporary one, to write to; what stands there at the end of the block becomes the file, at once.
 
     Its folder is made if need be. On any error what was there before stays, and nothing else is left behind. Raises
     OSError if the file cannot be written.
     """
-    beside = path.with_name(f".{os.getpid()}-{path.name}")
+    temporary = path.with_name(f".{os.getpid()}-{path.name}")
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
-        yield beside
-        beside.replace(path)
+        yield temporary
+        temporary.replace(path)
     finally:
         with suppress(OSError):
-            beside.unlink()
+            temporary.unlink()
 
 
 def write_checkpoint(path: Path, arrays: Mapping[str, np.ndarray], plain: Mapping[str, Any]) -> None:
     """Write arrays, and plain values that JSON can hold, to a file of NumPy (.npz), exact to the last bit."""
-    with whole(path) as beside, beside.open("wb") as file:
+    with whole(path) as temporary, temporary.open("wb") as file:
         np.savez(file, **arrays, **{PLAIN: np.array(json.dumps(plain))})
 
 

@@ -63,11 +63,11 @@ def at_ends(mesh: TriMesh, values: np.ndarray, cells: np.ndarray, ends: np.ndarr
 
 def edge_jumps(mesh: TriMesh, pressure: np.ndarray) -> EdgeJumps:
     """The inner edges across which a pressure (m, 3) in Pa at the corners of cells jumps."""
-    inner = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
-    ends = mesh.edges[inner]
-    first, second = (at_ends(mesh, pressure, mesh.edge_cells[inner, side], ends) for side in (0, 1))
+    interior = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
+    ends = mesh.edges[interior]
+    first, second = (at_ends(mesh, pressure, mesh.edge_cells[interior, side], ends) for side in (0, 1))
     jump = first - second
     there = np.abs(jump).max(axis=1) > SAME_PRESSURE * np.abs(pressure).max(initial=0.0)
-    normal = outward_normals(mesh, mesh.edge_cells[inner[there], 0], ends[there])
+    normal = outward_normals(mesh, mesh.edge_cells[interior[there], 0], ends[there])
     traction = jump[there][:, :, None] * normal[:, None, :]
-    return EdgeJumps(inner[there], ends[there], traction, np.zeros_like(traction))
+    return EdgeJumps(interior[there], ends[there], traction, np.zeros_like(traction))

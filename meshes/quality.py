@@ -34,9 +34,9 @@ def corner_vectors(points: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, n
 
 def corner_angles(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Angles (cells, 4) in degrees in the corners of counter-clockwise cells; negative where one is folded."""
-    ahead, back = corner_vectors(points, cells)
-    cross = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
-    return np.degrees(np.arctan2(cross, np.sum(ahead * back, axis=-1)))
+    following, back = corner_vectors(points, cells)
+    cross = following[..., 0] * back[..., 1] - following[..., 1] * back[..., 0]
+    return np.degrees(np.arctan2(cross, np.sum(following * back, axis=-1)))
 
 
 def scaled_jacobians(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
@@ -44,9 +44,9 @@ def scaled_jacobians(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
 
     Not above zero means a corner that is flat, folded, or a cell that turns clockwise.
     """
-    ahead, back = corner_vectors(points, cells)
-    jacobian = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
-    lengths = np.hypot(ahead[..., 0], ahead[..., 1]) * np.hypot(back[..., 0], back[..., 1])
+    following, back = corner_vectors(points, cells)
+    jacobian = following[..., 0] * back[..., 1] - following[..., 1] * back[..., 0]
+    lengths = np.hypot(following[..., 0], following[..., 1]) * np.hypot(back[..., 0], back[..., 1])
     return np.min(jacobian / np.where(lengths > 0.0, lengths, np.inf), axis=1)
 
 
@@ -59,9 +59,9 @@ def areas(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
 
 def quality(points: np.ndarray, cells: np.ndarray) -> Quality:
     """The quality of a mesh of quadrilaterals: points (n, 2), cells (m, 4) counter-clockwise."""
-    ahead, _ = corner_vectors(points, cells)
+    following, _ = corner_vectors(points, cells)
     angles = corner_angles(points, cells)
-    lengths = np.hypot(ahead[..., 0], ahead[..., 1])
+    lengths = np.hypot(following[..., 0], following[..., 1])
     aspect = lengths.max(axis=1) * lengths.sum(axis=1) / (4.0 * areas(points, cells))
     return Quality(
         quadrilaterals=len(cells),

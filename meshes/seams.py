@@ -224,11 +224,11 @@ def _lines(polygon: np.ndarray) -> tuple[_Line, _Line] | None:
         return None
     middle = 0.5 * (top[[0, -1], 0] + bottom[[0, -1], 0])
     lean = BLEND * np.abs(top[[0, -1], 0] - bottom[[0, -1], 0])
-    inner = middle + lean * [1.0, -1.0]
-    inner = inner[(lean > 0.0)] if inner[0] < inner[1] else inner[:0]
-    along = np.array([middle[0], *inner, middle[1]])
-    return _Line(top, np.array([top[0, 0], *inner, top[-1, 0]]), along), _Line(
-        bottom, np.array([bottom[0, 0], *inner, bottom[-1, 0]]), along
+    interior = middle + lean * [1.0, -1.0]
+    interior = interior[(lean > 0.0)] if interior[0] < interior[1] else interior[:0]
+    along = np.array([middle[0], *interior, middle[1]])
+    return _Line(top, np.array([top[0, 0], *interior, top[-1, 0]]), along), _Line(
+        bottom, np.array([bottom[0, 0], *interior, bottom[-1, 0]]), along
     )
 
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from meshes.section.cutting import BELOW_WATER, shown_name
-from meshes.section.dense_lines import kept
+from meshes.section.dense_lines import needed_x
 from meshes.section.layering import Layering
 
 # Wedges blunter than this (deg) are left as they are.
@@ -278,6 +278,6 @@ def without_needless(layers: Layering, cell: float) -> Layering:
     weights[[0, -1]] = OUTLINE
     left = np.vstack([layers.left[:1], before, layers.right[-1:]]) * weights
     right = np.vstack([layers.left[:1], after, layers.right[-1:]]) * weights
-    keep = kept(layers.x, [(left[:, k], right[:, k]) for k in range(layers.strata + 1)], fixed, BEND * cell)
+    keep = needed_x(layers.x, [(left[:, k], right[:, k]) for k in range(layers.strata + 1)], fixed, BEND * cell)
     ends = np.flatnonzero(keep)
     return replace(layers, x=layers.x[keep], left=layers.left[ends[:-1]], right=layers.right[ends[1:] - 1])

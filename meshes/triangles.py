@@ -85,8 +85,8 @@ class TriMesh:
         """Gradients (m, 3, 2) of the three area coordinates of every cell (1/m)."""
         corners = self.points[self.cells]
         opposite = np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)
-        turned = np.stack([-opposite[..., 1], opposite[..., 0]], axis=-1)
-        return turned / (2.0 * self.areas)[:, None, None]
+        normals = np.stack([-opposite[..., 1], opposite[..., 0]], axis=-1)
+        return normals / (2.0 * self.areas)[:, None, None]
 
     def edge_numbers(self, ends: np.ndarray) -> np.ndarray:
         """Numbers of edges given by their end points (k, 2)."""

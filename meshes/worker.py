@@ -20,7 +20,7 @@ from threading import Event, Lock, Thread
 from typing import Any
 
 # What an answer is: something that the task tells, its result, or the error that it raised.
-TOLD, DONE, FAILED = range(3)
+MESSAGE, DONE, FAILED = range(3)
 ONE_THREAD = dict.fromkeys(("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 _ROOT = str(Path(__file__).parents[1])
 _PROGRAM = "import sys; sys.path[:] = {path!r}; from meshes.worker import serve; serve({pipe}, {preload!r}, {forks})"
@@ -114,13 +114,13 @@ def _answer(pipe: "Connection[Any, Any]", request: bytes, ends: bool, answered: 
 
     def send(kind: int, value: Any, text: str = "") -> None:
         data = pickle.dumps((kind, value, text))
-        if kind != TOLD:
+        if kind != MESSAGE:
             answered.set()
         with lock:
             pipe.send_bytes(data)
 
     try:
-        send(DONE, pickle.loads(request)(lambda message: send(TOLD, message)))
+        send(DONE, pickle.loads(request)(lambda message: send(MESSAGE, message)))
     except BaseException as error:
         text = traceback.format_exc()
         send(FAILED, error if _can_travel(error) else RuntimeError(text), text)

@@ -36,10 +36,10 @@ def felt_until(model: DiscState, end: float) -> Acceleration:
     if model.base_impedance == 0.0:
         return model.acceleration
     begin = model.time
-    given = model.acceleration.between(begin, end)
-    rate = np.interp(given.times, [begin, end], [model.base_rate, model.base_next])
+    frame = model.acceleration.between(begin, end)
+    rate = np.interp(frame.times, [begin, end], [model.base_rate, model.base_next])
     x, z = right_of(model.gravity)
-    return replace(given, x=given.x - rate * x, z=given.z - rate * z)
+    return replace(frame, x=frame.x - rate * x, z=frame.z - rate * z)
 
 
 def momentum(model: DiscState) -> float:
@@ -69,15 +69,15 @@ def follow(model: DiscState, before: float, began: float, planned: float) -> Non
     rate = model.base_rate + (model.base_next - model.base_rate) * over / (planned - began)
     speed = model.base_velocity + 0.5 * over * (model.base_rate + rate)
     free = ~model.fixed
-    carried = float(np.sum((model.mass * (1.0 + _carried(model)))[free]))
+    moved_mass = float(np.sum((model.mass * (1.0 + _added_mass(model)))[free]))
     x, z = right_of(model.gravity)
-    push = (model.acceleration.mean(began, model.time) @ np.array([x, z])) - 0.5 * (model.base_rate + rate)
-    force = carried * push - (momentum(model) - before) / over
+    acceleration = (model.acceleration.mean(began, model.time) @ np.array([x, z])) - 0.5 * (model.base_rate + rate)
+    force = moved_mass * acceleration - (momentum(model) - before) / over
     model.base_velocity, model.base_rate = speed, rate
     model.base_next = (force / model.base_impedance - speed) / DELAY
 
 
-def _carried(model: DiscState) -> np.ndarray:
+def _added_mass(model: DiscState) -> np.ndarray:
     """Horizontal added mass (n,) of the discs over their mass."""
     x, z = right_of(model.gravity)
     return np.asarray(x * model.added_mass_x + z * model.added_mass_z)

@@ -31,7 +31,7 @@ from dem.kernels.stable_step import Bodies, LineContacts, Pairs, stable_step
 from dem.kernels.stepping import DONE, MOVED, OVERLAP, take_steps
 from dem.kernels.transpose import CONSTANT_RECORD
 from dem.kernels.work_buffers import new_buffer
-from dem.liquefied_ground import longest_look, steps_held
+from dem.liquefied_ground import longest_look, steps_between_looks
 from dem.model import DiscModel
 
 AUTO_SHARE = 0.2  # of the stable step
@@ -215,7 +215,7 @@ class Engine:
         return law_of(model, self.pulls, self.crack_by)
 
     @property
-    def kept(self) -> str:
+    def checkpoint_note(self) -> str:
         """A sentence on the checkpoint to continue from, for error messages."""
         if self.checkpoint and Path(self.checkpoint).exists():
             return f"The last checkpoint is {self.checkpoint}."
@@ -227,7 +227,7 @@ class EngineRun:
 
     def __init__(self, engine: Engine, model: DiscModel, dt: float) -> None:
         self.engine, self.model, self.dt = engine, model, dt
-        model.steps_held = steps_held(model, dt)
+        model.steps_between_looks = steps_between_looks(model, dt)
         keep_freed_arrays(len(model))
         # without the JIT there are no atomic instructions to meet by
         self.threads = 1 if config.DISABLE_JIT else engine.threads
@@ -242,7 +242,7 @@ class EngineRun:
         self.springs, self.law = springs_of(model), engine.law_of(model)  # as they were when the layout was made
         self.stable: StableStep | None = None  # as it was when the list was made, if that was in this run
         self.pack()
-        self.begin_ledger()
+        self.begin_energy_balance()
 
     def close(self) -> None:
         """Write the state back into the model, after errors too, and release the threads."""
@@ -269,10 +269,10 @@ class EngineRun:
         """Write positions and velocities back into the model; its contacts stay in the layout."""
         if self.layout is not None:
             unpack_motion(self.layout, self.model)
-        check_finite(self.model, self.engine.kept)
-        check_escape(self.model, self.engine.kept)
+        check_finite(self.model, self.engine.checkpoint_note)
+        check_escape(self.model, self.engine.checkpoint_note)
 
-    def begin_ledger(self) -> None:
+    def begin_energy_balance(self) -> None:
         """Enter the energy of changes of the model since the last run as edits."""
         if not self.engine.energies:
             self.model.energy_known = float("nan")
@@ -305,11 +305,11 @@ class EngineRun:
             reason = self.take_stretch(min(call, end - model.steps))
             if reason != DONE:
                 self.update()
-                check_finite(model, engine.kept)
-                check_speed(model, self.dt, engine.kept)
-                check_escape(model, engine.kept)
+                check_finite(model, engine.checkpoint_note)
+                check_speed(model, self.dt, engine.checkpoint_note)
+                check_escape(model, engine.checkpoint_note)
             if reason == OVERLAP:
-                check_overlap(model, engine.kept)
+                check_overlap(model, engine.checkpoint_note)
             if reason == MOVED:
                 self.list_anew()
             elif engine.energies and measured + call <= model.steps < end:
@@ -337,14 +337,14 @@ class EngineRun:
         model.turnover = energies.turnover
         try:
             looser = LOOSER if len(model.liquefied) else 1.0
-            check_balance(model, energies, looser * engine.balance, engine.kept)
+            check_balance(model, energies, looser * engine.balance, engine.checkpoint_note)
         except DemError:
             self.update()
             raise
         return energies
 
     def take_stretch(self, steps: int) -> int:
-        """Up to `steps` steps, and the motion of a compliant base over them; returns why the kernel came back."""
+        """Up to `steps` steps, and the motion of a compliant base over them; returns why the kernel returned."""
         model = self.model
         if model.base_impedance == 0.0:
             return self.call_kernel(steps)

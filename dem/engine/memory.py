@@ -8,7 +8,7 @@ import numpy as np
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # of glibc's mallopt
 LARGE = 1 << 20  # bytes
 LARGEST = 1 << 25  # bytes: above this glibc gives back every array in any case
-KEPT = 1 << 28  # bytes at the top of the heap, which it keeps
+RETAINED = 1 << 28  # bytes at the top of the heap, which it keeps
 MANY = 500_000  # discs
 LINE = 8  # doubles in a cache line
 MORE = 1.02  # times what is wanted now: the next list is a little longer, or shorter
@@ -53,10 +53,10 @@ def keep_freed_arrays(discs: int) -> None:
 
     A new page from the system costs as much time as a hundred doubles: without this setting, neighbour lists of 30,000
     discs take twice as long. With many discs the holes in the heap matter more (a third more memory for a million
-    discs), and their arrays are returned to the system. The setting holds for the whole process, which may keep `KEPT`
-    bytes more than it uses. Does nothing if the C library has no such setting.
+    discs), and their arrays are returned to the system. The setting holds for the whole process, which may keep
+    `RETAINED` bytes more than it uses. Does nothing if the C library has no such setting.
     """
     mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
     if mallopt is not None:
         mallopt(M_MMAP_THRESHOLD, LARGE if discs > MANY else LARGEST)
-        mallopt(M_TRIM_THRESHOLD, LARGE if discs > MANY else KEPT)
+        mallopt(M_TRIM_THRESHOLD, LARGE if discs > MANY else RETAINED)

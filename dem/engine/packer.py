@@ -152,7 +152,7 @@ def _liquefied(model: DiscModel, number: np.ndarray, slices: int) -> Liquefied:
     near = np.flatnonzero(np.diff(members))
     return Liquefied(
         discs, numbers[0], numbers[1], memory.reshape(-1), large_zeros(lanes * WORKING), start, member, members, near,
-        np.searchsorted(near, np.arange(slices + 1) * LANES), model.reach, model.steps_held,
+        np.searchsorted(near, np.arange(slices + 1) * LANES), model.reach, model.steps_between_looks,
     )  # fmt: skip
 
 

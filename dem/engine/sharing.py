@@ -26,8 +26,8 @@ def needs(thread: int, threads: int, layout: Layout) -> tuple[np.ndarray, np.nda
     owners = owner_of[np.minimum(places // (LINK_FIELDS * LANES), len(owner_of) - 1)]
     for t in range(threads):
         if t != thread:
-            theirs = np.where((owners >= ends[t]) & (owners < ends[t + 1]), owners - ends[t] + 1, 0)
-            count[:, t] = np.maximum.reduceat(theirs, begins)
+            receivers = np.where((owners >= ends[t]) & (owners < ends[t + 1]), owners - ends[t] + 1, 0)
+            count[:, t] = np.maximum.reduceat(receivers, begins)
     # What needs least of the others comes first, so that no slice waits behind one that needs their last.
     order = np.argsort(count.sum(axis=1), kind="stable")
     return shared[order], count[order]

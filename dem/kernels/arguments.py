@@ -138,13 +138,13 @@ class Entries(NamedTuple):
 
     Attributes
     ----------
-    kept : bool
+    wanted : bool
         Whether work and losses are summed at all.
     sums : (slices, ENERGY_COLUMNS)
         Work and losses of each slice's discs (J per metre).
     """
 
-    kept: bool
+    wanted: bool
     sums: np.ndarray
 
 

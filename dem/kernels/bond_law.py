@@ -1,5 +1,5 @@
-"""Kernel: force-displacement law of a bond between liquefied discs; force and displacement are shares of those at its
-limit.
+"""Kernel: force-displacement law of a bond between liquefied discs; force and displacement are given as shares of their
+values at the limit of the bond.
 
 The law is bilinear: soft up to the strain potential, steep from there to the limit; linear without a strain potential.
 """

@@ -41,8 +41,8 @@ def contact(
         if cracked:
             links[d + field.LENGTH + q] = now.length
     links[d + field.SHEAR + q] = now.shear
-    links[d + field.FX + q] = now.push * m.nx + now.drag * m.nz
-    links[d + field.FZ + q] = now.push * m.nz - now.drag * m.nx
+    links[d + field.FX + q] = now.normal * m.nx + now.drag * m.nz
+    links[d + field.FZ + q] = now.normal * m.nz - now.drag * m.nx
     rim = now.drag * m.lever
     if soil:
         rim -= state.rolling[w + field.SHARE + q] * now.torque
@@ -136,8 +136,8 @@ def line_contact(
     at, w = line_lane(e, layout)
     m, now = at_line(e, at, w, layout, springs, slip_time, law)
     links[at + field.SHEAR] = now.shear
-    links[at + field.FX] = now.push * m.nx + now.drag * m.nz
-    links[at + field.FZ] = now.push * m.nz - now.drag * m.nx
+    links[at + field.FX] = now.normal * m.nx + now.drag * m.nz
+    links[at + field.FZ] = now.normal * m.nz - now.drag * m.nx
     links[at + field.FR] = now.drag
     if law.soil:
         links[at + field.FR] += now.torque

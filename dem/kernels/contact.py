@@ -91,19 +91,19 @@ def strength(over: float, normal: float, mu: float, c: float, mu_other: float, c
 
 
 @device_function(forceinline=True)
-def held(
-    kept: float, way: float, speed: float, stiffness: float, dashpot: float, limit: float
+def friction_spring(
+    force: float, way: float, speed: float, stiffness: float, dashpot: float, limit: float
 ) -> tuple[float, float, float]:
     """Spring and dashpot in parallel whose force has a limit, eqs. (3)-(4): of slip or of rolling.
 
-    kept: force of the spring in the last step (N); way: slip since then (m); speed: of slip (m/s); stiffness: of the
+    force: force of the spring in the last step (N); way: slip since then (m); speed: of slip (m/s); stiffness: of the
     spring
     (N/m); dashpot: (N s/m); limit: of the force (N).
     The force of the spring is cut at the limit, and so is the sum of spring and dashpot: sliding then dissipates
     exactly the limit per metre, and neither part can add energy. Returns (force, force of the spring before the limit,
     force of the spring kept).
     """
-    trial = kept + stiffness * way
+    trial = force + stiffness * way
     cut = clamp(trial, limit)
     return clamp(cut + dashpot * speed, limit), trial, cut
 
@@ -134,11 +134,11 @@ def pore(
     size = abs(length)
     normal = kpn * (size - distance)
     trial = shear + kps * slip
-    hold = (normal + contact_normal) * tan + bc
-    hold = hold if hold > 0.0 else 0.0
-    whole = (length > 0.0) & (distance < beta * size) & (abs(trial) <= hold)
-    push = normal if normal > 0.0 else 0.0
-    kept = clamp(trial, tan * push)
+    resistance = (normal + contact_normal) * tan + bc
+    resistance = resistance if resistance > 0.0 else 0.0
+    whole = (length > 0.0) & (distance < beta * size) & (abs(trial) <= resistance)
+    compression = normal if normal > 0.0 else 0.0
+    tangential = clamp(trial, tan * compression)
     if whole:
         return normal, trial, trial, length
-    return push, trial, kept, -size
+    return compression, trial, tangential, -size

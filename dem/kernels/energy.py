@@ -18,7 +18,7 @@ from dem.kernels.layout import Layout
 from dem.kernels.liquefied_pairs import liquefied_energy
 from dem.kernels.losses import along
 from dem.kernels.prefetch import wide_vectors
-from dem.kernels.work_buffers import OWN, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_own, new_buffer
+from dem.kernels.work_buffers import OWNED_DISCS, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_own, new_buffer
 
 # Entries of what `energies` returns (J per metre out of plane); LATE ones came about since the last step.
 TRANSLATION, ROTATION, ELEMENTS, PORES, ROLLING_SPRINGS, BONDS = range(6)
@@ -67,7 +67,7 @@ def lanes_energy(
         sliding = add(sliding, now.slid)
         cracks = add(cracks, now.cracked)
         rolled_off = add(rolled_off, now.rolled_off)
-        fx, fz = now.push * m.nx + now.drag * m.nz, now.push * m.nz - now.drag * m.nx
+        fx, fz = now.normal * m.nx + now.drag * m.nz, now.normal * m.nz - now.drag * m.nx
         rim = now.drag * m.lever
         if soil:
             rim -= state.rolling[w + field.SHARE + q] * now.torque
@@ -130,14 +130,15 @@ def line_energy(
     at, w = line_lane(e, layout)
     m, now = at_line(e, at, w, layout, springs, slip_time, law)
     book(now, out)
-    return now.push * m.nx + now.drag * m.nz, now.push * m.nz - now.drag * m.nx, now.drag + now.torque
+    return now.normal * m.nx + now.drag * m.nz, now.normal * m.nz - now.drag * m.nx, now.drag + now.torque
 
 
 @device_function(nogil=True)
 def kinetic(
     p: int, layout: Layout, buffer: np.ndarray, force: np.ndarray, loads: Loads, dt: float, out: np.ndarray
 ) -> None:
-    """Adds the kinetic energy of the free discs of slice p to `out`, and the work on the discs that are moved.
+    """Adds the kinetic energy of the free discs of slice p to `out`, and the work done on discs whose motion is
+    prescribed.
 
     layout, buffer, out: as in `slice_energy`; force: (3, discs) on every disc (N); loads: acceleration at this instant;
     dt: length of the last step (s).
@@ -152,7 +153,11 @@ def kinetic(
     for lane in range(field.LANES):
         q = np.uint64(lane)
         fx, fz, fr = force[0, i + q], force[1, i + q], force[2, i + q]
-        vx, vz, vr = buffer[OWN + field.VX + q], buffer[OWN + field.VZ + q], buffer[OWN + field.VR + q]
+        vx, vz, vr = (
+            buffer[OWNED_DISCS + field.VX + q],
+            buffer[OWNED_DISCS + field.VZ + q],
+            buffer[OWNED_DISCS + field.VR + q],
+        )
         invmass, rim = discs[b + field.INVMASS + q], discs[b + field.RIM + q]
         next_x = vx + dt * (fx * invmass + discs[b + field.PULL_X + q] + ax)
         next_z = vz + dt * (fz * invmass + discs[b + field.PULL_Z + q] + az)

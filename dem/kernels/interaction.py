@@ -12,7 +12,16 @@ import numpy as np
 from dem.kernels import contact as row
 from dem.kernels import layout as field
 from dem.kernels.arguments import Law, Springs, State
-from dem.kernels.contact import friction_limit, held, normal_force, pore, spring, spring_energy, stop, strength
+from dem.kernels.contact import (
+    friction_limit,
+    friction_spring,
+    normal_force,
+    pore,
+    spring,
+    spring_energy,
+    stop,
+    strength,
+)
 from dem.kernels.device_function import device_function
 from dem.kernels.layout import Layout, entry
 from dem.kernels.losses import (
@@ -26,7 +35,7 @@ from dem.kernels.losses import (
     spring_before,
 )
 from dem.kernels.period import image
-from dem.kernels.work_buffers import DISTANCE, LEVER, NORMAL_X, NORMAL_Z, OWN, constant
+from dem.kernels.work_buffers import DISTANCE, LEVER, NORMAL_X, NORMAL_Z, OWNED_DISCS, constant
 
 # Entries of a line (rigid wall): a point on it, its inward unit normal, and how far it reaches along
 # (-nz, nx) from that point.
@@ -69,7 +78,7 @@ class Contact(NamedTuple):
     ----------
     over : float
         Overlap (m).
-    push, drag : float
+    normal, drag : float
         Normal and tangential force of element and pore spring together (N).
     torque : float
         Rolling moment over R = r_i r_j/(r_i + r_j) (N); positive on i, negative on j.
@@ -84,7 +93,7 @@ class Contact(NamedTuple):
     """
 
     over: float
-    push: float
+    normal: float
     drag: float
     torque: float
     shear: float
@@ -110,8 +119,8 @@ def contact_geometry(d: int, q: int, state: State, buffer: np.ndarray, law: Law,
     the records of the next partners are fetched.
     """
     radii = state.links[d + field.RADII + q]
-    dx = buffer[field.X + q] - buffer[OWN + field.X + q]
-    dz = buffer[field.Z + q] - buffer[OWN + field.Z + q]
+    dx = buffer[field.X + q] - buffer[OWNED_DISCS + field.X + q]
+    dz = buffer[field.Z + q] - buffer[OWNED_DISCS + field.Z + q]
     if soil:
         dx, dz = image(dx, dz, law.period)
     square = dx * dx + dz * dz
@@ -128,13 +137,13 @@ def motion(q: int, buffer: np.ndarray, slip_time: float) -> Motion:
     """Slip and separation of the contact in lane q of a slice, after `contact_geometry` has written its geometry."""
     nx, nz = buffer[NORMAL_X + q], buffer[NORMAL_Z + q]
     distance, lever = buffer[DISTANCE + q], buffer[LEVER + q]
-    ux = buffer[field.VXS + q] - buffer[OWN + field.VXS + q]
-    uz = buffer[field.VZS + q] - buffer[OWN + field.VZS + q]
-    hx = buffer[field.VX + q] - buffer[OWN + field.VX + q]
-    hz = buffer[field.VZ + q] - buffer[OWN + field.VZ + q]
+    ux = buffer[field.VXS + q] - buffer[OWNED_DISCS + field.VXS + q]
+    uz = buffer[field.VZS + q] - buffer[OWNED_DISCS + field.VZS + q]
+    hx = buffer[field.VX + q] - buffer[OWNED_DISCS + field.VX + q]
+    hz = buffer[field.VZ + q] - buffer[OWNED_DISCS + field.VZ + q]
     vn = ux * nx + uz * nz
-    vt = (uz * nx - ux * nz) - lever * (buffer[field.VRS + q] + buffer[OWN + field.VRS + q])
-    slip = slip_time * ((hz * nx - hx * nz) - lever * (buffer[field.VR + q] + buffer[OWN + field.VR + q]))
+    vt = (uz * nx - ux * nz) - lever * (buffer[field.VRS + q] + buffer[OWNED_DISCS + field.VRS + q])
+    slip = slip_time * ((hz * nx - hx * nz) - lever * (buffer[field.VR + q] + buffer[OWNED_DISCS + field.VR + q]))
     return Motion(distance, nx, nz, lever, vn, vt, slip, slip_time * along(hx, hz, nx, nz))
 
 
@@ -145,7 +154,7 @@ def rolling_motion(q: int, buffer: np.ndarray, share: float, slip_time: float) -
     q: lane of the contact; buffer: rows that `load_geometry` filled; slip_time: length of the last step (s);
     share: r_i/(r_i + r_j). With rim speeds r_i w_i, R (w_j - w_i) is share (r_i w_i + r_j w_j) - r_i w_i.
     """
-    rim, rim_end = buffer[OWN + field.VR + q], buffer[OWN + field.VRS + q]
+    rim, rim_end = buffer[OWNED_DISCS + field.VR + q], buffer[OWNED_DISCS + field.VRS + q]
     roll = slip_time * (share * (rim + buffer[field.VR + q]) - rim)
     return roll, share * (rim_end + buffer[field.VRS + q]) - rim_end
 
@@ -177,15 +186,15 @@ def between_discs(
     ct, fks = buffer[constant(row.CT) + q], buffer[constant(row.FKS) + q]
     mu = buffer[constant(row.MU) + q]
     gap = buffer[constant(row.GAP) + q] if soil else 0.0
-    push = spring(over, kn, gap)
+    elastic = spring(over, kn, gap)
     elements, bonds = spring_energy(over, kn, gap)
     stiffness, depth = 0.0, 0.0
     if soil:
         stiffness, depth = buffer[constant(row.STOP) + q], buffer[constant(row.DEPTH) + q] * radii
         more = stop(over, stiffness, depth)
         elements += 0.5 * more * (over - depth)
-        push += more
-    normal = normal_force(over, m.vn, law.floor - kn * gap, push, buffer[constant(row.CN) + q], gap)
+        elastic += more
+    normal = normal_force(over, m.vn, law.floor - kn * gap, elastic, buffer[constant(row.CN) + q], gap)
     if soil:
         limit = strength(
             over, normal, mu, buffer[constant(row.COHESION) + q], buffer[constant(row.MU_OTHER) + q],
@@ -194,14 +203,14 @@ def between_discs(
     else:
         limit = friction_limit(normal, mu)
     shear = links[d + field.SHEAR + q]
-    tangential, trial, kept = held(shear, m.slip, m.vt, ks, ct, limit)
+    tangential, trial, spring_force = friction_spring(shear, m.slip, m.vt, ks, ct, limit)
 
     kpn, fkps, length, old_pore = 0.0, 0.0, 0.0, 0.0
-    pore_normal, pore_trial, pore_kept, new = 0.0, 0.0, 0.0, 0.0
+    pore_normal, pore_trial, pore_spring_force, new = 0.0, 0.0, 0.0, 0.0
     if pores:
         kpn, fkps = buffer[constant(row.KPN) + q], buffer[constant(row.FKPS) + q]
         length, old_pore = links[d + field.LENGTH + q], links[d + field.PORE + q]
-        pore_normal, pore_trial, pore_kept, new = pore(
+        pore_normal, pore_trial, pore_spring_force, new = pore(
             length, m.distance, m.slip, old_pore, law.share * normal, kpn, buffer[constant(row.KPS) + q],
             buffer[constant(row.TAN) + q], buffer[constant(row.BC) + q], buffer[constant(row.BETA) + q],
         )  # fmt: skip
@@ -211,7 +220,7 @@ def between_discs(
         before, whole = state.rolling[w + field.ROLLED + q], state.rolling[w + field.TORQUE + q]
         roll, rate = rolling_motion(q, buffer, state.rolling[w + field.SHARE + q], slip_time)
         most = friction_limit(normal, buffer[constant(row.MU_ROLLING) + q])
-        torque, tried, rolled = held(before, roll, rate, ks, ct, most)
+        torque, tried, rolled = friction_spring(before, roll, rate, ks, ct, most)
         rolling = 0.5 * rolled * rolled * fks
         rolled_off = both(damping_loss(roll, torque - rolled, whole - before), sliding_loss(before, tried, rolled, fks))
 
@@ -225,20 +234,30 @@ def between_discs(
             springs_then = both(springs_then, pore_before(length, m.distance, m.stretch, kpn))
         fx, fz = links[d + field.FX + q], links[d + field.FZ + q]
         damped = damping_losses(
-            m.nx, m.nz, m.slip, m.stretch, fx, fz, tangential - kept, normal - push, shear + old_pore, springs_then
+            m.nx,
+            m.nz,
+            m.slip,
+            m.stretch,
+            fx,
+            fz,
+            tangential - spring_force,
+            normal - elastic,
+            shear + old_pore,
+            springs_then,
         )
-        slid = sliding_loss(shear, trial, kept, fks)
+        slid = sliding_loss(shear, trial, spring_force, fks)
         if pores:
-            pore_lost = sliding_loss(old_pore, pore_trial, pore_kept, fkps)
+            pore_lost = sliding_loss(old_pore, pore_trial, pore_spring_force, fkps)
             cracking = (length > 0.0) & (new <= 0.0)
             slid = both(slid, 0.0 if cracking else pore_lost)
             cracked = both(pore_lost, crack_loss(kpn, length, m.distance, m.stretch)) if cracking else 0.0
-    in_pores = 0.5 * pore_kept * pore_kept * fkps
+    in_pores = 0.5 * pore_spring_force * pore_spring_force * fkps
     if kpn > 0.0:
         in_pores += 0.5 * pore_normal * pore_normal / kpn
     return m, Contact(
-        over, normal + pore_normal, tangential + pore_kept, torque, kept, pore_kept, rolled, new,
-        elements + 0.5 * kept * kept * fks, bonds, in_pores, rolling, damped, slid, cracked, rolled_off,
+        over, normal + pore_normal, tangential + pore_spring_force, torque, spring_force, pore_spring_force,
+        rolled, new, elements + 0.5 * spring_force * spring_force * fks, bonds, in_pores, rolling, damped,
+        slid, cracked, rolled_off,
     )  # fmt: skip
 
 
@@ -280,8 +299,8 @@ def at_line(
     column = springs.lines[:, layout.line_kind[e]]
     over, m = line_motion(e, layout, springs.walls, slip_time)
     kn, ks, ct, fks = column[row.KN], column[row.KS], column[row.CT], column[row.FKS]
-    push = spring(over, kn, 0.0)
-    normal = normal_force(over, m.vn, law.floor, push, column[row.CN], 0.0)
+    elastic = spring(over, kn, 0.0)
+    normal = normal_force(over, m.vn, law.floor, elastic, column[row.CN], 0.0)
     limit = friction_limit(normal, column[row.MU])
     torque, rolled, rolling, rolled_off = 0.0, 0.0, 0.0, 0.0
     if law.soil:
@@ -292,19 +311,19 @@ def at_line(
         before, whole = layout.rolling[w + field.ROLLED], layout.rolling[w + field.TORQUE]
         roll = -slip_time * layout.shared[entry(disc, field.VR)]
         most = friction_limit(normal, column[row.MU_ROLLING])
-        torque, tried, rolled = held(before, roll, -layout.shared[entry(disc, field.VRS)], ks, ct, most)
+        torque, tried, rolled = friction_spring(before, roll, -layout.shared[entry(disc, field.VRS)], ks, ct, most)
         rolling = 0.5 * rolled * rolled * fks
         rolled_off = both(damping_loss(roll, torque - rolled, whole - before), sliding_loss(before, tried, rolled, fks))
     shear = links[at + field.SHEAR]
-    tangential, trial, kept = held(shear, m.slip, m.vt, ks, ct, limit)
+    tangential, trial, spring_force = friction_spring(shear, m.slip, m.vt, ks, ct, limit)
     damped = damping_losses(
-        m.nx, m.nz, m.slip, m.stretch, links[at + field.FX], links[at + field.FZ], tangential - kept, normal - push,
-        shear, spring(over + m.stretch, kn, 0.0),
+        m.nx, m.nz, m.slip, m.stretch, links[at + field.FX], links[at + field.FZ], tangential - spring_force,
+        normal - elastic, shear, spring(over + m.stretch, kn, 0.0),
     )  # fmt: skip
-    elements = 0.5 * push * push / kn + 0.5 * kept * kept * fks
+    elements = 0.5 * elastic * elastic / kn + 0.5 * spring_force * spring_force * fks
     return m, Contact(
-        over, normal, tangential, torque, kept, 0.0, rolled, 0.0, elements, 0.0, 0.0, rolling, damped,
-        sliding_loss(shear, trial, kept, fks), 0.0, rolled_off,
+        over, normal, tangential, torque, spring_force, 0.0, rolled, 0.0, elements, 0.0, 0.0, rolling, damped,
+        sliding_loss(shear, trial, spring_force, fks), 0.0, rolled_off,
     )  # fmt: skip
 
 

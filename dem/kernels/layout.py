@@ -77,9 +77,9 @@ class Layout(NamedTuple):
         Radius of the disc (m).
     line_start : (slices + 1,)
         First contact with a line of each slice.
-    added_mass_disc : (discs that carry what shakes,)
+    added_mass_disc : (discs with added mass,)
         Numbers of these discs in spatial order.
-    added_mass : (discs that carry what shakes, 4)
+    added_mass : (discs with added mass, 4)
         Their PULL_X and PULL_Z without added mass, and the acceleration by added mass over the horizontal acceleration
         of the frame.
     added_mass_start : (slices + 1,)

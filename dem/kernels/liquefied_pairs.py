@@ -44,7 +44,7 @@ from dem.kernels.prefetch import wide_vectors
 # u/rho^2 (Pa) and the part of it by viscosity, V/S (1/m), force (N). What is left of strength, and of the strain
 # at which it is reached, at the strain potential (-); both 0 without one.
 SHARE, AREA, PRESSURE, DENSITY, STIFFNESS, VISCOSITY, STRENGTH, STRAIN = range(8)
-AT_X, AT_Z, NOW, PUSH, DRAG, BOND, FORCE_X, FORCE_Z = range(8, 16)
+AT_X, AT_Z, NOW, PRESSURE_TERM, DRAG, BOND, FORCE_X, FORCE_Z = range(8, 16)
 KNEE, SOFT_TO = 16, 17
 FIELDS = 18
 ONE, TWO, THREE = (np.uint64(k) for k in (1, 2, 3))  # z, vx, vz in the record of a disc that all share
@@ -70,7 +70,7 @@ DX, DZ, UX, UZ, OX, OZ, EDGE, AREA_1, AREA_2, SLOPE, WIDTH_1, WIDTH_2, RATE_1, R
     np.uint64(k * LANES) for k in range(WORKING)
 )
 NX, NZ, SPEED, TURN, STRETCH, SLIP, APART = DX, DZ, UX, UZ, OX, OZ, EDGE
-PUSHED, HELD, ROOM, TWICE, KNEES, ENDS = WIDTH_1, WIDTH_2, RATE_1, RATE_2, LEVER_1, LEVER_2
+PAIR_PRESSURE, BOND_SUM, ROOM, TWICE, KNEES, ENDS = WIDTH_1, WIDTH_2, RATE_1, RATE_2, LEVER_1, LEVER_2
 FORCE_X1, FORCE_X2, FORCE_Z1, FORCE_Z2 = WIDTH_1, WIDTH_2, RATE_1, RATE_2
 WORKED = np.uint64(WORKING * LANES)
 TO_RATE, TO_LEVER = RATE_1 - WIDTH_1, LEVER_1 - WIDTH_1  # from where a member's density lies; its forces, likewise
@@ -133,8 +133,8 @@ class Liquefied(NamedTuple):
 
 
 @device_function(nogil=True, _nrt=False)
-def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, ahead: float, with_losses: bool) -> None:
-    """Relative positions, in `ahead` seconds, and velocities of the discs of a block of pairs.
+def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, later: float, with_losses: bool) -> None:
+    """Relative positions, in `later` seconds, and velocities of the discs of a block of pairs.
 
     wet: liquefied pairs; shared: records of all discs; with_losses: whether work is summed.
     """
@@ -147,8 +147,8 @@ def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, ahead: float, w
         a, b = np.uint64(8 * i), np.uint64(8 * j)
         ux, uz = shared[b + TWO] - shared[a + TWO], shared[b + THREE] - shared[a + THREE]
         w[q + UX], w[q + UZ] = ux, uz
-        w[q + DX] = shared[b] - shared[a] + ahead * ux
-        w[q + DZ] = shared[b + ONE] - shared[a + ONE] + ahead * uz
+        w[q + DX] = shared[b] - shared[a] + later * ux
+        w[q + DZ] = shared[b + ONE] - shared[a + ONE] + later * uz
         w[q + OX] = discs[j, AT_X] - discs[i, AT_X]
         w[q + OZ] = discs[j, AT_Z] - discs[i, AT_Z]
         area_i, area_j = discs[i, AREA], discs[j, AREA]
@@ -156,7 +156,7 @@ def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, ahead: float, w
         if with_losses:
             # of a disc that has not liquefied the push is nothing
             alone = (discs[i, SHARE] > 0.0) != (discs[j, SHARE] > 0.0)
-            w[q + EDGE] = area_i * area_j * (discs[i, PUSH] + discs[j, PUSH]) if alone else 0.0
+            w[q + EDGE] = area_i * area_j * (discs[i, PRESSURE_TERM] + discs[j, PRESSURE_TERM]) if alone else 0.0
 
 
 @device_function(nogil=True, _nrt=False)
@@ -185,9 +185,9 @@ def look_at_pairs(block: int, wet: Liquefied, period: Period, with_losses: bool)
         area_i, area_j, edge = w[q + AREA_1], w[q + AREA_2], w[q + EDGE]
         if with_losses:
             was = before if before < reach else reach
-            push = -edge * density_kernel(was, reach)[1]
+            pressure_force = -edge * density_kernel(was, reach)[1]
             way = ((dx - ox) * ox + (dz - oz) * oz) / (before + LESS * reach)
-            work = both(work, push * way)
+            work = both(work, pressure_force * way)
         speed = ux * nx + uz * nz
         lever = bond_kernel(inside, reach) * inside
         w[q + NX], w[q + NZ], w[q + SPEED], w[q + TURN] = nx, nz, speed, uz * nx - ux * nz
@@ -200,10 +200,10 @@ def look_at_pairs(block: int, wet: Liquefied, period: Period, with_losses: bool)
 
 
 @device_function(nogil=True, _nrt=False)
-def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahead: float, with_losses: bool) -> float:
+def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, later: float, with_losses: bool) -> float:
     """Density, pressure and share of strength of the discs near[begin:end]; returns the losses (J) by viscosity.
 
-    wet: liquefied pairs; shared: records of all discs; ahead: see `fetch_motion`; with_losses: whether work is summed.
+    wet: liquefied pairs; shared: records of all discs; later: see `fetch_motion`; with_losses: whether work is summed.
     """
     discs, w, reach = wet.discs, wet.working, wet.reach
     self_kernel = 7.0 / (math.pi * reach * reach)
@@ -211,8 +211,8 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahea
     for k in range(begin, end):
         i = np.int64(wet.near[k])
         at = np.uint64(8 * i)
-        discs[i, AT_X] = shared[at] + ahead * shared[at + TWO]
-        discs[i, AT_Z] = shared[at + ONE] + ahead * shared[at + THREE]
+        discs[i, AT_X] = shared[at] + later * shared[at + TWO]
+        discs[i, AT_Z] = shared[at + ONE] + later * shared[at + THREE]
         share, area = discs[i, SHARE], discs[i, AREA]
         if share == 0.0:
             continue
@@ -227,10 +227,10 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahea
         whole = whole if whole > 0.0 else 0.0
         drag = (whole - still) / (density * density)
         if with_losses:
-            held = discs[i, DRAG] + 0.5 / wet.every * (drag - discs[i, DRAG])
-            lost += area * held * (density - discs[i, NOW])
+            viscous_mean = discs[i, DRAG] + 0.5 / wet.every * (drag - discs[i, DRAG])
+            lost += area * viscous_mean * (density - discs[i, NOW])
         discs[i, NOW] = density
-        discs[i, PUSH] = whole / (density * density)
+        discs[i, PRESSURE_TERM] = whole / (density * density)
         discs[i, DRAG] = drag
         discs[i, BOND] = share * discs[i, STRENGTH] * area / levers
     return lost
@@ -253,8 +253,8 @@ def fetch_strength(block: int, wet: Liquefied) -> None:
         q = np.uint64(block) * WORKED + np.uint64(lane)
         c = block * LANES + lane
         i, j = np.int64(wet.first[c]), np.int64(wet.second[c])
-        w[q + PUSHED] = discs[i, PUSH] + discs[j, PUSH]
-        w[q + HELD] = discs[i, BOND] + discs[j, BOND]
+        w[q + PAIR_PRESSURE] = discs[i, PRESSURE_TERM] + discs[j, PRESSURE_TERM]
+        w[q + BOND_SUM] = discs[i, BOND] + discs[j, BOND]
         w[q + ROOM] = discs[i, STRAIN] + discs[j, STRAIN]
         w[q + KNEES], w[q + ENDS] = discs[i, KNEE] + discs[j, KNEE], discs[i, SOFT_TO] + discs[j, SOFT_TO]
         w[q + TWICE] = 1.0 if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0 else 2.0
@@ -262,13 +262,13 @@ def fetch_strength(block: int, wet: Liquefied) -> None:
 
 @device_function(nogil=True, _nrt=False)
 def press_pairs(
-    block: int, wet: Liquefied, damping_time: float, kept: float, with_losses: bool
+    block: int, wet: Liquefied, damping_time: float, relaxation: float, with_losses: bool
 ) -> tuple[float, float, float]:
     """Compute forces and memory of the pairs of a block, after `fetch_strength` has read their strength.
 
     Returns energies (J) since the last evaluation: dissipation of bonds by slip and by dashpots, and the work of the
-    terms that replace discs which have not liquefied. damping_time: dashpot over stiffness of a bond (s); kept: share
-    of the force of the spring in series with the second dashpot that remains at the next evaluation.
+    terms that replace discs which have not liquefied. damping_time: dashpot over stiffness of a bond (s); relaxation:
+    share of the force of the spring in series with the second dashpot that remains at the next evaluation.
     """
     wide_vectors()
     w, memory, reach = wet.working, wet.memory, wet.reach
@@ -280,8 +280,8 @@ def press_pairs(
         apart, factor = w[q + APART], w[q + TWICE]
         here = 1.0 if apart < reach else 0.0
         inside = apart if apart < reach else reach
-        push = -factor * w[q + PUSHED] * w[q + AREA_1] * w[q + AREA_2] * w[q + SLOPE]
-        strength = 0.5 * math.pi * FITTED * factor * w[q + HELD] * bond_kernel(inside, reach)
+        pressure_force = -factor * w[q + PAIR_PRESSURE] * w[q + AREA_1] * w[q + AREA_2] * w[q + SLOPE]
+        strength = 0.5 * math.pi * FITTED * factor * w[q + BOND_SUM] * bond_kernel(inside, reach)
         soft_to = 0.5 * factor * w[q + ENDS]
         share = STRAINED if factor > 1.0 and soft_to > 0.0 else 1.0
         room = share * 0.5 * factor * w[q + ROOM] * inside + LESS * reach  # way (m) at which the bond slips
@@ -298,31 +298,31 @@ def press_pairs(
         left = here * fresh * math.exp(-past * room / (SOON * inside))
         gain = more / (1.0 + FIRST * left)  # the limit falls, and what is mobilised of it grows
         here_along, here_across = mobilised(here * gain * new_along, here * gain * new_across)
-        held_share = force_share(new_along, new_across, soft, steep)
+        mobilised_share = force_share(new_along, new_across, soft, steep)
         if with_losses:
             dashed = memory[r + DASH_ALONG] * stretch + memory[r + DASH_ACROSS] * slip
             damped = both(damped, (1.0 - part) * dashed)
-            work = both(work, (factor - 1.0) * 0.5 * part * push * stretch)
+            work = both(work, (factor - 1.0) * 0.5 * part * pressure_force * stretch)
             energy = strength * room
             weaker = 0.5 * (memory[r + YIELD] - energy) * energy_share(along, across, soft, steep, soft_to)
             was = force_share(along, across, soft, steep)
-            cut = (was * along + held_share * new_along) * (tried_along - new_along)
-            cut += (was * across + held_share * new_across) * (tried_across - new_across)
+            cut = (was * along + mobilised_share * new_along) * (tried_along - new_along)
+            cut += (was * across + mobilised_share * new_across) * (tried_across - new_across)
             slid = both(slid, weaker + 0.5 * energy * cut)
             yields = energy / (gain * gain)
-            held = energy * energy_share(new_along, new_across, soft, steep, soft_to)
+            stored = energy * energy_share(new_along, new_across, soft, steep, soft_to)
             left_over = yields * energy_share(here_along, here_across, soft, steep, soft_to)
-            slid = both(slid, 0.5 * (held - left_over))
+            slid = both(slid, 0.5 * (stored - left_over))
             memory[r + YIELD] = yields
         memory[r + LEFT] = left
         late_along, late_across = mobilised(
-            kept * (memory[r + LATE_ALONG] + BEHIND * stretch * inverse),
-            kept * (memory[r + LATE_ACROSS] + BEHIND * slip * inverse),
+            relaxation * (memory[r + LATE_ALONG] + BEHIND * stretch * inverse),
+            relaxation * (memory[r + LATE_ACROSS] + BEHIND * slip * inverse),
         )
-        ahead = (damping_time + CREEP * soft) * inverse
-        new_along, new_across = held_share * new_along, held_share * new_across
+        delay = (damping_time + CREEP * soft) * inverse
+        new_along, new_across = mobilised_share * new_along, mobilised_share * new_across
         soon_along, soon_across = mobilised(
-            new_along + late_along + w[q + SPEED] * ahead, new_across + late_across + w[q + TURN] * ahead
+            new_along + late_along + w[q + SPEED] * delay, new_across + late_across + w[q + TURN] * delay
         )
         pull, drag = strength * soon_along, strength * soon_across
         dash_along, dash_across = pull - strength * new_along, drag - strength * new_across
@@ -336,7 +336,7 @@ def press_pairs(
         memory[r + DASH_ALONG], memory[r + DASH_ACROSS] = dash_along, dash_across
         if with_losses:
             damped = both(damped, part * (dash_along * stretch + dash_across * slip))
-        nx, nz, normal = w[q + NX], w[q + NZ], push - pull
+        nx, nz, normal = w[q + NX], w[q + NZ], pressure_force - pull
         fx, fz = normal * nx + drag * nz, normal * nz - drag * nx
         w[q + FORCE_X1], w[q + FORCE_X2], w[q + FORCE_Z1], w[q + FORCE_Z2] = -fx, fx, -fz, fz
     return slid, damped, work

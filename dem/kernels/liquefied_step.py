@@ -22,29 +22,29 @@ from dem.kernels.work_buffers import SUM_X, SUM_Z
 
 
 @device_function(nogil=True, _nrt=False)
-def look_at_slice(p: int, layout: Layout, law: Law, entries: Entries, ahead: float) -> None:
-    """Densities, levers and speeds of the pairs of slice p at the positions of discs in `ahead` seconds.
+def look_at_slice(p: int, layout: Layout, law: Law, entries: Entries, later: float) -> None:
+    """Densities, levers and speeds of the pairs of slice p at the positions of discs in `later` seconds.
 
     layout: discs and contacts; law: contact law with the period of the ground; entries: of the energy balance.
     """
     wet = layout.liquefied
     for block in range(wet.start[p], wet.start[p + 1]):
-        fetch_motion(block, wet, layout.shared, ahead, entries.kept)
-        work = look_at_pairs(block, wet, law.period, entries.kept)
-        if entries.kept:
+        fetch_motion(block, wet, layout.shared, later, entries.wanted)
+        work = look_at_pairs(block, wet, law.period, entries.wanted)
+        if entries.wanted:
             entries.sums[p, STAND_IN] += work
 
 
 @device_function(nogil=True, _nrt=False)
-def press_slice(p: int, wet: Liquefied, entries: Entries, damping_time: float, kept: float) -> None:
-    """Forces of the pairs of slice p; damping_time, kept: see `press_pairs`.
+def press_slice(p: int, wet: Liquefied, entries: Entries, damping_time: float, relaxation: float) -> None:
+    """Forces of the pairs of slice p; damping_time, relaxation: see `press_pairs`.
 
     wet: liquefied pairs; entries: of the energy balance.
     """
     for block in range(wet.start[p], wet.start[p + 1]):
         fetch_strength(block, wet)
-        slid, damped, work = press_pairs(block, wet, damping_time, kept, entries.kept)
-        if entries.kept:
+        slid, damped, work = press_pairs(block, wet, damping_time, relaxation, entries.wanted)
+        if entries.wanted:
             entries.sums[p, BONDS] += slid
             entries.sums[p, VISCOSITY] += damped
             entries.sums[p, STAND_IN] += work
@@ -59,20 +59,20 @@ def press(team: Team, layout: Layout, law: Law, entries: Entries, dt: float) -> 
     """
     wet = layout.liquefied
     begin, end = slices_of(team.thread, team.threads, len(layout.chunk_start) - 1)
-    ahead, held = 0.5 * (wet.every - 1) * dt, wet.every * dt
-    kept = math.exp(-held / bond.RELAXES)
+    later, interval = 0.5 * (wet.every - 1) * dt, wet.every * dt
+    relaxation = math.exp(-interval / bond.RELAXES)
     for p in range(begin, end):
-        look_at_slice(p, layout, law, entries, ahead)
+        look_at_slice(p, layout, law, entries, later)
     if team.threads > 1:
         wait(team.barrier, team.threads)
     for p in range(begin, end):
-        lost = look_at_discs(wet.near_start[p], wet.near_start[p + 1], wet, layout.shared, ahead, entries.kept)
-        if entries.kept:
+        lost = look_at_discs(wet.near_start[p], wet.near_start[p + 1], wet, layout.shared, later, entries.wanted)
+        if entries.wanted:
             entries.sums[p, VISCOSITY] += lost
     if team.threads > 1:
         wait(team.barrier, team.threads)
     for p in range(begin, end):
-        press_slice(p, wet, entries, 0.5 * held, kept)
+        press_slice(p, wet, entries, 0.5 * interval, relaxation)
     if team.threads > 1:
         wait(team.barrier, team.threads)
     for p in range(begin, end):

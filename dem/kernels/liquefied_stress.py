@@ -27,10 +27,10 @@ FLAT = 1e-6  # of the square of a moment: neighbours on a line have no gradient
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def held_shear(
+def measured_shear(
     discs: np.ndarray, way: np.ndarray, pairs: np.ndarray, memory: np.ndarray, reach: float, period: Period
 ) -> np.ndarray:
-    """Measure the shear stress that liquefied ground holds as it strains.
+    """Measure the shear stress that liquefied ground carries as it strains.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def held_shear(
     out = np.zeros((3, n))
     for i in range(n):
         if discs[i, bond.SHARE] > 0.0:
-            out[0, i], out[1, i] = _held(mean[i])
+            out[0, i], out[1, i] = _shear_of(mean[i])
             out[2, i] = sums[i, USED] / sums[i, WEIGHT] if sums[i, WEIGHT] > 0.0 else 0.0
     return out
 
@@ -79,7 +79,13 @@ def _sums(
         width[c], slope = density_kernel(apart, reach)
         nx, nz = dx / apart, dz / apart
         twice = 1.0 if discs[i, bond.SHARE] > 0.0 and discs[j, bond.SHARE] > 0.0 else 2.0
-        push = -twice * (discs[i, bond.PUSH] + discs[j, bond.PUSH]) * discs[i, bond.AREA] * discs[j, bond.AREA] * slope
+        pressure_force = (
+            -twice
+            * (discs[i, bond.PRESSURE_TERM] + discs[j, bond.PRESSURE_TERM])
+            * discs[i, bond.AREA]
+            * discs[j, bond.AREA]
+            * slope
+        )
         limit = (
             0.5
             * math.pi
@@ -93,7 +99,7 @@ def _sums(
         soft, steep, _ = bond_lines(discs, i, j)
         share = force_share(along, across, soft, steep)
         along, across = share * along, share * across
-        normal = push - limit * along - memory[c, DASH_ALONG_AT] - memory[c, bond.TAKEN_ALONG_AT]
+        normal = pressure_force - limit * along - memory[c, DASH_ALONG_AT] - memory[c, bond.TAKEN_ALONG_AT]
         drag = limit * across + memory[c, DASH_ACROSS_AT] + memory[c, bond.TAKEN_ACROSS_AT]
         fx, fz = normal * nx + drag * nz, normal * nz - drag * nx
         near = width[c] / (apart * apart)
@@ -122,7 +128,7 @@ def _sums(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _held(mean: np.ndarray) -> tuple[float, float]:
+def _shear_of(mean: np.ndarray) -> tuple[float, float]:
     """Measured shear stress (Pa) and shear strain, from a stress and a displacement gradient.
 
     Work on rotation is included, since bonds resist rotation as well.

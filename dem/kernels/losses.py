@@ -51,12 +51,12 @@ def damping_losses(
 
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)
-def sliding_loss(before: float, trial: float, kept: float, flexibility: float) -> float:
-    """Twice the work (J) dissipated in one step by a spring whose force was reduced from `trial` to `kept` (N).
+def sliding_loss(before: float, trial: float, limited: float, flexibility: float) -> float:
+    """Twice the work (J) dissipated in one step by a spring whose force was reduced from `trial` to `limited` (N).
 
     before: its force in the last step (N); flexibility: one over its stiffness (m/N).
     """
-    return (before + kept) * (trial - kept) * flexibility
+    return (before + limited) * (trial - limited) * flexibility
 
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)

@@ -290,7 +290,7 @@ def share_out(i: np.ndarray, j: np.ndarray, n: int) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def turned(owner: np.ndarray, other: np.ndarray, old: np.ndarray) -> np.ndarray:
+def reversal_signs(owner: np.ndarray, other: np.ndarray, old: np.ndarray) -> np.ndarray:
     """-1 for pairs whose owner has changed, 1 for all others; old: as from `find_pairs`."""
     sign = np.ones(len(old))
     for c in range(len(old)):

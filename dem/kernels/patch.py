@@ -38,7 +38,7 @@ def pair_forces(layout: Layout, discs: int, back: np.ndarray, region: np.ndarray
     mean unbalanced force on a free disc over the mean pair force, number of cracked pore springs).
     """
     shared, links = layout.shared, layout.links
-    carried = np.zeros((2, 2))
+    stress = np.zeros((2, 2))
     total = np.zeros((discs, 2))
     sum_of_forces, carrying, cracked = 0.0, 0, 0
     for p in range(len(layout.chunk_start) - 1):
@@ -64,18 +64,18 @@ def pair_forces(layout: Layout, discs: int, back: np.ndarray, region: np.ndarray
                     back[0, 0] * x + back[0, 1] * z, back[1, 0] * x + back[1, 1] * z,
                     back[0, 0] * dx + back[0, 1] * dz, back[1, 0] * dx + back[1, 1] * dz, region,
                 )  # fmt: skip
-                carried[0, 0] -= share * fx * dx
-                carried[0, 1] -= share * fx * dz
-                carried[1, 0] -= share * fz * dx
-                carried[1, 1] -= share * fz * dz
+                stress[0, 0] -= share * fx * dx
+                stress[0, 1] -= share * fx * dz
+                stress[1, 0] -= share * fz * dx
+                stress[1, 1] -= share * fz * dz
     if carrying == 0:
-        return carried, 0.0, cracked
+        return stress, 0.0, cracked
     left, free = 0.0, 0
     for i in range(discs):
         if layout.discs[place(i, field.INVMASS)] > 0.0:
             left += np.hypot(total[i, 0], total[i, 1])
             free += 1
-    return carried, (left / free) / (sum_of_forces / carrying), cracked
+    return stress, (left / free) / (sum_of_forces / carrying), cracked
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -70,11 +70,11 @@ def spread_out(
                 continue
             distance = max(np.sqrt(square), 1e-9)
             over = reach - distance
-            push = 0.5 * over / distance
-            x[a] -= push * dx
-            z[a] -= push * dz
-            x[b] += push * dx
-            z[b] += push * dz
+            shift = 0.5 * over / distance
+            x[a] -= shift * dx
+            z[a] -= shift * dz
+            x[b] += shift * dx
+            z[b] += shift * dz
         for a in range(len(x)):
             inside, nx, nz = nearest_edge(x[a], z[a], outline)
             if inside < radius[a]:

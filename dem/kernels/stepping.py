@@ -42,7 +42,7 @@ from dem.kernels.liquefied_step import add_pressed, press
 from dem.kernels.losses import along
 from dem.kernels.prefetch import LINE, fetch, wide_vectors
 from dem.kernels.transpose import EIGHT, add_gathered, spread
-from dem.kernels.work_buffers import OWN, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_constants, load_own
+from dem.kernels.work_buffers import OWNED_DISCS, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_constants, load_own
 
 # Why a run of the kernel came to its end.
 DONE, MOVED, OVERLAP = 0, 1, 2
@@ -108,19 +108,19 @@ def move_lanes(
         accel_x = buffer[SUM_X + q] * invmass + free * (pull_x + step.ax)
         accel_z = buffer[SUM_Z + q] * invmass + free * (pull_z + step.az)
         accel_r = buffer[SUM_R + q] * discs[b + field.RIM + q]
-        vx = buffer[OWN + field.VX + q] + step.kick * accel_x
-        vz = buffer[OWN + field.VZ + q] + step.kick * accel_z
-        vr = buffer[OWN + field.VR + q] + step.kick * accel_r
-        x = buffer[OWN + field.X + q] + step.dt * vx
-        z = buffer[OWN + field.Z + q] + step.dt * vz
-        buffer[OWN + field.VX + q] = vx
-        buffer[OWN + field.VZ + q] = vz
-        buffer[OWN + field.VR + q] = vr
-        buffer[OWN + field.VXS + q] = vx + half * accel_x
-        buffer[OWN + field.VZS + q] = vz + half * accel_z
-        buffer[OWN + field.VRS + q] = vr + half * accel_r
-        buffer[OWN + field.X + q] = x
-        buffer[OWN + field.Z + q] = z
+        vx = buffer[OWNED_DISCS + field.VX + q] + step.kick * accel_x
+        vz = buffer[OWNED_DISCS + field.VZ + q] + step.kick * accel_z
+        vr = buffer[OWNED_DISCS + field.VR + q] + step.kick * accel_r
+        x = buffer[OWNED_DISCS + field.X + q] + step.dt * vx
+        z = buffer[OWNED_DISCS + field.Z + q] + step.dt * vz
+        buffer[OWNED_DISCS + field.VX + q] = vx
+        buffer[OWNED_DISCS + field.VZ + q] = vz
+        buffer[OWNED_DISCS + field.VR + q] = vr
+        buffer[OWNED_DISCS + field.VXS + q] = vx + half * accel_x
+        buffer[OWNED_DISCS + field.VZS + q] = vz + half * accel_z
+        buffer[OWNED_DISCS + field.VRS + q] = vr + half * accel_r
+        buffer[OWNED_DISCS + field.X + q] = x
+        buffer[OWNED_DISCS + field.Z + q] = z
         discs[b + field.ROLL + q] += step.dt * vr
         dx = x - discs[b + field.X0 + q]
         dz = z - discs[b + field.Z0 + q]
@@ -133,7 +133,7 @@ def move_lanes(
             by_boundary = add(by_boundary, 0.0 if invmass > 0.0 else -driven)
     for lane in range(0, field.LANES, EIGHT):
         q = np.uint64(lane)
-        spread(buffer, OWN + q, shared, (np.uint64(p) * ROW + q) * LINE)
+        spread(buffer, OWNED_DISCS + q, shared, (np.uint64(p) * ROW + q) * LINE)
     return moved, by_weight * step.dt, by_external * step.dt, by_boundary * step.kick
 
 
@@ -186,7 +186,7 @@ def contacts_of_slice(
         else:
             for k in range(layout.fresh_start[chunk], layout.fresh_start[chunk + 1]):
                 load_constants(np.uint64(layout.fresh[k]), layout.kinds, springs.records, law.soil, pores, buffer)
-        if entries.kept:
+        if entries.wanted:
             deep, damped, slid, cracked, rolled = contacts_with_losses(chunk, state, buffer, slip_time, law)
             damping += damped
             sliding += slid
@@ -201,7 +201,7 @@ def contacts_of_slice(
         damping += damped
         sliding += slid
         rolling += rolled
-    if entries.kept:
+    if entries.wanted:
         entries.sums[p, DASHPOT] += damping
         entries.sums[p, SLIDING] += sliding
         entries.sums[p, CRACKS] += cracks
@@ -222,7 +222,7 @@ def move_slice(p: int, layout: Layout, buffer: np.ndarray, step: Step, entries: 
     pull_added_mass(p, layout, step.level)
     if p != at_hand:
         load_own(p, layout.shared, buffer)
-    if not entries.kept:
+    if not entries.wanted:
         return move(p, layout.discs, layout.shared, buffer, step)
     moved, by_weight, by_external, by_boundary = move_with_work(p, layout.discs, layout.shared, buffer, step)
     added = added_momentum(p, layout) * step.dt

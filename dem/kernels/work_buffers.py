@@ -19,13 +19,13 @@ from dem.kernels.transpose import CONSTANT_RECORD, EIGHT, SHARED, gather, unfold
 NORMAL_X, NORMAL_Z, DISTANCE, LEVER = (np.uint64(row * LANES) for row in (0, 1, 8, 9))
 CONSTANT = np.uint64(10 * LANES)
 SUM_X, SUM_Z, SUM_R = (np.uint64((10 + CONSTANT_RECORD + k) * LANES) for k in range(3))
-OWN = np.uint64((13 + CONSTANT_RECORD) * LANES)  # the shared fields of the slice's own discs
+OWNED_DISCS = np.uint64((13 + CONSTANT_RECORD) * LANES)  # the shared fields of the slice's own discs
 BUFFER_SIZE = (13 + CONSTANT_RECORD + SHARED) * LANES
 FEWER, ALL = 14, 20  # constants of the paper's discs, or of soil discs without pore springs; of all: even numbers
 ROW = np.uint64(LANES)
 ONE = np.uint64(1)
 BLOCK = 16  # partners fetched at a time: the fewest lanes in a loop that LLVM makes vectors of
-AHEAD = 2  # chunks
+PREFETCHED = 2  # chunks
 
 
 @njit(cache=True, nogil=True)
@@ -75,7 +75,7 @@ def load_own(p: int, shared: np.ndarray, buffer: np.ndarray) -> None:
     """The shared fields of the 64 discs of slice p, in rows."""
     for lane in range(0, LANES, EIGHT):
         q = np.uint64(lane)
-        unfold(shared, (np.uint64(p) * ROW + q) * LINE, buffer, OWN + q)
+        unfold(shared, (np.uint64(p) * ROW + q) * LINE, buffer, OWNED_DISCS + q)
 
 
 @device_function(nogil=True, forceinline=True)
@@ -87,7 +87,7 @@ def load_partners(chunk: int, lane: int, state: State, buffer: np.ndarray, soil:
     outstanding requests.
     """
     chunks = np.uint64(len(state.partner)) // ROW
-    later = min(np.uint64(chunk + AHEAD), chunks - ONE) * ROW
+    later = min(np.uint64(chunk + PREFETCHED), chunks - ONE) * ROW
     for k in range(lane, lane + BLOCK):
         q = np.uint64(k)
         fetch(state.links, later * np.uint64(LINK_FIELDS) + q * LINE)

@@ -31,7 +31,8 @@ class PatchStrength:
         Angle of dilation at the peak (rad).
     course : (BINS,)
         Half the deviator stress in each of `BINS` equal intervals of strain up to `STRAIN` (Pa). The curve of one patch
-        is jerky, that of a sample of many more grains is not: the peak is taken from the mean curve of several patches.
+        is jerky, unlike the curve of a sample with many more grains: so the peak is taken from the mean curve of
+        several patches.
     """
 
     pressure: float

@@ -7,10 +7,10 @@ import numpy as np
 
 from dem.laboratory.compression import PatchStrength
 from dem.laboratory.contact_numbers import PRESSURE, ContactNumbers
-from dem.laboratory.kept_strengths import is_kept, strength_of_patch
 from dem.laboratory.layer_check import LayerCheck
 from dem.laboratory.patch import VOID_RATIO
 from dem.laboratory.soil_layers import SoilLayer
+from dem.laboratory.stored_strengths import is_stored, strength_of_patch
 from dem.laboratory.strength import from_principal
 from dem.springs import LayerSprings
 from meshes.executor import Tell
@@ -49,9 +49,9 @@ class ElementTestProgramme:
         return [(kind, seed) for kind in kinds for seed in SEEDS]
 
     @property
-    def is_kept(self) -> bool:
+    def is_stored(self) -> bool:
         """Whether all patches were compressed in earlier runs, whose results are stored."""
-        return all(is_kept(*task) for task in self.tasks)
+        return all(is_stored(*task) for task in self.tasks)
 
     def checks(self, done: Sequence[Outcome]) -> list[LayerCheck]:
         """The comparison of every layer with its discs, from the results of the ``tasks``."""
@@ -60,7 +60,7 @@ class ElementTestProgramme:
 
     def _check(self, layer: SoilLayer, outcomes: dict[Task, Outcome]) -> LayerCheck:
         patches = [
-            _carried(outcomes[numbers.nearest, seed], numbers, float(p), seed)
+            _scaled(outcomes[numbers.nearest, seed], numbers, float(p), seed)
             for p in layer.pressures
             for numbers in [ContactNumbers.of(layer, float(p))]
             for seed in SEEDS
@@ -73,7 +73,7 @@ def compressed(task: Task, _: Tell) -> Outcome:
     return strength_of_patch(*task)
 
 
-def _carried(patch: Outcome, numbers: ContactNumbers, pressure: float, seed: int) -> Outcome:
+def _scaled(patch: Outcome, numbers: ContactNumbers, pressure: float, seed: int) -> Outcome:
     """The result of a patch, converted to other dimensionless numbers and another pressure (Pa)."""
     if isinstance(patch, str):
         return f"{pressure / 1e3:.3g} kPa, seed {seed}, scaled to {PRESSURE / 1e3:.3g} kPa: {patch}"
@@ -125,5 +125,5 @@ def _check(layer: SoilLayer, spring: LayerSprings, patches: Sequence[PatchStreng
 
 
 def _known(value: float) -> float | None:
-    """A number, or None where there is none."""
+    """The number, or None if it is NaN."""
     return float(value) if np.isfinite(value) else None

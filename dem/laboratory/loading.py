@@ -164,7 +164,7 @@ def load(
     lengths = 1.0 + np.arange(INTERVALS) / GROWTH
     lengths *= strain / per_second / lengths.sum()
     drive = np.diag([0.0, -per_second]) if kind == "biaxial" else np.array([[0.0, per_second], [0.0, 0.0]])
-    held = 0 if kind == "biaxial" else 1
+    lateral_axis = 0 if kind == "biaxial" else 1
     steady = per_second * stiffness.nu_2d if kind == "biaxial" else 0.0
     bonds = max(1, int((patch.model.pore_length != 0.0).sum()))
     rows: list[np.ndarray] = []
@@ -173,16 +173,18 @@ def load(
         try:
             now = patch.stress_state()
             for interval in lengths:
-                wanted = -(now.stress[held, held] + pressure) / (stiffness.M * REACTION * interval)
+                wanted = -(now.stress[lateral_axis, lateral_axis] + pressure) / (stiffness.M * REACTION * interval)
                 steady += wanted / MEMORY
-                drive[held, held] = np.clip(wanted + steady, -LATERAL * per_second, LATERAL * per_second)
+                drive[lateral_axis, lateral_axis] = np.clip(
+                    wanted + steady, -LATERAL * per_second, LATERAL * per_second
+                )
                 press.strain(drive, interval)
                 now = patch.stress_state()
                 rows.append(_record(patch.deformation, kind, now, bonds))
                 if not to_the_end and _is_over(rows, kind):
                     break
         except DemError as error:
-            stopped = str(error).removesuffix(f" {press.run.engine.kept}")
+            stopped = str(error).removesuffix(f" {press.run.engine.checkpoint_note}")
     records = np.array(rows)[: len(rows) // AVERAGE * AVERAGE].reshape(-1, AVERAGE, 8).mean(axis=1)
     return Curve(
         kind, pressure, records[:, 0], records[:, 1:5].reshape(-1, 2, 2), records[:, 5], records[:, 6], records[:, 7],

@@ -131,7 +131,7 @@ class Calibrator:
     threads
         Threads of a search that is done alone; searches of the executor have one each.
 
-    ``pushed`` holds the discs at the end of every displacement-controlled test in this process, and ``rested`` soil
+    ``displaced`` holds the discs at the end of every displacement-controlled test in this process, and ``rested`` soil
     discs at rest, by parameter and factor.
     """
 
@@ -153,13 +153,13 @@ class Calibrator:
         self.ground, self.layers, self.settled, self.settings = ground, list(layers), settled, settings
         self.continuum, self.until_failed, self.threads = continuum, until_failed, threads
         self.searches = dict(known or {})
-        self.pushed: dict[Key, DiscModel] = {}
+        self.displaced: dict[Key, DiscModel] = {}
         self.rested: dict[Key, DiscModel] = {}
         self.on_trial, self.on_search, self.executor = on_trial, on_search, executor
 
     def __getstate__(self) -> dict[str, Any]:
-        """State for another process: all but the listener and the known searches."""
-        nothing: dict[str, Any] = {"searches": {}, "pushed": {}, "rested": {}}
+        """State that is pickled for another process: all attributes but the listeners and the known searches."""
+        nothing: dict[str, Any] = {"searches": {}, "displaced": {}, "rested": {}}
         return self.__dict__ | nothing | {"on_trial": None, "on_search": None, "executor": SERIAL, "threads": 1}
 
     def settled_with(self, parameter: str, factor: float) -> DiscModel:
@@ -183,7 +183,7 @@ class Calibrator:
         if key in self.searches:
             return self.searches[key]
         try:
-            search = self._found(key, self.settled_with(parameter, factor), fine)
+            search = self._searched(key, self.settled_with(parameter, factor), fine)
         except DemError as error:  # critical_kh hands none on: the discs did not settle
             search = Search(kc_upper=0.0, verdict="fails under its own weight", reason=str(error))
         self._know(key, search)
@@ -194,12 +194,12 @@ class Calibrator:
         if self.on_search is not None:
             self.on_search(*key, search)
 
-    def _found(self, key: Key, settled: DiscModel, fine: bool) -> Search:
+    def _searched(self, key: Key, settled: DiscModel, fine: bool) -> Search:
         settings = self.settings
         if settings.model == "soil":
             if self.continuum is None:
                 raise ValueError("the displacement of soil discs follows from a continuum: give `continuum`")
-            search, self.pushed[key] = pushover_critical_kh(
+            search, self.displaced[key] = pushover_critical_kh(
                 settled, self.ground, settings, self.continuum, threads=self.threads, on_trial=self.on_trial,
                 until_failed=self.until_failed,
             )  # fmt: skip
@@ -289,7 +289,7 @@ def calibrated(calibrator: Calibrator, continuum: Continuum, one_at_a_time: bool
 
 
 def middle(search: Search) -> float:
-    """The result of a search as a number: the mean of its bracket, or the end of its range."""
+    """The critical Kh of a search as one number: the mean of its bracket, or the end of its range."""
     if search.kc_upper is None:
         return search.kc_lower
     return 0.5 * (search.kc_lower + search.kc_upper)

@@ -23,7 +23,7 @@ from dem.laboratory.patch import POROSITY, VOID_RATIO
 from dem.laboratory.soil_layers import SoilLayer, soil_layers
 from dem.model import DiscModel
 from dem.packing import Packing, brought_back, periodic_packing, random_packing
-from dem.search.equilibrium import calm_down, period, settle, shake, step_on
+from dem.search.equilibrium import damp_to_rest, period, settle, shake, step_on
 from dem.search.levelling import levelled, misfit
 from dem.settings import DemSettings
 from dem.springs import LayerSprings
@@ -102,7 +102,7 @@ def deposit(
     ground = _filled(section, settings, radius, periodic)
     soil = soil_layers(section) if soil is None else soil
     layers = [layer.springs(radius, VOID_RATIO) for layer in soil]
-    settled = settle(ground, layers, settings, shaken=False)
+    settled = settle(ground, layers, settings, by_shaking=False)
     for done in range(ROUNDS + MORE):
         packing = cut(section, settled, ground)
         if done >= ROUNDS - 1:
@@ -110,17 +110,17 @@ def deposit(
         ground = replace(ground, packing=_in_strata(section, packing))
         voids = void_ratio(section, ground.packing)
         layers = [layer.springs(radius, voids) for layer in soil]
-        settled = settle(ground, layers, settings, shaken=False)
+        settled = settle(ground, layers, settings, by_shaking=False)
         if done < ROUNDS - 1:
             continue
-        settled = shaken_down(settled, ground)
+        settled = densified_by_shaking(settled, ground)
         if np.abs(misfit(section, settled, radius)).max() <= OFF * radius:
             break
     shake(settled, ground)
     return Deposit(ground, layers, settled)
 
 
-def shaken_down(settled: DiscModel, ground: Ground) -> DiscModel:
+def densified_by_shaking(settled: DiscModel, ground: Ground) -> DiscModel:
     """Discs at rest after cycles of Kh in both directions; unchanged if they keep moving under every Kh of `SHAKES`."""
     cycle = PERIODS * period(settled, ground)
     time = np.linspace(0.0, cycle, 41)
@@ -129,10 +129,12 @@ def shaken_down(settled: DiscModel, ground: Ground) -> DiscModel:
         try:
             for _ in range(CYCLES):
                 x, z = model.x.copy(), model.z.copy()
-                model.acceleration = ground.shaken(model.time + time, kh * GRAVITY * np.sin(2.0 * np.pi * time / cycle))
+                model.acceleration = ground.recorded_acceleration(
+                    model.time + time, kh * GRAVITY * np.sin(2.0 * np.pi * time / cycle)
+                )
                 step_on(model, cycle)
                 model.acceleration = settled.acceleration
-                calm_down(model, ground, "after it was shaken down")
+                damp_to_rest(model, ground, "after it was shaken down")
                 moved.append(float(np.percentile(np.hypot(model.x - x, model.z - z)[~model.fixed], MOST)))
         except DemError:
             continue
@@ -205,8 +207,8 @@ def _filled(section: Section, settings: DemSettings, radius: float, periodic: bo
         except ValueError as error:
             last = error
             continue
-        held = _held(packing, base, *section.extent)
-        return Ground(held, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)
+        packing_in_box = _fixed_in_box(packing, base, *section.extent)
+        return Ground(packing_in_box, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)
     raise InputError(section.name, [f"dem: {last}"])
 
 
@@ -221,8 +223,8 @@ def _raised(outline: np.ndarray, on_top: np.ndarray, lift: float, rim: float) ->
     return raised
 
 
-def _held(packing: Packing, base: np.ndarray, left: float, right: float) -> Packing:
-    """The packing with all discs held whose centres are beyond the base or the sides: a rough box, like the fixed
+def _fixed_in_box(packing: Packing, base: np.ndarray, left: float, right: float) -> Packing:
+    """The packing with all discs fixed whose centres are beyond the base or the sides: a rough box, like the fixed
     nodes of the continuum.
     """
     beyond = (packing.x < left) | (packing.x > right) | (packing.z < np.interp(packing.x, *base.T))

@@ -133,7 +133,7 @@ class Displacement:
     def __call__(self, model: DiscModel) -> float:
         """Mean displacement of the discs since `before` (m)."""
         before, free = self.before, self.free
-        dx, _ = self.ground.turned(model.x[free] - before.x[free], model.z[free] - before.z[free])
+        dx, _ = self.ground.to_section_axes(model.x[free] - before.x[free], model.z[free] - before.z[free])
         return float(self.ground.downhill * ((dx * self.mass).sum() / self.total))
 
 
@@ -164,7 +164,7 @@ def settle(
     layers: list[LayerSprings],
     settings: DemSettings,
     model: DiscModel | None = None,
-    shaken: bool = True,
+    by_shaking: bool = True,
 ) -> DiscModel:
     """Bring discs to rest under their weight and set their pore springs.
 
@@ -177,8 +177,8 @@ def settle(
     settings : DemSettings
         Contact law, and mean of the constants of two layers.
     model : DiscModel, optional
-        Discs to continue from instead of the packing; their pore springs are removed.
-    shaken : bool
+        Discs to start from instead of the packing; their pore springs are removed.
+    by_shaking : bool
         Whether excess pore pressure by shaking is applied to a new packing once it is at rest.
 
     Returns
@@ -197,10 +197,10 @@ def settle(
     else:
         model.cut_pore_springs()
         model.set_springs(layers)
-    calm_down(model, ground, "under its weight")
+    damp_to_rest(model, ground, "under its weight")
     if any(layer.kpn > 0.0 for layer in layers):  # soil discs have no pore springs
         model.set_pore_springs()
-    if fresh and shaken:
+    if fresh and by_shaking:
         shake(model, ground)
     return model
 
@@ -208,10 +208,10 @@ def settle(
 def shake(model: DiscModel, ground: Ground) -> None:
     """Apply excess pore pressure by shaking, if there is any, to discs at rest, and bring them to rest again."""
     if ground.weaken(model):
-        calm_down(model, ground, "with the excess pore pressure by shaking")
+        damp_to_rest(model, ground, "with the excess pore pressure by shaking")
 
 
-def calm_down(model: DiscModel, ground: Ground, under: str) -> None:
+def damp_to_rest(model: DiscModel, ground: Ground, under: str) -> None:
     """Continue until the unbalanced force ratio is below `SETTLED`.
 
     Velocities are set to zero whenever the kinetic energy has passed a peak (kinetic damping, Cundall 1976).
@@ -219,7 +219,7 @@ def calm_down(model: DiscModel, ground: Ground, under: str) -> None:
     cycle, start = period(model, ground), model.time
     last = 0.0
     while model.time < start + 40.0 * cycle:
-        last, _ = calm(model, LOOK * cycle, last)
+        last, _ = advance_damped(model, LOOK * cycle, last)
         if unbalanced_ratio(model) < SETTLED:
             stop(model)
             return
@@ -229,7 +229,7 @@ def calm_down(model: DiscModel, ground: Ground, under: str) -> None:
     )
 
 
-def calm(model: DiscModel, seconds: float, last: float, threads: int = 1) -> tuple[float, float]:
+def advance_damped(model: DiscModel, seconds: float, last: float, threads: int = 1) -> tuple[float, float]:
     """Continue with kinetic damping. last: kinetic energy at the end of the last call (J/m). Returns the final and the
     largest kinetic energy.
 
@@ -299,7 +299,7 @@ def try_kh(
                 step_on(model, LOOK * cycle, threads)
                 most = moving_energy(model)
             else:
-                last, most = calm(model, LOOK * cycle, last, threads)
+                last, most = advance_damped(model, LOOK * cycle, last, threads)
         except DemError as error:
             return _trial(kh, "undecided", f"{type(error).__name__}: {error}", seen, elastic, model.time - start)
         ratios = unbalanced_ratio(model), kinetic_ratio(model, most)

@@ -1,7 +1,7 @@
 """Levelling of the surface of soil discs to that of the section: discs above it are removed, hollows are filled.
 
-A removed disc leaves a hollow of its size, into which its neighbours slide. So new discs are added wherever there is
-room for one that rests on two others; its radius, within the spread of the packing, brings its top nearest to the
+A removed disc leaves a hollow of its size, into which its neighbours slide. So a new disc is added wherever there is
+room for it on two others; its radius, within the spread of the packing, is the one that brings its top nearest to the
 surface. If a column has no such room, one of its discs is exchanged for others. Positions, radii and order follow from
 the discs, not from random numbers.
 """
@@ -25,7 +25,7 @@ def misfit(section: Section, model: DiscModel, radius: float) -> np.ndarray:
     """Height of the discs above the surface of the section (m), column by column of two diameters or a little less.
 
     The value of a column is that of the disc whose top is highest above the surface vertically below it. (Across a
-    column a face may fall by more than the tolerance.) Discs among the held discs of the sides are left out.
+    column a face may fall by more than the tolerance.) Discs among the fixed discs of the sides are left out.
     """
     left, right = section.extent
     free = ~model.fixed & (model.x >= left) & (model.x <= right)
@@ -40,18 +40,18 @@ def levelled(section: Section, packing: Packing, radius: float, spread: float) -
     section: the ground; radius: mean of the discs (m); spread: half the width of the radii over the mean.
     """
     discs = np.column_stack([packing.x, packing.z, packing.radius])
-    held, discs = discs[~packing.free], discs[packing.free]
+    fixed, discs = discs[~packing.free], discs[packing.free]
     discs = discs[_above(section, discs) <= STANDS_OUT * radius]
     left, right = section.extent
-    ends, around = (left, right), held
+    ends, around = (left, right), fixed
     if packing.period is not None:
         # as far from the sides that discs laid in at one do not reach those at the other
         ends = left + (1.0 + spread) * radius, right - (1.0 + spread) * radius
-        around = np.vstack([held, _images(np.vstack([held, discs]), packing.period, (left, right), radius)])
+        around = np.vstack([fixed, _images(np.vstack([fixed, discs]), packing.period, (left, right), radius)])
     laid = _fillings(section, np.vstack([around, discs]), ends, radius, spread)
     discs = _exchanged(section, around, np.vstack([discs, laid]), ends, radius, spread)
-    layer = np.append(np.full(len(held), -1, np.int32), np.zeros(len(discs), np.int32))
-    x, z, size = np.vstack([held, discs]).T
+    layer = np.append(np.full(len(fixed), -1, np.int32), np.zeros(len(discs), np.int32))
+    x, z, size = np.vstack([fixed, discs]).T
     return Packing(x.copy(), z.copy(), size.copy(), layer, packing.lines, packing.period)
 
 
@@ -64,7 +64,7 @@ def _images(discs: np.ndarray, period: tuple[float, float], extent: tuple[float,
 
 def _exchanged(
     section: Section,
-    held: np.ndarray,
+    fixed: np.ndarray,
     discs: np.ndarray,
     allowed: tuple[float, float],
     radius: float,
@@ -72,8 +72,8 @@ def _exchanged(
 ) -> np.ndarray:
     """The discs between two ends (m), where in each deviating column one disc is removed and its room is filled again.
 
-    The removed disc is the one after which the column and its neighbours are nearest to the surface; none if none
-    improves them.
+    The disc is removed whose exchange brings the column and its neighbours nearest to the surface; no disc is removed
+    if no exchange improves them.
     """
     left, right = section.extent
     above = _columns(section, discs, radius)
@@ -83,15 +83,15 @@ def _exchanged(
         begin, end = left + column * width, left + (column + 1) * width
         ends = max(allowed[0], begin - width), min(allowed[1], end + width)
         near, around = (
-            np.flatnonzero((some[:, 0] > begin - 4.0 * width) & (some[:, 0] < end + 4.0 * width))
-            for some in (discs, held)
+            np.flatnonzero((group[:, 0] > begin - 4.0 * width) & (group[:, 0] < end + 4.0 * width))
+            for group in (discs, fixed)
         )
         high = _above(section, discs[near]) > -0.5 * DEEP * radius
         inside = (discs[near, 0] > begin - radius) & (discs[near, 0] < end + radius)
         least, best = np.abs(_columns(section, discs, radius)[sides]).max(), discs
         for gone in near[high & inside]:
             rest = discs[near[near != gone]]
-            laid = _fillings(section, np.vstack([held[around], rest]), ends, radius, spread)
+            laid = _fillings(section, np.vstack([fixed[around], rest]), ends, radius, spread)
             off = np.abs(_columns(section, np.vstack([rest, laid]), radius)[sides]).max()
             if off < least - 1e-9:
                 least, best = off, np.vstack([np.delete(discs, gone, axis=0), laid])

@@ -168,7 +168,7 @@ def _points(
 ) -> Iterator[Trial | str | None]:
     """Move the loading end of the spring, and with it the discs, to the end of the curve or until they have failed.
     Yields the points of the curve, each a mean over the time since the last point; then None at the end of the curve, a
-    little beyond the reach; and at last the displacement and the reason, in words, at the end of the test.
+    little beyond the reach; and finally the displacement at the end of the test and the reason why it ended.
 
     Between two points Kh is the force of spring and dashpot over the weight.
     """

@@ -1,6 +1,6 @@
 """Checks of a slide: lost ground, discs that pass through the box, and discs near its sides.
 
-Areas stand for volumes per metre (m2).
+Areas are volumes per metre out of plane (m2).
 """
 
 from collections.abc import Mapping, Sequence
@@ -124,8 +124,8 @@ def stopped_by(sides: Sequence[AtSide]) -> str | None:
 
     A side stopped it if ground piled up there, or if ground there slid at least half as far as the largest slide.
     """
-    held = [side for side in sides if side.piled or side.furthest > STOPPED]
-    return max(held, key=lambda side: (side.furthest, side.rise)).name if held else None
+    reached = [side for side in sides if side.piled or side.furthest > STOPPED]
+    return max(reached, key=lambda side: (side.furthest, side.rise)).name if reached else None
 
 
 def at_the_sides(sides: Sequence[AtSide]) -> list[str]:

@@ -9,7 +9,7 @@ EDGE = 1.0  # cycles in which the motion comes, and in which it goes: half of ea
 
 
 def cyclic_acceleration(kh: float, cycles: float, period: float) -> tuple[np.ndarray, np.ndarray]:
-    """The acceleration Kh g cos(2 π t / T), with a first cycle in which it rises and a last one in which it fades.
+    """The acceleration Kh g cos(2 π t / T), whose amplitude rises in the first cycle and fades in the last one.
 
     It is the derivative of a velocity Kh g T/(2 π) w(t) sin(2 π t / T) with w a half cosine at either end, so that the
     base has no mean velocity: without the half cosines it would drift away from liquefied ground.
@@ -25,7 +25,7 @@ def cyclic_acceleration(kh: float, cycles: float, period: float) -> tuple[np.nda
 
     Returns
     -------
-    time, push : (n,) arrays
+    time, acceleration : (n,) arrays
         Times from 0 (s), and acceleration of the mass of the ground (m/s²), which begins and ends with 0.
 
     Raises
@@ -40,5 +40,5 @@ def cyclic_acceleration(kh: float, cycles: float, period: float) -> tuple[np.nda
     inside = np.clip(np.minimum(phase, last - phase) / EDGE, 0.0, 1.0)
     window = 0.5 - 0.5 * np.cos(np.pi * inside)
     rises = np.where(phase < 0.5 * last, 1.0, -1.0) * 0.5 * np.pi * np.sin(np.pi * inside) / EDGE  # a cycle
-    push = window * np.cos(2.0 * np.pi * phase) + rises * np.sin(2.0 * np.pi * phase) / (2.0 * np.pi)
-    return period * phase, kh * GRAVITY * push
+    acceleration = window * np.cos(2.0 * np.pi * phase) + rises * np.sin(2.0 * np.pi * phase) / (2.0 * np.pi)
+    return period * phase, kh * GRAVITY * acceleration

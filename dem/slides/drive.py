@@ -32,7 +32,7 @@ class Shaking:
     ----------
     time : (n,)
         Times (s), rising.
-    push : (n,)
+    acceleration : (n,)
         Acceleration of the discs in the frame of the base (m/s2), linear in between; positive downhill, where the base
         accelerates uphill.
     onsets : dict
@@ -42,13 +42,13 @@ class Shaking:
     """
 
     time: np.ndarray
-    push: np.ndarray
+    acceleration: np.ndarray
     onsets: Mapping[int, float]
     of_the_base: bool = False
 
 
 @dataclass(frozen=True, eq=False)
-class Drive:
+class BaseMotion:
     """Loading of a slide: base motion and onset of liquefaction, in s since the slide began.
 
     Attributes
@@ -61,7 +61,7 @@ class Drive:
         First time at which a stratum liquefies, or could liquefy.
     onset : float
         Duration of the liquefaction of each stratum.
-    calm : float
+    rest_from : float
         Time from which the ground may come to rest.
     end : float
         Time at which the computation ends.
@@ -71,7 +71,7 @@ class Drive:
     starts: Mapping[int, float]
     first: float
     onset: float
-    calm: float
+    rest_from: float
     end: float
 
     def share(self, stratum: int, since: float) -> float:
@@ -84,9 +84,9 @@ class Drive:
     def wait(self, since: float, longest: float) -> float:
         """Time to the next change of springs (s), at most ``longest``."""
         starts = {self.first, *self.starts.values()}
-        ahead = [start - since for start in starts if start - since > SAME]
+        waits = [start - since for start in starts if start - since > SAME]
         going = self.onset > 0.0 and any(-SAME <= since - start < self.onset for start in starts)
-        return min([longest, *ahead, *([self.onset / FADE] if going else [])])
+        return min([longest, *waits, *([self.onset / FADE] if going else [])])
 
 
 def cycles(
@@ -114,34 +114,36 @@ def cycles(
     if settings.kh_cycles is None or settings.kh_period is None or settings.kh == 0.0:
         return None
     onset = settings.onset_of(law)
-    time, push = cyclic_acceleration(settings.kh, settings.kh_cycles, settings.kh_period)
-    time, push = np.append(0.0, time + onset + APART), np.append(0.0, push)
+    time, acceleration = cyclic_acceleration(settings.kh, settings.kh_cycles, settings.kh_period)
+    time, acceleration = np.append(0.0, time + onset + APART), np.append(0.0, acceleration)
     if settings.liquefies_at != "F_L":
-        return Shaking(time, push, dict.fromkeys(strata, onset + settings.liquefies_at))
+        return Shaking(time, acceleration, dict.fromkeys(strata, onset + settings.liquefies_at))
     over, shares = settings.kh_cycles * settings.kh_period, passed or {}
-    return Shaking(time, push, {k: over * shares.get(k, 0.0) for k in strata})
+    return Shaking(time, acceleration, {k: over * shares.get(k, 0.0) for k in strata})
 
 
-def held(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings) -> Drive:
+def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings) -> BaseMotion:
     """Loading by a constant Kh; all strata liquefy together, in soil discs once Kh has its full value.
 
     start: discs at rest; ground: in which they lie; settings: of the slide.
     """
     lead, onset = LEAD[start.law], settings.onset_of(start.law)
     begin = lead + onset
-    return Drive(
-        acceleration=ground.held(
+    return BaseMotion(
+        acceleration=ground.constant_acceleration(
             settings.kh, start.time, lead or max(onset, 1e-3), settings.kh_seconds
         ),
         starts=dict.fromkeys(strata, lead),
         first=lead,
         onset=onset,
-        calm=begin if settings.kh_seconds is None else max(begin, settings.kh_seconds + 1.0),
+        rest_from=begin if settings.kh_seconds is None else max(begin, settings.kh_seconds + 1.0),
         end=settings.duration,
     )  # fmt: skip
 
 
-def shaken(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings, shaking: Shaking) -> Drive:
+def recorded_motion(
+    start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings, shaking: Shaking
+) -> BaseMotion:
     """Loading by a record of the base; each stratum liquefies at its onset.
 
     start: discs at rest; ground: in which they lie; strata: numbers of those that liquefy; settings: of the slide;
@@ -150,11 +152,11 @@ def shaken(start: DiscModel, ground: Ground, strata: Sequence[int], settings: Sl
     over, onset = float(shaking.time[-1] - shaking.time[0]), settings.onset_of(start.law)
     starts = {k: shaking.onsets[k] for k in strata}
     first = min(starts.values(), default=0.0)
-    return Drive(
-        acceleration=ground.shaken(shaking.time - shaking.time[0] + start.time, shaking.push),
+    return BaseMotion(
+        acceleration=ground.recorded_acceleration(shaking.time - shaking.time[0] + start.time, shaking.acceleration),
         starts=starts,
         first=first,
         onset=onset,
-        calm=max([over, *(begin + onset for begin in starts.values())]),
+        rest_from=max([over, *(begin + onset for begin in starts.values())]),
         end=over + settings.duration,
     )

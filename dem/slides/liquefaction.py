@@ -17,7 +17,7 @@ from dem.case import Case
 from dem.engine.engine import Engine, largest_step
 from dem.errors import DemError, EnergyBalanceError
 from dem.ground import Ground
-from dem.liquefied_ground import has_begun, liquefy, set_share
+from dem.liquefied_ground import is_liquefying, liquefy, set_share
 from dem.model import DiscModel
 from dem.settings import SlideSettings
 from dem.slides.balance import (
@@ -33,7 +33,7 @@ from dem.slides.balance import (
     thin_layers,
     within_scatter,
 )
-from dem.slides.drive import SAME, Shaking, cycles, held, shaken
+from dem.slides.drive import SAME, Shaking, constant_kh, cycles, recorded_motion
 from dem.slides.liquefied_strength import liquefied, onset
 from dem.slides.rest import at_rest, residual_motion_source
 from dem.slides.row import Row
@@ -94,22 +94,24 @@ class Slider:
         self.layers = list(start.springs.layers)
         setting = start, ground, strata, settings
         shaking = shaking or cycles(settings, strata, start.law)
-        self.drive = held(*setting) if shaking is None else shaken(*setting, shaking)
+        self.motion = constant_kh(*setting) if shaking is None else recorded_motion(*setting, shaking)
         gives_way = shaking is not None and not shaking.of_the_base and start.law == "soil"
         self.impedance = ground.base_impedance() if gives_way else 0.0
         self.cut: set[int] = set()
         self.frame = max(1, round(settings.duration / LOOK / settings.frames))
-        self.kept = -np.inf  # when the last checkpoint was left (s)
+        self.saved_at = -np.inf  # when the last checkpoint was left (s)
         self.undrained = undrained(start, strata if case is not None else [])
         self.area_per_disc = area_per_disc(start, start) if self.undrained else np.zeros(0)
         self.buoyed = ground.buoyancy(start) if start.law == "soil" else None
         self.swelling: list[list[float]] = []  # before every look, of the discs of each undrained stratum
-        self.model = self._resumed() or self._begun()
+        self.model = self._resumed() or self._initial_model()
 
     def run(self, on_look: OnLook | None = None, threads: int = 1) -> Slide:
-        """Continue until the ground has settled or the time is over. Raises no DemError: the reason says it."""
+        """Continue until the ground has settled or the time is over. Raises no DemError: an error ends the slide, and
+        is its ``reason``.
+        """
         slide = self.slide
-        end = self.start.time + self.drive.end
+        end = self.start.time + self.motion.end
         while not slide.reason:
             self._liquefy()
             self._keep_volume()
@@ -129,17 +131,17 @@ class Slider:
             if self._at_rest():
                 slide.settled, slide.reason = True, "the surface has come to rest"
             elif self.model.time >= end - 1e-9:
-                slide.reason = f"still moving after {self.drive.end:.3g} s; {self._driven_by()}"
+                slide.reason = f"still moving after {self.motion.end:.3g} s; {self._driven_by()}"
             self._keep()
             if on_look is not None:
                 on_look(self.model, row, bool(slide.reason) or (len(slide.rows) - 1) % self.frame == 0)
         return self._finished()
 
-    def _begun(self) -> DiscModel:
+    def _initial_model(self) -> DiscModel:
         model = self.start.copy()
         self.cut = set()
-        self._cut(model, [k for k in self.strata if self.drive.starts[k] == self.drive.first])
-        model.acceleration = self.drive.acceleration
+        self._cut(model, [k for k in self.strata if self.motion.starts[k] == self.motion.first])
+        model.acceleration = self.motion.acceleration
         model.base_impedance = self.impedance
         model.rough_base = self.ground.section is not None and self.ground.kind == "random"
         return model
@@ -159,15 +161,15 @@ class Slider:
             (self.folder / "checkpoint.npz").unlink(missing_ok=True)
         self.slide.step_share *= 0.5
         self.slide.rows, self.swelling, self.slide.overlap = [], [], 0.0
-        self.model = self._begun()
+        self.model = self._initial_model()
 
     def _liquefy(self) -> None:
-        """Set the springs of the current time."""
+        """Set the springs of the layers to the degree of liquefaction at the current time."""
         since = self.model.time - self.start.time
-        if since < self.drive.first - SAME:
+        if since < self.motion.first - SAME:
             return
         model, law, case = self.model, self.model.law, self.case
-        shares = {k: share for k in self.strata if (share := self.drive.share(k, since)) > 0.0}
+        shares = {k: share for k in self.strata if (share := self.motion.share(k, since)) > 0.0}
         self._cut(model, list(shares))
         wanted = liquefied(self.layers, [], case, law=law)
         for share in sorted(set(shares.values())):
@@ -176,8 +178,8 @@ class Slider:
             return
         model.set_springs(wanted)
         if case is not None and law == "soil":
-            begun = has_begun(model)
-            new = [k for k in shares if not begun[model.layer == k].any()]
+            liquefying = is_liquefying(model)
+            new = [k for k in shares if not liquefying[model.layer == k].any()]
             if new:
                 liquefy(model, onset(model, self.ground, new, case))
             set_share(model, np.array([shares.get(k, 0.0) for k in range(len(wanted))] + [0.0])[model.layer])
@@ -185,9 +187,9 @@ class Slider:
     def _drained(self) -> dict[int, float]:
         """Share of the volume of strata lost by drainage so far."""
         since = self.model.time - self.start.time
-        if self.case is None or since < self.drive.first - SAME:
+        if self.case is None or since < self.motion.first - SAME:
             return {}
-        return {k: self.drive.share(k, since) * self.case.volumetric_strain for k in self.strata}
+        return {k: self.motion.share(k, since) * self.case.volumetric_strain for k in self.strata}
 
     def _keep_volume(self) -> None:
         """Shrink the discs of liquefied strata by the drained volume, and swell those of undrained strata; masses
@@ -208,7 +210,9 @@ class Slider:
             self.model.set_radius(radius)
 
     def _float(self) -> None:
-        """Set the buoyancy of soil discs that have crossed the water table, from their part below it."""
+        """Set the buoyancy of soil discs that have crossed the water table, from the part of each disc below the
+        table.
+        """
         if self.buoyed is None or (now := self.ground.buoyancy(self.model)) is None:
             return
         model, start, change = self.model, self.start, now - self.buoyed
@@ -217,7 +221,7 @@ class Slider:
 
     def _until(self) -> float:
         """Time to the next record or change of springs (s)."""
-        return self.drive.wait(self.model.time - self.start.time, LOOK)
+        return self.motion.wait(self.model.time - self.start.time, LOOK)
 
     def _look(self) -> Row:
         model, ground = self.model, self.ground
@@ -240,7 +244,7 @@ class Slider:
 
     def _at_rest(self) -> bool:
         """Whether the surface is at rest after the end of the onset and, if Kh ends, after the end of Kh."""
-        rows = [row for row in self.slide.rows if row.time_s >= self.drive.calm - 1e-9]
+        rows = [row for row in self.slide.rows if row.time_s >= self.motion.rest_from - 1e-9]
         watched = [
             (row.slide_uphill_m, row.slide_middle_m, row.slide_downhill_m, row.settlement_uphill_m,
              row.settlement_middle_m, row.settlement_downhill_m, row.slide_max_m)
@@ -273,8 +277,8 @@ class Slider:
         slide, model, start = self.slide, self.model, self.start
         height = float(np.ptp(start.z[~start.fixed]))
         far = max((row.slide_max_m for row in slide.rows), default=0.0)
-        asked = self.case is not None and self.settings.kh > 0.0 and far > FAR * height
-        notes = self._flow() if asked else []
+        driven = self.case is not None and self.settings.kh > 0.0 and far > FAR * height
+        notes = self._flow() if driven else []
         sides = both_sides(model, start, self.ground)
         slide.stopped_by = stopped_by(sides)
         notes += at_the_sides(sides)
@@ -323,11 +327,11 @@ class Slider:
         if not self.slide.flows:
             return []
         case = self.case
-        kept = case is not None and (case.residual or case.residual_strength)
-        hold = "more residual strength" if kept else "a residual strength"
+        has_residual = case is not None and (case.residual or case.residual_strength)
+        advice = "more residual strength" if has_residual else "a residual strength"
         return [
             f"without any shaking it slides {far:.2g} m within {alone.rows[-1].time_s:.0f} s, a flow failure: its "
-            f"factor of safety after liquefaction is below 1, and {hold} (slide.cases, residual) may stabilise it"
+            f"factor of safety after liquefaction is below 1, and {advice} (slide.cases, residual) may stabilise it"
         ]
 
     def _keep(self) -> None:
@@ -335,7 +339,7 @@ class Slider:
 
         The rows are written first: rows later than the checkpoint are dropped when it is read.
         """
-        young = time.monotonic() - self.kept < KEEP and not self.slide.reason
+        young = time.monotonic() - self.saved_at < KEEP and not self.slide.reason
         if self.folder is None or young:
             return
         slide = self.slide
@@ -347,10 +351,10 @@ class Slider:
             "overlap": slide.overlap,
             "swelling": self.swelling,
         }
-        with whole(self.folder / "rows.json") as beside:
-            beside.write_text(json.dumps(state))
+        with whole(self.folder / "rows.json") as temporary:
+            temporary.write_text(json.dumps(state))
         self.model.save(self.folder / "checkpoint.npz")
-        self.kept = time.monotonic()
+        self.saved_at = time.monotonic()
 
     def _resumed(self) -> DiscModel | None:
         if self.folder is None or not (self.folder / "checkpoint.npz").exists():

@@ -55,8 +55,8 @@ def effect_of(case: Case, section: Section, strata: Sequence[int], law: Law) -> 
     felt = tuple(strata), case.volumetric_strain, bool(case.residual or case.residual_strength)  # notes name the last
     if law == "paper":
         return *felt, case.stiffness, case.damping_left, case.friction
-    kept = [case.remains_of(section, k) for k in strata]
-    return *felt, tuple((remains, 0.0 if remains.strain_potential else case.stiffness) for remains in kept)
+    remains_of = [case.remains_of(section, k) for k in strata]
+    return *felt, tuple((remains, 0.0 if remains.strain_potential else case.stiffness) for remains in remains_of)
 
 
 def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> Onset:
@@ -75,23 +75,23 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
     for k in strata:
         here, layer = model.layer == k, model.springs.layers[k]
         if section is None:
-            kept = case.residual_remains(layer.name)
+            remaining = case.residual_remains(layer.name)
         else:
-            kept = case.remains_of(section, k)
+            remaining = case.remains_of(section, k)
             soil = section.cohesion_field.means()[k]
             strength[here] = (
-                kept.friction * np.tan(soil.friction_angle) * pressure[here] + kept.cohesion * soil.cohesion
+                remaining.friction * np.tan(soil.friction_angle) * pressure[here] + remaining.cohesion * soil.cohesion
             )
-        strength[here] += kept.residual * np.maximum(consolidated[here], 0.0) + kept.strength
+        strength[here] += remaining.residual * np.maximum(consolidated[here], 0.0) + remaining.strength
         modulus = case.stiffness * SHEAR_MODULUS * layer.kn
         strain[here] = np.maximum(
             1.0 / (modulus / np.maximum(strength[here], NOTHING) + 1.0 / MOST_STRAIN), LEAST_STRAIN
         )
-        if kept.strain_potential > 0.0:
+        if remaining.strain_potential > 0.0:
             wanted = np.maximum(strength[here], NOTHING)
-            strain[here] = ELASTIC * (kept.strain_potential + BEYOND)
+            strain[here] = ELASTIC * (remaining.strain_potential + BEYOND)
             knee[here] = stress_at_potential(pressure[here], wanted) / wanted
-            soft_to[here] = kept.strain_potential / (kept.strain_potential + BEYOND)
+            soft_to[here] = remaining.strain_potential / (remaining.strain_potential + BEYOND)
     ratio = area_per_disc(model, model)
     with_voids = np.append(np.where(np.isfinite(ratio), ratio, np.nanmean(ratio)), np.nanmean(ratio))
     area = with_voids[model.layer] * np.pi * model.radius**2

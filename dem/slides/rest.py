@@ -1,6 +1,6 @@
 """End of a slide: the surface no longer moves; and source of energy of a slide that continues.
 
-Single discs that rattle in loosened ground always have some kinetic energy, so that energy is no good criterion of
+Single discs that rattle in loosened ground always have some kinetic energy, so energy is not a useful criterion of
 rest. The criterion is the displacement of the ground: of every third of the surface, and its largest slide.
 """
 

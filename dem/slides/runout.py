@@ -11,7 +11,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from dem.liquefied_ground import has_begun
+from dem.liquefied_ground import is_liquefying
 from dem.model import DiscModel
 
 NEARLY = 0.25  # mean radii between the rims of discs that still belong together: so much room has one in a cage
@@ -58,7 +58,7 @@ def connected_ground(model: DiscModel) -> np.ndarray:
     """
     free = np.flatnonzero(~model.fixed)
     places, r = np.column_stack([model.x, model.z])[free], model.radius[free]
-    bonded, mean = has_begun(model)[free], float(r.mean())
+    bonded, mean = is_liquefying(model)[free], float(r.mean())
     i, j = cKDTree(places).query_pairs(2.0 * float(r.max()) + BONDED * mean, output_type="ndarray").T
     nearly = np.where(bonded[i] & bonded[j], BONDED, NEARLY) * mean
     near = np.hypot(*(places[j] - places[i]).T) < r[i] + r[j] + nearly

@@ -78,9 +78,9 @@ class Slide:
         there.
         """
         last = asdict(self.rows[-1])
-        kept = {key: last[key] for key in last if key.startswith(("settlement", "slide", "crack_"))}
+        answers = {key: last[key] for key in last if key.startswith(("settlement", "slide", "crack_"))}
         out = {
-            **kept,
+            **answers,
             **{item.name: getattr(self, item.name) for item in fields(self) if item.name not in ("rows", "slide")},
             "cracked_pore_springs": self.rows[-1].cracked,
             "moved_lately_m": moved_lately([row.time_s for row in self.rows], [row.slide_max_m for row in self.rows]),

@@ -53,10 +53,10 @@ def cracked_shares(model: DiscModel) -> dict[str, float]:
 def slip_surface(model: DiscModel, before: DiscModel, ground: Ground) -> np.ndarray:
     """The line between discs that moved since `before` and discs at rest, see `slip_line`; empty if none moved.
 
-    The displacement at a point is the mean of the discs within `REACH`, including held ones.
+    The displacement at a point is the mean of the discs within `REACH`, including fixed ones.
     """
     x, z = ground.to_section(before.x, before.z)
-    moved = np.column_stack(ground.turned(model.x - before.x, model.z - before.z))
+    moved = np.column_stack(ground.to_section_axes(model.x - before.x, model.z - before.z))
     free = ~model.fixed
     columns = np.arange(x[free].min(), x[free].max(), WIDTH * ground.radius)
     levels = np.arange(z[free].min(), z[free].max() + ground.radius, ground.radius)

@@ -2,7 +2,7 @@
 
 Clay does not drain during an earthquake. Random discs are looser than such soil and get denser as they shear; this loss
 of volume is compensated, stratum by stratum, by swelling of the discs. All discs of a stratum swell by the same factor,
-so that the packing and its strength are unchanged. Areas stand for volumes per metre (m2).
+so that the packing and its strength are unchanged. Areas are volumes per metre out of plane (m2).
 """
 
 from collections.abc import Mapping, Sequence
@@ -35,14 +35,14 @@ def area_per_disc(model: DiscModel, start: DiscModel) -> np.ndarray:
     """
     points = np.column_stack([model.x, model.z])
     corners = Delaunay(points).simplices
-    ahead = np.roll(points[corners], -1, axis=1) - points[corners]
-    lengths = np.hypot(ahead[..., 0], ahead[..., 1])
+    edges = np.roll(points[corners], -1, axis=1) - points[corners]
+    lengths = np.hypot(edges[..., 0], edges[..., 1])
     close = (lengths < LONG * float(start.radius.mean())).all(axis=1)
-    corners, ahead, lengths = corners[close], ahead[close], lengths[close]
-    behind = -np.roll(ahead, 1, axis=1)
-    cosine = (ahead * behind).sum(axis=-1) / (lengths * np.roll(lengths, 1, axis=1))
+    corners, edges, lengths = corners[close], edges[close], lengths[close]
+    behind = -np.roll(edges, 1, axis=1)
+    cosine = (edges * behind).sum(axis=-1) / (lengths * np.roll(lengths, 1, axis=1))
     angle = np.arccos(np.clip(cosine, -1.0, 1.0))
-    area = 0.5 * np.abs(ahead[:, 0, 0] * ahead[:, 1, 1] - ahead[:, 0, 1] * ahead[:, 1, 0])
+    area = 0.5 * np.abs(edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0])
     layer, count = model.layer[corners], len(model.springs.layers)
     soil = layer >= 0
     ground = np.bincount(layer[soil], (area[:, np.newaxis] * angle / np.pi)[soil], count)

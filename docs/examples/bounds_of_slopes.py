@@ -15,9 +15,9 @@ for beta in inclinations:
     surface = [[0.0, 10.0], [20.0, 10.0], [20.0 + width, 0.0], [40.0 + width, 0.0]]
     data = {"name": "slope", "surface": surface, "base": {"elevation": -5.0}, "strata": [SOIL]}
     settings = FemSettings(sides="fixed", direction="downhill")
-    found = kh_bounds(Section.parse(data), settings, BoundsSettings(gap=0.1, max_cells=1500, davis=False))
-    rows.append((found.lower, found.upper))
-    print(f"{beta:.0f} degrees: {found.lower:.3f} to {found.upper:.3f}")
+    bounds = kh_bounds(Section.parse(data), settings, BoundsSettings(gap=0.1, max_cells=1500, davis=False))
+    rows.append((bounds.lower, bounds.upper))
+    print(f"{beta:.0f} degrees: {bounds.lower:.3f} to {bounds.upper:.3f}")
 figure, axes = plt.subplots(figsize=(5.0, 3.2), layout="constrained")
 axes.fill_between(inclinations, *zip(*rows, strict=True), alpha=0.4)
 axes.set(xlabel="inclination (degrees)", ylabel="critical Kh", title="lower and upper bound")

@@ -21,6 +21,6 @@ for axis, release in zip(axes, (False, True), strict=True):
     axis.add_collection(discs)
     axis.set(xlim=(0.0, 35.0), ylim=(-1.5, 12.0), aspect="equal", ylabel="z (m)")
 axes[1].set_xlabel("x (m)")
-found = dem.run_out(column.model)
-print(f"run-out over width {found.front / WIDTH - 1.0:.2f}; sand in a channel 1.2 (Lube et al. 2005)")
+run_out = dem.run_out(column.model)
+print(f"run-out over width {run_out.front / WIDTH - 1.0:.2f}; sand in a channel 1.2 (Lube et al. 2005)")
 figure.savefig("column.png", dpi=110)

@@ -12,9 +12,11 @@ mesh = generate(section, MeshSettings(method="mapped", columns=20, rows=8))
 figure, axes = plt.subplots(figsize=(5.0, 3.2), layout="constrained")
 for flow in ("associated", "davis"):
     settings = FemSettings(direction="downhill", flow=flow, element="bilinear")
-    found = critical_coefficient(section, mesh, settings, MPI.COMM_SELF)
-    axes.plot([step.displacement for step in found.steps], [step.factor for step in found.steps], ".-", label=flow)
-    print(f"{flow}: critical Kh {found.kc:.3f}, {found.verdict}")
+    critical = critical_coefficient(section, mesh, settings, MPI.COMM_SELF)
+    axes.plot(
+        [step.displacement for step in critical.steps], [step.factor for step in critical.steps], ".-", label=flow
+    )
+    print(f"{flow}: critical Kh {critical.kc:.3f}, {critical.verdict}")
 axes.set(xlabel="mean horizontal displacement (m)", ylabel="Kh")
 axes.legend()
 figure.savefig("equilibrium_path.png", dpi=110)

@@ -33,8 +33,8 @@ def answer(
     ``case``: the published slope; ``bounds``: settings of the bounds.
     """
     result = known or Answer(case.name)
-    kept = tuple(text for text in result.failures if text.split(":")[0] not in parts)
-    result = replace(result, failures=kept)
+    failures = tuple(text for text in result.failures if text.split(":")[0] not in parts)
+    result = replace(result, failures=failures)
     for part in sorted(parts, key=lambda part: part == "bounds"):  # they begin at the factor of the elements
         started = time.process_time()
         try:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
-from docs.verify.record import FILE, Kept, read_answers, version_of, write_answers
+from docs.verify.record import FILE, Stored, read_answers, version_of, write_answers
 
 
 class Case(Protocol):
@@ -20,22 +20,22 @@ Verdict = TypeVar("Verdict")
 
 
 @dataclass(frozen=True)
-class Row(Generic[CaseOf, Kept, Verdict]):
+class Row(Generic[CaseOf, Stored, Verdict]):
     """A case, its results, and the verdict."""
 
     case: CaseOf
-    found: Kept | None
+    answer: Stored | None
     verdict: Verdict
 
 
 def run(
     folder: Path,
     cases: Sequence[CaseOf],
-    kind: type[Kept],
-    judge: Callable[[CaseOf, Kept | None], Verdict],
-    find: Callable[[CaseOf, Kept | None], Kept] | None,
-    tell: Callable[[Row[CaseOf, Kept, Verdict]], None],
-) -> list[Row[CaseOf, Kept, Verdict]]:
+    kind: type[Stored],
+    judge: Callable[[CaseOf, Stored | None], Verdict],
+    find: Callable[[CaseOf, Stored | None], Stored] | None,
+    tell: Callable[[Row[CaseOf, Stored, Verdict]], None],
+) -> list[Row[CaseOf, Stored, Verdict]]:
     """Find the answers of some cases, or take those that were found before, and judge them.
 
     Parameters
@@ -57,9 +57,9 @@ def run(
     rows = []
     for case in cases:
         if find is not None:
-            found = replace(find(case, read_answers(record, kind).get(case.name)), commit=version)
+            answer = replace(find(case, read_answers(record, kind).get(case.name)), commit=version)
             # others may have been at it meanwhile
-            write_answers(record, read_answers(record, kind) | {case.name: found})
+            write_answers(record, read_answers(record, kind) | {case.name: answer})
         known = read_answers(record, kind).get(case.name)
         rows.append(Row(case, known, judge(case, known)))
         tell(rows[-1])

@@ -26,7 +26,7 @@ class Named:
     commit: str = field(default="", kw_only=True)
 
 
-Kept = TypeVar("Kept", bound=Named)
+Stored = TypeVar("Stored", bound=Named)
 
 
 @dataclass(frozen=True)
@@ -64,18 +64,18 @@ def version_of(folder: Path) -> str:
     return lines[0].strip() + ("+" if lines[1] else "")
 
 
-def read_answers(path: Path, kind: type[Kept]) -> dict[str, Kept]:
+def read_answers(path: Path, kind: type[Stored]) -> dict[str, Stored]:
     """The answers of a kind in a file, none if there is no file; raises InputError if it is something else."""
     if not path.exists():
         return {}
     try:
-        answers: list[Kept] = TypeAdapter(list[kind]).validate_json(path.read_bytes())  # type: ignore[valid-type]
+        answers: list[Stored] = TypeAdapter(list[kind]).validate_json(path.read_bytes())  # type: ignore[valid-type]
     except ValidationError as error:
         raise InputError(str(path), ["these are not answers of `python -m docs.verify`; delete the file"]) from error
     return {answer.name: answer for answer in answers}
 
 
-def write_answers(path: Path, answers: Mapping[str, Kept]) -> None:
+def write_answers(path: Path, answers: Mapping[str, Stored]) -> None:
     """Write answers in the order of their names, a line each, whole or not at all."""
     rows = [json.dumps(asdict(answers[name]), ensure_ascii=False) for name in sorted(answers)]
     Store(path.parent).write_text(path.name, "[\n" + ",\n".join(rows) + "\n]\n")

@@ -57,7 +57,7 @@ def published(case: Case) -> str:
 
 def _tell(out: Console, row: SlopeRow) -> None:
     """One line for a case, and one for each remark on a wrong one."""
-    answer = f"bounds {numbers(row.found)}, elements {elements(row.found)}" if row.found else ""
+    answer = f"bounds {numbers(row.answer)}, elements {elements(row.answer)}" if row.answer else ""
     line = f"{row.verdict.word:<9} {row.case.name:<26} {published(row.case)}; {answer}"
     out.print(escape(line), soft_wrap=True)
     if row.verdict.word == "wrong":
@@ -67,7 +67,7 @@ def _tell(out: Console, row: SlopeRow) -> None:
 
 def _as_dict(row: SlopeRow) -> dict[str, Any]:
     """Name, verdict, numbers and seconds, for a file."""
-    known = row.found or Answer(row.case.name)
+    known = row.answer or Answer(row.case.name)
     return {
         "name": row.case.name,
         "verdict": row.verdict.word,

@@ -69,7 +69,7 @@ class Exchange:
 
 
 class LinearSolver:
-    """K x = b with rows and columns of the held components replaced by those of the unit matrix.
+    """Solver of K x = b in which rows and columns of fixed components are those of the unit matrix.
 
     Components inside a cell are condensed statically: they are not in the matrix, and are computed after the others.
     The matrix of associated flow is ``symmetric`` and, apart from rounding, positive definite.
@@ -81,20 +81,20 @@ class LinearSolver:
         self._inside = d.global_dofs[d.dofs[:, border:]].ravel() - exchange.first
         in_matrix = np.ones(exchange.last - exchange.first, dtype=bool)
         in_matrix[self._inside] = False
-        self._own = np.flatnonzero(in_matrix)  # of the owned components those in the matrix
-        first = d.comm.scan(len(self._own)) - len(self._own)
+        self._owned_rows = np.flatnonzero(in_matrix)  # of the owned components those in the matrix
+        first = d.comm.scan(len(self._owned_rows)) - len(self._owned_rows)
         self._number = np.full(len(in_matrix), -1.0)
-        self._number[self._own] = first + np.arange(len(self._own))
+        self._number[self._owned_rows] = first + np.arange(len(self._owned_rows))
         self._rows = exchange.to_local(self._number)[d.dofs[:, :border]].astype(PETSc.IntType)
         self._inverse = np.zeros((len(d.dofs), d.inside, d.inside))
         self._elements = np.zeros((*d.dofs.shape, d.dofs.shape[1]))
-        alone, size = symmetric and d.comm.size == 1 and CholmodMatrix.suits(self._rows), len(self._own)
+        alone, size = symmetric and d.comm.size == 1 and CholmodMatrix.suits(self._rows), len(self._owned_rows)
         self._matrix: CholmodMatrix | _ByMumps = CholmodMatrix(self._rows, size) if alone else self._by_mumps()
 
-    def factorise(self, tangent: np.ndarray, hourglass: np.ndarray, free: np.ndarray, held: np.ndarray) -> None:
+    def factorise(self, tangent: np.ndarray, hourglass: np.ndarray, free: np.ndarray, fixed: np.ndarray) -> None:
         """Set the matrix from the ``tangent`` (points, 4, 4) in Pa and the ``hourglass`` stiffness, and factorise it.
 
-        ``hourglass`` is (nc or 0, nd, nd) in Pa. ``free`` (needed,) marks the components that can move, ``held`` are
+        ``hourglass`` is (nc or 0, nd, nd) in Pa. ``free`` (needed,) marks the components that can move, ``fixed`` are
         the global numbers of this rank's others. Raises SingularMatrixError.
         """
         d = self._grid
@@ -104,7 +104,7 @@ class LinearSolver:
             condensation.condense(self._elements, self._inverse)
             if not np.all(np.isfinite(self._inverse)):
                 raise SingularMatrixError("a cell has no stiffness for its inner displacement components")
-        ones = self._number[held - self._exchange.first].astype(PETSc.IntType)
+        ones = self._number[fixed - self._exchange.first].astype(PETSc.IntType)
         try:
             self._matrix.factorise(self._elements, ones)
         except cholmod.NotPositiveDefiniteError:  # rounding, where hardly anything is left of the stiffness
@@ -120,7 +120,7 @@ class LinearSolver:
             change = np.empty_like(force)
             condensation.condense_force(self._elements, self._inverse, d.dofs, force, change)
             x += exchange.sum_to_owned(change)
-        x[self._own] = self._matrix.solve(x[self._own])
+        x[self._owned_rows] = self._matrix.solve(x[self._owned_rows])
         if d.inside:
             local = exchange.to_local(x)
             condensation.expand(self._elements, self._inverse, d.dofs, force, local)
@@ -130,7 +130,7 @@ class LinearSolver:
         return x
 
     def _by_mumps(self) -> "_ByMumps":
-        return _ByMumps(self._grid, self._exchange, self._rows, self._own, self._symmetric)
+        return _ByMumps(self._grid, self._exchange, self._rows, self._owned_rows, self._symmetric)
 
 
 class CholmodMatrix:
@@ -138,8 +138,8 @@ class CholmodMatrix:
 
     @staticmethod
     def suits(rows: np.ndarray) -> bool:
-        """Whether CHOLMOD is installed, and no cell has a component twice (as a cell has that is as wide as the
-        period).
+        """Whether CHOLMOD is installed, and no cell has the same component twice, as a cell as wide as the period
+        would.
         """
         return not (np.diff(np.sort(rows, axis=1), axis=1) == 0).any() and cholmod.available()
 

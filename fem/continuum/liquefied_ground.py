@@ -18,22 +18,22 @@ LEAST = 1e-3
 def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Section:
     """The section with the strata of these numbers liquefied; ψ = 0 in them, and ν = 0.49."""
     strata = list(section.strata)
-    for k, kept in remains.items():
-        friction = math.atan(kept.friction * math.tan(strata[k].friction_angle))
-        cohesion = kept.cohesion * strata[k].cohesion + kept.strength
-        if friction == 0.0 and not kept.residual:
+    for k, remains_of in remains.items():
+        friction = math.atan(remains_of.friction * math.tan(strata[k].friction_angle))
+        cohesion = remains_of.cohesion * strata[k].cohesion + remains_of.strength
+        if friction == 0.0 and not remains_of.residual:
             cohesion = max(cohesion, LEAST * section.cohesion_field.mean_effective_stress(k))
         change: dict[str, float | None] = {
             "cohesion": cohesion,
-            "cohesion_increase": kept.cohesion * strata[k].cohesion_increase,
+            "cohesion_increase": remains_of.cohesion * strata[k].cohesion_increase,
             "cohesion_minimum": None,
-            "strength_ratio": kept.cohesion * (strata[k].strength_ratio or 0.0),
+            "strength_ratio": remains_of.cohesion * (strata[k].strength_ratio or 0.0),
             "friction_angle": friction,
             "dilation_angle": 0.0,
             "poissons_ratio": max(UNDRAINED, strata[k].poissons_ratio),
         }
-        if kept.residual:
+        if remains_of.residual:
             removed = dict.fromkeys(("ocr", "ocr_exponent", "pre_overburden_pressure", "consolidated_below"))
-            change |= {**removed, "strength_ratio": kept.residual}
+            change |= {**removed, "strength_ratio": remains_of.residual}
         strata[k] = strata[k].model_copy(update=change)
     return section.with_strata(strata)

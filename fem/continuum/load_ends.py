@@ -19,7 +19,7 @@ BELOW_END = ", below the end of a load at x = "
 COHESION_SHARE = 0.5
 
 
-def with_held_ends(section: Section, least_depth: float) -> Section:
+def with_strengthened_load_ends(section: Section, least_depth: float) -> Section:
     """The section with a cohesion in the ground within ``least_depth`` (m) of ends of surcharges on bare sand.
 
     Parameters

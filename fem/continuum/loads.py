@@ -14,16 +14,16 @@ from meshes.section.uplift import Uplift
 Direction = Literal["downhill", "uphill"]
 
 
-def push(section: Section, settings: FemSettings) -> int:
+def seismic_sign(section: Section, settings: FemSettings) -> int:
     """Direction of the horizontal load: +1 to the right, -1 to the left; for "both" the direction that is computed
     first.
     """
     return sign_of(section, direction_of(settings))
 
 
-def direction_of(settings: FemSettings, turned: bool = False) -> Direction:
-    """The direction of the settings, "downhill" for "both", or the opposite direction (``turned``)."""
-    return "uphill" if (settings.direction == "uphill") != turned else "downhill"
+def direction_of(settings: FemSettings, opposite: bool = False) -> Direction:
+    """The direction of the settings, "downhill" for "both", or the opposite direction (``opposite``)."""
+    return "uphill" if (settings.direction == "uphill") != opposite else "downhill"
 
 
 def sign_of(section: Section, direction: Direction) -> int:
@@ -47,7 +47,7 @@ def soils(section: Section) -> tuple[Stratum, ...]:
     return section.strata
 
 
-def shaken_loose(strata: Sequence[Stratum]) -> str:
+def excess_pressure_advice(strata: Sequence[Stratum]) -> str:
     """What to check where excess pore pressure by shaking leaves no equilibrium; empty without excess pore pressure."""
     ratios = {s.name: s.excess_pore_pressure_ratio for s in strata if s.excess_pore_pressure_ratio}
     named = ", ".join(f'{ratio:g} in "{name}"' for name, ratio in ratios.items())

@@ -42,10 +42,10 @@ def excess_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.nd
     """Nodal forces (dofs,) in N/m of the excess pore pressure by shaking, None without any."""
     if not any(s.excess_pore_pressure_ratio for s in section.strata):
         return None
-    return pore_force(problem, mesh, section.water_pressure.shaken)
+    return pore_force(problem, mesh, section.water_pressure.excess)
 
 
-def shaken_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray | float:
+def seismic_surface_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray | float:
     """Nodal forces (dofs,) in N/m of Kh = 1 on surcharges and free water; 0.0 without any.
 
     ``problem``: the elements of ``mesh``, a mesh of ``section``; ``sign``: 1 towards the right, -1 towards the left.
@@ -53,7 +53,7 @@ def shaken_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: in
     surface = section.surface_loads
     if not surface.present:
         return 0.0
-    return ground_force(problem, mesh, lambda *place: surface.shaken(sign, *place))
+    return ground_force(problem, mesh, lambda *place: surface.seismic(sign, *place))
 
 
 def seismic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray:
@@ -62,7 +62,7 @@ def seismic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: i
     ``problem``: the elements of ``mesh``, a mesh of ``section``; ``sign``: 1 towards the right, -1 towards the left.
     """
     soil = problem.body_force([s.density_seismic for s in problem.strata], (sign * GRAVITY, 0.0))
-    return soil + shaken_load(problem, mesh, section, sign)
+    return soil + seismic_surface_load(problem, mesh, section, sign)
 
 
 def pore_force(problem: PlaneStrain, mesh: QuadMesh, pressure: Pressure) -> np.ndarray:

@@ -159,18 +159,18 @@ class PlaneStrain:
 
     def hold(self, components: dict[str, str]) -> None:
         """Hold the displacement increments of boundaries, such as {"base": "xy", "left": "x"}."""
-        held = np.zeros(self.grid.size, dtype=bool)
-        held[2 * self._passive] = held[2 * self._passive + 1] = True
+        fixed = np.zeros(self.grid.size, dtype=bool)
+        fixed[2 * self._passive] = fixed[2 * self._passive + 1] = True
         for name, axes in components.items():
             for axis in axes:
-                held[2 * self.grid.sides[name] + "xy".index(axis)] = True
-        self.hold_components(held)
+                fixed[2 * self.grid.sides[name] + "xy".index(axis)] = True
+        self.fix_components(fixed)
 
-    def hold_components(self, held: np.ndarray) -> None:
-        """Hold the components marked in ``held`` (all components, the same on every rank)."""
-        self.free = ~self.exchange.owned_part(held)
-        self._free_local = ~held[self.grid.global_dofs]
-        self._held_owned = self.exchange.first + np.flatnonzero(~self.free)
+    def fix_components(self, fixed: np.ndarray) -> None:
+        """Hold the components marked in ``fixed`` (all components, the same on every rank)."""
+        self.free = ~self.exchange.owned_part(fixed)
+        self._free_local = ~fixed[self.grid.global_dofs]
+        self._fixed_owned = self.exchange.first + np.flatnonzero(~self.free)
 
     def tie(self, first: str, second: str, section: Section) -> None:
         """Tie the nodes of boundary ``second`` to those of ``first``, with the base held.
@@ -239,7 +239,7 @@ class PlaneStrain:
             self._tangent += ELASTIC_SHARE * self._elastic[self.material]
         if self._solver is None:
             self._solver = LinearSolver(self.grid, self.exchange, symmetric=self.flow != "section")
-        self._solver.factorise(self._tangent, self._hourglass, self._free_local, self._held_owned)
+        self._solver.factorise(self._tangent, self._hourglass, self._free_local, self._fixed_owned)
 
     def solve(self, force: np.ndarray) -> np.ndarray:
         """Displacement under nodal forces by the last factorised stiffness, zero where it is held."""
@@ -249,7 +249,7 @@ class PlaneStrain:
     def part(self, cells: np.ndarray) -> Part:
         """Some of the cells, given by their numbers; on one rank only."""
         grid, points = self.grid, self.grid.points_per_cell
-        mine = (cells[:, None] * points + np.arange(points)).ravel()
+        own_points = (cells[:, None] * points + np.arange(points)).ravel()
         components, dofs = np.unique(grid.global_dofs[grid.dofs[cells]], return_inverse=True)
         shape = len(cells), grid.dofs.shape[1]
         return Part(
@@ -258,10 +258,10 @@ class PlaneStrain:
             matrix=grid.matrix[cells],
             weights=grid.weights[cells],
             hourglass=self._hourglass[cells] if len(self._hourglass) else np.zeros((*shape, shape[1])),
-            stress=self.stress[mine],
-            material=self.material[mine],
+            stress=self.stress[own_points],
+            material=self.material[own_points],
             table=self.table,
-            least=ELASTIC_SHARE * self._elastic[self.material[mine]],
+            least=ELASTIC_SHARE * self._elastic[self.material[own_points]],
         )
 
     def elastic_stiffness(self) -> np.ndarray:

@@ -37,7 +37,7 @@ def refuse_other_water(section: Section) -> None:
         return
     depths = np.unique(np.concatenate([end[0] - end for end in ends]))
     depths = depths[np.append(np.diff(depths) > layers.tolerance, True)]
-    still, shaken = zip(*(_along_side(section, side, depths) for side in (0, 1)), strict=True)
+    still, excess = zip(*(_along_side(section, side, depths) for side in (0, 1)), strict=True)
     change = still[1] - still[0]
     problems = []
     if np.ptp(change) > SAME:
@@ -54,7 +54,7 @@ def refuse_other_water(section: Section) -> None:
         )
     elif water.moves and abs(change[-1]) > SAME:
         problems.append("westergaard = true needs water that is as deep at both sides")
-    if np.abs(shaken[1] - shaken[0]).max() > SAME:
+    if np.abs(excess[1] - excess[0]).max() > SAME:
         problems.append(
             "the excess pore pressure by shaking differs between the sides; expected equal pressures at equal depths"
         )
@@ -69,11 +69,11 @@ def _along_side(section: Section, side: int, depths: np.ndarray) -> tuple[np.nda
     """
     water, layers = section.water_pressure, section.layering
     elevation = layers.left[0] if side == 0 else layers.right[-1]
-    x, beside = layers.x[-side], layers.x[[0, 1] if side == 0 else [-2, -1]].mean()
+    x, inside = layers.x[-side], layers.x[[0, 1] if side == 0 else [-2, -1]].mean()
     z = elevation[0] - np.concatenate([depths[:-1], depths[1:], [0.0]])
     middle = np.tile(elevation[0] - 0.5 * (depths[:-1] + depths[1:]), 2)
-    points, near = (np.column_stack([np.full(len(z), at), z]) for at in (x, beside))
+    points, near = (np.column_stack([np.full(len(z), at), z]) for at in (x, inside))
     stratum = section.stratum_at(np.full(len(middle), x), middle)
     still = water.at_rest(points[:-1], near[:-1], stratum)
     on_ground = water.on_ground(points[-1:], near[-1:])
-    return np.concatenate([still, on_ground]), water.shaken(points[:-1], near[:-1], stratum)
+    return np.concatenate([still, on_ground]), water.excess(points[:-1], near[:-1], stratum)

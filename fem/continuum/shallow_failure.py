@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.continuum.loads import direction_of, push
+from fem.continuum.loads import direction_of, seismic_sign
 from fem.settings import FemSettings
 from meshes.quad_mesh import QuadMesh
 from meshes.section.cutting import BELOW_WATER
@@ -101,7 +101,7 @@ def shallow_failures(
     section: Section,
     settings: FemSettings,
     friction: Sequence[float] | np.ndarray | None = None,
-    shaken: bool = True,
+    excess_pressure: bool = True,
 ) -> list[ShallowFailure]:
     """All cohesionless faces of a section from left to right; ``friction`` (rad) replaces the φ of the strata.
 
@@ -111,23 +111,23 @@ def shallow_failures(
     gradient just below the face reduces γ, and its component in the direction of the seismic force reduces Kh γs. Where
     the water table lies less than the least depth below the face, the layer down to the least depth counts instead if
     it slides first. A face ends where its slope, its stratum or its water change. Faces below a surcharge or free water
-    do not slide in this way and are left out. Excess pore pressure by shaking acts if the ground is ``shaken``.
-    ``settings``: of the elements, with the direction of the seismic force and the least depth (m).
+    do not slide in this way and are left out. Excess pore pressure by shaking acts with
+    ``excess_pressure``. ``settings``: of the elements, with the direction of the seismic force and the least depth (m).
     """
-    layers, sign = section.layering, push(section, settings)
+    layers, sign = section.layering, seismic_sign(section, settings)
     faces: list[ShallowFailure] = []
     for piece in _pieces(section, settings.least_depth):
         i, soil = piece.interval, section.strata[piece.number]
         rise = sign * (layers.left[i, 0] - layers.right[i, 0])
         if soil.has_cohesion or rise <= LEVEL * layers.width[i] or soil.density_seismic == 0.0:
             continue
-        if _is_held(section, piece, shaken):
+        if _is_stable_anyway(section, piece, excess_pressure):
             continue
         angle = float(np.arctan(rise / layers.width[i]))
         phi = soil.friction_angle if friction is None else friction[piece.number]
         choices = [
             (float(ratio * np.tan(phi - angle) - sign * drawn), ratio, sign * drawn)
-            for ratio, drawn in _forces(section, piece, settings, shaken)
+            for ratio, drawn in _forces(section, piece, settings, excess_pressure)
         ]
         if not choices:  # where a stratum pinches out it is thinner than points are told apart
             continue
@@ -150,7 +150,7 @@ def failing_at_rest(
     No stress field is in equilibrium there without a seismic force, and they fail before the slope fails in the
     direction of the force. ``section``, ``settings``, ``friction``: as in ``shallow_failures``.
     """
-    against = settings.changed(direction=direction_of(settings, turned=True))
+    against = settings.changed(direction=direction_of(settings, opposite=True))
     return [face for face in shallow_failures(section, against, friction) if face.kh < 0.0]
 
 
@@ -181,7 +181,7 @@ def faces_at(section: Section, settings: FemSettings, kh: float) -> list[Shallow
     """The cohesionless faces inclined in the direction of the seismic force, or in any direction where Kh is 0."""
     directions = ("downhill", "uphill") if kh == 0.0 or settings.direction == "both" else (settings.direction,)
     wishes = [settings.changed(direction=direction) for direction in directions]
-    return [face for wish in wishes for face in shallow_failures(section, wish, shaken=kh != 0.0)]
+    return [face for wish in wishes for face in shallow_failures(section, wish, excess_pressure=kh != 0.0)]
 
 
 def least_rolling_factor(
@@ -222,17 +222,21 @@ def _pieces(section: Section, depth: float) -> Iterator[_Piece]:
         yield _Piece(float(start), float(end), i, k, 2 if cut and end - start >= LONG * depth else 1)
 
 
-def _is_held(section: Section, piece: _Piece, shaken: bool) -> bool:
-    """Whether a surcharge, or free water above the water table in the ground, holds a piece of the surface."""
+def _is_stable_anyway(section: Section, piece: _Piece, excess_pressure: bool) -> bool:
+    """Whether a surcharge, or free water above the water table, prevents the shallow failure of a piece of the
+    surface.
+    """
     water, at = section.water_pressure, np.array([piece.middle])
     ground = np.column_stack([at, section.layering.interfaces(at)[:, 0]])
     if section.surface_loads.dead(ground, ground, np.array([[0.0, 1.0]])).any():
         return True
-    inside = water.inside(ground, ground, np.array([piece.number]), shaken)
+    inside = water.inside(ground, ground, np.array([piece.number]), excess_pressure)
     return water.present and bool(np.any(water.on_ground(ground, ground) > inside + UNLIKE))
 
 
-def _forces(section: Section, piece: _Piece, settings: FemSettings, shaken: bool) -> Iterator[tuple[float, float]]:
+def _forces(
+    section: Section, piece: _Piece, settings: FemSettings, excess_pressure: bool
+) -> Iterator[tuple[float, float]]:
     """Two forces over the seismic weight: weight less Kv and uplift, and the seepage force to the right. They are given
     for the soil just below a piece of ground, and for the layer down to the least depth where this layer reaches into
     water.
@@ -247,7 +251,7 @@ def _forces(section: Section, piece: _Piece, settings: FemSettings, shaken: bool
         soil, rise = section.strata[k], np.zeros(2)
         if water.present:
             step = min(0.05 * thickness, 0.05 * (piece.end - piece.start), 0.05 * thickness / _steepness(layers, piece))
-            rise = water.slope((piece.middle, top - 0.5 * thickness), k, step, shaken)
+            rise = water.slope((piece.middle, top - 0.5 * thickness), k, step, excess_pressure)
         down += thickness * float(soil.density_ordinary - settings.vertical * soil.density_seismic + rise[1] / GRAVITY)
         right -= thickness * float(rise[0]) / GRAVITY
         seismic += thickness * soil.density_seismic
@@ -277,10 +281,10 @@ def _level(section: Section, piece: _Piece, k: int, top: float, lowest: float) -
     """
     x, water = piece.middle, section.water_pressure
     ends = np.array([[x, top], [x, lowest + 0.1 * (top - lowest)], [x, lowest]])
-    above, inner, deep = water.at_rest(ends, ends, np.full(3, k))
-    if not water.present or above > UNLIKE or deep <= UNLIKE or deep <= inner:
+    above, below, deep = water.at_rest(ends, ends, np.full(3, k))
+    if not water.present or above > UNLIKE or deep <= UNLIKE or deep <= below:
         return top
-    return float(np.clip(lowest + 0.1 * (top - lowest) * deep / (deep - inner), lowest, top))
+    return float(np.clip(lowest + 0.1 * (top - lowest) * deep / (deep - below), lowest, top))
 
 
 def _steepness(layers: Layering, piece: _Piece) -> float:
@@ -337,7 +341,7 @@ def _strip(section: Section, face: ShallowFailure, k: int, of_face: int, setting
 
 def strip_bottom(layers: Layering, start: float, end: float, k: int, depth: float) -> list[list[float]]:
     """The bottom of a strip down to a ``depth`` (m) from ``start`` to ``end`` (m) in stratum k: points [x, elevation]
-    (m); none where the stratum is not there.
+    (m); none where the stratum is absent.
     """
     x = np.unique(np.concatenate([[start, end], layers.x]))
     x = x[(x >= start) & (x <= end)]

@@ -55,7 +55,7 @@ def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndar
     layers = section.layering
     elevation = layers.left[0] if side == "left" else layers.right[-1]
     effective = _vertical_stress(section, side, elevation)
-    places, beside = _ends(section, side, elevation)
+    places, interior_points = _ends(section, side, elevation)
     here = np.flatnonzero(elevation[:-1] > elevation[1:])
     sides = []
     for k in here:
@@ -66,7 +66,7 @@ def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndar
         force = 0.5 * plain.sum() * (elevation[k] - elevation[k + 1])
         factor = -resultants[k] / force if force > 0.0 else 1.0
         sin, cos = np.sin(soil.friction_angle), np.cos(soil.friction_angle)
-        cohesion = section.cohesion_field.at(places[k], beside[k], np.array([k, k]))
+        cohesion = section.cohesion_field.at(places[k], interior_points[k], np.array([k, k]))
         active = np.maximum(((1.0 - sin) * vertical - 2.0 * cohesion * cos) / (1.0 + sin), 0.0)
         passive = ((1.0 + sin) * vertical + 2.0 * cohesion * cos) / (1.0 - sin)
         # Half-way to either limit at most: loose ground at the limit at its surface would not stand any push.
@@ -88,10 +88,13 @@ def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.n
     stress[:, 1] = np.cumsum(weight)
     stress[1:, 0] = stress[:-1, 1]
     if water.present or section.surcharges:
-        places, beside = (ends.reshape(-1, 2) for ends in _ends(section, side, elevation))
+        places, interior_points = (ends.reshape(-1, 2) for ends in _ends(section, side, elevation))
         ground = places[:1]
-        on_ground = water.on_ground(ground, beside[:1]) - section.surface_loads.dead(ground, beside[:1], UPWARDS)[:, 1]
-        pores = water.at_rest(places, beside, np.repeat(np.arange(strata), 2))
+        on_ground = (
+            water.on_ground(ground, interior_points[:1])
+            - section.surface_loads.dead(ground, interior_points[:1], UPWARDS)[:, 1]
+        )
+        pores = water.at_rest(places, interior_points, np.repeat(np.arange(strata), 2))
         stress = np.maximum(stress + on_ground - pores.reshape(strata, 2), 0.0)
     return stress
 
@@ -101,5 +104,5 @@ def _ends(section: Section, side: str, elevation: np.ndarray) -> tuple[np.ndarra
     x, layers = section.layering.x, len(elevation) - 1
     at, inside = (x[0], x[:2].mean()) if side == "left" else (x[-1], x[-2:].mean())
     ends = np.repeat(elevation, 2)[1:-1]
-    places, beside = (np.column_stack([np.full(2 * layers, x_side), ends]) for x_side in (at, inside))
-    return places.reshape(layers, 2, 2), beside.reshape(layers, 2, 2)
+    places, interior_points = (np.column_stack([np.full(2 * layers, x_side), ends]) for x_side in (at, inside))
+    return places.reshape(layers, 2, 2), interior_points.reshape(layers, 2, 2)

@@ -16,10 +16,10 @@ sin φ, the out-of-plane stress the intermediate one, returned at constant p (de
 with ψ = 0); a mean tension beyond the apex opens a crack, and the crack has to close before the ground carries pressure
 again.
 
-Four isochoric points leave a knot span, which has two freedoms, no way to flow: it locks in volume (Mast et al. 2012,
-J. Comput. Phys. 231, 5351; Coombs et al. 2018, Comput. Methods Appl. Mech. Eng. 333, 1). So at points of ground that
-yields without friction the mean stress p approaches the one of their knot span by a share ρ of the difference in each
-step,
+Four points of constant volume leave a knot span, which has two degrees of freedom, no way to deform: it locks (Mast et
+al. 2012, J. Comput. Phys. 231, 5351; Coombs et al. 2018, Comput. Methods Appl. Mech. Eng. 333, 1). So at points of
+ground that yields without friction the mean stress p approaches the one of their knot span by a share ρ of the
+difference in each step,
 
     p' = p + ρ (Σ V p / K) / (Σ V / K) - ρ p,   K of plane strain,
 
@@ -63,7 +63,7 @@ RELAXED = 0.1  # of its deviation from the mean stress of its knot span, that a 
 EXTERNAL, DISSIPATED = range(2)
 # Of a column of nodes (J/m): kinetic energy that forces gave it, work of pore water.
 GAINED, BUOYED = range(2)
-FREE, HELD, WALL = range(3)  # of a node: free; at rest; at rest horizontally
+FREE, FIXED, WALL = range(3)  # of a node: free; at rest; at rest horizontally
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
@@ -83,7 +83,7 @@ def _flows(state: Floats, properties: Floats, p: int) -> bool:
 @njit(cache=True, nogil=True, error_model="numpy")
 def scatter(
     stripes: Integers, offsets: Integers, x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats,
-    heavy: Floats, side: Floats, properties: Floats, cell: float, slope: float, periodic: bool, push: float,
+    heavy: Floats, side: Floats, properties: Floats, cell: float, slope: float, periodic: bool, shaking: float,
     gravity_x: float, gravity_z: float, grid: Floats,
 ) -> None:  # fmt: skip
     """Add mass, momentum, force and volume of the points of some stripes to the ``grid`` (nx, nz, NODE).
@@ -92,7 +92,7 @@ def scatter(
     (m/s); ``affine`` (n, 4): C of the velocities, row by row (1/s); ``stress`` (n, 3): Pa; ``state`` (n, STATE);
     ``properties`` (n, PROPERTIES); ``heavy`` (n,): weight over seismic mass; ``cell``: size of a cell (m);
     ``slope``: dz/dx of the rows of nodes; ``periodic``: whether the sides move alike;
-    ``push`` (m/s²): horizontal acceleration of the whole mass by shaking; ``gravity_x``, ``gravity_z`` (m/s²) act on
+    ``shaking`` (m/s²): horizontal acceleration of the whole mass by shaking; ``gravity_x``, ``gravity_z`` (m/s²) act on
     ``heavy`` times the mass; ``side`` (N/m): horizontal force on points next to a free-field side, a quarter of a cell
     away, where nodes are held vertically; 0 elsewhere.
     """
@@ -110,7 +110,7 @@ def scatter(
             cxx, cxz, czx, czz = mass * affine[p, 0], mass * affine[p, 1], mass * affine[p, 2], mass * affine[p, 3]
             k = stiff * volume
             sxx, szz, sxz = k * stress[p, 0], k * stress[p, 1], k * stress[p, 2]
-            bx, bz = mass * (push + heavy[p] * gravity_x) + side[p], mass * heavy[p] * gravity_z
+            bx, bz = mass * (shaking + heavy[p] * gravity_x) + side[p], mass * heavy[p] * gravity_z
             sxx += 0.25 * cell * stiff * abs(side[p])  # its moment about the point
             txz, tzz = sxz - slope * sxx, szz - slope * sxz
             if _flows(state, properties, p):
@@ -137,13 +137,13 @@ def scatter(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def move_grid(
-    first: int, last: int, grid: Floats, uplift: Floats, held: NDArray[np.int8], dt: float, damping: float,
+    first: int, last: int, grid: Floats, uplift: Floats, support: NDArray[np.int8], dt: float, damping: float,
     velocity: Floats, gained: Floats,
 ) -> None:  # fmt: skip
     """Compute the velocities (nx, nz, 4) of the nodes in columns first to last, before and after a step.
 
     ``grid`` (nx, nz, NODE): see `scatter`; ``uplift`` (nx, nz, 2): force of pore water on a volume of ground, minus its
-    pressure gradient (N/m³); ``held`` (nx, nz): FREE, HELD or WALL; ``dt``: time step (s); ``damping``: local non-
+    pressure gradient (N/m³); ``support`` (nx, nz): FREE, FIXED or WALL; ``dt``: time step (s); ``damping``: local non-
     viscous damping of the forces (Cundall 1987), 0 for none. Fills ``velocity`` (m/s) and ``gained`` (nx, 2): the
     kinetic energy (J/m) by all forces on the nodes, and the part of it by pore water.
     """
@@ -151,11 +151,11 @@ def move_grid(
         energy = buoyed = 0.0
         for j in range(grid.shape[1]):
             mass = grid[i, j, 0]
-            if mass <= 0.0 or held[i, j] == HELD:
+            if mass <= 0.0 or support[i, j] == FIXED:
                 velocity[i, j, 0] = velocity[i, j, 1] = velocity[i, j, 2] = velocity[i, j, 3] = 0.0
                 continue
             old_x, old_z = grid[i, j, 1] / mass, grid[i, j, 2] / mass
-            if held[i, j] == WALL:
+            if support[i, j] == WALL:
                 old_x = 0.0
             water_x, water_z = grid[i, j, 5] * uplift[i, j, 0], grid[i, j, 5] * uplift[i, j, 1]
             ax, az = (grid[i, j, 3] + water_x) / mass, (grid[i, j, 4] + water_z) / mass
@@ -163,7 +163,7 @@ def move_grid(
                 ax *= 1.0 - damping if ax * old_x > 0.0 else 1.0 + damping
                 az *= 1.0 - damping if az * old_z > 0.0 else 1.0 + damping
             new_x, new_z = old_x + dt * ax, old_z + dt * az
-            if held[i, j] == WALL:
+            if support[i, j] == WALL:
                 new_x = 0.0
             if grid[i, j, 6] > 0.0:
                 old_z = new_z = 0.0
@@ -183,8 +183,8 @@ def _strain_of(radius: float, shear: float, soft: float, knee: float) -> float:
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _radius_of(strain: float, shear: float, soft: float, knee: float) -> float:
     """Radius of Mohr's circle (Pa) at an elastic shear strain; the inverse of `_strain_of`."""
-    begun = knee / soft if knee > 0.0 else 0.0
-    return soft * strain if strain < begun else knee + shear * (strain - begun)
+    knee_strain = knee / soft if knee > 0.0 else 0.0
+    return soft * strain if strain < knee_strain else knee + shear * (strain - knee_strain)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
@@ -255,7 +255,7 @@ def _update_stress(
 @njit(cache=True, nogil=True, error_model="numpy")
 def gather(
     stripes: Integers, offsets: Integers, grid: Floats, velocity: Floats, cell: float, slope: float, periodic: bool,
-    dt: float, keep: float, push: float, gravity_x: float, gravity_z: float, x: Floats, v: Floats, affine: Floats,
+    dt: float, keep: float, shaking: float, gravity_x: float, gravity_z: float, x: Floats, v: Floats, affine: Floats,
     stress: Floats, state: Floats, side: Floats, properties: Floats, sums: Floats,
 ) -> None:  # fmt: skip
     """Move the points of some stripes with the grid, and update their stress.
@@ -263,7 +263,7 @@ def gather(
     ``velocity`` (nx, nz, 4): of the nodes, see `move_grid`; ``properties`` (n, PROPERTIES); ``dt``: time step (s);
     ``keep``: share α, 0 or 1, of the part of its velocity that a point keeps although the grid cannot resolve it;
     ``sums`` (stripes, 2) take energies (J/m). ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``,
-    ``state``, ``side``, ``cell``, ``slope``, ``periodic``, ``push``, ``gravity_x``, ``gravity_z``: as in `scatter`.
+    ``state``, ``side``, ``cell``, ``slope``, ``periodic``, ``shaking``, ``gravity_x``, ``gravity_z``: as in `scatter`.
     """
     inverse, columns, rows = 1.0 / cell, velocity.shape[0], velocity.shape[1]
     stiff = 4.0 * inverse * inverse
@@ -308,7 +308,7 @@ def gather(
             cxx, czx = cxx - slope * cxz, czx - slope * czz
             heavy, mass = properties[p, HEAVY], state[p, MASS]
             middle_x, middle_z = 0.5 * (old_x + new_x), 0.5 * (old_z + new_z)
-            external += mass * dt * ((push + heavy * gravity_x) * middle_x + heavy * gravity_z * middle_z)
+            external += mass * dt * ((shaking + heavy * gravity_x) * middle_x + heavy * gravity_z * middle_z)
             external += dt * (side[p] * middle_x - 0.25 * cell * abs(side[p]) * cxx)
             v[p, 0] = new_x + keep * (v[p, 0] - old_x)
             v[p, 1] = new_z + keep * (v[p, 1] - old_z)
@@ -366,28 +366,28 @@ def take_off(
 @njit(cache=True, nogil=True, error_model="numpy")
 def advance(
     steps: int, stripes: Integers, offsets: Integers, cell: float, slope: float, periodic: bool, dt: float,
-    keep: float, pushes: Floats, gravity_x: float, gravity_z: float, damping: float, uplift: Floats,
-    held: NDArray[np.int8], x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats, side: Floats,
+    keep: float, accelerations: Floats, gravity_x: float, gravity_z: float, damping: float, uplift: Floats,
+    support: NDArray[np.int8], x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats, side: Floats,
     properties: Floats, grid: Floats, velocity: Floats, gained: Floats, sums: Floats,
 ) -> None:  # fmt: skip
     """Take some steps on one thread.
 
-    ``pushes`` (steps,): accelerations by shaking (m/s²); ``steps``: how many. ``uplift``, ``held``, ``damping``,
-    ``velocity``, ``gained``: as in `move_grid`; ``keep``, ``properties``, ``sums``: as in `gather`; ``stripes``,
-    ``offsets``, ``x``, ``v``, ``affine``, ``stress``, ``state``, ``side``, ``cell``, ``slope``, ``periodic``, ``dt``,
-    ``gravity_x``, ``gravity_z``, ``grid``: as in `scatter`.
+    ``accelerations`` (steps,): accelerations by shaking (m/s²); ``steps``: how many. ``uplift``, ``support``,
+    ``damping``, ``velocity``, ``gained``: as in `move_grid`; ``keep``, ``properties``, ``sums``: as in `gather`;
+    ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``, ``state``, ``side``, ``cell``, ``slope``,
+    ``periodic``, ``dt``, ``gravity_x``, ``gravity_z``, ``grid``: as in `scatter`.
     """
     heavy = properties[:, HEAVY].copy()
     for step in range(steps):
         grid[:] = 0.0
-        push = pushes[step]
+        shaking = accelerations[step]
         for parity in range(2):
             scatter(
                 stripes[parity::2], offsets, x, v, affine, stress, state, heavy, side, properties, cell, slope,
-                periodic, push, gravity_x, gravity_z, grid,
+                periodic, shaking, gravity_x, gravity_z, grid,
             )  # fmt: skip
-        move_grid(0, grid.shape[0], grid, uplift, held, dt, damping, velocity, gained)
+        move_grid(0, grid.shape[0], grid, uplift, support, dt, damping, velocity, gained)
         gather(
-            stripes, offsets, grid, velocity, cell, slope, periodic, dt, keep, push, gravity_x, gravity_z, x, v,
+            stripes, offsets, grid, velocity, cell, slope, periodic, dt, keep, shaking, gravity_x, gravity_z, x, v,
             affine, stress, state, side, properties, sums,
         )  # fmt: skip

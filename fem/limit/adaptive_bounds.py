@@ -115,7 +115,8 @@ def proven_lower_bound(
     """The stress field of the solver, the reason if there is no bound, and the field with its strict bound if it passes
     the check.
 
-    After ``most_work`` (s of the reference machine) the solver ends with what it has; ``start`` is where it begins.
+    After ``most_work`` (s of the reference machine) the solver returns its last iterate; ``start`` is the iterate at
+    which it begins.
     """
     place = start
 
@@ -127,7 +128,7 @@ def proven_lower_bound(
 
     # More margin from the cone does not help where a cut-off is passed, from which no margin can be kept.
     attempts = 1 if np.isfinite(problem.tension).any() else ATTEMPTS
-    bound, check, notes = _first_that_holds("lower bound", attempt, most_work, attempts)
+    bound, check, notes = _first_checked("lower bound", attempt, most_work, attempts)
     return bound, notes, StressField(problem, bound.multiplier, bound.stress, check) if check else None
 
 
@@ -137,10 +138,11 @@ def proven_upper_bound(
     """The mechanism of the solver, the reason if there is no bound, and the mechanism with its strict bound if it
     passes the check.
 
-    After ``most_work`` (s of the reference machine) the solver ends with what it has; ``start`` is where it begins.
+    After ``most_work`` (s of the reference machine) the solver returns its last iterate; ``start`` is the iterate at
+    which it begins.
 
     Ground of φ > 45° in a corner between held sides cannot strain, and the solver may find no mechanism there: this
-    ground is held as a rigid body.
+    ground is then held as a rigid body.
     """
 
     place = start
@@ -154,11 +156,13 @@ def proven_upper_bound(
         return bound, check_velocity(problem, bound.velocity)
 
     steep = problem.friction > STEEP
-    some = bool(steep.any() and not steep.all())
-    bound, check, notes = _first_that_holds("upper bound", attempt, most_work, 1 if some else ATTEMPTS)
-    if check is None and some:
-        before, held = bound.solution.work, partial(attempt, rigid=steep)
-        bound, check, more_notes = _first_that_holds("upper bound, steep ground held", held, most_work - before)
+    partly_steep = bool(steep.any() and not steep.all())
+    bound, check, notes = _first_checked("upper bound", attempt, most_work, 1 if partly_steep else ATTEMPTS)
+    if check is None and partly_steep:
+        before, attempt_with_rigid = bound.solution.work, partial(attempt, rigid=steep)
+        bound, check, more_notes = _first_checked(
+            "upper bound, steep ground held", attempt_with_rigid, most_work - before
+        )
         bound = replace(bound, solution=replace(bound.solution, work=before + bound.solution.work))
         notes += more_notes
     return bound, notes, Mechanism(problem, check.multiplier, bound.velocity, check) if check else None
@@ -168,7 +172,7 @@ F = TypeVar("F", LowerBound, UpperBound)
 C = TypeVar("C", StressCheck, VelocityCheck)
 
 
-def _first_that_holds(
+def _first_checked(
     name: str,
     attempt: Callable[[np.ndarray | float, float], tuple[F, C]],
     most_work: float,

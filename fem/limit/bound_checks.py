@@ -54,7 +54,7 @@ class StressCheck:
         )
 
     def __str__(self) -> str:
-        """What keeps it from being a bound."""
+        """The conditions of a statically admissible stress field that are violated."""
         if self.yield_slack < 0.0:
             return f"its stress is beyond the yield surface by {-self.yield_slack:.1e} of the unit of stress"
         if self.tension_slack < -NO_TENSION:
@@ -93,7 +93,7 @@ class VelocityCheck:
         return self.flow_slack >= 0.0 and max(self.volume, self.boundary, self.jump) <= ROUNDING
 
     def __str__(self) -> str:
-        """What keeps it from being a bound."""
+        """The conditions of kinematically admissible velocities that are violated."""
         if self.flow_slack < 0.0:
             return f"its strain rates violate the flow rule by {-self.flow_slack:.1e} of the largest"
         missed = max(self.volume, self.boundary, self.jump)
@@ -128,16 +128,16 @@ def check_stress(problem: LimitProblem, stress: np.ndarray, multiplier: float) -
     left = np.column_stack([slopes[:, 0, 0] + slopes[:, 1, 2], slopes[:, 0, 2] + slopes[:, 1, 1]]) + force
     imbalance = np.hypot(*left.T) * np.sqrt(mesh.areas)
 
-    inner = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
-    first, second = mesh.edge_cells[inner].T
-    ends = mesh.edges[inner]
+    interior = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
+    first, second = mesh.edge_cells[interior].T
+    ends = mesh.edges[interior]
     jumps = [0.0]
     wanted = np.zeros((len(mesh.edges), 2, 2))
     wanted[problem.jumps.edges] = problem.jumps.traction + multiplier * problem.jumps.live
     normal = _unit_normals(problem, first, ends)
     for end in (0, 1):
         here, there = (_at_point(problem, stress, cells, ends[:, end]) for cells in (first, second))
-        jumps.append(float(np.abs(_traction(here - there, normal) - wanted[inner, end]).max(initial=0.0)))
+        jumps.append(float(np.abs(_traction(here - there, normal) - wanted[interior, end]).max(initial=0.0)))
     normal = _unit_normals(problem, outline.cells, outline.ends)
     for end in (0, 1):
         here = _at_point(problem, stress, outline.cells, outline.ends[:, end])
@@ -283,12 +283,12 @@ def check_velocity(problem: LimitProblem, velocity: np.ndarray) -> VelocityCheck
     along.append(
         velocity[outline.cells, 3 + np.argmax(mesh.cell_edges[outline.cells] == outline.edges[:, None], axis=1)]
     )
-    held = max(float(np.abs(np.where(outline.held, v, 0.0)).max()) for v in along)
+    largest_on_supports = max(float(np.abs(np.where(outline.fixed, v, 0.0)).max()) for v in along)
     return VelocityCheck(
         multiplier=(float(dissipation(problem, rates).sum()) - dead) / live,
         flow_slack=float(slack[~clay].min(initial=np.inf)) / largest if not clay.all() else 0.0,
         volume=float(np.abs(volume[clay]).max(initial=0.0)) / largest,
-        boundary=held / fastest,
+        boundary=largest_on_supports / fastest,
         jump=_largest_jump(problem, velocity) / fastest,
     )
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.continuum.load_ends import with_held_ends
-from fem.continuum.loads import Direction, direction_of, lifted, push, shaken_loose, soils
+from fem.continuum.load_ends import with_strengthened_load_ends
+from fem.continuum.loads import Direction, direction_of, excess_pressure_advice, lifted, seismic_sign, soils
 from fem.continuum.repetition import refuse_other_sides
 from fem.continuum.shallow_failure import ShallowFailure, failing_at_rest, shallow_failures, strengthened
 from fem.continuum.strength import davis_factor, flow_of, is_dilating_fully, tensile_strengths
@@ -59,7 +59,7 @@ class KhBounds(SmallerKhBounds):
     shallow : float or None
         An upper bound of Kh of the ground without strengthening, where it is below the bounds and below the Kh of all
         ``shallow_failures``: ground above the least depth slips where faces of different water or slope meet, or where
-        water seeps out of a face. This ground is strengthened, too. None elsewhere.
+        water seeps out of a face. This ground is strengthened, too. None if there is no such bound.
     section : Section
         The section that was analysed, with its faces strengthened if any are, for the direction that fails first.
     substitute : SmallerKhBounds or None
@@ -115,7 +115,7 @@ class DirectionGround:
             mesh = after.bracket.mesh
         else:
             mesh = first_mesh(ground, self.max_cells, self.fem.sides)
-        towards: SectionSide = "right" if push(self.section, self.fem) > 0 else "left"
+        towards: SectionSide = "right" if seismic_sign(self.section, self.fem) > 0 else "left"
         body = body_of(ground, mesh, self.fem, davis=after is not None)
         return DirectionSearch(mesh, body, limits, direction_of(self.fem), towards)
 
@@ -190,8 +190,8 @@ def kh_bounds(
     faces = dict.fromkeys(face for ground in grounds.values() for face in ground.shallow_failures)
     govern = tuple(face for face in faces if face.kh < bounds.upper)
     as_given = min(ground.as_given for ground in grounds.values())
-    some = bool(govern or wet)
-    shallow = as_given if some and as_given < min([bounds.upper, *(face.kh for face in govern)]) else None
+    governed = bool(govern or wet)
+    shallow = as_given if governed and as_given < min([bounds.upper, *(face.kh for face in govern)]) else None
     analysed = as_analysed(grounds[bounds.directions[0].direction].section, fem)
     return KhBounds(**vars(bounds), shallow_failures=govern, shallow=shallow, section=analysed, substitute=substitute)
 
@@ -208,7 +208,7 @@ def _unstable(section: Section, upper: float) -> UnstableError:
     if section.uplift is not None:
         return lifted(section.uplift, "the section fails under its own weight")
     most = f"its Kh is at most {upper:.3g}" if upper > -1.0 else "no horizontal force could stabilise it"
-    loose = shaken_loose(section.strata)
+    loose = excess_pressure_advice(section.strata)
     if loose:
         return UnstableError(f"the section fails by excess pore pressure and its weight: {most}", loose)
     return UnstableError(f"the section fails under its own weight: {most}; check strengths, densities")
@@ -218,7 +218,7 @@ def as_analysed(section: Section, fem: FemSettings) -> Section:
     """The section with strengthened ends of loads on bare sand. Strata are also divided at the water table where a part
     is too thin for elements, and at elevations where a strength begins to increase.
     """
-    return cut_at_least_strength(with_held_ends(section, fem.least_depth).cut_at_films)
+    return cut_at_least_strength(with_strengthened_load_ends(section, fem.least_depth).cut_at_films)
 
 
 def _coarse_upper_bound(section: Section, fem: FemSettings) -> float:
@@ -266,24 +266,32 @@ def first_mesh(section: Section, max_cells: int, sides: Sides = "free-field") ->
 
 
 def body_of(
-    section: Section, mesh: TriMesh, fem: FemSettings, davis: bool = False, shaken: bool = True, held: bool = False
+    section: Section,
+    mesh: TriMesh,
+    fem: FemSettings,
+    davis: bool = False,
+    excess_pressure: bool = True,
+    smooth_sides: bool = False,
 ) -> RigidPlasticBody:
     """The section, with its own strength or by Davis's estimate, as a problem of limit analysis whose multiplier is Kh.
 
-    Excess pore pressure by shaking acts if the ground is ``shaken``. Smooth sides have no normal velocity and no shear
-    traction. Free-field sides carry the K0 stress and move horizontally; if ``held``, they are smooth.
-    ``mesh``: triangles of the section; ``fem``: sides and direction of the seismic force; ``davis``: whether strengths
-    are those of Davis's estimate.
+    Excess pore pressure by shaking acts with ``excess_pressure``. Smooth sides have no normal velocity and no shear
+    traction. Free-field sides carry the K0 stress and move horizontally; with ``smooth_sides`` they are treated as
+    smooth ones. ``mesh``: triangles of the section; ``fem``: sides and direction of the seismic force; ``davis``:
+    whether strengths are those of Davis's estimate.
     """
     cohesion, friction = strengths(section.strata, davis)
     ordinary = GRAVITY * np.array([s.density_ordinary for s in section.strata])
     seismic = GRAVITY * np.array([s.density_seismic for s in section.strata])
     nothing = np.zeros(len(ordinary))
     water = section.water_pressure
-    sides = {"surface": _ground(section, push(section, fem)), **dict.fromkeys(("base", "left", "right"), Side("xy"))}
+    sides = {
+        "surface": _ground(section, seismic_sign(section, fem)),
+        **dict.fromkeys(("base", "left", "right"), Side("xy")),
+    }
     if fem.sides == "periodic":
         sides |= dict.fromkeys(("left", "right"), Side(periodic=True))
-    elif fem.sides == "smooth" or (fem.sides == "free-field" and held):
+    elif fem.sides == "smooth" or (fem.sides == "free-field" and smooth_sides):
         sides |= {"left": Side("x"), "right": Side("x")}
     elif fem.sides == "free-field":
         for name, stress in side_stresses(section, mesh).items():
@@ -294,18 +302,18 @@ def body_of(
         cohesion=cohesion,
         friction=friction,
         dead_force=np.column_stack([nothing, fem.vertical * seismic - ordinary]),
-        live_force=np.column_stack([push(section, fem) * seismic, nothing]),
+        live_force=np.column_stack([seismic_sign(section, fem) * seismic, nothing]),
         sides=sides,
-        pore_pressure=_pore_pressure(water, shaken) if water.present else None,
+        pore_pressure=_pore_pressure(water, excess_pressure) if water.present else None,
         varying=_varying(section, davis) if section.cohesion_field.varies.any() else None,
         tension=tensile_strengths(section.strata),
     )
 
 
-def _pore_pressure(water: WaterPressure, shaken: bool) -> Pressure:
-    if not shaken:
+def _pore_pressure(water: WaterPressure, excess_pressure: bool) -> Pressure:
+    if not excess_pressure:
         return water.at_rest
-    return lambda *places: water.at_rest(*places) + water.shaken(*places)
+    return lambda *places: water.at_rest(*places) + water.excess(*places)
 
 
 def _varying(section: Section, davis: bool) -> CornerCohesion:
@@ -327,7 +335,7 @@ def _ground(section: Section, sign: int) -> Side:
         return Side()
     return Side(
         dead=lambda at: loads.dead(at.points, at.near, at.normal),
-        live=lambda at: loads.shaken(sign, at.points, at.near, at.normal),
+        live=lambda at: loads.seismic(sign, at.points, at.near, at.normal),
         pressure=lambda at: water.on_ground(at.points, at.near),
     )
 

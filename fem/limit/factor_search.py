@@ -73,7 +73,7 @@ class FactorSearch:
         ``sign``: 1 for a seismic force to the side of ``fem``, -1 for the other side; ``start``: Kh and first factor;
         ``work``: budget of the search.
         """
-        body = body_of(section, mesh, fem, shaken=start.kh != 0.0, held=start.held)
+        body = body_of(section, mesh, fem, excess_pressure=start.kh != 0.0, smooth_sides=start.smooth_sides)
         self.body = replace(body, live_force=sign * body.live_force)
         self.units = units_of(mesh, self.body)
         self.mesh, self.settings, self.work = mesh, settings, work
@@ -184,12 +184,12 @@ class FactorSearch:
         left = self.work.left / (2.0 if lower and upper else 1.0)
         with one_more_thread(lower and upper) as executor:
             above = partial(proven_upper_bound, problem, left, self.place("upper", factor))
-            begun = executor.submit(above) if upper else None
+            future = executor.submit(above) if upper else None
             if lower:
                 low, _, stress = proven_lower_bound(problem, left, self.place("lower", factor))
                 self.count("lower", factor, low.solution, stress is None)
-            if begun is not None:
-                high, _, mechanism = begun.result()
+            if future is not None:
+                high, _, mechanism = future.result()
                 self.count("upper", factor, high.solution, mechanism is None)
         unmoved = high is not None and high.solution.none == "no mechanism"
         trial = Trial(
@@ -291,11 +291,11 @@ class FactorSearch:
     def step(self, over: float) -> float:
         """The ratio of the next factor to the present one, whose bound exceeds the required bound by ``over``."""
         if self.slope is None:
-            ahead = (2.0 if self.gauge == "kh" else 1.0) * over
-            ahead = math.copysign(max(abs(ahead), 0.05), ahead)
+            log_step = (2.0 if self.gauge == "kh" else 1.0) * over
+            log_step = math.copysign(max(abs(log_step), 0.05), log_step)
         else:
-            ahead = -over / self.slope
-        return math.exp(float(np.clip(ahead, -math.log(STEP), math.log(STEP))))
+            log_step = -over / self.slope
+        return math.exp(float(np.clip(log_step, -math.log(STEP), math.log(STEP))))
 
     def prove_both(self, finally_: bool) -> None:
         """Prove the upper bound, which costs less, then the lower one.
@@ -366,8 +366,8 @@ class FactorSearch:
         )
         lower = self.root("lower")
         if math.isfinite(lower):
-            ahead = RISE * self.open_here if math.isfinite(self.open_here) else 0.0
-            self.factor = float(np.clip(lower * math.exp(ahead), SMALLEST, LARGEST))
+            rise = RISE * self.open_here if math.isfinite(self.open_here) else 0.0
+            self.factor = float(np.clip(lower * math.exp(rise), SMALLEST, LARGEST))
         self.unborne_from = math.inf
         self.mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], growth * len(indicator))
         self.meshes.append(self.mesh)

@@ -27,13 +27,13 @@ class Trial:
 
 @dataclass(frozen=True)
 class Start:
-    """The given Kh, the factor to begin with, whether sides are held, and the bounds that are sufficient: a lower
+    """The given Kh, the factor to begin with, whether sides are smooth, and the bounds that are sufficient: a lower
     bound, or an upper bound that is below ``slips``.
     """
 
     kh: float
     factor: float
-    held: bool
+    smooth_sides: bool
     enough: float = math.inf
     slips: float = 0.0
 

@@ -51,7 +51,7 @@ class Side:
 
     Attributes
     ----------
-    held : str
+    fixed : str
         Components of the velocity that are zero: "", "x", "y" or "xy". In these components the traction is an unknown
         reaction.
     dead : Traction or None
@@ -64,7 +64,7 @@ class Side:
         Whether the side is joined to the opposite side: velocities on the two are equal, effective tractions opposite.
     """
 
-    held: str = ""
+    fixed: str = ""
     dead: Traction | None = None
     live: Traction | None = None
     pressure: Outside | None = None
@@ -138,7 +138,7 @@ class Outline:
         Numbers of their end points.
     cells : ndarray (k,)
         The cell inside each edge.
-    held : ndarray (k, 2) of bool
+    fixed : ndarray (k, 2) of bool
         Which components of the velocity are zero, so that their traction is unknown.
     periodic : ndarray (k,) of bool
         Edges without prescribed traction, since they are joined to edges of the opposite side.
@@ -151,7 +151,7 @@ class Outline:
     edges: np.ndarray
     ends: np.ndarray
     cells: np.ndarray
-    held: np.ndarray
+    fixed: np.ndarray
     periodic: np.ndarray
     dead: np.ndarray
     live: np.ndarray
@@ -159,7 +159,7 @@ class Outline:
     @property
     def reacts(self) -> np.ndarray:
         """Components (k, 2) of the traction, as a mask, that are not prescribed."""
-        return self.held | self.periodic[:, None]
+        return self.fixed | self.periodic[:, None]
 
     @property
     def loaded(self) -> np.ndarray:
@@ -336,7 +336,7 @@ def _outline(mesh: TriMesh, body: RigidPlasticBody) -> Outline:
         ends = mesh.boundaries[name]
         edges = mesh.edge_numbers(ends)
         cells = mesh.edge_cells[edges, 0]
-        held = np.tile([axis in side.held for axis in "xy"], (len(ends), 1))
+        fixed = np.tile([axis in side.fixed for axis in "xy"], (len(ends), 1))
         periodic = np.full(len(ends), side.periodic)
         places = edge_ends(mesh, ends, cells)
         dead, live = (_traction(traction, places) for traction in (side.dead, side.live))
@@ -345,7 +345,7 @@ def _outline(mesh: TriMesh, body: RigidPlasticBody) -> Outline:
             outside = np.zeros(inside.shape) if side.pressure is None else side.pressure(places).reshape(-1, 2)
             left = np.where(np.abs(inside - outside) > SAME_PRESSURE * pressure.max(initial=0.0), inside - outside, 0.0)
             dead = dead + left[:, :, None] * places.normal.reshape(-1, 2, 2)
-        parts.append((edges, ends, cells, held, periodic, dead, live))
+        parts.append((edges, ends, cells, fixed, periodic, dead, live))
     outline = Outline(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
     outer = np.flatnonzero(mesh.edge_cells[:, 1] < 0)
     if not np.array_equal(np.sort(outline.edges), outer):

@@ -67,7 +67,8 @@ def lower_bound(
     rounding.
 
     ``more_margin`` (m, 3), as ``LowerBound.shortfall``, is a distance to the yield surface beyond the usual margin.
-    After ``most_work`` (s of the reference machine) the solver ends with what it has; ``start`` is where it begins.
+    After ``most_work`` (s of the reference machine) the solver returns its last iterate; ``start`` is the iterate at
+    which it begins.
 
     ``fem.limit.bound_checks`` checks whether its multiplier is a strict bound.
     ``problem``: triangles, strength and loads.
@@ -79,8 +80,10 @@ def lower_bound(
     cohesion = np.where(all_round, 1.0, cohesion)  # so that the cone has an inside; equations keep it to its axis
     size = np.repeat(np.sqrt(problem.mesh.areas), 3)[free[::3]]
     more = np.broadcast_to(more_margin, (len(problem.mesh.cells), 3)).ravel()[free[::3]]
-    kept = np.maximum(STRESS_MARGIN * size, LEAST_MARGIN) + more
-    kept = np.where(friction == 0.0, np.minimum(kept, MOST_MARGIN * cohesion), kept)  # beside clay without strength
+    margin = np.maximum(STRESS_MARGIN * size, LEAST_MARGIN) + more
+    margin = np.where(
+        friction == 0.0, np.minimum(margin, MOST_MARGIN * cohesion), margin
+    )  # beside clay without strength
     balance = balance[:, free].tocsr()
     corner_points = problem.mesh.own_node[problem.mesh.cells.ravel()[free[::3]]]
     points = points_of_equations(balance, points, corner_points)
@@ -96,7 +99,7 @@ def lower_bound(
         ones,
         dead,
         live,
-        stress_margin=kept,
+        stress_margin=margin,
         tension=np.repeat(problem.tension, 3)[free[::3]],
         bare=bare_corners(problem).ravel()[free[::3]],
     )
@@ -113,8 +116,10 @@ def lower_bound(
     turns = without.sum(axis=1) == 1  # the stress turns round a corner that has none itself
     work[turns] = np.where(without[turns], work[turns].sum(axis=1, keepdims=True), 0.0)
     shortfall = np.zeros(work.shape)
-    slack = np.where(all_round, kept, yield_slack(problem, stress).ravel()[free[::3]])  # there is no margin on an axis
-    shortfall.ravel()[free[::3]] = np.maximum(kept - slack, 0.0)
+    slack = np.where(
+        all_round, margin, yield_slack(problem, stress).ravel()[free[::3]]
+    )  # there is no margin on an axis
+    shortfall.ravel()[free[::3]] = np.maximum(margin - slack, 0.0)
     return LowerBound(solution.multiplier, stress, work, shortfall, solution)
 
 
@@ -178,8 +183,8 @@ def independent_equations(
         whole_rows.append(at_point[rows[whole]].ravel())
         together = at_point[rows[~whole]]
         changed += zip(together, _orthonormal(matrix, together), strict=True)
-    kept = np.sort(np.concatenate(whole_rows))
-    combinations = [sparse.identity(matrix.shape[0], format="csr")[kept]]
+    independent_rows = np.sort(np.concatenate(whole_rows))
+    combinations = [sparse.identity(matrix.shape[0], format="csr")[independent_rows]]
     if changed:
         values = np.concatenate([combination.ravel() for _, combination in changed])
         columns = np.concatenate([np.tile(rows, len(combination)) for rows, combination in changed])
@@ -193,15 +198,15 @@ def independent_equations(
 
 def _orthonormal(matrix: sparse.csr_matrix, groups: np.ndarray) -> list[np.ndarray]:
     """Orthonormal combinations (r, k) of k equations with the same solutions, r their rank, for ``groups`` (g, k)."""
-    some, k = groups.shape
-    if some == 0:
+    groups_count, k = groups.shape
+    if groups_count == 0:
         return []
     part = matrix[groups.ravel()].tocoo()
     group = part.row // k
     # The unknowns of a group are numbered from 0 in each.
     unknowns, number = np.unique(group * matrix.shape[1] + part.col, return_inverse=True)
-    first = np.searchsorted(unknowns // matrix.shape[1], np.arange(some))
-    dense = np.zeros((some, k, int(np.diff(np.append(first, len(unknowns))).max())))
+    first = np.searchsorted(unknowns // matrix.shape[1], np.arange(groups_count))
+    dense = np.zeros((groups_count, k, int(np.diff(np.append(first, len(unknowns))).max())))
     dense[group, part.row % k, number - first[group]] = part.data
     left, values, _ = np.linalg.svd(dense, full_matrices=False)
     largest = values.max(axis=1, initial=0.0)
@@ -235,12 +240,12 @@ def _continuity(problem: LimitProblem) -> Equations:
     the edge.
     """
     mesh = problem.mesh
-    inner = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
-    ends = mesh.edges[inner]
-    left, right = mesh.edge_cells[inner].T
+    interior = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
+    ends = mesh.edges[interior]
+    left, right = mesh.edge_cells[interior].T
     normal = _normals(problem, left, ends)
-    dead, live = np.zeros((2, len(inner), 2, 2))
-    at = np.searchsorted(inner, problem.jumps.edges)
+    dead, live = np.zeros((2, len(interior), 2, 2))
+    at = np.searchsorted(interior, problem.jumps.edges)
     half = np.hypot(*normal[at].T)[:, None, None]
     dead[at], live[at] = half * problem.jumps.traction, half * problem.jumps.live
     matrix = _tractions(problem, left, ends, normal) - _tractions(problem, right, ends, normal)

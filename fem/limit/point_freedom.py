@@ -151,20 +151,20 @@ def unstrained_points(problem: LimitProblem) -> np.ndarray:
     of the velocity along its edges, which are zero on held edges.
     """
     mesh, outline = problem.mesh, problem.outline
-    held = np.zeros((len(mesh.edges), 2), dtype=bool)
-    held[outline.edges] = outline.held
-    on_held = np.zeros(len(mesh.points), dtype=bool)
-    on_held[outline.ends[outline.held.any(axis=1)]] = True
+    fixed = np.zeros((len(mesh.edges), 2), dtype=bool)
+    fixed[outline.edges] = outline.fixed
+    on_fixed = np.zeros(len(mesh.points), dtype=bool)
+    on_fixed[outline.ends[outline.fixed.any(axis=1)]] = True
     unstrained = np.zeros(len(mesh.points), dtype=bool)
-    for point, cells, corners in fans(problem, np.flatnonzero(on_held)):
+    for point, cells, corners in fans(problem, np.flatnonzero(on_fixed)):
         friction = problem.friction[cells]
         if not friction.any():
             continue
         corner_edges = np.column_stack([corners, (corners + 2) % 3])
         edges = np.take_along_axis(mesh.cell_edges[cells], corner_edges, axis=1)
-        bounds = edges[held[edges].any(axis=2)]
+        bounds = edges[fixed[edges].any(axis=2)]
         if not (friction.all() and _parallel(problem, bounds)):
-            unstrained[point] = _largest_slack(problem, point, cells, edges, held) < UNSTRAINED
+            unstrained[point] = _largest_slack(problem, point, cells, edges, fixed) < UNSTRAINED
     return unstrained
 
 
@@ -176,7 +176,7 @@ def _parallel(problem: LimitProblem, edges: np.ndarray) -> bool:
     return bool(np.abs(along[0, 0] * along[:, 1] - along[0, 1] * along[:, 0]).max() <= 1e-9)
 
 
-def _largest_slack(problem: LimitProblem, point: int, cells: np.ndarray, edges: np.ndarray, held: np.ndarray) -> float:
+def _largest_slack(problem: LimitProblem, point: int, cells: np.ndarray, edges: np.ndarray, fixed: np.ndarray) -> float:
     """The largest s with volumetric rate - sin φ shear rate >= s in all cells at a point (0 = volume where φ = 0), over
     velocity derivatives of at most 1 along the ``edges`` (k, 2) of these cells that meet there."""
     mesh, friction = problem.mesh, problem.friction[cells]
@@ -190,7 +190,7 @@ def _largest_slack(problem: LimitProblem, point: int, cells: np.ndarray, edges: 
         for side in (0, 1):
             dx, dy = inverse[j, side]
             rates[j, :, place[j, side]] += [[dx, 0.0], [0.0, dy], [dy, dx]]
-    return _most_dilation(rates[..., ~held[different]], np.sin(friction))
+    return _most_dilation(rates[..., ~fixed[different]], np.sin(friction))
 
 
 def _most_dilation(rates: np.ndarray, sin: np.ndarray) -> float:

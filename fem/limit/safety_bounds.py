@@ -66,18 +66,17 @@ def safety_bounds(
     settings: BoundsSettings,
     kh: float = 0.0,
     guess: float = 1.0,
-    held: bool = False,
+    smooth_sides: bool = False,
 ) -> SafetyBounds:
     """Lower and upper bound of the factor of safety at ``kh``.
 
-    ``held`` sides move only vertically, as in strength reduction without shaking; others carry the K0 stress.
-    ``guess`` is the first factor tried; a poor one costs time only. Both directions of the seismic force are analysed,
-    within the work that the ``settings`` allow, at factors from SMALLEST to LARGEST. Raises InputError as ``kh_bounds``
-    does,
-    BadMeshError if there are no triangles.
-    ``section``: the ground; ``fem``: settings of the elements, of which sides and direction matter here.
+    With ``smooth_sides`` the sides move only vertically, as in strength reduction without shaking; without it
+    free-field sides carry the K0 stress. ``guess`` is the first factor tried; a poor one costs time only. Both
+    directions of the seismic force are analysed, within the work that the ``settings`` allow, at factors from SMALLEST
+    to LARGEST. Raises InputError as ``kh_bounds`` does, BadMeshError if there are no triangles. ``section``: the
+    ground; ``fem``: settings of the elements, of which sides and direction matter here.
     """
-    start, work = Start(kh, guess, held), FactorWork(settings.seconds)
+    start, work = Start(kh, guess, smooth_sides), FactorWork(settings.seconds)
     faces = faces_at(section, fem, kh)
     shallow = least_rolling_factor(section, faces, kh, strengths(section.strata)[1])
     if shallow is None or shallow >= LARGEST:
@@ -163,6 +162,6 @@ def _bounds_of(
     ended = "solver" if any(search.solver_fails for search in searches) else ended
     ended = "range" if lower >= LARGEST or upper <= SMALLEST else ended
     ended = "gap" if gap_of_factors(lower, upper) <= settings.gap else ended
-    direction = direction_of(fem, turned=searches[-1].upper < searches[0].upper) if start.kh else None
+    direction = direction_of(fem, opposite=searches[-1].upper < searches[0].upper) if start.kh else None
     cells = max(trial.cells for trial in trials)
     return SafetyBounds(start.kh, lower, upper, cells, trials, direction=direction, ended=ended)

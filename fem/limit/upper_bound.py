@@ -67,7 +67,8 @@ def upper_bound(
 
     ``more_margin`` (m, 3), as ``UpperBound.shortfall``, is a distance to the limit of the flow rule beyond the usual
     margin. Cells of ``rigid`` (m,), a mask, are held: the result is still an upper bound, though a larger one. After
-    ``most_work`` (s of the reference machine) the solver ends with what it has; ``start`` is where it begins.
+    ``most_work`` (s of the reference machine) the solver returns its last iterate; ``start`` is the iterate at which it
+    begins.
 
     ``fem.limit.bound_checks`` checks whether its multiplier is a strict bound.
     ``problem``: triangles, strength and loads.
@@ -187,7 +188,7 @@ def nodes_and_loads(problem: LimitProblem) -> tuple[np.ndarray, np.ndarray, np.n
     moves = np.ones((count, 2), dtype=bool)
     along = np.column_stack([outline.ends, len(mesh.points) + outline.edges])
     for axis in (0, 1):
-        moves[along[outline.held[:, axis]], axis] = False
+        moves[along[outline.fixed[:, axis]], axis] = False
     dead, live = np.zeros((count, 2)), np.zeros((count, 2))
     third = mesh.areas[:, None, None] / 3.0  # quadratic shapes: the middles carry all of it
     for work, force, traction in (

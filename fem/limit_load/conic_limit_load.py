@@ -205,7 +205,9 @@ def of_first_rank(problem: "PlaneStrain", answer: A | NoAnswerError | None) -> A
 
 
 def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Discretised:
-    """The elements of all ranks under nodal forces (dofs,), gathered on the first rank; other ranks keep their own."""
+    """The elements of all ranks under nodal forces (dofs,), gathered on the first rank; each other rank keeps its own
+    elements.
+    """
     grid = problem.grid
     material = problem.material.reshape(grid.weights.shape)
     local_cells = _Cells(

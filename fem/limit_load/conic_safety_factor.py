@@ -44,7 +44,7 @@ MOST_SPARE = 0.95
 # Programs of one mesh begin where the last one did where ln F differs by no more than this.
 NEAR = 1.0
 # Steps to the factor by another flow rule at which the same mechanism meets the same resistance.
-AHEAD = 4
+PREDICTIONS = 4
 # Step of ln F over which the strength is differentiated.
 DIFFERENCE = 1e-4
 # The least softening of a point, as a share of the mean: ground without any has to have an answer, too.
@@ -81,7 +81,7 @@ class FactorStart:
 
 
 def _none() -> None:
-    """None, in place of a start that was pickled."""
+    """None: what an unpickled start is replaced by."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,16 +117,16 @@ def conic_safety_factor(
     ground = gathered(problem, mesh, forces)
     means = grid.comm.gather(mean) or [mean]
     answer: tuple[float, State] | NoAnswerError | None = None
-    ahead = None  # it is not sent to other ranks
+    next_start = None  # on the first rank only: it is not sent to other ranks
     if grid.comm.rank == 0:
         try:
-            factor, mechanism, ahead = _Search(problem, mesh, ground, np.concatenate(means), start).find(guess, kh)
+            factor, mechanism, next_start = _Search(problem, mesh, ground, np.concatenate(means), start).find(guess, kh)
             answer = factor, mechanism
         except NoAnswerError as error:
             answer = error
     factor, mechanism = of_first_rank(problem, answer)
     problem.use_strength(factor)
-    return ConicSafetyFactor(factor, mechanism, ahead)
+    return ConicSafetyFactor(factor, mechanism, next_start)
 
 
 def too_weak(kh: float) -> UnstableError:
@@ -164,7 +164,7 @@ class _Search:
 
     def find(self, guess: float, kh: float) -> tuple[float, State, FactorStart]:
         """The factor, its mechanism, and the start of a search by another flow rule."""
-        low, high, at = -math.inf, math.inf, math.log(guess) if self.start is None else self.ahead(self.start)
+        low, high, at = -math.inf, math.inf, math.log(guess) if self.start is None else self.next_from(self.start)
         for _ in range(TRIALS):
             if at < -math.log(LARGEST_FACTOR):
                 raise too_weak(kh)
@@ -204,11 +204,11 @@ class _Search:
         spare = solution.multiplier / slope if slope > 0.0 else solution.multiplier
         return -math.log1p(-min(spare, MOST_SPARE)), solution
 
-    def ahead(self, start: FactorStart) -> float:
+    def next_from(self, start: FactorStart) -> float:
         """The logarithm of the factor at which the mechanism of a ``start`` meets as much resistance by this flow rule
         as it did by the other one."""
         at = start.log_factor
-        for _ in range(AHEAD):
+        for _ in range(PREDICTIONS):
             resisted = float(start.shear @ self.resistance(at, start.mean))
             if not resisted > 0.0 or not start.resisted > 0.0:
                 return start.log_factor

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fem.continuum.fields import State
-from fem.continuum.loads import Direction, direction_of, push
+from fem.continuum.loads import Direction, direction_of, seismic_sign
 from fem.continuum.nodal_loads import seismic_load
 from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.shallow_failure import ShallowFailure, failing_at_rest, shallow_failures
@@ -20,7 +20,7 @@ from fem.continuum.strength import Flow, flow_of, is_associated, strength_of
 from fem.errors import UnstableError
 from fem.limit_load.conic_limit_load import ConicLimitLoad, conic_limit_load
 from fem.path.equilibrium_path import EquilibriumPath
-from fem.path.gravity import at_the_sides, bring_to_rest, element_for, gravity_equilibrium, sides_held
+from fem.path.gravity import at_the_sides, bring_to_rest, element_for, fixed_components, gravity_equilibrium
 from fem.settings import FemSettings, PathVerdict
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
@@ -110,16 +110,18 @@ def critical_limit_load(
 ) -> LimitLoadResult:
     """The limit load of the seismic force in the direction of ``settings``, always with the "reduced" element.
 
-    ``faces`` as in ``pushed``. Raises InputError, UnstableError, NoAnswerError if the solver leaves no answer.
+    ``faces`` as in ``loaded_ground``. Raises InputError, UnstableError, NoAnswerError if the solver leaves no answer.
     ``section``: the ground; ``mesh``: cells of it; ``comm``: MPI communicator.
     """
-    ground = pushed(section, mesh, settings.changed(element="reduced"), comm, faces)
+    ground = loaded_ground(section, mesh, settings.changed(element="reduced"), comm, faces)
     if ground.limit is None:
         raise NoAnswerError("the limit load of the elements was not found", "use another mesh")
-    return _told(section, mesh, settings, ground)
+    return _limit_load_of(section, mesh, settings, ground)
 
 
-def asked_again(result: LimitLoadResult, section: Section, mesh: QuadMesh, settings: FemSettings) -> LimitLoadResult:
+def with_other_flow(
+    result: LimitLoadResult, section: Section, mesh: QuadMesh, settings: FemSettings
+) -> LimitLoadResult:
     """The limit load by the flow rule and between the sides of ``settings``, of the ground of ``result``, which has
     other settings.
 
@@ -130,10 +132,10 @@ def asked_again(result: LimitLoadResult, section: Section, mesh: QuadMesh, setti
     problem = copy(ground.problem)  # a path may go on with this one
     problem.flow = settings.flow
     problem.use_strength(1.0)
-    problem.hold(sides_held(settings))
+    problem.hold(fixed_components(settings))
     start = ground.limit.start if ground.limit else None
     limit = conic_limit_load(problem, mesh, ground.constant, ground.load, start)
-    return _told(section, mesh, settings, replace(ground, limit=limit))
+    return _limit_load_of(section, mesh, settings, replace(ground, limit=limit))
 
 
 def in_order(weak: LimitLoadResult, strong: LimitLoadResult) -> tuple[LimitLoadResult, LimitLoadResult]:
@@ -163,7 +165,7 @@ def _between(result: LimitLoadResult, lower: float, upper: float) -> LimitLoadRe
     return replace(result, kc=middle, ground=replace(result.ground, limit=limit))
 
 
-def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Ground) -> LimitLoadResult:
+def _limit_load_of(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Ground) -> LimitLoadResult:
     """A limit load as a result."""
     assert ground.limit is not None
     kc, cells = min(ground.limit.multiplier, settings.kh_limit), len(mesh.cells)
@@ -176,7 +178,7 @@ def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Groun
     return LimitLoadResult(kc, verdict, flow, direction_of(settings), reason, mechanism, rolling, ground)
 
 
-def pushed(
+def loaded_ground(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[ShallowFailure] | None = None
 ) -> Ground:
     """The ground with ``faces`` strengthened, and the limit load of the seismic force if it is unique; else the ground
@@ -193,11 +195,11 @@ def pushed(
         faces = sand + always if first <= 0.0 or is_unique(section, settings) else always
     if not is_unique(section, settings):
         problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, faces)
-        load = seismic_load(problem, mesh, section, push(section, settings))
+        load = seismic_load(problem, mesh, section, seismic_sign(section, settings))
         return Ground(problem, constant, constant, gravity, faces, load, None, settings)
     while True:
         problem, weight, constant = at_the_sides(section, mesh, settings, comm, faces)
-        load = seismic_load(problem, mesh, section, push(section, settings))
+        load = seismic_load(problem, mesh, section, seismic_sign(section, settings))
         limit = None
         try:
             limit = conic_limit_load(problem, mesh, constant, load)
@@ -213,7 +215,7 @@ def pushed(
 
 
 def at_rest(ground: Ground) -> Ground:
-    """The ground in equilibrium under its weight; raises UnstableError if it fails under it."""
+    """The ground in equilibrium under its weight; raises UnstableError if the weight makes it fail."""
     if ground.gravity is not None:
         return ground
     gravity = bring_to_rest(ground.problem, ground.weight, ground.constant, ground.settings)

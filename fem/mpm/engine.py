@@ -20,7 +20,7 @@ FILTER_STEPS = 25  # after which velocities are filtered at the end of a batch: 
 
 ARRAYS = ("x", "v", "affine", "stress", "state", "properties", "start", "stratum", "side")  # of the points
 
-Push = Callable[[np.ndarray], np.ndarray]
+ShakingHistory = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass
@@ -50,7 +50,7 @@ class MaterialPointEnergy:
     elastic_began: float = 0.0
 
     @property
-    def turned_over(self) -> float:
+    def energy_scale(self) -> float:
         """Reference for relative energy errors (J/m): the larger one of work done on the ground and energy
         dissipated.
         """
@@ -66,7 +66,7 @@ class MaterialPointEnergy:
     @property
     def transfer_loss_share(self) -> float:
         """The energy lost in transfers between points and grid over the total energy exchanged (-)."""
-        return self.transfer_loss / self.turned_over
+        return self.transfer_loss / self.energy_scale
 
     @property
     def imbalance_share(self) -> float:
@@ -74,8 +74,8 @@ class MaterialPointEnergy:
 
         Transfers between points and grid and the time steps lose it.
         """
-        kept = self.dissipated + self.elastic - self.elastic_began + self.kinetic - self.kinetic_began
-        return (self.external - kept) / self.turned_over
+        stored = self.dissipated + self.elastic - self.elastic_began + self.kinetic - self.kinetic_began
+        return (self.external - stored) / self.energy_scale
 
 
 class MaterialPointEngine:
@@ -125,8 +125,8 @@ class MaterialPointEngine:
         now = self.points.kinetic(self.grid.cell), self.points.elastic()
         return MaterialPointEnergy(float(external + buoyed), float(dissipated), float(gained), *now, *self._began)
 
-    def run(self, seconds: float, push: Push | None = None, damping: float = 0.0) -> None:
-        """Continue for some seconds; ``push`` gives the acceleration by shaking (m/s²) at times (s).
+    def run(self, seconds: float, shaking: ShakingHistory | None = None, damping: float = 0.0) -> None:
+        """Continue for some seconds; ``shaking`` gives the acceleration by shaking (m/s²) at times (s).
 
         ``damping`` is that of Cundall (1987), 0 to 1, to bring the ground to rest. Raises FloatingPointError where the
         motion is no longer finite.
@@ -141,9 +141,9 @@ class MaterialPointEngine:
             steps = max(1, int(np.ceil(batch * speed / (COURANT * self.grid.cell))))
             dt = batch / steps
             middles = self.time + dt * (np.arange(steps) + 0.5)
-            pushes = np.zeros(steps) if push is None else np.asarray(push(middles), dtype=float)
+            accelerations = np.zeros(steps) if shaking is None else np.asarray(shaking(middles), dtype=float)
             with ThreadPoolExecutor(self.threads, thread_name_prefix="material-points") as pool:
-                self._advance(pool, dt, pushes, damping)
+                self._advance(pool, dt, accelerations, damping)
                 self.time += batch
                 self.steps += steps
                 if self.steps - self._filtered[1] >= FILTER_STEPS:
@@ -185,39 +185,47 @@ class MaterialPointEngine:
         self.steps, self._filtered, self._began = int(steps), (filtered, int(at_step)), (began[0], began[1])
         self._share()
 
-    def _advance(self, pool: ThreadPoolExecutor, dt: float, pushes: np.ndarray, damping: float) -> None:
+    def _advance(self, pool: ThreadPoolExecutor, dt: float, accelerations: np.ndarray, damping: float) -> None:
         points, grid = self.points, self.grid
         keep = float(np.isfinite(self.decay))
         moving = points.x, points.v, points.affine, points.stress, points.state
         if self.threads == 1:
             kernel.advance(
-                len(pushes), self._stripes, self._offsets, grid.cell, grid.slope, grid.periodic, dt, keep, pushes,
-                *self.gravity, damping, grid.uplift, grid.held, *moving, points.side, points.properties, self._nodes,
+                len(accelerations), self._stripes, self._offsets, grid.cell, grid.slope, grid.periodic,
+                dt, keep, accelerations,
+                *self.gravity, damping, grid.uplift, grid.support, *moving, points.side, points.properties, self._nodes,
                 self._velocity, self._gained, self._sums,
             )  # fmt: skip
             return
-        for push in pushes:
-            self._move_grid(pool, points.v, points.affine, dt, push, damping)
-            list(pool.map(lambda mine, push=push: kernel.gather(
-                mine, self._offsets, self._nodes, self._velocity, grid.cell, grid.slope, grid.periodic, dt, keep, push,
+        for acceleration in accelerations:
+            self._move_grid(pool, points.v, points.affine, dt, acceleration, damping)
+            list(pool.map(lambda stripe, acceleration=acceleration: kernel.gather(
+                stripe, self._offsets, self._nodes, self._velocity, grid.cell, grid.slope, grid.periodic,
+                dt, keep, acceleration,
                 *self.gravity, *moving, points.side, points.properties, self._sums,
             ), self._all))  # fmt: skip
 
     def _move_grid(
-        self, pool: ThreadPoolExecutor, v: np.ndarray, affine: np.ndarray, dt: float, push: float, damping: float
+        self,
+        pool: ThreadPoolExecutor,
+        v: np.ndarray,
+        affine: np.ndarray,
+        dt: float,
+        acceleration: float,
+        damping: float,
     ) -> None:
         """Velocities of the nodes from those (n, 2), (n, 4) of the points, before and after a step."""
         points, grid = self.points, self.grid
         heavy = points.properties[:, kernel.HEAVY].copy()
         self._nodes[:] = 0.0
         for shares in self._even, self._odd:
-            list(pool.map(lambda mine: kernel.scatter(
-                mine, self._offsets, points.x, v, affine, points.stress, points.state, heavy, points.side,
-                points.properties, grid.cell, grid.slope, grid.periodic, push, *self.gravity, self._nodes,
+            list(pool.map(lambda stripe: kernel.scatter(
+                stripe, self._offsets, points.x, v, affine, points.stress, points.state, heavy, points.side,
+                points.properties, grid.cell, grid.slope, grid.periodic, acceleration, *self.gravity, self._nodes,
             ), shares))  # fmt: skip
         edges = np.linspace(0, grid.shape[0], self.threads + 1).astype(int)
         list(pool.map(lambda first, last: kernel.move_grid(
-            first, last, self._nodes, grid.uplift, grid.held, dt, damping, self._velocity, self._gained
+            first, last, self._nodes, grid.uplift, grid.support, dt, damping, self._velocity, self._gained
         ), edges[:-1], edges[1:]))  # fmt: skip
 
     def _filter(self, pool: ThreadPoolExecutor, seconds: float) -> None:
@@ -228,8 +236,8 @@ class MaterialPointEngine:
         v, affine = points.v.copy(), points.affine.copy()
         for _ in range(FILTER):
             self._move_grid(pool, v, affine, 0.0, 0.0, 0.0)
-            list(pool.map(lambda mine: kernel.take_off(
-                mine, self._offsets, self._velocity, grid.cell, grid.slope, grid.periodic, points.x, v, affine
+            list(pool.map(lambda stripe: kernel.take_off(
+                stripe, self._offsets, self._velocity, grid.cell, grid.slope, grid.periodic, points.x, v, affine
             ), self._all))  # fmt: skip
         share = -np.expm1(-self.decay * seconds)
         points.v[:] -= share * v

@@ -1,4 +1,4 @@
-"""The background grid of the material points: its cells, and its held nodes."""
+"""The background grid of the material points: its cells, and its fixed nodes."""
 
 from dataclasses import dataclass
 
@@ -15,8 +15,8 @@ class BackgroundGrid:
     ----------
     cell : float
         Side of a cell (m).
-    held : ndarray (nx, nz)
-        Boundary condition of each node: `FREE`, `HELD` or `WALL` of `fem.kernels.material_points`.
+    support : ndarray (nx, nz)
+        Boundary condition of each node: `FREE`, `FIXED` or `WALL` of `fem.kernels.material_points`.
     uplift : ndarray (nx, nz, 2)
         Minus the gradient of the pore pressure (N/m³).
     periodic : bool
@@ -26,7 +26,7 @@ class BackgroundGrid:
     """
 
     cell: float
-    held: np.ndarray
+    support: np.ndarray
     uplift: np.ndarray
     periodic: bool = False
     slope: float = 0.0
@@ -37,16 +37,16 @@ class BackgroundGrid:
         it is periodic.
         ``cell``: side of a cell (m); ``columns``, ``rows``: numbers of nodes.
         """
-        held = np.full((columns, rows), kernel.FREE, dtype=np.int8)
-        held[:, :floor] = kernel.HELD
+        support = np.full((columns, rows), kernel.FREE, dtype=np.int8)
+        support[:, :floor] = kernel.FIXED
         if not periodic:
-            held[:3] = held[-3:] = kernel.HELD
-        return cls(cell, held, np.zeros((columns, rows, 2)), periodic)
+            support[:3] = support[-3:] = kernel.FIXED
+        return cls(cell, support, np.zeros((columns, rows, 2)), periodic)
 
     @property
     def shape(self) -> tuple[int, int]:
         """Columns and rows of nodes."""
-        return int(self.held.shape[0]), int(self.held.shape[1])
+        return int(self.support.shape[0]), int(self.support.shape[1])
 
     @property
     def stretch(self) -> float:

@@ -22,7 +22,9 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
 TINY = 1e-6  # m
-HELD_STRIP = 1.25  # cells beside a free-field side in which the ground can hardly sink: they are no part of the surface
+FIXED_STRIP = (
+    1.25  # cells beside a free-field side in which the ground can hardly sink: they are no part of the surface
+)
 LEAST_FORCE = 1e-3  # N/m: that on points of free-field sides which nothing presses; they are known by it
 BORDER = 3  # cells of rigid ground around the section
 FAR = 0.25  # of the section's width, that ground may leave it by at free-field sides
@@ -146,23 +148,23 @@ def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
     ``order`` (n,): original numbers of the points in their present order.
     """
     section, cell = ground.section, ground.grid.cell
-    points, (left, right) = ground.points.some(np.argsort(order)), section.extent
+    points, (left, right) = ground.points.subset(np.argsort(order)), section.extent
     places = points.x + ground.offset
     base = section.layering.interfaces(np.clip(places[:, 0], left + TINY, right - TINY))[:, -1]
-    kept = (points.stratum >= 0) | (places[:, 1] < base)
+    remaining = (points.stratum >= 0) | (places[:, 1] < base)
     points.stress[(points.stratum < 0) & ((places[:, 0] < left) | (places[:, 0] > right))] = 0.0  # nothing weighs on it
     height = points.state[:, kernel.VOLUME] / (0.5 * cell)
     for inwards, distance in ((1.0, places[:, 0] - left), (-1.0, right - places[:, 0])):
-        beside = (points.stratum >= 0) & (distance < 0.5 * cell)
-        points.side[beside] = inwards * np.maximum(-points.stress[beside, 0] * height[beside], LEAST_FORCE)
-    free = np.minimum(places[:, 0] - left, right - places[:, 0])[ground.surface] > HELD_STRIP * cell
+        at_side = (points.stratum >= 0) & (distance < 0.5 * cell)
+        points.side[at_side] = inwards * np.maximum(-points.stress[at_side, 0] * height[at_side], LEAST_FORCE)
+    free = np.minimum(places[:, 0] - left, right - places[:, 0])[ground.surface] > FIXED_STRIP * cell
     return replace(
         ground,
-        points=points.some(kept),
+        points=points.subset(remaining),
         grid=_grid(section, cell, ground.grid.slope, ground.grid.shape, ground.offset, "free-field"),
-        surface=(np.cumsum(kept) - 1)[ground.surface[free]],
-        effective=ground.effective[kept],
-        consolidated=ground.consolidated[kept],
+        surface=(np.cumsum(remaining) - 1)[ground.surface[free]],
+        effective=ground.effective[remaining],
+        consolidated=ground.consolidated[remaining],
     )
 
 
@@ -240,8 +242,8 @@ def _load(section: Section, points: MaterialPoints, places: np.ndarray, surface:
     x, mass = places[surface, 0], points.state[surface, kernel.MASS]
     weighs = points.properties[surface, kernel.HEAVY] * mass
     for load in section.surcharges:
-        carried = load.at(x, x) * spacing / GRAVITY
-        weighs, mass = weighs + carried, mass + load.seismic_share * carried
+        surcharge = load.at(x, x) * spacing / GRAVITY
+        weighs, mass = weighs + surcharge, mass + load.seismic_share * surcharge
     points.state[surface, kernel.MASS], points.properties[surface, kernel.HEAVY] = mass, weighs / mass
 
 
@@ -280,20 +282,20 @@ def _grid(
     at = np.clip(x, left + 1e-9 * (right - left), right - 1e-9 * (right - left))
     levels = section.layering.interfaces(at)
     base = levels[:, -1]
-    held = np.full(shape, kernel.FREE, dtype=np.int8)
+    support = np.full(shape, kernel.FREE, dtype=np.int8)
     if sides == "smooth":
         below = z < levels[:, :1] + cell - TINY  # up to the first row of nodes that is not in the ground
         beyond = np.maximum(left - x, x - right)[:, None]
-        held[below & (beyond > -TINY)] = kernel.WALL
+        support[below & (beyond > -TINY)] = kernel.WALL
         reached = np.where(z < levels[:, :1] - TINY, 1.5, 0.5) * cell  # up to there the ground inside slides along it
-        held[below & (beyond > reached)] = kernel.HELD
-    held[z <= base[:, None] - (BORDER - 1) * cell] = kernel.HELD
+        support[below & (beyond > reached)] = kernel.FIXED
+    support[z <= base[:, None] - (BORDER - 1) * cell] = kernel.FIXED
     if sides == "free-field":
-        held[:2] = held[-2:] = kernel.HELD
+        support[:2] = support[-2:] = kernel.FIXED
     elif sides == "fixed":
-        held[(x <= left - (BORDER - 1) * cell) | (x >= right + (BORDER - 1) * cell)] = kernel.HELD
-    held[:, -2:] = kernel.HELD
-    return BackgroundGrid(cell, held, _uplift(section, cell, x, z), sides == "periodic", slope)
+        support[(x <= left - (BORDER - 1) * cell) | (x >= right + (BORDER - 1) * cell)] = kernel.FIXED
+    support[:, -2:] = kernel.FIXED
+    return BackgroundGrid(cell, support, _uplift(section, cell, x, z), sides == "periodic", slope)
 
 
 def _uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -326,6 +328,8 @@ def _pressure(section: Section, points: np.ndarray) -> np.ndarray:
     inside = (at[:, 1] <= levels[:, 0]) & (stratum >= 0)
     pressure = water.on_ground(at, at)
     if inside.any():
-        mine = at[inside]
-        pressure[inside] = water.at_rest(mine, mine, stratum[inside]) + water.shaken(mine, mine, stratum[inside])
+        places_inside = at[inside]
+        pressure[inside] = water.at_rest(places_inside, places_inside, stratum[inside]) + water.excess(
+            places_inside, places_inside, stratum[inside]
+        )
     return pressure + np.where(pressure > 0.0, drop * water.unit_weight, 0.0)

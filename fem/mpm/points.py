@@ -113,7 +113,7 @@ class MaterialPoints:
         points.set_strength(soil.cohesion, soil.friction, soil.tension)
         return points
 
-    def some(self, which: np.ndarray) -> Self:
+    def subset(self, which: np.ndarray) -> Self:
         """Some of the points, by their numbers or a mask (n,), in that order."""
         return type(self)(**{field.name: getattr(self, field.name)[which] for field in fields(self)})
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from fem.continuum.liquefied_ground import LEAST, UNDRAINED
 from fem.kernels import material_points as kernel
-from fem.mpm.engine import MaterialPointEngine, Push
+from fem.mpm.engine import MaterialPointEngine, ShakingHistory
 from fem.mpm.ground import FAR, PointGround, with_free_sides
 from fem.mpm.points import UNLIMITED
 from fem.mpm.slide_record import PointSlide
@@ -48,7 +48,7 @@ class SlideProgramme:
 
     Attributes
     ----------
-    push : callable
+    shaking : callable
         Horizontal acceleration that acts on the mass of the ground (m/s²) at times (n,) in s, positive downslope.
     starts : dict of int to float
         When each liquefying stratum begins to liquefy, by its number.
@@ -56,7 +56,7 @@ class SlideProgramme:
         What each liquefied stratum keeps of its strength and stiffness.
     onset : float
         Duration of the liquefaction of a stratum (s).
-    calm : float
+    rest_from : float
         Time from which the ground may come to rest (s).
     duration : float
         Time at which the computation ends (s).
@@ -67,11 +67,11 @@ class SlideProgramme:
         Volumetric strain by drainage during the onset (-).
     """
 
-    push: Push
+    shaking: ShakingHistory
     starts: Mapping[int, float]
     remains: Mapping[int, Remains]
     onset: float
-    calm: float
+    rest_from: float
     duration: float
     still: float = 0.01
     drained: float = 0.0
@@ -149,26 +149,26 @@ class PointSlider:
         shares: dict[int, float] = dict.fromkeys(programme.starts, 0.0)
         if checkpoint is not None:
             self._resume(checkpoint, slide, shares)
-        kept = time.monotonic()
+        saved_at = time.monotonic()
         while not slide.reason:
             self._liquefy(programme, shares)
             under_way = self._under_way(programme, self.engine.time)
             seconds = min(LOOK, programme.onset / ONSET_STEPS) if under_way else LOOK
-            self.engine.run(seconds, lambda times: self.sign * programme.push(times))
+            self.engine.run(seconds, lambda times: self.sign * programme.shaking(times))
             self._look(slide)
             if on_look is not None:
                 on_look(self.engine.time, slide.slide[-1])
             slide.stopped_by = self._side_reached()
-            if slide.at_rest(programme.still, programme.calm):
+            if slide.at_rest(programme.still, programme.rest_from):
                 slide.settled, slide.reason = True, "the surface has come to rest"
             elif slide.stopped_by and slide.slide_max > FAR * float(np.ptp(self.ground.section.extent)):
                 where = "out of the section at" if self.ground.room > 0.0 else "across the section to"
                 slide.reason = f"it has run {where} its {slide.stopped_by} side"
             elif self.engine.time >= programme.duration - 1e-9:
                 slide.reason = f"still moving after {programme.duration:.3g} s"
-            if checkpoint is not None and (slide.reason or time.monotonic() - kept > KEEP):
+            if checkpoint is not None and (slide.reason or time.monotonic() - saved_at > KEEP):
                 self._keep(checkpoint, slide, shares)
-                kept = time.monotonic()
+                saved_at = time.monotonic()
         slide.after = self._surface()
         energy = self.engine.energy
         slide.transfer_loss_share, slide.energy_lost_share = energy.transfer_loss_share, energy.imbalance_share
@@ -210,19 +210,19 @@ class PointSlider:
         height = original(points.state[:, kernel.VOLUME]) / (0.5 * self.ground.grid.cell)
         after, stratum = before.copy(), original(points.stratum)
         potential, knee = np.zeros(len(stratum)), np.zeros(len(stratum))
-        for k, kept in programme.remains.items():
-            mine, soil = stratum == k, self.ground.section.strata[k]
-            stress, consolidated = self.ground.effective[mine], self.ground.consolidated[mine]
-            friction = np.arctan(kept.friction * np.tan(soil.friction_angle))
-            intact = before[mine, STRENGTH] / np.cos(soil.friction_angle)
-            cohesion = kept.cohesion * intact + kept.residual * consolidated + kept.strength
+        for k, remains in programme.remains.items():
+            in_stratum, soil = stratum == k, self.ground.section.strata[k]
+            stress, consolidated = self.ground.effective[in_stratum], self.ground.consolidated[in_stratum]
+            friction = np.arctan(remains.friction * np.tan(soil.friction_angle))
+            intact = before[in_stratum, STRENGTH] / np.cos(soil.friction_angle)
+            cohesion = remains.cohesion * intact + remains.residual * consolidated + remains.strength
             if friction == 0.0:
                 cohesion = np.maximum(cohesion, LEAST * stress)
-            after[mine, STRENGTH], after[mine, SINE] = cohesion * np.cos(friction), np.sin(friction)
-            after[mine, LIMIT] = UNLIMITED if friction == 0.0 else cohesion / np.tan(friction)
-            if friction == 0.0 and kept.strain_potential > 0.0:
-                potential[mine] = kept.strain_potential
-                knee[mine] = stress_at_potential(np.maximum(stress, 1.0), cohesion)
+            after[in_stratum, STRENGTH], after[in_stratum, SINE] = cohesion * np.cos(friction), np.sin(friction)
+            after[in_stratum, LIMIT] = UNLIMITED if friction == 0.0 else cohesion / np.tan(friction)
+            if friction == 0.0 and remains.strain_potential > 0.0:
+                potential[in_stratum] = remains.strain_potential
+                knee[in_stratum] = stress_at_potential(np.maximum(stress, 1.0), cohesion)
         liquefies = np.where(np.isin(stratum, list(programme.remains)), stratum, -1)
         self._weaken_edges(before, after, liquefies, potential, knee)
         self._soften(before, after, liquefies, potential, knee)
@@ -296,8 +296,8 @@ class PointSlider:
             return
         stored = points.elastic()
         for k, share in changes.items():
-            mine = self.began["liquefies"][order] == k
-            before, after = (self.began[name][order][mine] for name in ("before", "after"))
+            in_stratum = self.began["liquefies"][order] == k
+            before, after = (self.began[name][order][in_stratum] for name in ("before", "after"))
             now = before + share * (after - before)
             apex = np.divide(now[:, STRENGTH], now[:, SINE], out=np.full(len(now), UNLIMITED), where=now[:, SINE] > 0.0)
             now[:, LIMIT] = np.minimum(np.maximum(before[:, LIMIT], after[:, LIMIT]), apex)
@@ -306,8 +306,8 @@ class PointSlider:
                 potential = np.ix_(strains, [SHEAR, BULK, SOFT])
                 now[potential] = before[potential] * (after[potential] / before[potential]) ** share
                 now[:, KNEE] = after[:, KNEE]
-                points.scale_shear(np.flatnonzero(mine)[strains], (1.0 - share) / (1.0 - shares[k]))
-            points.properties[np.ix_(mine, CHANGED)], points.side[mine] = now[:, :SIDE], now[:, SIDE]
+                points.scale_shear(np.flatnonzero(in_stratum)[strains], (1.0 - share) / (1.0 - shares[k]))
+            points.properties[np.ix_(in_stratum, CHANGED)], points.side[in_stratum] = now[:, :SIDE], now[:, SIDE]
             draining = programme.drained / programme.onset if 0.0 < share < 1.0 else 0.0
             points.properties[points.stratum == k, kernel.DRAINS] = draining
             shares[k] = share

@@ -52,7 +52,7 @@ class PointSlide:
         """Largest slide of the surface at the end (m)."""
         return float(self.slide[-1].max()) if self.slide else 0.0
 
-    def at_rest(self, still: float, calm: float) -> bool:
+    def at_rest(self, still: float, rest_from: float) -> bool:
         """Whether the mean place of the surface is the same in each of the last windows of time as in the window
         before.
 
@@ -62,11 +62,11 @@ class PointSlide:
         ----------
         still : float
             Largest difference of two means (m); or `STILL_SHARE` of the slide, if that is larger.
-        calm : float
+        rest_from : float
             Time from which the ground may come to rest (s).
         """
         times = np.array(self.times)
-        if times[-1] - max(calm, times[0]) < WINDOWS * WINDOW - 1e-9:
+        if times[-1] - max(rest_from, times[0]) < WINDOWS * WINDOW - 1e-9:
             return False
         window = ((times[-1] - times) / WINDOW).astype(int)
         moved = np.hstack([np.array(self.slide), np.array(self.settlement)])

@@ -95,9 +95,11 @@ def edge_strength(
     column, row = _places(x, cell)
     above = np.zeros(len(x))
     edges: dict[int, list[_Edge]] = {}
-    for mine in _in_columns(x, column):
-        above[mine] = np.cumsum(mass[mine]) - 0.5 * mass[mine]
-        edges[int(column[mine[0]])] = _edges(mine, int(column[mine[0]]), x, height, mass, above, layer, strength)
+    for points_of_column in _in_columns(x, column):
+        above[points_of_column] = np.cumsum(mass[points_of_column]) - 0.5 * mass[points_of_column]
+        edges[int(column[points_of_column[0]])] = _edges(
+            points_of_column, int(column[points_of_column[0]]), x, height, mass, above, layer, strength
+        )
     nearest: dict[int, tuple[float, int, float]] = {}
     for edge in (edge for of_column in edges.values() for edge in of_column):
         low, high = _rows(edge, edges, layer, cell)
@@ -140,19 +142,22 @@ def thickness_over_width(
     """
     column, _ = _places(x, cell)
     share = np.ones(len(x))
-    for mine in _in_columns(x, column):
-        weak = layer[mine] >= 0
+    for points_of_column in _in_columns(x, column):
+        weak = layer[points_of_column] >= 0
         if not weak.any():
             continue
-        above = np.cumsum(mass[mine]) - 0.5 * mass[mine]
-        strain, width = _equilibrium(x[mine, 1] / cell, height[mine] / cell, above, weak)
-        moved = np.where(weak, height[mine] * strain, 0.0)
+        above = np.cumsum(mass[points_of_column]) - 0.5 * mass[points_of_column]
+        strain, width = _equilibrium(x[points_of_column, 1] / cell, height[points_of_column] / cell, above, weak)
+        moved = np.where(weak, height[points_of_column] * strain, 0.0)
         moved *= cell * width / moved.sum()
-        for k in np.unique(layer[mine][weak]):
-            of_layer = layer[mine] == k
-            thickness, sheared = height[mine][of_layer & in_layer[mine]].sum(), moved[of_layer].sum()
+        for k in np.unique(layer[points_of_column][weak]):
+            of_layer = layer[points_of_column] == k
+            thickness, sheared = (
+                height[points_of_column][of_layer & in_layer[points_of_column]].sum(),
+                moved[of_layer].sum(),
+            )
             if 0.0 < thickness < sheared:
-                share[mine[of_layer]] = thickness / sheared
+                share[points_of_column[of_layer]] = thickness / sheared
     return share
 
 
@@ -186,24 +191,24 @@ def _places(x: np.ndarray, cell: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _edges(
-    mine: np.ndarray, column: int, x: np.ndarray, height: np.ndarray, mass: np.ndarray, above: np.ndarray,
+    points_of_column: np.ndarray, column: int, x: np.ndarray, height: np.ndarray, mass: np.ndarray, above: np.ndarray,
     layer: np.ndarray, strength: np.ndarray,
 ) -> list[_Edge]:  # fmt: skip
-    """The edges of weak layers in a column of points; ``mine`` numbers its points from the surface down."""
+    """The edges of weak layers in a column of points; ``points_of_column`` numbers its points from the surface down."""
     edges = []
-    for k in np.flatnonzero(np.diff(layer[mine])):
+    for k in np.flatnonzero(np.diff(layer[points_of_column])):
         for at, after, inwards in ((k, k + 1, -1), (k + 1, k, 1)):
-            donor, beside = mine[at], mine[after]
+            donor, receiver = points_of_column[at], points_of_column[after]
             if layer[donor] < 0:
                 continue
             below = after > at
-            inner = mine[at + inwards] if 0 <= at + inwards < len(mine) else donor
-            slope = strength[donor] - strength[inner] if layer[inner] == layer[donor] else 0.0
+            next_inwards = points_of_column[at + inwards] if 0 <= at + inwards < len(points_of_column) else donor
+            slope = strength[donor] - strength[next_inwards] if layer[next_inwards] == layer[donor] else 0.0
             at_edge = max(strength[donor] + 0.5 * slope, 0.0)
             per_mass = at_edge / (above[donor] + (0.5 if below else -0.5) * mass[donor])
-            half = 0.5 * height[[donor, beside]]
-            z = 0.5 * (x[donor, 1] + x[beside, 1] + (half[1] - half[0] if below else half[0] - half[1]))
-            edges.append(_Edge(column, float(z), below, int(donor), float(per_mass), mine))
+            half = 0.5 * height[[donor, receiver]]
+            z = 0.5 * (x[donor, 1] + x[receiver, 1] + (half[1] - half[0] if below else half[0] - half[1]))
+            edges.append(_Edge(column, float(z), below, int(donor), float(per_mass), points_of_column))
     return edges
 
 

@@ -27,7 +27,7 @@ from meshes.section.section import Section, Stratum
 # What is held under gravity, so that the sides bear K0 stress.
 UNDER_GRAVITY = {"base": "xy", "left": "x", "right": "x"}
 # Components of the displacement that are held at both sides once the weight is carried; none where they are periodic.
-HELD_AT_SIDES: Mapping[Sides, str] = {"free-field": "y", "smooth": "x", "fixed": "xy", "periodic": ""}
+FIXED_AT_SIDES: Mapping[Sides, str] = {"free-field": "y", "smooth": "x", "fixed": "xy", "periodic": ""}
 # Arc length, in elastic displacements under the whole load, after which applying a load is given up.
 LONGEST_LOADING = 10.0
 # Iterations and halvings of a step in Newton's method while a load is brought on: from no stress at all, ground without
@@ -62,26 +62,26 @@ def gravity_equilibrium(
     comm: Any,
     faces: Sequence[ShallowFailure] = (),
     strength_factor: float = 1.0,
-    shaken: bool = True,
+    excess_pressure: bool = True,
 ) -> tuple[PlaneStrain, np.ndarray, EquilibriumPath]:
     """The section in equilibrium under its weight, the nodal forces (N/m) that act on it, and the path that led there.
 
     Under gravity the sides are held horizontally (K0); sides that are released afterwards keep their reactions as
     forces. Periodic sides are periodic from the start and have no reactions (``repetition.py``). Displacement and
     strain are then set to zero. ``faces`` as in ``under_weight``; ``strength_factor`` divides cohesion and tan φ.
-    Excess pore pressure by shaking acts if the ground is ``shaken``. Raises InputError, UnstableError.
+    Excess pore pressure by shaking acts with ``excess_pressure``. Raises InputError, UnstableError.
     ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
     """
     problem, weight = under_weight(section, mesh, settings, comm, faces)
     problem.use_strength(strength_factor)
     path = apply_load(problem, np.zeros_like(weight), weight, settings)
     constant = np.where(problem.free, weight, problem.forces_of(problem.stress))
-    problem.hold(sides_held(settings))
+    problem.hold(fixed_components(settings))
     if settings.vertical != 0.0:
         lift = lift_of(problem, settings)
         apply_load(problem, constant, lift, settings)
         constant = constant + lift
-    if shaken and (excess := excess_load(problem, mesh, section)) is not None:
+    if excess_pressure and (excess := excess_load(problem, mesh, section)) is not None:
         apply_load(problem, constant, excess, settings)
         constant = constant + excess
     _begin_here(problem)
@@ -94,23 +94,23 @@ def at_the_sides(
     settings: FemSettings,
     comm: Any,
     faces: Sequence[ShallowFailure] = (),
-    shaken: bool = True,
+    excess_pressure: bool = True,
 ) -> tuple[PlaneStrain, np.ndarray, np.ndarray]:
     """The section without stress, with the sides of the search for Kh; the nodal forces (N/m) of its weight; and all
     constant nodal forces.
 
     On free-field sides the K0 stress is that of ``side_stress.py``, as in the bounds. Excess pore pressure by shaking
-    acts if the ground is ``shaken``. Raises InputError.
+    acts with ``excess_pressure``. Raises InputError.
     ``section``, ``mesh``, ``settings``, ``comm``, ``faces``: as in ``gravity_equilibrium``.
     """
     problem, weight = under_weight(section, mesh, settings, comm, faces)
     constant = weight
     if settings.sides == "free-field":
         constant = constant + side_force(problem, mesh, section, weight)
-    problem.hold(sides_held(settings))
+    problem.hold(fixed_components(settings))
     if settings.vertical != 0.0:
         constant = constant + lift_of(problem, settings)
-    if shaken and (excess := excess_load(problem, mesh, section)) is not None:
+    if excess_pressure and (excess := excess_load(problem, mesh, section)) is not None:
         constant = constant + excess
     return problem, weight, constant
 
@@ -129,7 +129,7 @@ def bring_to_rest(
         problem.hold(UNDER_GRAVITY)
     path = apply_load(problem, np.zeros_like(weight), weight, settings)
     borne = np.where(problem.free, weight, problem.forces_of(problem.stress))
-    problem.hold(sides_held(settings))
+    problem.hold(fixed_components(settings))
     more = np.where(problem.free, constant - borne, 0.0)
     if problem.exchange.norm(more) > settings.tolerance * problem.exchange.norm(constant):
         apply_load(problem, constant - more, more, settings)
@@ -144,10 +144,10 @@ def _begin_here(problem: PlaneStrain) -> None:
     problem.strain[:] = 0.0
 
 
-def sides_held(settings: FemSettings) -> dict[str, str]:
-    """The displacement components that are held on boundaries after loading by the weight."""
-    held = HELD_AT_SIDES[settings.sides]
-    return {"base": "xy", "left": held, "right": held}
+def fixed_components(settings: FemSettings) -> dict[str, str]:
+    """The displacement components that are fixed on the boundaries after loading by the weight."""
+    fixed = FIXED_AT_SIDES[settings.sides]
+    return {"base": "xy", "left": fixed, "right": fixed}
 
 
 def under_weight(
@@ -206,8 +206,8 @@ def levels(section: Section, mesh: QuadMesh) -> list[Stratum]:
     for k in np.flatnonzero(field.varies):
         # All cells are looked at: in a free mesh the tips of layers are no cells of theirs.
         points, near = corners.reshape(-1, 2), np.repeat(corners.mean(axis=1), corners.shape[1], axis=0)
-        mine = np.repeat(mesh.stratum == k, corners.shape[1]) if (mesh.stratum == k).any() else slice(None)
-        cohesion = field.at(points[mine], near[mine], np.full(len(points[mine]), k))
+        in_stratum = np.repeat(mesh.stratum == k, corners.shape[1]) if (mesh.stratum == k).any() else slice(None)
+        cohesion = field.at(points[in_stratum], near[in_stratum], np.full(len(points[in_stratum]), k))
         most = max(float(cohesion.max()), 1e-9)  # Pa
         bins = np.linspace(0.0, np.log(max(float(cohesion.min()), LEAST_LEVEL * most) / most), LEVELS)[::-1]
         strata += [section.strata[k].with_cohesion(float(c)) for c in most * np.exp(bins)]
@@ -220,10 +220,10 @@ def _lay_levels(first: int, section: Section, problem: PlaneStrain) -> None:
     """
     field, points = section.cohesion_field, problem.points()
     for k in np.flatnonzero(field.varies):
-        mine = problem.material == k
-        cohesion = field.at(points[mine], points[mine], np.full(int(mine.sum()), k))
+        in_stratum = problem.material == k
+        cohesion = field.at(points[in_stratum], points[in_stratum], np.full(int(in_stratum.sum()), k))
         levels = np.array([soil.cohesion for soil in problem.strata[first : first + LEVELS]])
-        problem.material[mine] = first + np.searchsorted(0.5 * (levels[1:] + levels[:-1]), cohesion)
+        problem.material[in_stratum] = first + np.searchsorted(0.5 * (levels[1:] + levels[:-1]), cohesion)
         first += LEVELS
 
 
@@ -245,16 +245,16 @@ def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, set
         problem, ProportionalLoad(constant, load), control, dot(control, problem.solve(load)),
         norm(load) + norm(constant), follow,
     )  # fmt: skip
-    carried, reached = 0.0, path.reach(1.0)
+    resisted, reached = 0.0, path.reach(1.0)
     while not reached:
         if not path.advance() or path.factor >= 1.0 or path.length > LONGEST_LOADING:
-            share = f", of which the ground carries about {100 * carried:.0f} %" if carried > 0.0 else ""
+            share = f", of which the ground carries about {100 * resisted:.0f} %" if resisted > 0.0 else ""
             raise UnstableError(
                 f"the section fails under its own weight{share}; check strengths and densities, or ask for the "
                 "factor of safety at Kh = 0"
             )
         if path.relax():
-            carried = path.factor
+            resisted = path.factor
         reached = not problem.associated and path.reach(1.0)
     return path
 

@@ -32,23 +32,23 @@ def step_to_limit(
     ``wanted`` Kh that were reached.
     ``path``: the path at its start; ``mesh``: the mesh of the path; ``listener``: called after every step.
     """
-    asked = {kh for kh in wanted if 0.0 < kh <= min(known, limit)}
+    recorded_kh = {kh for kh in wanted if 0.0 < kh <= min(known, limit)}
     sure = limit if known > limit else SURE * known
     shares = (share * known for share in SHARES if share * known < limit)
-    levels = {kh for kh in shares if all(abs(kh - other) > ALIKE * known for other in asked)}
-    kept: list[State] = []
-    for kh in sorted({*levels, *asked, sure}):
+    levels = {kh for kh in shares if all(abs(kh - other) > ALIKE * known for other in recorded_kh)}
+    states: list[State] = []
+    for kh in sorted({*levels, *recorded_kh, sure}):
         is_hard = any(step.iterations > HARD for step in path.steps)
-        if is_hard and kh not in asked and kh != sure:
+        if is_hard and kh not in recorded_kh and kh != sure:
             continue
         if not path.reach(kh):
             continue
-        if kh in asked:
-            kept.append(state_of(path.problem, mesh, f"Kh = {kh:g}", kh))
+        if kh in recorded_kh:
+            states.append(state_of(path.problem, mesh, f"Kh = {kh:g}", kh))
         if listener is not None:
             listener(path)
     if known > limit:
         more = "raise the limit to search for larger values"
-        return LimitLoad(path.factor, path.factor, "no failure", f"no failure up to {limit:g}", more), kept
+        return LimitLoad(path.factor, path.factor, "no failure", f"no failure up to {limit:g}", more), states
     reason = f"it is the limit load of these elements; the path to it was followed to {path.factor:.4f}"
-    return LimitLoad(path.factor, known, "plateau", reason), kept
+    return LimitLoad(path.factor, known, "plateau", reason), states

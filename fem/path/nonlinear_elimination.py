@@ -57,7 +57,7 @@ class LocalSubproblem:
         force = left + internal[moving]
         number = np.full(len(moved), -1)
         number[moving] = np.arange(len(moving))
-        held = np.flatnonzero(number < 0)
+        fixed = np.flatnonzero(number < 0)
         for _ in range(CORRECTIONS):
             if not np.abs(left).max(initial=0.0) > ALIKE * self._outside:
                 break
@@ -66,7 +66,7 @@ class LocalSubproblem:
             elements = _elements(self.part, tangent, number >= 0)
             try:
                 if matrix is not None:
-                    matrix.factorise(elements, held)
+                    matrix.factorise(elements, fixed)
                     step[moving] = matrix.solve(force_left)[moving]
                 else:
                     step[moving] = _factors(self.part, elements, number).solve(left)

@@ -65,7 +65,7 @@ class LimitLoad:
 
     Attributes
     ----------
-    held : float
+    in_equilibrium : float
         Largest load multiplier found in equilibrium (-).
     upper : float
         The limit load if it is known beforehand; else the largest multiplier of the path, or its extrapolation to twice
@@ -76,7 +76,7 @@ class LimitLoad:
         The reason of the verdict, and what to change if it is "undecided".
     """
 
-    held: float
+    in_equilibrium: float
     upper: float
     verdict: PathVerdict
     reason: str
@@ -97,7 +97,7 @@ def find_limit_load(
     ``path``: the path at its start; ``ductility``: displacement over the elastic one (-); ``rule``: when the path ends;
     ``listener``: called after every step.
     """
-    held, next_relaxation = -np.inf, rule.first_relaxation
+    in_equilibrium, next_relaxation = -np.inf, rule.first_relaxation
     highest, summit = path.factor, path.mark()
     while True:
         if not path.advance():
@@ -107,7 +107,7 @@ def find_limit_load(
             highest, summit = path.factor, path.mark()
         now = ductility(path)
         if path.settings.relaxation <= 0.0 or (now >= next_relaxation and path.relax()):
-            held = max(held, path.factor)
+            in_equilibrium = max(in_equilibrium, path.factor)
         if now >= next_relaxation:
             next_relaxation = rule.next_relaxation * now
         if listener is not None:
@@ -116,31 +116,31 @@ def find_limit_load(
         if stop is not None:
             verdict, reason, remedy = stop
             break
-    if held < (1.0 - rule.shortfall) * highest:
-        held = max(held, _held_below(path, highest, summit))
-    if not np.isfinite(held):
+    if in_equilibrium < (1.0 - rule.shortfall) * highest:
+        in_equilibrium = max(in_equilibrium, _equilibrium_below(path, highest, summit))
+    if not np.isfinite(in_equilibrium):
         raise NoEquilibriumError(
             f'no state on the path is in equilibrium ({reason}); use flow = "davis", whose limit load is unique, or '
             "try another mesh or element"
         )
-    likely = held * (1.0 + max(growth_per_doubling(path), 0.0))
-    upper = max(likely, *(step.factor for step in path.steps), held)
-    return LimitLoad(held, upper, verdict, reason, remedy)
+    likely = in_equilibrium * (1.0 + max(growth_per_doubling(path), 0.0))
+    upper = max(likely, *(step.factor for step in path.steps), in_equilibrium)
+    return LimitLoad(in_equilibrium, upper, verdict, reason, remedy)
 
 
-def _held_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) -> float:
+def _equilibrium_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) -> float:
     """The multiplier in equilibrium without overstress at the peak of a path or a little below it; the path is not
     changed. The relaxed states along the path are too far apart to find this value, and beyond a peak they are lower.
     """
-    end, steps, held = path.mark(), list(path.steps), -np.inf
+    end, steps, in_equilibrium = path.mark(), list(path.steps), -np.inf
     for less in path.settings.reductions:
         path.back(summit)
         if path.reach(highest * (1.0 - less)):
-            held = path.factor
+            in_equilibrium = path.factor
             break
     path.back(end)
     path.steps[:] = steps
-    return held
+    return in_equilibrium
 
 
 def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], float], rule: PlateauRule) -> StopReason:

@@ -16,7 +16,7 @@ from fem.continuum.loads import Direction
 from fem.continuum.shallow_failure import ShallowFailure, faces_at, strengthened, without_strips
 from fem.continuum.strength import is_associated
 from fem.errors import UnstableError
-from fem.limit_load.limit_load import LimitLoadResult, asked_again, critical_limit_load, in_order
+from fem.limit_load.limit_load import LimitLoadResult, critical_limit_load, in_order, with_other_flow
 from fem.search.mesh_sequence import (
     FEWEST_CELLS,
     SMALLEST_KH,
@@ -127,13 +127,13 @@ class AdaptiveSearch:
         """
         if settings.direction != "both":
             return self._towards(settings.direction, settings, nothing)
-        begun = self.executor.submit(self._towards, "downhill", settings, nothing)
+        downhill = self.executor.submit(self._towards, "downhill", settings, nothing)
         try:
-            up = self._towards("uphill", settings, lambda: begun.result().result.kc)
+            up = self._towards("uphill", settings, lambda: downhill.result().result.kc)
         except NoAnswerError:
-            begun.result()  # what keeps that from an answer is told first
+            downhill.result()  # what keeps that from an answer is told first
             raise
-        down = begun.result()
+        down = downhill.result()
         if up.result.kc < down.result.kc and not up.at_sides:
             return replace(up, other=down)
         return replace(down, other=up)
@@ -168,7 +168,9 @@ class AdaptiveSearch:
         """Largest number of cells; 0 where meshes are not adapted."""
         return settings.max_cells if is_adapted(self.section, self.meshing, self.first, settings) else 0
 
-    def beside(self, base: AdaptiveResult[LimitLoadResult], other: FemSettings) -> AdaptiveResult[LimitLoadResult]:
+    def by_other_rule(
+        self, base: AdaptiveResult[LimitLoadResult], other: FemSettings
+    ) -> AdaptiveResult[LimitLoadResult]:
         """The limit load with ``other`` settings under the same forces, on the mesh of ``base``.
 
         Where this mesh does not resolve the mechanism, another mesh of as many cells is made that does, and the smaller
@@ -176,7 +178,7 @@ class AdaptiveSearch:
         ``base``.
         """
         self.tell(f"limit load of {len(base.mesh.cells)} cells")
-        same = asked_again(base.result, self.section, base.mesh, other)
+        same = with_other_flow(base.result, self.section, base.mesh, other)
         first = AdaptiveResult(same, base.mesh, [MeshRound(len(base.mesh.cells), same.kc, math.inf, math.inf)])
         if same.mechanism is None or base.resolves(same.mechanism):
             return first
@@ -192,46 +194,47 @@ class AdaptiveSearch:
         change = (same.kc - separate.kc) / max(separate.kc, SMALLEST_KH)
         return AdaptiveResult(separate, mesh, [*first.rounds, MeshRound(len(mesh.cells), separate.kc, change, change)])
 
-    def beside_full_dilation(
+    def with_full_dilation(
         self, base: AdaptiveResult[LimitLoadResult], settings: FemSettings
     ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult]]:
         """``base``, and the answer with ψ = φ for comparison.
 
         On one mesh the limit load by Davis's estimate is not above that with ψ = φ. Where the limit load on the mesh
         for ψ = φ is below that of ``base``, the mesh of ``base`` is poorer, and its limit load is computed again on the
-        other mesh. Raises what `beside` does.
+        other mesh. Raises what `by_other_rule` does.
         """
         full = settings.changed(flow="associated")
-        beside = self.beside(base, full)
-        if beside.mesh is base.mesh:
-            return ordered(base, beside)
-        if beside.result.kc >= base.result.kc:
-            return base, beside
-        again = critical_limit_load(self.section, beside.mesh, settings, self.comm, base.result.ground.faces)
-        last = replace(base.rounds[-1], cells=len(beside.mesh.cells), value=again.kc)
-        same = asked_again(again, self.section, beside.mesh, full)
+        compared = self.by_other_rule(base, full)
+        if compared.mesh is base.mesh:
+            return ordered(base, compared)
+        if compared.result.kc >= base.result.kc:
+            return base, compared
+        again = critical_limit_load(self.section, compared.mesh, settings, self.comm, base.result.ground.faces)
+        last = replace(base.rounds[-1], cells=len(compared.mesh.cells), value=again.kc)
+        same = with_other_flow(again, self.section, compared.mesh, full)
         return ordered(
-            replace(base, result=again, mesh=beside.mesh, rounds=[*base.rounds[:-1], last]),
-            replace(beside, result=same),
+            replace(base, result=again, mesh=compared.mesh, rounds=[*base.rounds[:-1], last]),
+            replace(compared, result=same),
         )
 
-    def davis_beside(
+    def with_davis(
         self, base: AdaptiveResult[LimitLoadResult], settings: FemSettings
     ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult]]:
         """``base``, whose flow has ψ = φ, and Davis's estimate of the critical Kh for comparison; 0 where such ground
         fails without a seismic force.
 
-        On the mesh of ``base`` the estimate is not above ``base``. Raises what `beside` does except UnstableError.
+        On the mesh of ``base`` the estimate is not above ``base``. Raises what `by_other_rule` does except
+        UnstableError.
         """
         try:
-            beside = self.beside(base, settings.changed(flow="davis"))
+            compared = self.by_other_rule(base, settings.changed(flow="davis"))
         except UnstableError:
-            beside = replace(base, result=replace(base.result, kc=-1.0, flow="davis"), other=None)
-        if beside.result.kc <= 0.0:
-            return base, failing_by_itself(beside)
-        if beside.mesh is base.mesh:
-            beside, base = ordered(beside, base)
-        return base, beside
+            compared = replace(base, result=replace(base.result, kc=-1.0, flow="davis"), other=None)
+        if compared.result.kc <= 0.0:
+            return base, failing_by_itself(compared)
+        if compared.mesh is base.mesh:
+            compared, base = ordered(compared, base)
+        return base, compared
 
     def safety(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor]:
         """The factor of safety at ``kh``; raises what ``limit_load_safety_factor`` does on the first mesh."""
@@ -250,7 +253,7 @@ class AdaptiveSearch:
             sequence.take(answer, remade)
         return sequence.result
 
-    def safety_beside(self, base: AdaptiveResult[SafetyFactor], other: FemSettings, kh: float) -> float:
+    def safety_by_other_rule(self, base: AdaptiveResult[SafetyFactor], other: FemSettings, kh: float) -> float:
         """The factor of safety by the flow rule of ``other`` settings on the mesh of ``base``. Where this mesh does not
         resolve the mechanism, another mesh of as many cells is made that does, and the smaller factor counts. Davis's
         estimate is not above the factor with ψ = φ, since ground of higher strength resists every load that weaker

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from fem.continuum.loads import lifted, shaken_loose
+from fem.continuum.loads import excess_pressure_advice, lifted
 from fem.continuum.strength import FlowSetting, davis_words, flow_of, is_associated, is_dilating_fully
 from fem.errors import UnstableError
 from fem.limit_load.limit_load import LimitLoadResult
@@ -117,15 +117,15 @@ def critical_as_discs(
     dilate. Raises InputError, NoEquilibriumError, UnstableError.
     ``section``, ``meshing``, ``first``, ``comm``, ``listener``: as in ``assess``.
     """
-    held = settings.changed(flow=flow_of(section.strata, settings.flow), kh=())
+    own_flow = settings.changed(flow=flow_of(section.strata, settings.flow), kh=())
     with one_more_thread(comm.size == 1) as executor:
         search = _Search(section, meshing, first, comm, listener, executor)
-        if search.dilates_more(held):
+        if search.dilates_more(own_flow):
             try:
-                return search.between_sides(held.changed(flow="davis"))
+                return search.between_sides(own_flow.changed(flow="davis"))
             except NoAnswerError:
                 pass
-        return search.between_sides(held)
+        return search.between_sides(own_flow)
 
 
 def _together(
@@ -133,14 +133,14 @@ def _together(
     mesh: QuadMesh,
     adapted: AdaptiveResult[LimitLoadResult] | None,
     opposite: AdaptiveResult[LimitLoadResult] | AdaptiveResult[CriticalResult] | None,
-    beside: AdaptiveResult[LimitLoadResult] | None,
+    compared: AdaptiveResult[LimitLoadResult] | None,
     safety: list[Safety],
 ) -> Assessment:
-    """Collect all results, waiting for those still computed; ``beside`` is the critical Kh by the other flow rule."""
+    """Collect all results, waiting for those still computed; ``compared`` is the critical Kh by the other flow rule."""
     outcomes = [each.result() for each in safety]
     factors = [each for each in outcomes if not isinstance(each, ResultWarning)]
-    associated, davis = (None, beside) if critical.flow == "associated" else (beside, None)
-    if davis is not None and any(f.result.kh == 0.0 and _fails(f.result.beside) for f in factors):
+    associated, davis = (None, compared) if critical.flow == "associated" else (compared, None)
+    if davis is not None and any(f.result.kh == 0.0 and _fails(f.result.by_other_flow) for f in factors):
         davis = failing_by_itself(davis)
     warnings = warnings_of(critical, mesh, associated.result if associated else None)
     warnings += [each for each in outcomes if isinstance(each, ResultWarning)]
@@ -194,9 +194,9 @@ class _Search:
         """
         one_way = settings.changed(direction=adapted.result.direction)
         safety = self.begin_safety(one_way) if safety is None else safety
-        beside = self.executor.submit(partial(self.beside_limit_loads, adapted, one_way))
+        limits = self.executor.submit(partial(self.limit_loads_by_both_rules, adapted, one_way))
         critical = self.path_to(adapted, one_way)
-        better, other = beside.result()
+        better, other = limits.result()
         if better.mesh is not adapted.mesh:
             critical = self.path_to(better, one_way)
         return _together(critical, better.mesh, better, better.other, other, safety)
@@ -208,14 +208,14 @@ class _Search:
 
     def by_path(self, settings: FemSettings, safety: list[Safety] | None) -> Assessment:
         """The results from equilibrium paths alone; raises UnstableError."""
-        mesh, beside = self.first, None
+        mesh, other_flow = self.first, None
         critical = critical_coefficient(self.section, mesh, settings, self.comm, self.path_listener("Kh"))
         one_way = settings.changed(direction=critical.direction)
         opposite = AdaptiveResult(critical.other, mesh) if critical.other is not None else None
         if not is_dilating_fully(self.section.strata):
-            beside = self.by_other_flow(one_way)
+            other_flow = self.by_other_flow(one_way)
         safety = self.begin_safety(one_way) if safety is None else safety
-        return _together(critical, mesh, None, opposite, beside, safety)
+        return _together(critical, mesh, None, opposite, other_flow, safety)
 
     def begin_safety(self, settings: FemSettings) -> list[Safety]:
         """Start the searches for the factors of safety of the settings."""
@@ -233,7 +233,7 @@ class _Search:
         """Whether the flow rule has a larger dilation angle than the section file (0 where it gives none)."""
         return settings.flow == "associated" and not is_dilating_fully(self.section.strata)
 
-    def beside_limit_loads(
+    def limit_loads_by_both_rules(
         self, adapted: AdaptiveResult[LimitLoadResult], settings: FemSettings
     ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult] | None]:
         """The limit loads ``adapted``, and those by the other flow rule: ψ = φ, or Davis's estimate where the flow rule
@@ -241,10 +241,10 @@ class _Search:
         """
         try:
             if self.dilates_more(settings):
-                return self.on_meshes("Kh by Davis's estimate").davis_beside(adapted, settings)
+                return self.on_meshes("Kh by Davis's estimate").with_davis(adapted, settings)
             if not self.is_substituted(settings):
                 return adapted, None
-            return self.on_meshes("Kh with ψ = φ").beside_full_dilation(adapted, settings)
+            return self.on_meshes("Kh with ψ = φ").with_full_dilation(adapted, settings)
         except UnstableError:
             raise
         except NoAnswerError:
@@ -269,15 +269,15 @@ class _Search:
 
         return AdaptiveSearch(self.section, self.meshing, self.first, self.comm, prefixed, self.executor)
 
-    def between_sides(self, held: FemSettings) -> AdaptiveResult[CriticalResult]:
+    def between_sides(self, settings: FemSettings) -> AdaptiveResult[CriticalResult]:
         """The answer with the sides and the flow rule of the settings."""
         mesh, start = self.first, None
-        if is_associated(self.section.strata, held.flow):
-            limit = self.on_meshes(f"Kh, {held.sides} sides").critical(held)
+        if is_associated(self.section.strata, settings.flow):
+            limit = self.on_meshes(f"Kh, {settings.sides} sides").critical(settings)
             mesh, ground = limit.mesh, limit.result.ground
-            start = ground if held.element in ("auto", "reduced") else None
+            start = ground if settings.element in ("auto", "reduced") else None
         result = critical_coefficient(
-            self.section, mesh, held, self.comm, self.path_listener(f"{held.sides} sides: Kh"), start
+            self.section, mesh, settings, self.comm, self.path_listener(f"{settings.sides} sides: Kh"), start
         )
         return AdaptiveResult(result, mesh)
 
@@ -285,7 +285,7 @@ class _Search:
         """The factor of safety on adapted meshes; on the first mesh where the flow is not associated."""
         if is_associated(self.section.strata, settings.flow):
             try:
-                return self.with_factor_beside(self.on_meshes().safety(settings, kh), settings, kh)
+                return self.with_other_factor(self.on_meshes().safety(settings, kh), settings, kh)
             except UnstableError:
                 raise
             except NoAnswerError:  # the solver left none: a path has to do
@@ -295,7 +295,7 @@ class _Search:
         )
         return AdaptiveResult(result, self.first)
 
-    def with_factor_beside(
+    def with_other_factor(
         self, adapted: AdaptiveResult[SafetyFactor], settings: FemSettings, kh: float
     ) -> AdaptiveResult[SafetyFactor]:
         """The factor of safety by the chosen flow rule, and by the other one if both apply."""
@@ -304,10 +304,10 @@ class _Search:
         other = settings.changed(flow="davis" if settings.flow == "associated" else "associated")
         self.tell(f"factor of safety at Kh = {kh:g} {self.by(other.flow)}", None)
         try:
-            beside = self.on_meshes().safety_beside(adapted, other, kh)
+            other_factor = self.on_meshes().safety_by_other_rule(adapted, other, kh)
         except NoAnswerError:
             return adapted
-        return replace(adapted, result=replace(adapted.result, beside=beside))
+        return replace(adapted, result=replace(adapted.result, by_other_flow=other_factor))
 
     def fails(self, settings: FemSettings, error: UnstableError, known: SafetyFactor | None = None) -> UnstableError:
         """The error with the factor of safety added, by both flow rules where ψ < φ; ``known`` is this factor if it is
@@ -317,7 +317,7 @@ class _Search:
             return error if self.section.uplift.words in error.reason else lifted(self.section.uplift, error.reason)
         factor = known or self.safety(settings, 0.0).result
         message, remedy = f"{error.reason}; its factor of safety is {factor.factor:.2f}", error.remedy
-        loose = shaken_loose(self.section.strata)
+        loose = excess_pressure_advice(self.section.strata)
         if factor.factor > 1.0 and loose:  # the factor is that before shaking
             message = (
                 "the section fails at any Kh by excess pore pressure, and stands without it: then its factor of "
@@ -333,9 +333,9 @@ class _Search:
         if is_dilating_fully(self.section.strata):
             return UnstableError(message, remedy)
         if not self.is_substituted(settings):
-            low = "" if factor.beside is None else f", and {factor.beside:.2f} {self.by('davis')}"
+            low = "" if factor.by_other_flow is None else f", and {factor.by_other_flow:.2f} {self.by('davis')}"
             return UnstableError(f"{message} {self.by('associated')}{low}", remedy)
-        full = factor.beside
+        full = factor.by_other_flow
         if full is None:
             full = self.safety(settings.changed(flow="associated"), 0.0).result.factor
         rule = f" {self.by('davis')}" if settings.flow == "davis" else ""
@@ -343,7 +343,7 @@ class _Search:
         return UnstableError(f"{message}{rule}, and {full:.2f} {self.by('associated')}", remedy)
 
     def or_warning(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor] | ResultWarning:
-        """The factor of safety at ``kh``, or why there is none."""
+        """The factor of safety at ``kh``, or a warning with the reason why it could not be computed."""
         try:
             return self.safety(settings, kh)
         except NoAnswerError as error:
@@ -351,7 +351,7 @@ class _Search:
             return ResultWarning(why, "look at a smaller Kh", False)
 
     def by(self, flow: FlowSetting) -> str:
-        """A flow rule in words."""
+        """A flow rule in words, such as "by Davis's estimate"."""
         return f"by {davis_words(s.dilation for s in self.section.strata)}" if flow == "davis" else "with ψ = φ"
 
     def tell(self, what: str, path: EquilibriumPath | None) -> None:

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from fem.continuum.fields import State, state_of, touched_sides
-from fem.continuum.loads import Direction, direction_of, push
+from fem.continuum.loads import Direction, direction_of, seismic_sign
 from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.shallow_failure import ShallowFailure
 from fem.continuum.strength import Flow, flow_of
-from fem.limit_load.limit_load import Ground, at_rest, cohesionless_faces, faces_failing_at_rest, pushed
+from fem.limit_load.limit_load import Ground, at_rest, cohesionless_faces, faces_failing_at_rest, loaded_ground
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import path_settings
 from fem.path.load_stepping import step_to_limit
@@ -176,8 +176,8 @@ def _towards(
     ground: Ground | None,
 ) -> CriticalResult:
     """The critical seismic coefficient in the one direction of the ``settings``."""
-    sign = push(section, settings)
-    ground = ground or pushed(section, mesh, settings, comm)
+    sign = seismic_sign(section, settings)
+    ground = ground or loaded_ground(section, mesh, settings, comm)
     while True:
         ground = at_rest(ground)
         result = _followed(ground, mesh, sign, settings, listener)
@@ -185,7 +185,7 @@ def _towards(
         strengthened = any(face in ground.faces for face in sand)
         if ground.limit is not None or strengthened or all(face.kh >= result.kc for face in sand):
             break
-        ground = pushed(section, mesh, settings, comm, sand + faces_failing_at_rest(section, settings))
+        ground = loaded_ground(section, mesh, settings, comm, sand + faces_failing_at_rest(section, settings))
     return replace(result, shallow_failures=[face for face in ground.faces if face.kh < result.kc])
 
 
@@ -199,20 +199,20 @@ def _followed(
     path = seismic_path(problem, ground.constant, ground.load, sign, settings)
     if known is not None:
         wanted = _wanted(settings, min(known.multiplier, settings.kh_limit))
-        limit, kept = step_to_limit(path, mesh, known.multiplier, settings.kh_limit, wanted, listener)
-        held, relaxed = limit.held, True
-        kc = known.multiplier if limit.verdict == "plateau" else held
+        limit, states = step_to_limit(path, mesh, known.multiplier, settings.kh_limit, wanted, listener)
+        in_equilibrium, relaxed = limit.in_equilibrium, True
+        kc = known.multiplier if limit.verdict == "plateau" else in_equilibrium
     else:
         rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
         limit = find_limit_load(path, _ductility, settings.kh_limit, rule, listener)
         relaxed = path.relax()
-        held = kc = max(limit.held, path.factor) if relaxed else limit.held
+        in_equilibrium = kc = max(limit.in_equilibrium, path.factor) if relaxed else limit.in_equilibrium
     last = state_of(problem, mesh, _label_of_last(limit, path.factor, relaxed), path.factor)
     if known is None:  # the fields that are wanted are known only now
         problem.restore(start)
         again = seismic_path(problem, ground.constant, ground.load, sign, settings)
-        kept = states_at(again, mesh, _wanted(settings, kc))
-    reached = {state.kh for state in kept}
+        states = states_at(again, mesh, _wanted(settings, kc))
+    reached = {state.kh for state in states}
     beyond = [
         replace(last, label=f"no equilibrium: Kh = {kh:g} is out of reach", kh=kh, past_equilibrium=True)
         for kh in sorted(settings.kh)
@@ -220,7 +220,7 @@ def _followed(
     ]
     return CriticalResult(
         kc=kc,
-        lower=min(held, kc),
+        lower=min(in_equilibrium, kc),
         upper=max(kc, limit.upper),
         verdict=limit.verdict,
         element=problem.grid.element,
@@ -230,7 +230,7 @@ def _followed(
         reason=limit.reason,
         remedy=limit.remedy,
         steps=path.steps,
-        states=[*kept, last, *beyond],
+        states=[*states, last, *beyond],
         solves=path.solves,
         gravity_iterations=gravity.solves,
         gravity_plastic_share=gravity.steps[-1].plastic_share,
@@ -256,7 +256,7 @@ def _ductility(path: EquilibriumPath) -> float:
 
 def states_at(path: EquilibriumPath, mesh: QuadMesh, wanted: list[float]) -> list[State]:
     """The fields at every ``wanted`` Kh that the path reaches, in rising order."""
-    kept: list[State] = []
+    states: list[State] = []
     for kh in sorted(kh for kh in wanted if kh > 0.0):
         while not (reached := path.reach(kh)):
             mark = path.mark()
@@ -264,8 +264,8 @@ def states_at(path: EquilibriumPath, mesh: QuadMesh, wanted: list[float]) -> lis
                 path.back(mark)
                 break
         if reached:
-            kept.append(state_of(path.problem, mesh, f"Kh = {kh:g}", kh))
-    return kept
+            states.append(state_of(path.problem, mesh, f"Kh = {kh:g}", kh))
+    return states
 
 
 def seismic_path(

@@ -53,7 +53,7 @@ class MeshRound:
     rest : float
         Estimated remaining error as a share of ``value``, from this mesh and the one before; infinite for the first.
     tells : bool
-        Whether the two meshes tell that error: not where ``value`` rose on about as many cells.
+        Whether this estimate is meaningful; it is not where ``value`` rose on a mesh with about as many cells.
     """
 
     cells: int

@@ -49,7 +49,7 @@ def critical_above(
     ground = critical_limit_load(section, mesh, settings, comm).ground
     assert ground.limit is not None
     problem, below = ground.problem, _below(section, line, ground.problem.grid.node_points)
-    problem.hold_components(~problem.free | np.repeat(below, 2))
+    problem.fix_components(~problem.free | np.repeat(below, 2))
     above = conic_limit_load(problem, mesh, ground.constant, ground.load)
     return PrescribedSurface(ground.limit.multiplier, above.multiplier)
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fem.continuum.fields import State
-from fem.continuum.loads import push
+from fem.continuum.loads import seismic_sign
 from fem.continuum.nodal_loads import seismic_load, still_load
 from fem.continuum.shallow_failure import faces_at, least_rolling_factor
 from fem.continuum.strength import is_associated, strength_of
@@ -67,7 +67,7 @@ class SafetyFactor:
         The factor at which a cohesionless face fails, if there is one (-).
     mechanism : State or None
         The mechanism, where the factor follows from limit analysis.
-    beside : float or None
+    by_other_flow : float or None
         The factor by the other flow rule (-): Davis's estimate if ``factor`` has ψ = φ, the factor with ψ = φ if
         ``factor`` is Davis's estimate; None where both are the same, or where it was not computed.
     start : FactorStart or None
@@ -83,7 +83,7 @@ class SafetyFactor:
     steps: list[PathStep]
     shallow_failure: float | None = None
     mechanism: State | None = None
-    beside: float | None = None
+    by_other_flow: float | None = None
     start: FactorStart | None = None
 
     @property
@@ -115,7 +115,7 @@ def limit_load_safety_factor(
     else:
         problem, _, constant = at_the_sides(section, mesh, settings, comm, faces, kh != 0.0)
     if kh != 0.0:
-        constant = constant + kh * seismic_load(problem, mesh, section, push(section, settings))
+        constant = constant + kh * seismic_load(problem, mesh, section, seismic_sign(section, settings))
     limit = conic_safety_factor(problem, mesh, constant, kh, guess, start)
     shallow = least_rolling_factor(section, faces, kh, _friction(section, settings))
     reason = f"it is that of {len(mesh.cells)} cells"
@@ -178,7 +178,7 @@ def safety_factor(
     for start in STARTS:
         try:
             problem, constant, _ = gravity_equilibrium(section, mesh, settings, comm, faces, start, kh != 0.0)
-            load = kh * seismic_load(problem, mesh, section, push(section, settings))
+            load = kh * seismic_load(problem, mesh, section, seismic_sign(section, settings))
             if kh == 0.0 and settings.sides != "periodic":
                 problem.hold(UNDER_GRAVITY)
             if kh != 0.0:
@@ -190,11 +190,11 @@ def safety_factor(
         raise too_weak(kh)
     forces = constant + load
     norm, dot = problem.exchange.norm, problem.exchange.dot
-    pushing = load
+    driving = load
     if kh == 0.0:
-        pushing = problem.body_force([s.density_ordinary for s in problem.strata], (0.0, -1.0))
-        pushing = pushing + still_load(problem, mesh, section) / GRAVITY
-    control = pushing / norm(pushing)
+        driving = problem.body_force([s.density_ordinary for s in problem.strata], (0.0, -1.0))
+        driving = driving + still_load(problem, mesh, section) / GRAVITY
+    control = driving / norm(driving)
     problem.use_elastic_tangent()
     problem.factorise()
     elastic = abs(dot(control, problem.solve(forces)))
@@ -210,7 +210,9 @@ def safety_factor(
     rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
     limit = find_limit_load(path, ductility, LARGEST_FACTOR, rule, listener)
     shallow = least_rolling_factor(section, faces, kh, _friction(section, settings))
-    return SafetyFactor(kh, limit.held, limit.upper, limit.verdict, limit.reason, limit.remedy, path.steps, shallow)
+    return SafetyFactor(
+        kh, limit.in_equilibrium, limit.upper, limit.verdict, limit.reason, limit.remedy, path.steps, shallow
+    )
 
 
 def _friction(section: Section, settings: FemSettings) -> np.ndarray:

@@ -95,8 +95,8 @@ def assembled(program: ConeProgram, clay: np.ndarray) -> Assembled:
     cost = shear.T @ (np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin) + torn
     cost[: len(program.live)] -= program.dead
     extra = sparse.csr_matrix((np.ones(len(clay)), (3 * clay, np.arange(len(clay)))), shape=(3 * corners, len(clay)))
-    turned = _cone_map(steeper)
-    cone = sparse.hstack([turned @ program.strain, extra, -turned @ opening])
+    steeper_map = _cone_map(steeper)
+    cone = sparse.hstack([steeper_map @ program.strain, extra, -steeper_map @ opening])
     load = np.pad(program.live, (0, cone.shape[1] - len(program.live)))
     if program.softening is not None:
         load = shear.T @ program.softening
@@ -140,19 +140,21 @@ def _opening(program: ConeProgram) -> tuple[sparse.csr_matrix, sparse.csr_matrix
     """
     torn, corners = program.torn, len(program.cohesion)
     bare = np.broadcast_to(program.bare, corners)[torn]
-    one, three = torn[bare], torn[~bare]
-    single = np.arange(len(one))
-    rows = np.concatenate([3 * one, 3 * one + 1, (3 * three[:, None] + [0, 1, 2]).ravel()])
-    columns = np.concatenate([single, single, len(one) + np.arange(3 * len(three))])
-    opening = sparse.csr_matrix((np.ones(len(rows)), (rows, columns)), shape=(3 * corners, len(one) + 3 * len(three)))
+    singles, three = torn[bare], torn[~bare]
+    single = np.arange(len(singles))
+    rows = np.concatenate([3 * singles, 3 * singles + 1, (3 * three[:, None] + [0, 1, 2]).ravel()])
+    columns = np.concatenate([single, single, len(singles) + np.arange(3 * len(three))])
+    opening = sparse.csr_matrix(
+        (np.ones(len(rows)), (rows, columns)), shape=(3 * corners, len(singles) + 3 * len(three))
+    )
     margins = np.where(program.friction > 0.0, 0.0, program.strain_margin)
     least = np.zeros((len(three), 3))
     least[:, 0] = margins[three]
     tears = sparse.block_diag(
-        [sparse.identity(len(one)), _cone_map(np.full(len(three), 1.0 + program.strain_share))], format="csr"
+        [sparse.identity(len(singles)), _cone_map(np.full(len(three), 1.0 + program.strain_share))], format="csr"
     )
-    offset = np.concatenate([-0.5 * margins[one], -least.ravel()])
-    cones = [clarabel.NonnegativeConeT(len(one))] if len(one) else []
+    offset = np.concatenate([-0.5 * margins[singles], -least.ravel()])
+    cones = [clarabel.NonnegativeConeT(len(singles))] if len(singles) else []
     return opening, tears, offset, [*cones, *[clarabel.SecondOrderConeT(3)] * len(three)]
 
 
@@ -207,25 +209,25 @@ def standard(program: ConeProgram, data: Assembled, magnified: float) -> tuple[S
     corners, sin = len(program.cohesion), np.sin(program.friction)
     clay = np.flatnonzero(sin == 0.0)
     bare = np.broadcast_to(program.bare, corners)[program.torn]
-    one, three = program.torn[bare], program.torn[~bare]
+    single, three = program.torn[bare], program.torn[~bare]
     sine = np.where(sin > 0.0, sin * (1.0 + program.strain_share), 1.0)
     first = 1 + len(clay) + 3 * corners
     size = data.matrix.shape[0]
-    order = np.concatenate([np.arange(first), np.arange(first + len(one), size), first + np.arange(len(one))])
+    order = np.concatenate([np.arange(first), np.arange(first + len(single), size), first + np.arange(len(single))])
     cost = data.cost.copy()
-    openings = len(program.live) + len(clay) + len(one)
-    cost[openings - len(one) : openings] += ROOM * program.weight[one]
+    openings = len(program.live) + len(clay) + len(single)
+    cost[openings - len(single) : openings] += ROOM * program.weight[single]
     for component in (0, 1):
         cost[openings + component :: 3] += ROOM * program.weight[three]
     turn = sparse.kron(sparse.identity(corners), [[1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.0, 1.0]])
-    clays, singles, triples = (_numbers(corners, those) for those in (clay, one, three))
+    clays, singles, triples = (_numbers(corners, those) for those in (clay, single, three))
     places = Corners(sine, clays, singles, triples, torn_sine=1.0 + program.strain_share)
     rates = (turn @ program.strain).tocsr()
     return Standard(magnified * cost, data.matrix[order], data.offset[order], places, rates), order
 
 
-def _numbers(corners: int, those: np.ndarray) -> np.ndarray:
-    """The index of every corner (k,) within ``those``, -1 for corners that are not among them."""
+def _numbers(corners: int, selected: np.ndarray) -> np.ndarray:
+    """The index of every corner (k,) within ``selected``, -1 for corners that are not among them."""
     numbers = np.full(corners, -1)
-    numbers[those] = np.arange(len(those))
+    numbers[selected] = np.arange(len(selected))
     return numbers

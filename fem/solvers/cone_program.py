@@ -146,14 +146,17 @@ class Warm:
 
     def suits(self, form: Standard) -> bool:
         """Whether a program has the same corners and strain rates as this starting point."""
-        mine, other = self.form, form
-        return mine.matrix.shape == other.matrix.shape and all(
+        present, other = self.form, form
+        return present.matrix.shape == other.matrix.shape and all(
             np.array_equal(first, second)
             for first, second in (
-                (mine.rates.indptr, other.rates.indptr),
-                (mine.rates.indices, other.rates.indices),
-                (mine.rates.data, other.rates.data),
-                *((getattr(mine.corners, name), getattr(other.corners, name)) for name in ("clay", "single", "triple")),
+                (present.rates.indptr, other.rates.indptr),
+                (present.rates.indices, other.rates.indices),
+                (present.rates.data, other.rates.data),
+                *(
+                    (getattr(present.corners, name), getattr(other.corners, name))
+                    for name in ("clay", "single", "triple")
+                ),
             )
         )
 
@@ -284,10 +287,18 @@ def _by_interior_point(
     z[order] = solution.z / magnified
     work = cost * iterations
     low, high = sorted((solution.primal / magnified, solution.dual / magnified))
-    kept = Warm(solution.warm, matrix, form) if solution.warm else None
+    warm_start = Warm(solution.warm, matrix, form) if solution.warm else None
     status = "Solved" if met else "NumericalError"
     return _End(
-        status, solution.y, z, met, iterations, work, (low, high), warm=kept, out_of_work=not met and work >= most_work
+        status,
+        solution.y,
+        z,
+        met,
+        iterations,
+        work,
+        (low, high),
+        warm=warm_start,
+        out_of_work=not met and work >= most_work,
     )
 
 

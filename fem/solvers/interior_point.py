@@ -124,18 +124,18 @@ def interior_solution(
     unit: float,
     tolerance: Tolerance,
     matrix: CornerMatrix,
-    heed: Callable[[], None],
+    check_cancelled: Callable[[], None],
     start: Place | None = None,
     most_iterations: int = MOST_ITERATIONS,
 ) -> Iterate:
     """Solve a program to a ``tolerance``; its costs are ``unit`` times the multiplier of the loads.
 
-    ``heed`` is called before each of at most ``most_iterations`` iterations. After a breakdown the best iterate that
-    meets the equations is returned, if there is one. ``start`` is an iterate of the same mesh with another strength:
-    one well inside the cones saves half of the iterations, one near the solution often breaks down.
+    ``check_cancelled`` is called before each of at most ``most_iterations`` iterations. After a breakdown the best
+    iterate that meets the equations is returned, if there is one. ``start`` is an iterate of the same mesh with another
+    strength: one well inside the cones saves half of the iterations, one near the solution often breaks down.
     ``standard``: the program in standard form; ``matrix``: the normal equations to factorise.
     """
-    return _Method(standard, unit, tolerance, matrix).run(heed, start, most_iterations)
+    return _Method(standard, unit, tolerance, matrix).run(check_cancelled, start, most_iterations)
 
 
 class _BreakdownError(ArithmeticError):
@@ -146,7 +146,7 @@ class _Method:
     """The interior-point method on one program: its iterate, and the factors of its stiffness matrix."""
 
     def __init__(self, standard: Standard, unit: float, tolerance: Tolerance, matrix: CornerMatrix) -> None:
-        self.given, self.wanted, self.stiffness_matrix = standard, tolerance, matrix
+        self.program, self.wanted, self.stiffness_matrix = standard, tolerance, matrix
         self.least = tolerance.least * unit
         corners = standard.corners
         self.a, self.a_t = standard.matrix, standard.matrix.T.tocsr()
@@ -173,14 +173,14 @@ class _Method:
         """The cones of a vector of rows, as a view (cones, 3)."""
         return v[self.first : self.lones].reshape(-1, 3)
 
-    def run(self, heed: Callable[[], None], start: Place | None, most_iterations: int) -> Iterate:
+    def run(self, check_cancelled: Callable[[], None], start: Place | None, most_iterations: int) -> Iterate:
         """Iterate until the tolerances are met or no more progress is possible."""
         y, z, s = start or self.start()
         warm, wanted = start, self.wanted
         best: Iterate | None = None
         late, least, since = 0, np.inf, 0
         for iteration in range(1 + (most_iterations if start is None else min(most_iterations, MOST_WARM))):
-            heed()
+            check_cancelled()
             ry, rz = self.a_t @ z + self.c, self.b - self.a @ y - s
             primal, dual = float(self.c @ y), -float(self.b @ z)
             product = float(s[self.first :] @ z[self.first :])
@@ -231,12 +231,12 @@ class _Method:
             ds[: self.first] = 0.0
             return _Trial(d, dy, dz, ds, min(1.0, self.longest(s, ds)), min(1.0, self.longest(z, dz)))
 
-        ahead = solved(np.concatenate([np.zeros(self.first), s[self.first :]]), None, LOOSE, 1)
-        nearer = (s + ahead.primal * ahead.ds)[self.first :] @ (z + ahead.dual * ahead.dz)[self.first :]
+        affine = solved(np.concatenate([np.zeros(self.first), s[self.first :]]), None, LOOSE, 1)
+        nearer = (s + affine.primal * affine.ds)[self.first :] @ (z + affine.dual * affine.dz)[self.first :]
         aim = max(min(1.0, max(nearer / self.degree / mean, 0.0) ** 3), LEAST_CENTRING) * mean
         d = np.zeros(len(s))
-        corrections(self.axis, self.size, self.cone(z), self.cone(ahead.ds), self.cone(ahead.dz), aim, self.cone(d))
-        d[self.lones :] = (lone_s * lone_z + ahead.ds[self.lones :] * ahead.dz[self.lones :] - aim) / lone_z
+        corrections(self.axis, self.size, self.cone(z), self.cone(affine.ds), self.cone(affine.dz), aim, self.cone(d))
+        d[self.lones :] = (lone_s * lone_z + affine.ds[self.lones :] * affine.dz[self.lones :] - aim) / lone_z
         best = solved(d, None, LOOSE, 1)
         for _ in range(CORRECTORS):
             if min(best.primal, best.dual) > 0.95:

@@ -77,8 +77,8 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
     borings = groups.rows["LOCA"]
     axes = next((axes for axes in (NATIONAL, LOCAL) if all(row.get(axes[0]) for row in borings)), NATIONAL)
     if axes is LOCAL:
-        some = "not all borings have" if any(row.get(NATIONAL[0]) for row in borings) else "no boring has"
-        groups.notices.append(f"{some} national coordinates: LOCA_LOCX and LOCA_LOCY are taken")
+        missing = "not all borings have" if any(row.get(NATIONAL[0]) for row in borings) else "no boring has"
+        groups.notices.append(f"{missing} national coordinates: LOCA_LOCX and LOCA_LOCY are taken")
     known = {row.get("LOCA_ID", "") for row in borings}
     for group in ("GEOL", "ISPT", "SCPT", "WSTG"):
         strangers = dict.fromkeys(row.get("LOCA_ID", "") for row in groups.rows.get(group, ()))
@@ -104,18 +104,18 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
 
 def _log(row: Row, axes: tuple[str, str], naming: tuple[str, ...], groups: Groups) -> Log | None:
     name = row.get("LOCA_ID", "")
-    mine = groups.of("GEOL", name)
+    strata = groups.of("GEOL", name)
     before = len(groups.problems)
     cones = cones_of(name, groups)
     groups.problems.extend(cone_problems(name, cones))
     groups.problems.extend(implausible_cones(f"boring {name}, ", cones, with_units=True))
-    if not mine and not cones:
+    if not strata and not cones:
         return None
     place = (_number(row, axes[0], name, groups), _number(row, axes[1], name, groups))
     level = "LOCA_LOCZ" if row.get("LOCA_LOCZ") and not row.get("LOCA_GL") else "LOCA_GL"
-    ground = _number(row, level, name, groups) if mine else math.nan
+    ground = _number(row, level, name, groups) if strata else math.nan
     layers = []
-    for group_row in mine:
+    for group_row in strata:
         label = next((group_row[key] for key in naming if group_row.get(key, "").lower() not in NOT_MEASURED), "")
         if not label:
             groups.problems.append(
@@ -126,8 +126,8 @@ def _log(row: Row, axes: tuple[str, str], naming: tuple[str, ...], groups: Group
         layers.append(LogLayer(groups.meaning(label), top, bottom, "", group_row.get("GEOL_DESC", "")))
     layers = joined(sorted(layers, key=lambda layer: layer.top))
     samples = _samples(name, groups)
-    water = _water_level(name, ground, groups) if mine else None
-    if len(groups.problems) == before and mine:
+    water = _water_level(name, ground, groups) if strata else None
+    if len(groups.problems) == before and strata:
         groups.problems.extend(layer_problems(name, layers))
     log = Log(name, place, ground, tuple(layers), samples, water, cones)
     if len(groups.problems) == before:

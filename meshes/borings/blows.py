@@ -21,11 +21,11 @@ NUMBER = r"(\d+(?:\.\d+)?)"
 AT_LEAST = re.compile(rf"(?:N\s*)?(?:>=?|≥|=>)\s*{NUMBER}|{NUMBER}\s*(?:\+|以上)", re.IGNORECASE)
 # Which tool was driven, "S" the split spoon and "C" a solid cone, that it was stopped, and a mark of a footnote say
 # nothing of the count.
-BESIDE = re.compile(r"^\(?[SC]\)?(?=[\s\d(N])\s*|\s*\(?\b[SC]\)?$|\*+|\s*-\s*abandoned$", re.IGNORECASE)
+MARKS = re.compile(r"^\(?[SC]\)?(?=[\s\d(N])\s*|\s*\(?\b[SC]\)?$|\*+|\s*-\s*abandoned$", re.IGNORECASE)
 # Blows of seating and of four quarters before the count, as AGS has them: "1,2/3,4,5,6 N=18", "9,16/50 SPT =50/75".
 INCREMENTS = re.compile(r"^[\d\s,/]+(?:[SC]PT\s*(?:N\s*)?=(?:\d+/\d+=)?|(?=N\s*[=:]))", re.IGNORECASE)
 # A count that is told before how it came about, as in "N=50 (25 for 5mm/50 for 15mm)".
-TOLD = re.compile(rf"N\s*[=:>]+\s*{NUMBER}(.*)|{NUMBER}\s*(\(.*\)?)", re.IGNORECASE)
+WITH_COUNT = re.compile(rf"N\s*[=:>]+\s*{NUMBER}(.*)|{NUMBER}\s*(\(.*\)?)", re.IGNORECASE)
 # The quarters of a drive, the last one with what it went in, where that is less than 75 mm: "10,15,20,5 for 30mm".
 QUARTERS = re.compile(
     rf"(?:^|[/(\s])(?P<whole>[\d\s,-]*,)?\s*{NUMBER}\s*(?:for|in)\s*{NUMBER}\s*mm\s*\)?$", re.IGNORECASE
@@ -95,7 +95,7 @@ def _counted(text: str) -> tuple[float, bool]:
         return float(refused[1] or refused[2] or REFUSAL), True
     if UNDER_ITS_WEIGHT.fullmatch(text):
         return 0.0, False
-    text = INCREMENTS.sub("", BESIDE.sub("", text)).strip()
+    text = INCREMENTS.sub("", MARKS.sub("", text)).strip()
     if text.replace(".", "", 1).isdecimal():
         return float(text), False
     if least := AT_LEAST.fullmatch(text):
@@ -105,7 +105,7 @@ def _counted(text: str) -> tuple[float, bool]:
 
 def _of_drives(text: str) -> tuple[float, bool]:
     """The count of a text that says how far the sampler was driven, and whether it was refused; see `_counted`."""
-    recorded, driven = TOLD.fullmatch(text), list(DRIVEN.finditer(text))
+    recorded, driven = WITH_COUNT.fullmatch(text), list(DRIVEN.finditer(text))
     count = float(recorded[1] or recorded[3]) if recorded else math.nan
     if driven and driven[0].start() == 0 and text[driven[0].end() :].lstrip().startswith("("):  # "50/75mm (20,5,50)"
         return _driven(float(driven[0][1]), _depth(driven[0]))

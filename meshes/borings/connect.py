@@ -25,7 +25,7 @@ class Placed:
 
     log: Log
     x: float
-    beside: float
+    off_line: float
 
 
 @dataclass(frozen=True)
@@ -78,11 +78,11 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...
         if apart[first, last] == 0.0:
             raise InputError("borings", ["all borings are at the same place"])
         way = (points[last] - points[first]) / apart[first, last]
-        x, beside = (points - points[first]) @ way, (points - points[first]) @ [-way[1], way[0]]
+        x, offsets = (points - points[first]) @ way, (points - points[first]) @ [-way[1], way[0]]
         problems = [f"boring {log.name}: {abs(away):.1f} m off the line of the section; {REMEDY}, --off allows more "
                     f"than {off_line:g} m"
-                    for log, away in zip(logs, beside, strict=True) if abs(away) > off_line]  # fmt: skip
-        borings = [Placed(log, round(float(a), 3), float(b)) for log, a, b in zip(logs, x, beside, strict=True)]
+                    for log, away in zip(logs, offsets, strict=True) if abs(away) > off_line]  # fmt: skip
+        borings = [Placed(log, round(float(a), 3), float(b)) for log, a, b in zip(logs, x, offsets, strict=True)]
     borings.sort(key=lambda at: at.x)
     layers = [at for at in borings if at.log.layers]
     problems += [f"borings {a.log.name} and {b.log.name} stand at the same x = {a.x:g} m; {REMEDY}"
@@ -173,7 +173,7 @@ def _spelled_alike(logs: Sequence[Log]) -> tuple[list[Log], list[str]]:
     for name in (layer.name for log in logs for layer in log.layers):
         plain = " ".join(name.split()).casefold()
         spellings.setdefault(first.setdefault(plain, name), []).append(name)
-    whole = {name: kept for kept, names in spellings.items() for name in names}
+    whole = {name: spelling for spelling, names in spellings.items() for name in names}
     unified = [
         replace(log, layers=tuple(joined([replace(layer, name=whole[layer.name]) for layer in log.layers])))
         for log in logs

@@ -53,13 +53,13 @@ def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
         return read_cones(path, columns)
     table = read_table(path, NEEDED, KNOWN, columns)
     logs = [_log(name, lines, table) for name, lines in table.lines.items()]
-    kept = [log for log in logs if log is not None]
-    left_out, too_many = unread_counts(table.unread, sum(len(log.samples) for log in kept))
+    valid = [log for log in logs if log is not None]
+    left_out, too_many = unread_counts(table.unread, sum(len(log.samples) for log in valid))
     if table.problems or too_many:
         raise InputError(str(path), folded([*table.problems, *(too_many or table.unread)]))
-    shares = shares_for_percent([sample for log in kept for sample in log.samples])
+    shares = shares_for_percent([sample for log in valid for sample in log.samples])
     left_out = [f"{path.name}, {text}" for text in left_out]
-    return BoringFile(kept, [*table.notices, *left_out, *shares, *refusal_notices(kept)])
+    return BoringFile(valid, [*table.notices, *left_out, *shares, *refusal_notices(valid)])
 
 
 def _unit_meant(weight: str) -> str:
@@ -89,7 +89,7 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table
         if min(top, bottom) < 0.0:
             depths = f"top = {cells['top']}, bottom = {cells['bottom']}"
             table.problems.append(f"line {number}, {depths}: {DEPTHS_EXPECTED}")
-        elif cells.get("N", "").lower() not in NOT_MEASURED and math.isfinite(middle):  # else it has been told
+        elif cells.get("N", "").lower() not in NOT_MEASURED and math.isfinite(middle):  # else it has been messages
             sample = _sample(number, cells, middle, table)
             samples += [sample] if sample is not None else []
     number, first = lines[0]
@@ -135,10 +135,10 @@ def _sample(number: int, cells: Mapping[str, str], depth: float, table: Table) -
         sample = Sample.model_validate(data)
     except ValidationError as error:
         of_count = all(entry["loc"][:1] == ("N",) for entry in error.errors())
-        told = table.unread if of_count else table.problems
-        told.extend(f"line {number}, {text}" for text in sentences(error, data, Sample))
+        messages = table.unread if of_count else table.problems
+        messages.extend(f"line {number}, {text}" for text in sentences(error, data, Sample))
         return None
     # A grain size with its unit is meant; [triggering] asks again.
-    asked = sample.model_copy(update={"d50": None}) if isinstance(data.get("d50"), str) else sample
-    table.problems.extend(implausible_sample(f"line {number}, ", asked))
+    checked = sample.model_copy(update={"d50": None}) if isinstance(data.get("d50"), str) else sample
+    table.problems.extend(implausible_sample(f"line {number}, ", checked))
     return sample

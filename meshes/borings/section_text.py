@@ -27,8 +27,8 @@ def _head(connected: Connected, name: str) -> Iterator[str]:
     yield "# Layers are connected by name; a layer that the next boring has not ends half-way, fill of an"
     yield "# embankment at the next boring. Correct what is wrong."
     for boring in (*connected.borings, *connected.soundings):
-        if boring.beside:
-            yield f"# Boring {boring.log.name} stood {abs(boring.beside):.1f} m beside the line of the section."
+        if boring.off_line:
+            yield f"# Boring {boring.log.name} stood {abs(boring.off_line):.1f} m beside the line of the section."
     yield from (f"# {text[0].upper()}{text[1:]}." for text in connected.notices)
     yield ""
     yield f"name = {json.dumps(name)}"
@@ -44,8 +44,8 @@ def _head(connected: Connected, name: str) -> Iterator[str]:
     if len(water) > 1:
         x, level = np.array(water).T
         across = np.unique([connected.x[0], *x, connected.x[-1]])
-        beside = "     # continues level past the borings that say it" if len(across) > len(x) else ""
-        yield f"table = {_points(across, np.interp(across, x, level))}{beside}"
+        comment = "     # continues level past the borings that say it" if len(across) > len(x) else ""
+        yield f"table = {_points(across, np.interp(across, x, level))}{comment}"
     elif water:
         yield f"table = {water[0][1]:g}"
     else:

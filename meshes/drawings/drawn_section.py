@@ -47,7 +47,7 @@ def drawn_section(shapes: Shapes, path: Path, name: str) -> Drawn:
         raise InputError(str(path), columns.problems)
     ground, bottoms = columns.interfaces()
     table, remarks = water_table(lines_of_water, float(columns.x[0]), float(columns.x[-1]))
-    notices = [*shapes.notices, *notices, *trimmed, *_doubts(outlines), *columns.stack.notices,
+    notices = [*shapes.notices, *notices, *trimmed, *_questions(outlines), *columns.stack.notices,
                *columns.tally.sentences(), *remarks, *_unused(lines)]  # fmt: skip
     strata = [(stratum, columns.points(bottom))
               for stratum, bottom in zip(columns.stack.names, bottoms, strict=True)]  # fmt: skip
@@ -97,32 +97,32 @@ def _with_one_side(outlines: Sequence[np.ndarray]) -> tuple[list[np.ndarray], li
     return clipped, notices
 
 
-def _doubts(outlines: Sequence[Shape]) -> list[str]:
+def _questions(outlines: Sequence[Shape]) -> list[str]:
     """Warnings of doubtful outlines: all on one layer, or one round all others as the frame of a sheet."""
     layers = {outline.layer for outline in outlines}
-    doubts = []
+    questions = []
     if len(layers) == 1 < len(outlines):
-        doubts.append(f'all {len(outlines)} outlines are on layer "{outlines[0].layer}", and make one stratum')
+        questions.append(f'all {len(outlines)} outlines are on layer "{outlines[0].layer}", and make one stratum')
     for outline in outlines:
         low, high = outline.points.min(axis=0), outline.points.max(axis=0)
         others = [other.points for other in outlines if other.layer != outline.layer]
         if others and all((points > low + JOINED).all() and (points < high - JOINED).all() for points in others):
-            doubts.append(f'the outline on layer "{outline.layer}" lies round all others: if it is the frame of the '
+            questions.append(f'the outline on layer "{outline.layer}" lies round all others: if it is the frame of the '
                           "sheet, turn its layer off in the drawing")  # fmt: skip
-    return doubts
+    return questions
 
 
 def _unused(lines: Sequence[Shape]) -> list[str]:
     """A sentence for each line that is neither ground nor water, and one for all of a layer that has many."""
     sentences = []
     for layer in dict.fromkeys(line.layer for line in lines):
-        mine = [line for line in lines if line.layer == layer]
-        if len(mine) > MOST_ALIKE:
-            sentences.append(f'not used: {len(mine)} lines on layer "{layer}": they close no outline, and are no water '
-                             "table")  # fmt: skip
+        of_layer = [line for line in lines if line.layer == layer]
+        if len(of_layer) > MOST_ALIKE:
+            sentences.append(f'not used: {len(of_layer)} lines on layer "{layer}": they close no outline, and are no '
+                             "water table")  # fmt: skip
         else:
             sentences += [f'not used: a {line.kind} on layer "{layer}", {line.span}: it closes no outline, and is no '
-                          "water table" for line in mine]  # fmt: skip
+                          "water table" for line in of_layer]  # fmt: skip
     return sentences
 
 

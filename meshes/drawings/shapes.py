@@ -64,7 +64,7 @@ class Shapes:
 
 
 @dataclass(frozen=True)
-class _Found:
+class _DrawnShape:
     """A shape in the drawing's own space: points (n, 3)."""
 
     layer: str
@@ -142,7 +142,7 @@ def _unit(drawing: Any, notices: list[str]) -> float:
     return size
 
 
-def _flattened(drawing: Any, sagitta: float, unused: Counter[str]) -> Iterator[_Found]:
+def _flattened(drawing: Any, sagitta: float, unused: Counter[str]) -> Iterator[_DrawnShape]:
     """All shapes of the model space, those of blocks too; counts by kind and layer what is none."""
     from ezdxf import path
 
@@ -168,7 +168,7 @@ def _flattened(drawing: Any, sagitta: float, unused: Counter[str]) -> Iterator[_
             continue
         for points, closed in chains:
             if len(points) > 1:
-                yield _Found(layer, points, bool(closed), kind)
+                yield _DrawnShape(layer, points, bool(closed), kind)
 
 
 def _unclamped(spline: Any) -> tuple[np.ndarray, bool]:
@@ -199,7 +199,7 @@ def _entities(space: Any, unused: Counter[str]) -> Iterator[Any]:
             unused[f'INSERT of block "{entity.dxf.name}"'] += 1
 
 
-def _in_plane(drawn: Sequence[_Found], unused: Counter[str]) -> list[Shape]:
+def _in_plane(drawn: Sequence[_DrawnShape], unused: Counter[str]) -> list[Shape]:
     """Shapes in x and elevation.
 
     The drawing is its xy plane; where its shapes stand upright in one plane instead, elevations are z.
@@ -247,15 +247,15 @@ def _upright(points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
 def _once(shapes: Sequence[Shape], unused: Counter[str]) -> list[Shape]:
     """Shapes without lines that lie on one of their layer: such a pair would meet at both ends and make an outline."""
     seen: set[tuple[str, bytes]] = set()
-    kept = []
+    joined = []
     for shape in shapes:
         ways = [(shape.layer, (points.round(6) + 0.0).tobytes()) for points in (shape.points, shape.points[::-1])]
         if not shape.closed and ways[0] in seen:
             unused[f"{shape.kind} on layer {shape.layer} that lies on another"] += 1
             continue
         seen.update(ways)
-        kept.append(shape)
-    return kept
+        joined.append(shape)
+    return joined
 
 
 def _joined(shapes: Sequence[Shape]) -> list[Shape]:

@@ -72,7 +72,7 @@ class ForeignModel:
     notices: Sequence[str] = ()
 
 
-class FoundSection(NamedTuple):
+class ImportedSection(NamedTuple):
     """A section as TOML, and notices on how it was read, one sentence each."""
 
     text: str
@@ -80,7 +80,7 @@ class FoundSection(NamedTuple):
 
 
 @contextmanager
-def faults_told(path: Path, expected: str) -> Iterator[None]:
+def as_input_errors(path: Path, expected: str) -> Iterator[None]:
     """Whatever a file lacks, or has in another form than ``expected``, is one fault of it (InputError)."""
     try:
         yield
@@ -116,7 +116,7 @@ def line_of(points: Sequence[tuple[float, float]]) -> np.ndarray:
     return line[::-1] if line[0, 0] > line[-1, 0] else line
 
 
-def section_of(model: ForeignModel, path: Path, name: str) -> FoundSection:
+def section_of(model: ForeignModel, path: Path, name: str) -> ImportedSection:
     """The section of a model that was read from a file.
 
     Parameters
@@ -162,7 +162,7 @@ def section_of(model: ForeignModel, path: Path, name: str) -> FoundSection:
     ]  # fmt: skip
     comments = [f"# Section from {path.name}.", *(f"# {text}." for text in notices), ""]
     text = PAIR.sub(r"[\1, \2]", tomli_w.dumps(data))
-    return FoundSection("\n".join(comments) + text, notices)
+    return ImportedSection("\n".join(comments) + text, notices)
 
 
 def layer_names(layers: Sequence[Layer]) -> list[str]:
@@ -218,9 +218,9 @@ def _across(table: Mapping[str, Any], key: str, left: float, right: float) -> di
     if key not in table:
         return dict(table)
     line = np.array(table[key], dtype=float)
-    inner = line[(line[:, 0] > left + SNAP) & (line[:, 0] < right - SNAP)]
+    between = line[(line[:, 0] > left + SNAP) & (line[:, 0] < right - SNAP)]
     ends = [[x, float(np.interp(x, *line.T))] for x in (left, right)]
-    return {**table, key: _points(np.vstack([ends[:1], inner, ends[1:]]))}
+    return {**table, key: _points(np.vstack([ends[:1], between, ends[1:]]))}
 
 
 def _points(line: np.ndarray) -> list[list[float]]:

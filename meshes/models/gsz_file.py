@@ -13,10 +13,10 @@ import numpy as np
 from meshes.errors import InputError
 from meshes.models.foreign_model import (
     ForeignModel,
-    FoundSection,
+    ImportedSection,
     Layer,
+    as_input_errors,
     corners,
-    faults_told,
     line_of,
     section_of,
     within_reason,
@@ -39,7 +39,7 @@ class Units(NamedTuple):
 METRIC, IMPERIAL = Units(1.0, "kPa", "kN/m^3", 9.807), Units(0.3048, "lbf/ft^2", "lbf/ft^3", 62.4)
 
 
-def read_gsz(path: Path, name: str, analysis: str | None = None) -> FoundSection:
+def read_gsz(path: Path, name: str, analysis: str | None = None) -> ImportedSection:
     """The section of an analysis of SLOPE/W in a model of GeoStudio.
 
     Parameters
@@ -56,7 +56,7 @@ def read_gsz(path: Path, name: str, analysis: str | None = None) -> FoundSection
     InputError
         If the file is no such model, or has no such analysis.
     """
-    with faults_told(path, EXPECTED):
+    with as_input_errors(path, EXPECTED):
         return section_of(_model(_document(path), path, analysis), path, name)
 
 

@@ -12,11 +12,11 @@ from meshes.errors import InputError
 from meshes.models.foreign_model import (
     NO_STRENGTH,
     ForeignModel,
-    FoundSection,
+    ImportedSection,
     Layer,
     YieldStress,
+    as_input_errors,
     corners,
-    faults_told,
     line_of,
     section_of,
     within_reason,
@@ -28,7 +28,7 @@ ABOVE, BELOW = "ShearStrengthModelTypeAbovePhreaticLevel", "ShearStrengthModelTy
 Json = Mapping[str, Any]
 
 
-def read_stix(path: Path, name: str, scenario: str | None = None) -> FoundSection:
+def read_stix(path: Path, name: str, scenario: str | None = None) -> ImportedSection:
     """The section of a scenario of a model of D-Stability, in the last of its stages.
 
     Parameters
@@ -45,7 +45,7 @@ def read_stix(path: Path, name: str, scenario: str | None = None) -> FoundSectio
     InputError
         If the file is no such model, or has no such scenario.
     """
-    with faults_told(path, EXPECTED):
+    with as_input_errors(path, EXPECTED):
         return section_of(_model(_read(path), path, scenario), path, name)
 
 

@@ -9,7 +9,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from meshes.errors import InputError
-from meshes.models.foreign_model import ForeignModel, FoundSection, Layer, corners, faults_told, line_of, section_of
+from meshes.models.foreign_model import (
+    ForeignModel,
+    ImportedSection,
+    Layer,
+    as_input_errors,
+    corners,
+    line_of,
+    section_of,
+)
 
 EXPECTED = "expected a workbook of xslope, with sheets main, profile, mat, piezo and dloads"
 FEET, POUNDS = 0.3048, 0.04788026  # m of a foot, kPa of a lbf/ft²
@@ -29,7 +37,7 @@ class Units(NamedTuple):
     water: float
 
 
-def read_xslope(path: Path, name: str, part: str | None = None) -> FoundSection:
+def read_xslope(path: Path, name: str, part: str | None = None) -> ImportedSection:
     """The section of a workbook of xslope.
 
     Parameters
@@ -52,7 +60,7 @@ def read_xslope(path: Path, name: str, part: str | None = None) -> FoundSection:
         raise InputError(str(path), ["a workbook needs the package openpyxl: pip install noshiro[xslope]"])
     import openpyxl
 
-    with faults_told(path, EXPECTED):
+    with as_input_errors(path, EXPECTED):
         workbook = openpyxl.load_workbook(path, data_only=True, read_only=True)
         sheets = {
             sheet: [tuple(row) for row in workbook[sheet].iter_rows(values_only=True)] for sheet in workbook.sheetnames
@@ -67,7 +75,7 @@ def _whole(rows: Rows) -> Rows:
 
 
 def _model(sheets: dict[str, Rows]) -> ForeignModel:
-    water = _beside(sheets["main"], "unit weight of water")
+    water = _cell_after(sheets["main"], "unit weight of water")
     imperial = water > IMPERIAL
     units = Units(FEET, POUNDS, water * POUNDS / FEET) if imperial else Units(1.0, 1.0, water)
     notices = ["feet and pounds are converted"] if imperial else []
@@ -76,7 +84,7 @@ def _model(sheets: dict[str, Rows]) -> ForeignModel:
     if not lines or len(rows) < len(lines):
         raise ValueError(f"{len(lines)} profile lines and {len(rows)} materials; expected one for each line")
     tables = [line_of(points) * units.length for points in _tables(sheets["piezo"], "piezometric line", "x", "y")]
-    base = _beside(sheets["profile"], "max depth") * units.length
+    base = _cell_after(sheets["profile"], "max depth") * units.length
     layers = []
     for k, row in enumerate(rows[: len(lines)]):
         keys = _soil(row, units, bool(tables), notices)
@@ -88,7 +96,7 @@ def _model(sheets: dict[str, Rows]) -> ForeignModel:
     return ForeignModel(layers, table, surcharges, list(dict.fromkeys(notices)))
 
 
-def _beside(rows: Rows, words: str) -> float:
+def _cell_after(rows: Rows, words: str) -> float:
     """The number in the cell to the right of one with ``words``; raises LookupError without."""
     for row in rows:
         for cell, value in pairwise(row):
@@ -227,9 +235,9 @@ def _tables_of_loads(rows: Rows, case: str) -> Iterator[np.ndarray]:
 
 def _not_taken(sheets: dict[str, Rows], second: bool) -> Iterator[str]:
     main = sheets["main"]
-    if (crack := _beside(main, "tension crack depth")) > 0.0:
+    if (crack := _cell_after(main, "tension crack depth")) > 0.0:
         yield f"not taken: a tension crack {crack:g} deep; see [tension_crack]"
-    if (kh := _beside(main, "seismic coefficient")) != 0.0:
+    if (kh := _cell_after(main, "seismic coefficient")) != 0.0:
         yield f"not taken: a seismic coefficient of {kh:g}; fem.safety_factor_at = [{kh:g}] has its factor of safety"
     if second:
         yield "not taken: the piezometric line after drawdown; see after_drawdown in [water]"

@@ -228,12 +228,12 @@ class CohesionField:
             cohesion[here] = soil.cohesion
             if not soil.cohesion_varies:
                 continue
-            place, beside, start = points[here], near[here], self.starts[k]
-            depth = np.zeros(len(place)) if start is None else level_at(start, place[:, 0], beside[:, 0]) - place[:, 1]
+            place, nearby, start = points[here], near[here], self.starts[k]
+            depth = np.zeros(len(place)) if start is None else level_at(start, place[:, 0], nearby[:, 0]) - place[:, 1]
             stress = np.zeros(len(place))
             if soil.strength_ratio:
                 pore = None if pressure is None else pressure[here]
-                stress = self.effective_stress(place, beside, np.full(len(place), k), self.consolidated[k], pore)
+                stress = self.effective_stress(place, nearby, np.full(len(place), k), self.consolidated[k], pore)
             cohesion[here] = law(soil, depth, stress)
         return cohesion
 

@@ -94,7 +94,7 @@ class Tally:
 
     def __init__(self, names: list[str], areas: list[float], x: np.ndarray) -> None:
         self.names, self.areas, self.x = names, areas, x
-        self.kept, self.held = [0.0] * len(names), [0.0] * len(names)
+        self.owned, self.covered = [0.0] * len(names), [0.0] * len(names)
         self.shared: dict[tuple[int, int], list[float]] = {}  # area, and x from and to
         self.gaps: dict[tuple[str, str], list[float]] = {}  # height, and x from and to
 
@@ -104,9 +104,9 @@ class Tally:
         ``inside``: strata whose outlines hold the cell; ``owner``: the one it belongs to; ``area``: of the cell (m²);
         ``column``: of the grid.
         """
-        self.kept[owner] += area
+        self.owned[owner] += area
         for other in inside:
-            self.held[other] += area
+            self.covered[other] += area
             if other != owner and self.names[other] != self.names[owner]:
                 whole = self.shared.setdefault((owner, other), [0.0, self.x[column], self.x[column + 1]])
                 whole[0], whole[2] = whole[0] + area, self.x[column + 1]
@@ -127,15 +127,15 @@ class Tally:
             if height > JOINED
         ]
         for (owner, other), (area, start, end) in self.shared.items():
-            nested = area >= INSIDE * min(self.kept[owner], self.areas[other])
+            nested = area >= INSIDE * min(self.owned[owner], self.areas[other])
             if not nested and area > JOINED * (end - start):
                 sentences.append(f'"{self.names[owner]}" and "{self.names[other]}" overlap by {area:.3g} m² from x = '
                             f'{start:.6g} to {end:.6g} m: that is taken for "{self.names[owner]}"')  # fmt: skip
         sentences += [f'the outline on layer "{name}" is covered by others, and not used'
-                 for name, kept in zip(self.names, self.kept, strict=True) if kept <= 0.0]  # fmt: skip
+                 for name, area in zip(self.names, self.owned, strict=True) if area <= 0.0]  # fmt: skip
         sentences += [f'the outline on layer "{name}" crosses itself; expected its corners in turn'
-                      for name, held, area in zip(self.names, self.held, self.areas, strict=True)
-                      if abs(held - area) > (1.0 - INSIDE) * held]  # fmt: skip
+                      for name, covered, area in zip(self.names, self.covered, self.areas, strict=True)
+                      if abs(covered - area) > (1.0 - INSIDE) * covered]  # fmt: skip
         return sentences
 
 

@@ -78,8 +78,8 @@ def place_in_file(strata: Sequence[Stratum], k: int) -> str:
 def layers_in_file(names: Sequence[str], layers: Layering) -> tuple[list[str], Layering]:
     """The names and the layers of strata as their file has them, before water cut some of them in two."""
     tops = [k for k, name in enumerate(names) if not k or name != names[k - 1] + BELOW_WATER]
-    kept = [*tops, len(names)]
-    whole = replace(layers, left=layers.left[:, kept], right=layers.right[:, kept], strata=len(tops))
+    remaining = [*tops, len(names)]
+    whole = replace(layers, left=layers.left[:, remaining], right=layers.right[:, remaining], strata=len(tops))
     return [names[k] for k in tops], whole
 
 
@@ -125,8 +125,8 @@ class DividedStratum:
 def divided_by_water(layers: Layering, k: int, water: np.ndarray) -> DividedStratum:
     """Stratum k of the layers, divided by a water level (n, 2) from side to side."""
     x = layers.x
-    inner = water[(water[:, 0] > x[0]) & (water[:, 0] < x[-1]), 0]
-    x = np.union1d(x, [at for at in inner if np.abs(x - at).min() > layers.tolerance])
+    inside = water[(water[:, 0] > x[0]) & (water[:, 0] < x[-1]), 0]
+    x = np.union1d(x, [at for at in inside if np.abs(x - at).min() > layers.tolerance])
     x = np.union1d(x, _crossings(layers, k, water, x))
     top, bottom, level = _at_ends(layers, k, water, x)
     for line in (top, bottom):
@@ -209,9 +209,11 @@ def cut_strata(
     cut: list[Stratum] = []
     cell = _cell(layers)
     divided = [None if level is None else divided_by_water(layers, k, level) for k, level in enumerate(levels)]
-    kept = [None if exact is None else without_pockets(exact, cell) for exact in divided]
-    dry_soils = {whole_soil(s.name) for s, parts in zip(strata, kept, strict=True) if parts is None or parts.has(0)}
-    for stratum, exact, parts in zip(strata, divided, kept, strict=True):
+    cut_outlines = [None if exact is None else without_pockets(exact, cell) for exact in divided]
+    dry_soils = {
+        whole_soil(s.name) for s, parts in zip(strata, cut_outlines, strict=True) if parts is None or parts.has(0)
+    }
+    for stratum, exact, parts in zip(strata, divided, cut_outlines, strict=True):
         if exact is None or parts is None:
             cut.append(stratum)
             continue

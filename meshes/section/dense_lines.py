@@ -71,7 +71,7 @@ def thinned_lines(lines: Mapping[Place, np.ndarray], cell: float) -> tuple[dict[
     fixed = hard | np.concatenate([[True], (gaps[:-1] >= near) & (gaps[1:] >= near), [True]])
     tolerance = LEAST * cell
     while True:
-        keep = kept(x, list(sides.values()), fixed, tolerance)
+        keep = needed_x(x, list(sides.values()), fixed, tolerance)
         places, of_places = with_walls_upright(
             x[keep],
             [(left[keep], right[keep]) for left, right in sides.values()],
@@ -154,7 +154,9 @@ def _sides(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.where((x <= start) | (x > end), np.nan, left), np.where((x < start) | (x >= end), np.nan, right)
 
 
-def kept(x: np.ndarray, sides: list[tuple[np.ndarray, np.ndarray]], fixed: np.ndarray, tolerance: float) -> np.ndarray:
+def needed_x(
+    x: np.ndarray, sides: list[tuple[np.ndarray, np.ndarray]], fixed: np.ndarray, tolerance: float
+) -> np.ndarray:
     """The x whose points keep all lines within a tolerance, the fixed ones included.
 
     Parameters
@@ -225,9 +227,9 @@ def with_walls_upright(
         first += 1
     for wall in walls:
         for way in (-1, 1):
-            inner, outer = [*np.flatnonzero(keep & (way * (upright - upright[wall]) > 0.0))[::way], 0, 0][:2]
-            if 0 < inner < len(x) - 1 and inner not in walls and abs(upright[inner] - upright[wall]) < near:
-                keep[inner] = not _between(upright, left, right, sorted((wall, inner, outer)), 0.5 * near)
+            nearest, second = [*np.flatnonzero(keep & (way * (upright - upright[wall]) > 0.0))[::way], 0, 0][:2]
+            if 0 < nearest < len(x) - 1 and nearest not in walls and abs(upright[nearest] - upright[wall]) < near:
+                keep[nearest] = not _between(upright, left, right, sorted((wall, nearest, second)), 0.5 * near)
     return upright[keep], [(left[k, keep], right[k, keep]) for k in range(len(sides))]
 
 

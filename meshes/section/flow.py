@@ -58,7 +58,7 @@ def seepage_of(
     k = np.array([(s.permeability or 0.0, s.permeability_vertical or s.permeability or 0.0) for s in strata], float)
     stretch = float(np.sqrt(np.clip(k[:, 0] / k[:, 1], 1.0, MOST_STRETCHED**2).max()))
     grid = flow_grid(layers, size, walls, levels.tolist(), stretch)
-    heads = _given(grid, still, table, layers.tolerance)
+    heads = _known_heads(grid, still, table, layers.tolerance)
     if not np.isfinite(heads).any():
         raise InputError(
             name,
@@ -77,15 +77,15 @@ def _shores(layers: Layering, table: np.ndarray) -> list[float]:
     return [float(at) for at in x[i] + (x[i + 1] - x[i]) * first[i] / (first[i] - last[i])]
 
 
-def _given(grid: FlowGrid, still: WaterPressure, table: np.ndarray, tolerance: float) -> np.ndarray:
+def _known_heads(grid: FlowGrid, still: WaterPressure, table: np.ndarray, tolerance: float) -> np.ndarray:
     """Heads (n,) of the points below free water and, at the sides, below the table; elsewhere not numbers."""
     heads = np.full(len(grid.points), np.nan)
     places = np.unique(np.concatenate([grid.ground, *grid.sides]))
     points, middle = grid.points[places], grid.points[grid.cells].mean(axis=1)
     cells = np.bincount(grid.cells.ravel(), minlength=len(heads))
-    beside = np.bincount(grid.cells.ravel(), np.repeat(middle[:, 0], 3), minlength=len(heads))[places] / cells[places]
-    near = np.column_stack([beside, points[:, 1]])
-    under = level_at(table, points[:, 0], beside) >= points[:, 1] - 1e-3 * tolerance
+    inside = np.bincount(grid.cells.ravel(), np.repeat(middle[:, 0], 3), minlength=len(heads))[places] / cells[places]
+    near = np.column_stack([inside, points[:, 1]])
+    under = level_at(table, points[:, 0], inside) >= points[:, 1] - 1e-3 * tolerance
     pressure = still.hydrostatic(table, points, near) / still.unit_weight
     heads[places[under]] = (points[:, 1] + pressure)[under]
     return heads

@@ -75,8 +75,8 @@ class FlowGrid:
         strip = np.searchsorted(self.x, x, side="right") - 1
         after = np.clip(np.searchsorted(self.x, x), 1, len(self.x) - 1)
         line = np.where(x - self.x[after - 1] <= self.x[after] - x, after - 1, after)  # the nearest one
-        beside = np.where(near[:, 0] > self.x[line], line, line - 1)
-        strip = np.where(np.abs(x - self.x[line]) <= tolerance, beside, strip)
+        strip_of_near = np.where(near[:, 0] > self.x[line], line, line - 1)
+        strip = np.where(np.abs(x - self.x[line]) <= tolerance, strip_of_near, strip)
         return np.clip(strip, 0, len(self.rungs) - 1)
 
     def interpolated(self, values: np.ndarray, points: np.ndarray, near: np.ndarray, tolerance: float) -> np.ndarray:
@@ -144,14 +144,14 @@ def flow_grid(
     sides = (right_numbers[0], left_numbers[-1])
     return FlowGrid(
         x, points[used], new[triangles], np.array(stratum), tuple(new[pairs] for pairs in rungs),
-        np.unique([new[i] for i in ground if new[i] >= 0]), (_kept(new, sides[0]), _kept(new, sides[1])),
+        np.unique([new[i] for i in ground if new[i] >= 0]), (_remaining(new, sides[0]), _remaining(new, sides[1])),
         tuple(wall.x for wall in walls),
     )  # fmt: skip
 
 
-def _kept(new: np.ndarray, numbers: np.ndarray) -> np.ndarray:
-    kept = new[numbers]
-    return np.asarray(kept[kept >= 0])
+def _remaining(new: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+    remaining = new[numbers]
+    return np.asarray(remaining[remaining >= 0])
 
 
 def _lines(layers: Layering, size: float) -> tuple[np.ndarray, np.ndarray]:

@@ -151,9 +151,9 @@ def _discretised(grid: FlowGrid, permeability: np.ndarray) -> tuple[csr_array, _
     matrix = coo_array((blocks.ravel(), places), shape=(size, size)).tocsr()
     x = grid.points[cells, 0]
     row, first = np.arange(len(cells)), np.argmin(np.abs(x - np.roll(x, -1, axis=1)), axis=1)
-    one, two, apex = (cells[row, (first + k) % 3] for k in range(3))
-    upright = np.where(z[one] > z[two], one, two), np.where(z[one] > z[two], two, one)
-    area, along = 0.5 * np.abs(grid.points[apex, 0] - grid.points[one, 0]), permeability[grid.stratum, 1]
+    start, end, apex = (cells[row, (first + k) % 3] for k in range(3))
+    upright = np.where(z[start] > z[end], start, end), np.where(z[start] > z[end], end, start)
+    area, along = 0.5 * np.abs(grid.points[apex, 0] - grid.points[start, 0]), permeability[grid.stratum, 1]
     most = np.zeros(size)
     np.maximum.at(most, cells.ravel(), np.repeat(along, 3))
     falling = np.zeros(size)
@@ -161,9 +161,9 @@ def _discretised(grid: FlowGrid, permeability: np.ndarray) -> tuple[csr_array, _
     most = np.where(falling > 0.0, falling, most)
     entries = matrix.tocoo()
     below = (entries.row < entries.col) & (entries.data > 0.0)
-    one, two, lacking = entries.row[below], entries.col[below], entries.data[below]
-    upper, lower = np.where(z[one] > z[two], one, two), np.where(z[one] > z[two], two, one)
-    places = (np.concatenate([one, two, one, two]), np.concatenate([one, two, two, one]))
+    start, end, lacking = entries.row[below], entries.col[below], entries.data[below]
+    upper, lower = np.where(z[start] > z[end], start, end), np.where(z[start] > z[end], end, start)
+    places = (np.concatenate([start, end, start, end]), np.concatenate([start, end, end, start]))
     added = coo_array((np.concatenate([lacking, lacking, -lacking, -lacking]), places), shape=(size, size))
     return (matrix + added).tocsr(), _Falls(
         np.concatenate([upright[0], upper]),

@@ -65,9 +65,9 @@ def _kink(field: CohesionField, k: int) -> np.ndarray:
 
 
 def _excess(
-    field: CohesionField, k: int, x: np.ndarray, z: np.ndarray, beside: np.ndarray, level: np.ndarray, least: float
+    field: CohesionField, k: int, x: np.ndarray, z: np.ndarray, inside: np.ndarray, level: np.ndarray, least: float
 ) -> np.ndarray:
     """What the growing cohesion (n,) in Pa of stratum k exceeds its ``least`` value by, at x, z (n,) in m; negative
-    where it is less. ``beside``, ``level`` (n,): x and z of points inside the stratum beside them (m)."""
-    points, near = np.column_stack([x, z]), np.column_stack([beside, level])
+    where it is less. ``inside``, ``level`` (n,): x and z of points inside the stratum beside them (m)."""
+    points, near = np.column_stack([x, z]), np.column_stack([inside, level])
     return field.growing(points, near, np.full(len(x), k)) - least

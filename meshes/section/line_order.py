@@ -29,7 +29,7 @@ def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
         One sentence for each line whose points were moved, and one for all that were turned round.
     """
     data = dict(data)
-    notices = _turned_round(data)
+    notices = _reversed_lines(data)
     try:
         surface = tuple(pairs_of(data["surface"]))
         if surface[0][0] == surface[-1][0]:
@@ -50,15 +50,19 @@ def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     return data, notices
 
 
-def _turned_round(data: dict[str, Any]) -> list[str]:
+def _reversed_lines(data: dict[str, Any]) -> list[str]:
     """Turn round the lines that go from right to left; returns the sentence that tells it, if there is one to tell."""
-    turned = []
+    reversed_lines = []
     for place, table, points in _lines(data):
         steps = np.diff(points[:, 0])
         if len(points) and points[0, 0] > points[-1, 0] and np.sum(steps < 0.0) > np.sum(steps > 0.0):
             table[place[-1]] = list(table[place[-1]])[::-1]
-            turned.append(_key(place))
-    return [f"geometry: from right to left in the file, and turned round: {'; '.join(turned)}"] if turned else []
+            reversed_lines.append(_key(place))
+    return (
+        [f"geometry: from right to left in the file, and turned round: {'; '.join(reversed_lines)}"]
+        if reversed_lines
+        else []
+    )
 
 
 def _lines(data: dict[str, Any]) -> Iterator[tuple[Place, Any, np.ndarray]]:
@@ -113,7 +117,7 @@ def _step(heights: np.ndarray, before: float, after: float, reach: float) -> tup
     if heights.min() >= min(first, last) - reach and heights.max() <= max(first, last) + reach:
         return first, last
     foot, top = float(heights.min()), float(heights.max())  # a scanner may see a wall in any order
-    left, right = (foot if abs(foot - beside) < abs(top - beside) else top for beside in (before, after))
+    left, right = (foot if abs(foot - neighbour) < abs(top - neighbour) else top for neighbour in (before, after))
     return None if left == right else (left, right)
 
 

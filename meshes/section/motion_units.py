@@ -55,8 +55,8 @@ def motion_unit(written: str) -> MotionUnit | None:
     if unit := NAMED.get(word):
         return MotionUnit(*unit)
     if parts := re.fullmatch(r"(gals?)\((.+)\)", word):  # both say the same, or it is none
-        inner = motion_unit(parts[2])
-        return inner if inner == motion_unit(parts[1]) else None
+        in_brackets = motion_unit(parts[2])
+        return in_brackets if in_brackets == motion_unit(parts[1]) else None
     parts = re.fullmatch(r"(um|mm|cm|ft|inch|in|m)(.*)", word)
     if parts is None:
         return None

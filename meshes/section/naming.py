@@ -23,9 +23,9 @@ def group_names(names: Sequence[str]) -> list[str]:
     """Names of the physical groups of strata in a gmsh file: their own, or their number where gmsh cannot keep it."""
     groups = []
     for number, name in enumerate(names, start=1):
-        kept = len(name.encode()) <= LONGEST_GROUP and "\\" not in name
-        group = name if kept else f"stratum {number}"
-        while not kept and group in names:
+        is_short = len(name.encode()) <= LONGEST_GROUP and "\\" not in name
+        group = name if is_short else f"stratum {number}"
+        while not is_short and group in names:
             group += "'"
         groups.append(group)
     return groups

@@ -57,15 +57,15 @@ def within(points: np.ndarray, left: float, right: float) -> np.ndarray:
     Edges that run back and forth on either side are left in it; they are vertical and hold no area.
     """
     for limit, sign in ((left, 1.0), (right, -1.0)):
-        kept = []
+        corners = []
         for start, end in zip(points, np.roll(points, -1, axis=0), strict=True):
             inside = [sign * (end_x - limit) >= 0.0 for end_x in (start[0], end[0])]
             if inside[0]:
-                kept.append(start)
+                corners.append(start)
             if inside[0] != inside[1]:
                 share = (limit - start[0]) / (end[0] - start[0])
-                kept.append(np.array([limit, start[1] + share * (end[1] - start[1])]))
-        points = np.array(kept, dtype=float).reshape(-1, 2)
+                corners.append(np.array([limit, start[1] + share * (end[1] - start[1])]))
+        points = np.array(corners, dtype=float).reshape(-1, 2)
     return points
 
 

@@ -65,18 +65,18 @@ def overburden(section: Section, x: float, depth: float) -> Overburden:
         pressure = float(field.at_rest(place, place, np.array([stratum]))[0])
         free_water = float(field.ponded(field.after, place, place)[0])
         below_water = below_water and pressure > 0.0
-    shaken, drained = loads = _loads(section, x, here)
-    return Overburden(stratum, total + shaken, total + free_water - pressure + drained, below_water, loads)
+    added, drained = loads = _loads(section, x, here)
+    return Overburden(stratum, total + added, total + free_water - pressure + drained, below_water, loads)
 
 
 def _loads(section: Section, x: float, elevation: float) -> tuple[float, float]:
     """What surcharges add to the total and to the effective stress (Pa) at a point: see `Overburden.loads`."""
-    shaken = drained = 0.0
+    total = drained = 0.0
     for load in section.surcharges:
         stands_on = float(np.interp(min(max(x, load.start), load.end), *section.ground.T))
         stress = load.below(x, stands_on - elevation)
-        shaken, drained = shaken + load.seismic_share * stress, drained + load.consolidated * stress
-    return shaken, drained
+        total, drained = total + load.seismic_share * stress, drained + load.consolidated * stress
+    return total, drained
 
 
 def water_level(section: Section, x: float, stratum: int | None = None) -> float | None:

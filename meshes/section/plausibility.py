@@ -145,7 +145,7 @@ def against_the_water(
     level = drawn if table is None else table
     if level is None:
         return
-    yield from _beside_the_ground(layers, level)
+    yield from _away_from_the_ground(layers, level)
     for k, s in enumerate(strata):
         above, below = (_area(divided_by_water(layers, k, level), part) for part in (0, 1))
         where = key_in_file(strata, k)
@@ -183,7 +183,7 @@ def not_lower(before: np.ndarray | None, after: np.ndarray) -> Iterator[str]:
         )
 
 
-def _beside_the_ground(layers: Layering, level: np.ndarray) -> Iterator[str]:
+def _away_from_the_ground(layers: Layering, level: np.ndarray) -> Iterator[str]:
     """A sentence where the water (n, 2) stands above all of the ground, or lies below all of it."""
     x = np.concatenate([layers.x[:-1], layers.x[1:]])
     top, base = (np.concatenate([layers.left[:, k], layers.right[:, k]]) for k in (0, -1))

@@ -273,11 +273,11 @@ class Section(Model):
     def thinned(self) -> "Section":
         """The section without points of its lines that lie so densely that no mesh can use them, and a notice."""
         lines = lines_by_place(self.surface, self.base, self.water_table, self.strata, self.water)
-        kept_lines, tolerance = thinned_lines(lines, CELL * mean_height(self.surface, self.base))
+        fewer_points, tolerance = thinned_lines(lines, CELL * mean_height(self.surface, self.base))
         if tolerance == 0.0:
             return self
         data = self.model_dump(mode="python", exclude_none=True, by_alias=True)
-        thinned = type(self).model_validate(with_lines(data, kept_lines))
+        thinned = type(self).model_validate(with_lines(data, fewer_points))
         thinned = thinned._derived(
             [new.placed(old.place) for new, old in zip(thinned.strata, self.strata, strict=True)]
         )

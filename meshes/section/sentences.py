@@ -33,8 +33,8 @@ LONGEST = 80  # characters of a value that are shown
 Place = tuple[int | str, ...]
 
 
-def sentences(error: ValidationError, data: Any, model: type[BaseModel], beside: Sequence[str] = ()) -> list[str]:
-    """One sentence for each problem: the key, the value, what was expected; ``beside`` are keys of others there.
+def sentences(error: ValidationError, data: Any, model: type[BaseModel], other_keys: Sequence[str] = ()) -> list[str]:
+    """One sentence for each problem: the key, the value, what was expected; ``other_keys`` are keys of others there.
 
     ``error``: of pydantic; ``data``: the table of the file; ``model``: what the table was to be.
     """
@@ -44,7 +44,7 @@ def sentences(error: ValidationError, data: Any, model: type[BaseModel], beside:
         entry["loc"] = place
         choices.setdefault(choice or place, []).append(entry)
     texts = [text for field, same in choices.items() for entry in _nearest(field, same)
-            for text in _sentences_of(entry, data, model, beside)]  # fmt: skip
+            for text in _sentences_of(entry, data, model, other_keys)]  # fmt: skip
     return list(dict.fromkeys(texts))
 
 
@@ -98,14 +98,14 @@ def _nearest(field: Place, errors: list[ErrorDetails]) -> list[ErrorDetails]:
     return [error for error in errors if far(error) == least] if several else errors
 
 
-def _sentences_of(error: ErrorDetails, data: Any, model: type[BaseModel], beside: Sequence[str]) -> Iterable[str]:
+def _sentences_of(error: ErrorDetails, data: Any, model: type[BaseModel], other_keys: Sequence[str]) -> Iterable[str]:
     """One sentence for each problem in a pydantic error: the key, the value, what was expected."""
     key = _key(error["loc"], data)
     if error["type"] == "missing":
         expected = _description(error["loc"], model)
         return [f"{key}: missing" + (f"; expected {expected}" if expected else "")]
     if error["type"] == "extra_forbidden":
-        known = [*_known_keys(error["loc"], model), *(beside if len(error["loc"]) == 1 else ())]
+        known = [*_known_keys(error["loc"], model), *(other_keys if len(error["loc"]) == 1 else ())]
         close = difflib.get_close_matches(str(error["loc"][-1]), known, n=1)
         listed = f"; expected one of {', '.join(known)}" if known else ""
         hint = f'; did you mean "{close[0]}"?' if close else listed

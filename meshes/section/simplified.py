@@ -28,8 +28,8 @@ def needed(points: np.ndarray, tolerance: float) -> np.ndarray:
 
     def off(first: int, last: int) -> np.ndarray:
         (x0, z0), (x1, z1) = points[first], points[last]
-        inner = points[first + 1 : last]
-        return np.abs(inner[:, 1] - (z0 + (z1 - z0) * (inner[:, 0] - x0) / (x1 - x0)))
+        between = points[first + 1 : last]
+        return np.abs(between[:, 1] - (z0 + (z1 - z0) * (between[:, 0] - x0) / (x1 - x0)))
 
     return with_farthest(keep, off, tolerance)
 

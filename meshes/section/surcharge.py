@@ -111,7 +111,7 @@ class SurfaceLoads:
         """The shares (n,) of the surcharges, in Pa, under which the ground has consolidated before shaking."""
         return sum((s.consolidated * s.at(x, near) for s in self.surcharges), np.zeros(len(x)))
 
-    def shaken(self, sign: int, points: np.ndarray, near: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    def seismic(self, sign: int, points: np.ndarray, near: np.ndarray, normal: np.ndarray) -> np.ndarray:
         """What Kh = 1 adds, the inertia force on the ground being to the right (``sign`` 1) or to the left (-1).
 
         Surcharges push with the share of their mass that shakes. Ground that shakes away from water draws on it, and
@@ -152,6 +152,8 @@ class SurfaceLoads:
                     continue
                 bounds = layers.interfaces(np.array([x]))[0]
                 top = int(np.argmax(bounds[:-1] - bounds[1:] > layers.tolerance))
-                beside = [other for other in self.surcharges if other is not load and other.start <= x <= other.end]
-                if not self.water.strata[top].has_cohesion and not beside:
+                overlapping = [
+                    other for other in self.surcharges if other is not load and other.start <= x <= other.end
+                ]
+                if not self.water.strata[top].has_cohesion and not overlapping:
                     yield number, x, self.water.strata[top].name

@@ -109,7 +109,7 @@ class TensionCrack(Model):
         pressure of the water in the cracks where they have no friction."""
         if self.bottom is None:
             return section
-        bottom = _beside_faces(section.elevations_of(self.bottom))
+        bottom = _without_faces(section.elevations_of(self.bottom))
         pressure = section.water_pressure
         filled = self.water != "dry" and pressure.flow is None
 
@@ -140,16 +140,16 @@ class TensionCrack(Model):
         def level(at: np.ndarray) -> np.ndarray:
             top, end = (level_at(line, at, middle) for line in (ground, bottom))
             deep = np.maximum(top - end, 0.0)
-            beside = [level_at(ground, at + step, middle + step) for step in (-depth, depth)]
+            neighbours = [level_at(ground, at + step, middle + step) for step in (-depth, depth)]
             lowest = np.where(np.abs(ground[:, 0] - middle[:, None]) < depth, ground[:, 1], np.inf).min(axis=1)
-            water = np.minimum.reduce([top - deep + self.water_depth(deep), *beside, lowest])
+            water = np.minimum.reduce([top - deep + self.water_depth(deep), *neighbours, lowest])
             return water if ground_level is None else np.maximum(water, level_at(ground_level, at, middle))
 
         points = np.column_stack([np.repeat(x, 2)[1:-1], np.column_stack([level(x[:-1]), level(x[1:])]).ravel()])
         return _without_steps(points)
 
 
-def _beside_faces(line: np.ndarray) -> np.ndarray:
+def _without_faces(line: np.ndarray) -> np.ndarray:
     """A line (n, 2) that steps where it is steeper than ``STEEP``, at the lower end: cracks beside a face that is
     nearly upright reach down from the ground above it, not from the face."""
     width, rise = np.diff(line, axis=0).T

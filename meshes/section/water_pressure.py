@@ -90,7 +90,7 @@ class WaterPressure:
             return np.maximum(pressure - self._taken_off(points, near), 0.0)
         return pressure
 
-    def shaken(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
+    def excess(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
         """Pore pressure (n,) that shaking adds: the excess ratio times the vertical effective stress before it.
 
         That is the weight of the column of soil above, and of the water on it, less the pore pressure.
@@ -123,21 +123,21 @@ class WaterPressure:
         pressure = self.at_rest(points, near, stratum) if pressure is None else pressure
         return np.maximum(total - pressure, 0.0)
 
-    def inside(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, shaken: bool) -> np.ndarray:
-        """Pore pressure (n,), with what shaking adds if the ground is ``shaken``.
+    def inside(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, excess_pressure: bool) -> np.ndarray:
+        """Pore pressure (n,), with the excess pore pressure of shaking if ``excess_pressure``.
 
         ``points``, ``near``, ``stratum``: as in ``at_rest``.
         """
         pressure = self.at_rest(points, near, stratum)
-        return pressure + self.shaken(points, near, stratum) if shaken else pressure
+        return pressure + self.excess(points, near, stratum) if excess_pressure else pressure
 
-    def slope(self, point: tuple[float, float], stratum: int, step: float, shaken: bool) -> np.ndarray:
+    def slope(self, point: tuple[float, float], stratum: int, step: float, excess_pressure: bool) -> np.ndarray:
         """Slope (2,) of the pore pressure at a point, over a ``step`` (m) to either side of it (Pa/m).
 
-        ``stratum``: its number; ``shaken``: whether the pressure that shaking adds is there.
+        ``stratum``: its number; ``excess_pressure``: whether to add the excess pore pressure of shaking.
         """
-        ahead = np.array(point) + step * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
-        pressure = self.inside(ahead, np.array([point] * 4), np.array([stratum] * 4), shaken)
+        around = np.array(point) + step * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+        pressure = self.inside(around, np.array([point] * 4), np.array([stratum] * 4), excess_pressure)
         return (pressure[:2] - pressure[2:]) / (2.0 * step)
 
     @cached_property

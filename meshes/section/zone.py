@@ -20,7 +20,7 @@ OF_GROUND = ("piezometric_level", "consolidated_below")
 AnyModel = TypeVar("AnyModel", bound=BaseModel)
 BELOW = "\n"  # what lies below the base; no stratum is called so
 # A zone of which no more than the first share lies in the section lies outside; less than the second is not told.
-MISSED, TOLD = 1e-6, 1e-3
+MISSED, NOTABLE = 1e-6, 1e-3
 
 
 class Zone(Stratum):
@@ -59,15 +59,15 @@ def with_materials(data: Mapping[str, Any]) -> Mapping[str, Any]:
             filled.append(zone)
             continue
         where = f"zones {number}" + (f' "{zone["name"]}"' if isinstance(zone.get("name"), str) else "")
-        if beside := [key for key in zone if key in Stratum.model_fields and key not in OWN_KEYS]:
+        if conflicting := [key for key in zone if key in Stratum.model_fields and key not in OWN_KEYS]:
             expected = "expected either the name of a stratum or keys of its own"
-            problems.append(f"{where}, material = {name!r} beside {beside[0]}: {expected}")
+            problems.append(f"{where}, material = {name!r} beside {conflicting[0]}: {expected}")
         if not isinstance(name, str) or name not in soils:
             listed = ", ".join(f'"{soil}"' for soil in soils)
             problems.append(f"{where}, material = {name!r}: expected the name of a stratum, one of {listed}")
         else:
-            kept = {key: value for key, value in soils[name].items() if key not in ("name", "bottom")}
-            filled.append({**kept, **zone})
+            keys = {key: value for key, value in soils[name].items() if key not in ("name", "bottom")}
+            filled.append({**keys, **zone})
     if problems:
         raise ValueError("\n".join(problems))
     return {**data, "zones": filled}
@@ -166,7 +166,7 @@ def _of_zones(
         share = (polygon_area(inside[k - 1]) - tally.shared.get((0, k), [0.0])[0]) / whole
         if share <= MISSED:
             problems.append(f"{called[k]}: lies outside the section; expected points within it, or above its ground")
-        elif share < 1.0 - TOLD:
+        elif share < 1.0 - NOTABLE:
             notices.append(f"{called[k]}: {100.0 * (1.0 - share):.2g} % of it lies past the sides or below the base, "
                            "and is left out")  # fmt: skip
     for (owner, other), (area, start, end) in tally.shared.items():
@@ -220,5 +220,5 @@ def _thick(ground: np.ndarray, base: Line, parts: Sequence[Stratum]) -> tuple[St
     base.
     """
     areas = layering(ground, base, [stratum.bottom for stratum in parts]).layering.areas()
-    kept = [stratum for stratum, area in zip(parts, areas, strict=True) if area > 0.0]
-    return (*kept[:-1], kept[-1].model_copy(update={"bottom": None}))
+    present = [stratum for stratum, area in zip(parts, areas, strict=True) if area > 0.0]
+    return (*present[:-1], present[-1].model_copy(update={"bottom": None}))

@@ -40,10 +40,10 @@ def run(name: str) -> dict[str, Any]:
             for line in process.stdout or ():
                 print(line, end="", flush=True)
                 lines.append(line.rstrip())
-        found = json.loads(numbers.read_text()) if numbers.exists() else None
+        result = json.loads(numbers.read_text()) if numbers.exists() else None
     return {
         "benchmark": name, "exit": process.returncode, "seconds": round(time.perf_counter() - begin, 1),
-        "numbers": found, "printed": lines,
+        "numbers": result, "printed": lines,
     }  # fmt: skip
 
 

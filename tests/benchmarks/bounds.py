@@ -19,9 +19,9 @@ def main(sides: str = "fixed", gap: str = "0.01") -> None:
 
     start = time.perf_counter()
 
-    def show(found: Bracket) -> None:
-        one, took = found.meshes[-1], f"{time.perf_counter() - start:6.1f}  {found.meshes[-1].work:6.1f}"
-        print(f"{one.cells:6d}  {found.lower:.4f}  {found.upper:.4f}  {100 * found.gap:5.2f} %  {took}")
+    def show(result: Bracket) -> None:
+        meshes, took = result.meshes[-1], f"{time.perf_counter() - start:6.1f}  {result.meshes[-1].work:6.1f}"
+        print(f"{meshes.cells:6d}  {result.lower:.4f}  {result.upper:.4f}  {100 * result.gap:5.2f} %  {took}")
 
     settings = FemSettings.model_validate({"sides": sides})
     kh_bounds(Section.read(S13), settings, BoundsSettings(gap=float(gap), davis=False), show)

@@ -45,9 +45,9 @@ PROBLEMS: tuple[tuple[str, str, str, Callable[[], Bracket], Factor | None], ...]
 
 def row(problem: str, answer: str, source: str, bounds: Callable[[], Bracket], elements: Factor | None) -> Row:
     """One problem with what is found for it."""
-    found = bounds()
+    direction_bounds = bounds()
     line = {"problem": problem, "answer": answer, "source": source}
-    line |= {"lower": float(f"{found.lower:.4g}"), "upper": float(f"{found.upper:.4g}")}
+    line |= {"lower": float(f"{direction_bounds.lower:.4g}"), "upper": float(f"{direction_bounds.upper:.4g}")}
     if elements is not None:
         line |= {f"elements_{cells}": float(f"{elements(cells):.4g}") for cells in (4, 8)}
     return line

@@ -27,7 +27,7 @@ for law in ("paper", "soil"):
 print(json.dumps({"cpu_s": time.process_time() - begin[0], "clock_s": time.perf_counter() - begin[1]}))
 """
 
-AHEAD = """
+PRECOMPILED = """
 import json, time
 from dem.precompile import precompile
 from meshes.executor import Processes
@@ -45,8 +45,8 @@ def once(folder: str, program: str = PROGRAM) -> dict[str, float]:
         [sys.executable, "-c", program], env=os.environ | {"NUMBA_CACHE_DIR": folder}, capture_output=True, check=True,
         text=True,
     )  # fmt: skip
-    found: dict[str, float] = json.loads(run.stdout)
-    return {name: round(seconds, 2) for name, seconds in found.items()}
+    data: dict[str, float] = json.loads(run.stdout)
+    return {name: round(seconds, 2) for name, seconds in data.items()}
 
 
 def main() -> None:
@@ -57,7 +57,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory(prefix="noshiro-") as folder:
         rows = [{"what": what, **once(folder)} for what in ("compiled", "kept")]
     with tempfile.TemporaryDirectory(prefix="noshiro-") as folder:
-        rows.append({"what": "compiled ahead by two processes", **once(folder, AHEAD)})
+        rows.append({"what": "compiled ahead by two processes", **once(folder, PRECOMPILED)})
     for row in rows:
         of_cpu = f"{row['cpu_s']} s of CPU, " if "cpu_s" in row else ""
         print(f"{row['what']}: {of_cpu}{row['clock_s']} s on the clock")

@@ -45,7 +45,7 @@ SQUEEZE = 1.0e-4  # every contact starts closed
 SKIN = 0.4 * RADIUS  # m, in both codes: what the program takes
 SIZES = (3180, 31800, 318000)
 LAYERS = 10
-NOTES = ("steps_per_new_list", "ledger_cost")  # told beside the rows
+NOTES = ("steps_per_new_list", "energy_balance_cost")  # told beside the rows
 
 Row = dict[str, Any]
 
@@ -107,7 +107,7 @@ def measure(elements: int, threads: list[int], repeats: int) -> list[Row]:
     Engine(dt=DT, balance=math.inf).run(model_of(500, True), steps=10)  # compiled, or read from the cache
     before = resident()
     rows: list[Row] = []
-    held = 0.0
+    fixed = 0.0
     variants: tuple[tuple[str, bool, bool, Law], ...] = (
         ("bonded", True, False, "paper"),
         ("bonded, energies", True, True, "paper"),
@@ -128,18 +128,18 @@ def measure(elements: int, threads: list[int], repeats: int) -> list[Row]:
             seconds = best(lambda run=run, steps=steps: run.advance(steps), clock, repeats) / steps
             run.close()
             if not rows:
-                held = (resident() - before) / len(model)  # what the first model and its run took
-            rows.append(row("noshiro", variant, free, count, free / seconds / 1e6, held))
+                fixed = (resident() - before) / len(model)  # what the first model and its run took
+            rows.append(row("noshiro", variant, free, count, free / seconds / 1e6, fixed))
         if variant == "bonded":
             rebuild = best(lambda model=model: new_list(model), time.process_time, 3)
             rows[0]["steps_per_new_list"] = rebuild / (free / rows[0]["million_element_steps_per_s"] / 1e6)
         if energies:
-            rows[-1]["ledger_cost"] = ledger_cost(model)
+            rows[-1]["energy_balance_cost"] = energy_balance_cost(model)
         del model
     return rows
 
 
-def ledger_cost(model: DiscModel, seconds: float = 6.0) -> tuple[float, float]:
+def energy_balance_cost(model: DiscModel, seconds: float = 6.0) -> tuple[float, float]:
     """What the energy balance costs, as a share: of a step, and of a call of the kernel with the balance at its end.
 
     Short calls of the kernel on one thread and one layout, with and without it in turn, so that what else the machine
@@ -147,25 +147,25 @@ def ledger_cost(model: DiscModel, seconds: float = 6.0) -> tuple[float, float]:
     """
     run = EngineRun(Engine(dt=DT, balance=math.inf), model, DT)
     run.go(5)
-    with_ledger, steps = run.engine, max(4, int(4e5 / len(model)))
+    with_energy_balance, steps = run.engine, max(4, int(4e5 / len(model)))
     times: dict[bool, list[float]] = {False: [], True: []}
     balances = []
     end = time.process_time() + seconds
     while time.process_time() < end:
-        for kept in (False, True):
-            run.engine = replace(with_ledger, energies=kept)
+        for item in (False, True):
+            run.engine = replace(with_energy_balance, energies=item)
             begin, before = time.process_time(), model.steps
             reason = run.call_kernel(steps)
-            times[kept].append((time.process_time() - begin) / (model.steps - before))
+            times[item].append((time.process_time() - begin) / (model.steps - before))
             if reason != DONE:
                 run.update()
                 model.make_list()
                 run.pack()
         if len(times[True]) % 10 == 0:
             begin = time.process_time()
-            with_ledger.measure_layout(model, run.pack())
+            with_energy_balance.measure_layout(model, run.pack())
             balances.append(time.process_time() - begin)
-    run.engine = with_ledger
+    run.engine = with_energy_balance
     run.close()
     without = float(np.median(times[False]))
     step = float(np.median(times[True])) / without - 1.0
@@ -260,8 +260,8 @@ def measure_lammps(program: Path, elements: int, repeats: int, folder: Path) -> 
         if status or len(loops) != repeats + 1:
             raise RuntimeError(f"LAMMPS did not run to its end:\n{output[-2000:]}")
         seconds = min(float(wall) * min(1.0, float(share) / 100.0) for wall, share in loops[1:]) / steps
-        held = 1024 * usage.ru_maxrss / elements
-        rows.append(row("lammps", variant, free, 1, free / seconds / 1e6, held))
+        fixed = 1024 * usage.ru_maxrss / elements
+        rows.append(row("lammps", variant, free, 1, free / seconds / 1e6, fixed))
     return rows
 
 
@@ -292,17 +292,17 @@ def main() -> None:
     rows: list[Row] = []
     for elements in options.elements:
         ours = apart(measure, elements, options.threads, options.repeats)
-        theirs = []
+        others = []
         if options.lammps:
             with tempfile.TemporaryDirectory(prefix="noshiro-") as folder:
-                theirs = measure_lammps(options.lammps, elements, options.repeats, Path(folder))
-        for line in ours + theirs:
+                others = measure_lammps(options.lammps, elements, options.repeats, Path(folder))
+        for line in ours + others:
             print(
                 f"{line['code']:8} {line['variant']:32} {line['elements']:8} {line['threads']:7} "
                 f"{line['million_element_steps_per_s']:9.2f} {line['bytes_per_element']:6}"
             )
-        notes(ours, theirs)
-        rows += [{key: value for key, value in line.items() if key not in NOTES} for line in ours + theirs]
+        notes(ours, others)
+        rows += [{key: value for key, value in line.items() if key not in NOTES} for line in ours + others]
     if options.json:
         options.json.write_text(json.dumps(rows, indent=1) + "\n")
 
@@ -314,21 +314,21 @@ def quoted(rows: list[Row]) -> dict[str, float]:
     of = {
         line["variant"]: line["million_element_steps_per_s"] for line in reversed(single) if line["elements"] == least
     }
-    found = {"elements": least, "soil_discs": of["soil discs"]}
+    values = {"elements": least, "soil_discs": of["soil discs"]}
     if "gran/hooke/history" in of:
-        found |= {"lammps": of["gran/hooke/history"]}
-        found |= {"times_lammps": round(of["frictional"] / of["gran/hooke/history"], 1)}
-    return {name: round(value, 1) for name, value in found.items()}
+        values |= {"lammps": of["gran/hooke/history"]}
+        values |= {"times_lammps": round(of["frictional"] / of["gran/hooke/history"], 1)}
+    return {name: round(value, 1) for name, value in values.items()}
 
 
-def notes(ours: list[Row], theirs: list[Row]) -> None:
+def notes(ours: list[Row], other_notes: list[Row]) -> None:
     """What the rows of one size say beside each other."""
     speed = {(r["variant"], r["threads"]): r["million_element_steps_per_s"] for r in ours}
     least = min(threads for _, threads in speed)
     plain = speed["bonded", least]
     for line in ours:
-        if "ledger_cost" in line:
-            step, call = line["ledger_cost"]
+        if "energy_balance_cost" in line:
+            step, call = line["energy_balance_cost"]
             print(f"  {line['variant']}: {100.0 * step:.0f} % of a step, {100.0 * call:.0f} % with balances")
     print(f"  a new list takes as long as {ours[0]['steps_per_new_list']:.0f} steps")
     for threads in sorted({t for _, t in speed} - {1}):
@@ -336,9 +336,9 @@ def notes(ours: list[Row], theirs: list[Row]) -> None:
             print(f"  {threads} threads: {speed['bonded', threads] / speed['bonded', 1]:.2f} times one")
     soil = speed["soil discs", least]
     print(f"  soil discs with rolling resistance: {soil / plain:.2f} times as fast as bonded discs of the paper")
-    for line in theirs:
-        mine = speed["bonded" if "bpm" in line["variant"] else "frictional", least]
-        print(f"  {mine / line['million_element_steps_per_s']:.1f} times LAMMPS {line['variant']}")
+    for line in other_notes:
+        own_part = speed["bonded" if "bpm" in line["variant"] else "frictional", least]
+        print(f"  {own_part / line['million_element_steps_per_s']:.1f} times LAMMPS {line['variant']}")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ from pathlib import Path
 from mpi4py import MPI
 
 from fem.continuum.loads import sign_of
-from fem.limit_load.limit_load import pushed
+from fem.limit_load.limit_load import loaded_ground
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.newton import NewtonSettings
 from fem.path.plateau import growth_per_doubling
@@ -64,14 +64,14 @@ def follow(path: EquilibriumPath, steps: int) -> bool:
 def solve(refine: int, steps: int) -> Row:
     """What every rank does."""
     comm, begin = MPI.COMM_WORLD, time.perf_counter()
-    given = Config.load(SECTIONS / "s13.toml")
+    config = Config.load(SECTIONS / "s13.toml")
     settings = FemSettings(element="bilinear", direction="downhill")
-    mesh = generate(given.section, given.mesh.model_copy(update={"refine": refine}))
+    mesh = generate(config.section, config.mesh.model_copy(update={"refine": refine}))
     made = time.perf_counter()
-    ground = pushed(given.section, mesh, settings, comm)
+    ground = loaded_ground(config.section, mesh, settings, comm)
     assert ground.gravity is not None
     stood = time.perf_counter()
-    path = seismic_path(ground.problem, ground.constant, ground.load, sign_of(given.section, "downhill"), settings)
+    path = seismic_path(ground.problem, ground.constant, ground.load, sign_of(config.section, "downhill"), settings)
     newton = NewtonSettings(tolerance=settings.tolerance, iterations=MANY)
     longer = replace(path.settings, newton=newton, first=FIRST, growth=FASTER, largest=LARGEST, few=FEW, many=MANY)
     path = replace(path, settings=longer)
@@ -96,9 +96,9 @@ def measure(refine: int, ranks: int, steps: int) -> Row:
     return Row(**json.loads(lines[0][lines[0].index("{") : lines[0].rindex("}") + 1]))
 
 
-def difference(one: Row, other: Row) -> float:
+def difference(item: Row, other: Row) -> float:
     """By how much Kh differs at most, over the steps that both took."""
-    return max(abs(a - b) for a, b in zip(one.kh, other.kh, strict=False))
+    return max(abs(a - b) for a, b in zip(item.kh, other.kh, strict=False))
 
 
 def main() -> None:

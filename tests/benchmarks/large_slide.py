@@ -44,35 +44,35 @@ class Measured:
     same_when_resumed: bool
 
 
-def at_rest(given: Config, dem: DemSettings, folder: Path) -> tuple[DiscModel, float]:
+def at_rest(inputs: Config, dem: DemSettings, folder: Path) -> tuple[DiscModel, float]:
     """Discs at rest, and the seconds that took; 0 if they were in the folder."""
     file, begin = folder / "settled.npz", time.perf_counter()
     if file.exists():
         return DiscModel.load(file), 0.0
-    soil = soil_layers(given.section)
-    deposit(given.section, dem, soil).settled.save(file)
+    soil = soil_layers(inputs.section)
+    deposit(inputs.section, dem, soil).settled.save(file)
     return DiscModel.load(file), time.perf_counter() - begin
 
 
-def same(one: DiscModel, other: DiscModel) -> bool:
+def same(item: DiscModel, other: DiscModel) -> bool:
     """Whether two models are the same to the last bit."""
-    values = [(getattr(one, field.name), getattr(other, field.name)) for field in fields(one)]
+    values = [(getattr(item, field.name), getattr(other, field.name)) for field in fields(item)]
     arrays = [(a, b) for a, b in values if isinstance(a, np.ndarray)]
-    return one.time == other.time and all(np.array_equal(a, b, equal_nan=True) for a, b in arrays)
+    return item.time == other.time and all(np.array_equal(a, b, equal_nan=True) for a, b in arrays)
 
 
-def measure(given: Config, discs: int, seconds: float, threads: int, folder: Path) -> Measured:
+def measure(inputs: Config, discs: int, seconds: float, threads: int, folder: Path) -> Measured:
     """One size."""
     dem = DemSettings(elements=discs)
     folder.mkdir(parents=True, exist_ok=True)
-    start, rest = at_rest(given, dem, folder)
+    start, rest = at_rest(inputs, dem, folder)
     print(f"{len(start)} discs at rest after {rest:.0f} s", flush=True)
-    settings = given.slide.model_copy(update={"duration": seconds})
+    settings = inputs.slide.model_copy(update={"duration": seconds})
     whole, half = folder / f"whole_{threads}", folder / f"half_{threads}"
 
     def slider(where: Path) -> Slider:
         return Slider(
-            start, ground_at_rest(given.section, dem, start), LIQUEFIED, given.slide.cases[2], settings, where
+            start, ground_at_rest(inputs.section, dem, start), LIQUEFIED, inputs.slide.cases[2], settings, where
         )
 
     def look(_: DiscModel, row: Row, __: bool) -> None:
@@ -105,13 +105,13 @@ def main() -> None:
     parser.add_argument("--folder", type=Path, help="where discs and slides are kept; nowhere if not given")
     parser.add_argument("--json", type=Path, help="write the rows to this file")
     arguments = parser.parse_args()
-    given = Config.load(SECTIONS / "s13.toml")
+    config = Config.load(SECTIONS / "s13.toml")
     rows = []
     with tempfile.TemporaryDirectory() as nowhere:
         for discs in arguments.discs:
             for threads in arguments.threads:
-                kept = (arguments.folder or Path(nowhere)) / str(discs)
-                rows.append(measure(given, discs, arguments.seconds, threads, kept))
+                stored = (arguments.folder or Path(nowhere)) / str(discs)
+                rows.append(measure(config, discs, arguments.seconds, threads, stored))
                 print(rows[-1], flush=True)
                 if not rows[-1].same_when_resumed:
                     raise SystemExit("a slide that was taken up again has ended elsewhere")

@@ -59,9 +59,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--elements", type=int, nargs="+", default=[3180, 31800])
     parser.add_argument("--share", type=float, nargs="+", default=[0.1, 1.0 / 3.0])
-    asked = parser.parse_args()
-    for elements in asked.elements:
-        models = [model_of(elements, share) for share in (0.0, *asked.share)]
+    requested = parser.parse_args()
+    for elements in requested.elements:
+        models = [model_of(elements, share) for share in (0.0, *requested.share)]
         dt = 0.6 * min(largest_step(model).seconds for model in models)
         runs = [EngineRun(Engine(dt=dt, energies=False), model, dt) for model in models]
         steps = max(40, int(WORK / len(models[0]))) // 4 * 4
@@ -70,9 +70,9 @@ def main() -> None:
         least = [min(seconds_a_step(run, steps) for run in runs[k : k + 1] * ROUNDS) for k in range(len(runs))]
         for run in runs:
             run.close()
-        for share, found, run in zip((0.0, *asked.share), least, runs, strict=True):
-            told = f"{elements} discs, {100.0 * share:.0f} % liquefied, held for {run.model.steps_held} steps"
-            print(f"{told}: {1e9 * found / len(run.model):.1f} ns a disc and step, {found / least[0]:.2f} times dry")
+        for share, item, run in zip((0.0, *requested.share), least, runs, strict=True):
+            text = f"{elements} discs, {100.0 * share:.0f} % liquefied, held for {run.model.steps_between_looks} steps"
+            print(f"{text}: {1e9 * item / len(run.model):.1f} ns a disc and step, {item / least[0]:.2f} times dry")
 
 
 if __name__ == "__main__":

@@ -58,26 +58,26 @@ def once(arguments: list[str]) -> dict[str, Any]:
         start = time.perf_counter()
         process = subprocess.Popen(line, stdout=subprocess.PIPE, text=True)
         assert process.stdout is not None
-        told = process.stdout.read()
+        messages = process.stdout.read()
         _, status, usage = os.wait4(process.pid, 0)
         seconds = time.perf_counter() - start
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode:
         raise RuntimeError(f"{line} left with {process.returncode}")
     if "-c" in arguments:
-        seconds, cells = float(told.split()[0]), int(told.split()[1])
+        seconds, cells = float(messages.split()[0]), int(messages.split()[1])
     else:
-        cells = int(told.split(" quadrilaterals")[0].split()[-1])
+        cells = int(messages.split(" quadrilaterals")[0].split()[-1])
     return {"seconds": seconds, "peak_memory_mb": usage.ru_maxrss / 1024.0, "quadrilaterals": cells}
 
 
 def measure(repeats: int) -> dict[str, dict[str, Any]]:
     """The least time of every case, with the memory of that run, and whether it keeps its limit."""
-    found = {}
+    values = {}
     for name, (arguments, limit) in CASES.items():
         best = min((once(arguments) for _ in range(repeats)), key=lambda result: result["seconds"])
-        found[name] = {**best, "limit_seconds": limit, "kept": best["seconds"] < limit}
-    return found
+        values[name] = {**best, "limit_seconds": limit, "kept": best["seconds"] < limit}
+    return values
 
 
 def main() -> None:
@@ -85,17 +85,17 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--json", type=Path, help="write the numbers here, too")
     options = parser.parse_args()
-    found = measure(options.repeats)
+    trial = measure(options.repeats)
     print(f"{'case':44}{'cells':>9}{'s':>8}{'limit s':>9}{'MB':>7}")
-    for name, case in found.items():
+    for name, case in trial.items():
         print(
             f"{name:44}{case['quadrilaterals']:9}{case['seconds']:8.3f}{case['limit_seconds']:9.0f}"
             f"{case['peak_memory_mb']:7.0f}{'' if case['kept'] else '  exceeded'}"
         )
     if options.json:
         host = {"python": platform.python_version(), "machine": platform.machine(), "processors": os.cpu_count()}
-        options.json.write_text(json.dumps({"host": host, "cases": found}, indent=2) + "\n", encoding="utf-8")
-    sys.exit(0 if all(case["kept"] for case in found.values()) else 1)
+        options.json.write_text(json.dumps({"host": host, "cases": trial}, indent=2) + "\n", encoding="utf-8")
+    sys.exit(0 if all(case["kept"] for case in trial.values()) else 1)
 
 
 if __name__ == "__main__":

@@ -19,8 +19,8 @@ def answer(command: str, file: str) -> Row:
     with tempfile.TemporaryDirectory(prefix="noshiro-") as folder:
         words = [command, str(file_of("moss_landing")), "--quiet", "--out", folder]
         subprocess.run([sys.executable, "-m", "workflow.cli", *words], check=True)
-        found: Row = json.loads((Path(folder) / file).read_text(encoding="utf-8"))
-    return found
+        data: Row = json.loads((Path(folder) / file).read_text(encoding="utf-8"))
+    return data
 
 
 def quoted(rows: list[Row]) -> Row:
@@ -33,15 +33,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", type=Path, help="write the rows to this file")
     options = parser.parse_args()
-    found = answer("liquefaction", "triggering.json")["tests"]
-    tests = [one for one in found if one["stratum"] == SAND and one["factor"] is not None]
+    result = answer("liquefaction", "triggering.json")["tests"]
+    tests = [item for item in result if item["stratum"] == SAND and item["factor"] is not None]
     after = answer("liquefied", "fem/liquefied.json")
-    factors = [one["factor"] for one in tests]
+    factors = [test["factor"] for test in tests]
     row = {
-        "depths_m": [one["depth_m"] for one in tests],
+        "depths_m": [entry["depth_m"] for entry in tests],
         "F_L": [min(factors), max(factors)],
-        "strengths_kPa": [s["cohesion_kPa"] for one in after["cases"] for s in one["strata"] if s["name"] == SAND],
-        "safety": [one[end] for one in after["cases"] for end in ("factor_lower", "factor_upper")],
+        "strengths_kPa": [
+            s["cohesion_kPa"] for element in after["cases"] for s in element["strata"] if s["name"] == SAND
+        ],
+        "safety": [case_entry[end] for case_entry in after["cases"] for end in ("factor_lower", "factor_upper")],
     }
     print(row)
     if options.json:

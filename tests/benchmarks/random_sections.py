@@ -18,13 +18,13 @@ class Entry:
     """The bounds of one section, and the seconds of computing that they took."""
 
     number: int
-    found: KhBounds
+    bounds: KhBounds
     seconds: float
 
     @property
     def good(self) -> bool:
         """Whether the gap was closed in time."""
-        return self.found.gap <= CLOSED and self.seconds <= SECONDS
+        return self.bounds.gap <= CLOSED and self.seconds <= SECONDS
 
 
 def bounds_of_all(gap: float = CLOSED, sides: str = "fixed") -> Iterator[Entry]:
@@ -32,8 +32,8 @@ def bounds_of_all(gap: float = CLOSED, sides: str = "fixed") -> Iterator[Entry]:
     for number in NUMBERS:
         started = time.process_time()
         settings = FemSettings.model_validate({"sides": sides})
-        found = kh_bounds(random_section(number), settings, BoundsSettings(gap=gap, davis=False))
-        yield Entry(number, found, time.process_time() - started)
+        bounds = kh_bounds(random_section(number), settings, BoundsSettings(gap=gap, davis=False))
+        yield Entry(number, bounds, time.process_time() - started)
 
 
 def main(gap: str = str(CLOSED), sides: str = "fixed") -> None:
@@ -41,12 +41,12 @@ def main(gap: str = str(CLOSED), sides: str = "fixed") -> None:
     print("section   lower   upper     gap  triangles  seconds  ended by")
     good = 0
     for entry in bounds_of_all(float(gap), sides):
-        found = entry.found
-        least = min((face.kh for face in found.shallow_failures), default=None)
+        result = entry.bounds
+        least = min((face.kh for face in result.shallow_failures), default=None)
         shallow = "" if least is None else f", shallow failure {least:.4f}"
         print(
-            f"{entry.number:7d}  {found.lower:.4f}  {found.upper:.4f}  {100 * found.gap:5.2f} %  "
-            f"{found.meshes[-1].cells:9d}  {entry.seconds:7.1f}  {found.ended}{shallow}",
+            f"{entry.number:7d}  {result.lower:.4f}  {result.upper:.4f}  {100 * result.gap:5.2f} %  "
+            f"{result.meshes[-1].cells:9d}  {entry.seconds:7.1f}  {result.ended}{shallow}",
             flush=True,
         )
         good += entry.good

@@ -41,14 +41,14 @@ def measure(number: int, refine: int = 1) -> dict[str, Any]:
     answers: dict[str, AdaptiveResult[LimitLoadResult] | None] = dict.fromkeys(("davis", "associated"))
     try:
         search = AdaptiveSearch(section, meshing, mesh, MPI.COMM_SELF)
-        answers["davis"], answers["associated"] = search.beside_full_dilation(search.critical(wish), wish)
+        answers["davis"], answers["associated"] = search.with_full_dilation(search.critical(wish), wish)
     except UnstableError as error:  # by its substitute ground may fail under its weight that stands as it dilates
         row["failed"] = str(error)
         full = SETTINGS.model_copy(update={"flow": "associated"})
         answers["associated"] = AdaptiveSearch(section, meshing, mesh, MPI.COMM_SELF).critical(full)
     for flow, answer in answers.items():
         row[flow] = round(answer.result.kc, 4) if answer else None
-        row[f"{flow}_meshes"] = [one.cells for one in answer.rounds] if answer else []
+        row[f"{flow}_meshes"] = [item.cells for item in answer.rounds] if answer else []
         row[f"{flow}_change"] = round(answer.rounds[-1].change, 4) if answer else None
     row["seconds"] = round(time.process_time() - started, 1)
     started = time.process_time()
@@ -65,29 +65,29 @@ def measure(number: int, refine: int = 1) -> dict[str, Any]:
     return row
 
 
-def _work(found: Bracket) -> float:
+def _work(outcome: Bracket) -> float:
     """Work of all meshes of a bracket, in seconds of the reference machine."""
-    return round(sum(mesh.work for mesh in found.meshes), 1)
+    return round(sum(mesh.work for mesh in outcome.meshes), 1)
 
 
 def contradictions(row: dict[str, Any]) -> list[str]:
     """What must not be: Davis above ψ = φ, either above its upper bound or below its lower one by more than allowed;
     no answer by Davis where its lower bound is above zero."""
-    found = []
+    results = []
     davis, full = row["davis"], row["associated"]
     if davis is None and row["davis_bounds"][0] > 0.0:
-        found.append(f"no answer by Davis, who bears {row['davis_bounds'][0]} at least")
+        results.append(f"no answer by Davis, who bears {row['davis_bounds'][0]} at least")
     if davis is not None and full is not None and davis > full:
-        found.append("Davis above ψ = φ")
+        results.append("Davis above ψ = φ")
     for kc, name in ((full, "bounds"), (davis, "davis_bounds")):
         if kc is None or row.get(name) is None:
             continue
         lower, upper = row[name]
         if kc > max(ABOVE * upper, upper + SMALL):
-            found.append(f"{kc} is {100.0 * (kc / upper - 1.0):.1f} % above {name} {upper}")
+            results.append(f"{kc} is {100.0 * (kc / upper - 1.0):.1f} % above {name} {upper}")
         if kc < min(BELOW * lower, lower - SMALL):
-            found.append(f"{kc} is {100.0 * (1.0 - kc / lower):.1f} % below {name} {lower}")
-    return found
+            results.append(f"{kc} is {100.0 * (1.0 - kc / lower):.1f} % below {name} {lower}")
+    return results
 
 
 def main() -> None:

@@ -67,8 +67,8 @@ def quoted(rows: list[Row]) -> Row:
         "kc": 3,
     }
     numbers = {name: round(value, digits.get(name, 4)) for name, value in row.items() if isinstance(value, float)}
-    told = ("quantity", "paper", "ours", "agrees")
-    compared = [{name: "" if line[name] is None else line[name] for name in told} for line in row["paper"]]
+    messages = ("quantity", "paper", "ours", "agrees")
+    compared = [{name: "" if line[name] is None else line[name] for name in messages} for line in row["paper"]]
     return {**numbers, "kc_discs_of_packings": packings, "paper": compared}
 
 

@@ -47,15 +47,15 @@ PARTS = {"fem": (COMMAND, ["fem"]), "factor": (FACTOR, []), "bounds": (COMMAND, 
 
 def files(folder: Path) -> dict[str, Path]:
     """The sections by their names, others than the shipped ones written into a folder."""
-    found = {name: SECTIONS / f"{name}.toml" for name in SHIPPED}
+    values = {name: SECTIONS / f"{name}.toml" for name in SHIPPED}
     written = {f"random_{number}": random_data(number) for number in RANDOM}
     for name in PUBLISHED:
         written[name] = tomllib.loads((TOP / "tests/verification/published" / f"{name}.toml").read_text())
         del written[name]["published"]
     for name, data in written.items():
-        found[name] = folder / f"{name}.toml"
-        found[name].write_text(tomli_w.dumps(data))
-    return found
+        values[name] = folder / f"{name}.toml"
+        values[name].write_text(tomli_w.dumps(data))
+    return values
 
 
 @dataclass(frozen=True)
@@ -76,9 +76,9 @@ def measured(path: Path, part: str, solver: str) -> Measured:
         process = subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         _, status, usage = os.wait4(process.pid, 0)
         answer = Path(out) / "fem/critical.json"
-        found = json.loads(answer.read_text()) if answer.exists() else {"kc": None, "safety_factors": []}
+        result = json.loads(answer.read_text()) if answer.exists() else {"kc": None, "safety_factors": []}
     seconds = round(usage.ru_utime + usage.ru_stime, 1) if os.waitstatus_to_exitcode(status) in (0, 3) else None
-    return Measured(seconds, found["kc"], next((row["factor"] for row in found["safety_factors"]), None))
+    return Measured(seconds, result["kc"], next((row["factor"] for row in result["safety_factors"]), None))
 
 
 def quoted(rows: list[dict[str, Any]]) -> dict[str, Any]:

@@ -8,13 +8,13 @@ from workflow.config import Config
 from workflow.report.warnings import warnings
 from workflow.results.answer import SectionLabel
 from workflow.results.bounds import BoundsAnswer, DirectionPart, Residuals
-from workflow.results.continuum import FemAnswer, Gravity, KeptState, MeshCount, PathVerdict, Variant
+from workflow.results.continuum import FemAnswer, Gravity, MeshCount, PathVerdict, StoredState, Variant
 from workflow.results.results import Results
 from workflow.run.store import Store
 
 
-def state(run: Config, kh: float, past: bool, failed: float) -> KeptState:
-    return KeptState(
+def state(run: Config, kh: float, past: bool, failed: float) -> StoredState:
+    return StoredState(
         label=f"Kh = {kh}", kh=kh, past_equilibrium=past, largest_displacement_m=0.1,
         failed_share_by_stratum={stratum.name: failed for stratum in run.section.strata},
         slip_surface=tuple((float(x), 9.08 - 0.0454 * x - 6.0) for x in range(5, 200, 10)),  # in layers 4 and 5
@@ -63,6 +63,6 @@ def variant(name: str, change: str, kc: float | None) -> Variant:
     )
 
 
-def warned(found: Results) -> list[str]:
+def warned(result: Results) -> list[str]:
     """The warnings of a run, each with its remedy, the weightiest first."""
-    return [f"{one.what} {one.remedy}".strip() for one in warnings(found)]
+    return [f"{warning.what} {warning.remedy}".strip() for warning in warnings(result)]

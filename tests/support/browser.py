@@ -80,8 +80,8 @@ class Page:
             assert part, "the browser has gone"
             self.buffer += part
         message, _, self.buffer = self.buffer.partition(b"\0")
-        told: dict[str, Any] = json.loads(message)
-        return told
+        data: dict[str, Any] = json.loads(message)
+        return data
 
 
 @contextmanager

@@ -40,5 +40,5 @@ def blocks(language: str, text: str) -> list[str]:
 def commands(text: str) -> list[str]:
     """The commands of a page: lines of code, and code within a line that has options."""
     text = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
-    found = re.findall(r"^ {4,}(noshiro [^#\n]+)", text, flags=re.MULTILINE)
-    return [*found, *re.findall(r"`(noshiro [a-z]+ [^`]*--[^`]+)`", text.replace("\n", " "))]
+    matches = re.findall(r"^ {4,}(noshiro [^#\n]+)", text, flags=re.MULTILINE)
+    return [*matches, *re.findall(r"`(noshiro [a-z]+ [^`]*--[^`]+)`", text.replace("\n", " "))]

@@ -36,7 +36,7 @@ def sleeps(folder: str, seconds: float = 60.0) -> None:
 class OddError(Exception):
     """An error that cannot be made again from its words alone."""
 
-    def __init__(self, one: int, other: int) -> None:
+    def __init__(self, item: int, other: int) -> None:
         super().__init__("odd")
 
 

@@ -61,16 +61,16 @@ class _Hostile:
         """A slope, an embankment, a cut with a berm, or a few random points, falling to the right or the left."""
         height = self.between(1.0, 20.0)
         run = self.pick(0.0, round(height / math.tan(math.radians(self.between(10.0, 85.0))), 2), height)
-        crest, ahead = (self.between(0.3, 3.0) * height for _ in range(2))
+        crest, following = (self.between(0.3, 3.0) * height for _ in range(2))
         kind = self.pick("slope", "slope", "embankment", "berm", "random", "level")
         if kind == "slope":
-            points = [[0.0, height], [crest, height], [crest + run, 0.0], [crest + run + ahead, 0.0]]
+            points = [[0.0, height], [crest, height], [crest + run, 0.0], [crest + run + following, 0.0]]
         elif kind == "berm":
             middle = self.between(0.2, 0.8) * height
             x = [0.0, crest, crest + run, crest + run + 2.0, crest + 2.0 * run + 2.5]
-            points = [*zip(x, [height, height, middle, middle, 0.0], strict=True), (x[-1] + ahead, 0.0)]
+            points = [*zip(x, [height, height, middle, middle, 0.0], strict=True), (x[-1] + following, 0.0)]
         elif kind == "embankment":
-            x = np.cumsum([0.0, ahead, run, crest, self.between(0.5, 3.0) * height, ahead])
+            x = np.cumsum([0.0, following, run, crest, self.between(0.5, 3.0) * height, following])
             points = [*zip(x, [0.0, 0.0, height, height, 0.0, self.between(-1.0, 1.0)], strict=True)]
         elif kind == "level":
             fall = self.pick(0.0, 1e-4, 0.01)
@@ -192,8 +192,8 @@ class _Hostile:
             middle = 0.5 * sum(x)
             points = [[x[0], z[0]], [x[1], z[0]], [round(middle + 0.1, 2), z[1]], [round(middle - 0.1, 2), z[1]]]
         elif kind == "edge":  # along the ground and down from it
-            some = self.surface[int(self.draw.integers(len(self.surface) - 1)) :][:3]
-            points = [*some, *[[px, round(pz - self.between(0.02, 0.5) * self.height, 3)] for px, pz in some[::-1]]]
+            subset = self.surface[int(self.draw.integers(len(self.surface) - 1)) :][:3]
+            points = [*subset, *[[px, round(pz - self.between(0.02, 0.5) * self.height, 3)] for px, pz in subset[::-1]]]
         else:
             angles = np.sort(self.draw.uniform(0.0, 2.0 * math.pi, 6))
             centre, radii = (0.5 * sum(x), 0.5 * sum(z)), (0.5 * (x[1] - x[0]), 0.5 * (z[1] - z[0]))

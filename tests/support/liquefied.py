@@ -95,14 +95,14 @@ class ShearedBox:
         model = self.model
         across = np.clip(model.z / self.height, 0.0, 1.0)
         model.set_velocity(model.vx + rate * self.height * across, model.vz)
-        found = []
+        results = []
         for _ in range(round(strain / window)):
             seen = []
             for _ in range(looks):
                 self.run(window / rate / looks, **settings)
                 seen.append(self.stress())
-            found.append(np.mean(seen, axis=0))
-        return np.array(found) / [self.strength, 1.0]
+            results.append(np.mean(seen, axis=0))
+        return np.array(results) / [self.strength, 1.0]
 
 
 class LayeredSlope:
@@ -142,7 +142,7 @@ class LayeredSlope:
         """Of the sand on top, along the slope (m/s)."""
         return float(self.model.vx[self.model.layer == 1].mean())
 
-    def push(self, kh: float, seconds: float) -> tuple[float, np.ndarray]:
+    def apply_kh(self, kh: float, seconds: float) -> tuple[float, np.ndarray]:
         """How far the sand slides under a Kh that comes in a millisecond and goes again (m); speeds at half seconds."""
         model, sand_on_top = self.model, self.model.layer == 1
         before, begin = model.x.copy(), model.time

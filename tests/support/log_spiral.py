@@ -24,10 +24,10 @@ def critical_kh(slope: float, phi: float, strength: float, seed: int = 1) -> flo
     starts[:, 1] = np.exp(starts[:, 1])
     starts[::2, 2] = 0.0
     best = sorted(starts, key=tried)[:STARTS]
-    found = [
+    values = [
         minimize(tried, start, method="Nelder-Mead", options={"xatol": 1e-7, "fatol": 1e-10}) for start in best[:6]
     ]
-    return float(min(result.fun for result in found))
+    return float(min(result.fun for result in values))
 
 
 def _kh(shape: np.ndarray, slope: float, phi: float, strength: float) -> float:
@@ -37,11 +37,11 @@ def _kh(shape: np.ndarray, slope: float, phi: float, strength: float) -> float:
     turns up to there from the crest, and how far before the toe it comes out, in H. Work of weight and Kh on a rigid
     rotation, dissipation c r0² (e^{2Δθ tan φ} - 1) / (2 tan φ).
     """
-    down, turned, before = shape
-    if not (0.05 < turned < math.pi and 0.05 < down < math.pi - 0.02 and 0.0 <= before < 3.0) or down - turned < -1.5:
+    down, rotated, before = shape
+    if not (0.05 < rotated < math.pi and 0.05 < down < math.pi - 0.02 and 0.0 <= before < 3.0) or down - rotated < -1.5:
         return math.inf
     # The body moves towards smaller x; the radius points to angle θ below the horizontal, from the centre towards +x.
-    theta = np.linspace(down - turned, down, POINTS)
+    theta = np.linspace(down - rotated, down, POINTS)
     radius = np.exp((theta - theta[0]) * math.tan(phi))
     shape_x, shape_y = radius * np.cos(theta), -radius * np.sin(theta)
     high = shape_y[0] - shape_y[-1]
@@ -61,13 +61,13 @@ def _kh(shape: np.ndarray, slope: float, phi: float, strength: float) -> float:
     outline_y = np.concatenate([y, [0.0, 1.0]])
     area, first_x, first_y = _moments(outline_x, outline_y)
     weight = first_x - area * centre_x  # moment that turns the body towards the toe
-    push = area * centre_y - first_y
+    acceleration = area * centre_y - first_y
     r0 = scale
-    grown = 2.0 * turned * math.tan(phi)
-    dissipated = strength * r0**2 * (turned if phi < 1e-9 else math.expm1(grown) / (2.0 * math.tan(phi)))
-    if push <= 0.0:
+    grown = 2.0 * rotated * math.tan(phi)
+    dissipated = strength * r0**2 * (rotated if phi < 1e-9 else math.expm1(grown) / (2.0 * math.tan(phi)))
+    if acceleration <= 0.0:
         return math.inf
-    return (dissipated - weight) / push
+    return (dissipated - weight) / acceleration
 
 
 def _moments(x: np.ndarray, y: np.ndarray) -> tuple[float, float, float]:

@@ -77,14 +77,14 @@ class EndlessSlope:
         density = UNIT_WEIGHT / GRAVITY
         shear = density * np.where(stratum == 0, 100.0, 200.0) ** 2
         poisson = np.where(stratum == 0, 0.45, 0.3)
-        own = self.strength * UNIT_WEIGHT * depth if self.as_ratio else np.full(len(depth), self.strength)
-        cohesion = np.where(stratum == 0, own, np.where(stratum < 0, 1e15, 5e3))
+        at_rest_strength = self.strength * UNIT_WEIGHT * depth if self.as_ratio else np.full(len(depth), self.strength)
+        cohesion = np.where(stratum == 0, at_rest_strength, np.where(stratum < 0, 1e15, 5e3))
         friction = np.where(stratum == 1, np.radians(33.0), 0.0)
         places = places + np.array([0.0, (FLOOR - 1 - deeper + above_node) * cell])
         if not self.as_ratio:  # whose shear band is at the edge
             mass = np.full(len(places), density * 0.25 * cell**2)
             weak = np.where(stratum == 0, 0, -1)
-            edge = edge_strength(places, np.full(len(places), 0.5 * cell), mass, weak, own, cell)
+            edge = edge_strength(places, np.full(len(places), 0.5 * cell), mass, weak, at_rest_strength, cell)
             cohesion[edge.points], friction[edge.points] = edge.strength, 0.0
         soil = PointSoil(density, 2.0 * shear * (1.0 + poisson), poisson, cohesion, friction)
         points = MaterialPoints.of(places, np.full(len(places), 0.25 * cell**2), soil, stratum)
@@ -98,10 +98,10 @@ class EndlessSlope:
     def moved(self, engine: MaterialPointEngine, kh: float, end: float) -> float:
         """Displacement (m) of the crust under Kh as in `newmark`."""
 
-        def push(time: np.ndarray) -> np.ndarray:
+        def acceleration(time: np.ndarray) -> np.ndarray:
             return kh * GRAVITY * np.cos(self.angle) * np.minimum(1.0, time / self.rise) * (time < self.hold)
 
-        engine.run(end, push)
+        engine.run(end, acceleration)
         points = engine.points
         return float(points.displacement[points.stratum == 1, 0].mean())
 
@@ -137,11 +137,13 @@ class EndlessSlope:
         slider = PointSlider(ground_of(Config.parse(data).section, round(cells * (deep + firm)), "periodic"), 1)
         slider.settle()
 
-        def push(time: np.ndarray) -> np.ndarray:
+        def acceleration(time: np.ndarray) -> np.ndarray:
             return kh * GRAVITY * np.minimum(1.0, time / self.rise) * (time < self.hold)
 
         remains = Remains(0.0, 0.0, *((self.strength, 0.0) if self.as_ratio else (0.0, self.strength)))
-        slide = slider.run(SlideProgramme(push, {1: 0.0}, {1: remains}, 0.05, end, end, still=1e-9), decay=DECAYS[1])
+        slide = slider.run(
+            SlideProgramme(acceleration, {1: 0.0}, {1: remains}, 0.05, end, end, still=1e-9), decay=DECAYS[1]
+        )
         return float(np.mean(slide.slide[-1])) * upright
 
 
@@ -158,9 +160,9 @@ def column(
     density = UNIT_WEIGHT / GRAVITY
     young = young or max(200.0 * UNIT_WEIGHT * height, 300.0 * cohesion)
     poisson = 0.3 if friction > 0.0 else 0.45
-    own = np.where(stratum == 0, cohesion, 1e15)
+    layer_strength = np.where(stratum == 0, cohesion, 1e15)
     phi = np.where(stratum == 0, friction, 0.0)
-    soil = PointSoil(density, young, poisson, own, phi)
+    soil = PointSoil(density, young, poisson, layer_strength, phi)
     half = int(reach / cell) + 4
     places = places + np.array([half * cell, (FLOOR - 1) * cell + firm])
     points = MaterialPoints.of(places, np.full(len(places), 0.25 * cell**2), soil, stratum)
@@ -189,9 +191,9 @@ def _thickness(engine: MaterialPointEngine) -> np.ndarray:
     """Thickness (k,) of the deposit (m) in the columns of cells from the middle on, the mean of both sides."""
     points, cell = engine.points, engine.grid.cell
     middle = (engine.grid.shape[0] // 2) * cell
-    mine = points.stratum == 0
-    cells = (np.abs(points.x[mine, 0] - middle) / cell).astype(int)
-    return np.bincount(cells, weights=points.state[mine, 0]) / (2.0 * cell)
+    own_part = points.stratum == 0
+    cells = (np.abs(points.x[own_part, 0] - middle) / cell).astype(int)
+    return np.bincount(cells, weights=points.state[own_part, 0]) / (2.0 * cell)
 
 
 @dataclass(frozen=True)
@@ -221,13 +223,13 @@ def slump(weight_over_strength: float, cells: int, steps: int) -> RunOut:
     return RunOut(front(engine) / height - 2.0, float(np.quantile(away, 0.99)) / height - 2.0)
 
 
-def pushed(name: str, cells: int, sides: Sides, kh: float, rise: float, end: float) -> PointSlide:
+def displaced(name: str, cells: int, sides: Sides, kh: float, rise: float, end: float) -> PointSlide:
     """The slide of a shipped section without liquefaction under Kh that comes within ``rise`` (s) and is held."""
     section = Config.load(SECTIONS / f"{name}.toml").section
     slider = PointSlider(ground_of(section, cells, sides), downhill(section.ground))
     slider.settle()
 
-    def push(time: np.ndarray) -> np.ndarray:
+    def acceleration(time: np.ndarray) -> np.ndarray:
         return kh * GRAVITY * (0.5 - 0.5 * np.cos(np.pi * np.clip(time / rise, 0.0, 1.0)))
 
-    return slider.run(SlideProgramme(push, {}, {}, 1.0, rise, end))
+    return slider.run(SlideProgramme(acceleration, {}, {}, 1.0, rise, end))

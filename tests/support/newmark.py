@@ -34,7 +34,7 @@ def newmark_slide(angle: float, strength_ratio: float, kh: float, seconds: float
     return 0.5 * on * seconds**2 + (on * seconds) ** 2 / (-2.0 * off)
 
 
-def newmark_shaken(angle: float, strength_ratio: float, time: np.ndarray, push: np.ndarray) -> float:
+def newmark_slide_speed(angle: float, strength_ratio: float, time: np.ndarray, acceleration: np.ndarray) -> float:
     """Slide (m) of a rigid block on a plane that shakes; it slides uphill, too, where it is driven so (Newmark 1965).
 
     The plane resists either way with a constant strength, that of ground which does not drain: c = ratio times the
@@ -60,7 +60,7 @@ def newmark_shaken(angle: float, strength_ratio: float, time: np.ndarray, push: 
     step = 1e-4 * max(1.0, float(time[-1] - time[0]) / 10.0)
     at = np.arange(time[0], time[-1] + step, step)
     speed, way = 0.0, 0.0
-    for felt in drive + np.interp(at, time, push, right=0.0) * float(np.cos(angle)):
+    for felt in drive + np.interp(at, time, acceleration, right=0.0) * float(np.cos(angle)):
         free = speed + step * float(felt)
         after = float(np.copysign(max(0.0, abs(free) - step * holds), free))
         way += 0.5 * step * (speed + after)

@@ -39,10 +39,10 @@ def random_data(number: int) -> dict[str, Any]:
 
 def _drawn(draw: np.random.Generator, name: str) -> dict[str, Any]:
     height, angle = draw.integers(50, 151) / 10.0, float(draw.integers(15, 61))
-    crest, ahead = (round(height * float(draw.uniform(1.8, 3.0)), 1) for _ in range(2))
+    crest, following = (round(height * float(draw.uniform(1.8, 3.0)), 1) for _ in range(2))
     toe = round(crest + height / math.tan(math.radians(angle)), 2)
     deep = round(height * float(draw.uniform(0.4, 1.0)), 1)
-    layers = _Layers(draw, round(toe + ahead, 2), height, deep, int(draw.integers(2, 6)))
+    layers = _Layers(draw, round(toe + following, 2), height, deep, int(draw.integers(2, 6)))
     return {
         "name": name,
         "surface": [[0.0, height], [crest, height], [toe, 0.0], [layers.width, 0.0]],

@@ -108,9 +108,12 @@ def cosmos(values: np.ndarray, step: float, unit: str, more: str = "", channel: 
 def csmip_v2(values: np.ndarray, step: float, unit: str) -> str:
     """Acceleration, then velocity and displacement (here zeros), as CSMIP's Volume 2 has them."""
 
-    def block(of: np.ndarray, word: str, its: str) -> list[str]:
+    def block(of: np.ndarray, word: str, scale: str) -> list[str]:
         rows = ["".join(f"{v:10.5f}" for v in of[k : k + 8]) for k in range(0, len(of), 8)]
-        return [f"{len(of):6d} points of {word} data equally spaced at  {step:.4f} sec, in {its}. (8f10.5)    ", *rows]
+        return [
+            f"{len(of):6d} points of {word} data equally spaced at  {step:.4f} sec, in {scale}. (8f10.5)    ",
+            *rows,
+        ]
 
     heading = ["Corrected accelerogram   89146-L2500       Chan  1: 360 Deg     from   ", "Willow Creek"]
     zeros = np.zeros_like(values)
@@ -175,7 +178,7 @@ def geonet(components: dict[str, np.ndarray], step: float, raw: bool = False) ->
         rows = ["".join(f"{v:8.0f}" for v in row) for row in heading[:4]]
         rows += ["".join(f"{v:8.5g}" if k == 6 else f"{v:8.1f}" for v in row) for k, row in enumerate(heading[4:], 4)]
         data = [values, *([] if raw else [0.1 * values, 0.01 * values])]
-        rows += ["".join(f"{v:8.1f}" for v in one[k : k + 10]) for one in data for k in range(0, count, 10)]
+        rows += ["".join(f"{v:8.1f}" for v in item[k : k + 10]) for item in data for k in range(0, count, 10)]
         blocks += text + rows
     return "\n".join(blocks) + "\n"
 

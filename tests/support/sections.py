@@ -71,9 +71,9 @@ def assessment(config: Config) -> Assessment:
 
 def _read(data: dict[str, Any], model: type[Section] | type[Config]) -> None:
     """Read a section, or a config with the analyses that it leaves things to."""
-    found = model.parse(data, "slope.toml")
-    if isinstance(found, Config):
-        config_after_triggering(found, "slope.toml")
+    ground = model.parse(data, "slope.toml")
+    if isinstance(ground, Config):
+        config_after_triggering(ground, "slope.toml")
 
 
 def problems(data: dict[str, Any], model: type[Section] | type[Config] = Section) -> tuple[str, ...]:
@@ -128,15 +128,15 @@ class _Ground:
 
     def points(self, nodes: range, values: np.ndarray) -> list[list[float]]:
         """Points (m) of a line through nodes, with a vertical step where left and right differ."""
-        found = []
+        results = []
         for node in nodes:
             left, right = (float(value) / 100.0 for value in values[node])
             inner = nodes[0] < node < nodes[-1]
             if inner and left != right:
-                found += [[self.x[node], left], [self.x[node], right]]
+                results += [[self.x[node], left], [self.x[node], right]]
             else:
-                found.append([self.x[node], left if node == nodes[-1] else right])
-        return found
+                results.append([self.x[node], left if node == nodes[-1] else right])
+        return results
 
     def line(self, nodes: range, depth: np.ndarray) -> dict[str, Any]:
         """A bottom line, as depths or as elevations."""

@@ -14,7 +14,10 @@ Summary = dict[str, Any]
 def disagreements(paragraphs: list[str], summary: Summary) -> list[str]:
     """Sentences that no check knows though they hold a number, or whose numbers are not those of the summary."""
     return [
-        one for text in paragraphs for one in _sentences(text) if re.search(r"\d", one) and not _agrees(one, summary)
+        sentence
+        for text in paragraphs
+        for sentence in _sentences(text)
+        if re.search(r"\d", sentence) and not _agrees(sentence, summary)
     ]
 
 
@@ -30,21 +33,21 @@ def _agrees(sentence: str, summary: Summary) -> bool:
     return False
 
 
-def _near(told: str, true: float | None) -> bool:
+def _near(message: str, true: float | None) -> bool:
     """Whether a number as told is the true one to its last digit, or to the digit a slide of discs is good for."""
     if true is None:
         return False
-    decimals = len(told.partition(".")[2])
-    step = 10.0**-decimals if decimals else 10.0 ** (len(told) - len(told.rstrip("0")) if float(told) else 0)
-    return abs(float(told) - true) <= 0.5001 * step
+    decimals = len(message.partition(".")[2])
+    step = 10.0**-decimals if decimals else 10.0 ** (len(message) - len(message.rstrip("0")) if float(message) else 0)
+    return abs(float(message) - true) <= 0.5001 * step
 
 
 def _slides(summary: Summary, cases: str, lengths: str, key: str = "slide_max_m") -> bool:
     """Lengths in the order of the cases, or one where all come to the same."""
-    numbers, told = re.findall(r"\d+", cases), re.findall(NUMBER, lengths)
-    told = told * len(numbers) if len(told) == 1 else told
-    return len(told) == len(numbers) and all(
-        _near(one, max(summary["cases"][number][key], 0.0)) for one, number in zip(told, numbers, strict=True)
+    numbers, matches = re.findall(r"\d+", cases), re.findall(NUMBER, lengths)
+    matches = matches * len(numbers) if len(matches) == 1 else matches
+    return len(matches) == len(numbers) and all(
+        _near(item, max(summary["cases"][number][key], 0.0)) for item, number in zip(matches, numbers, strict=True)
     )
 
 
@@ -55,8 +58,10 @@ def _by_weight(summary: Summary, cases: str, lengths: str) -> bool:
 
 
 def _estimate(summary: Summary, kind: str, low: str, high: str | None) -> bool:
-    found = [one["displacement_m"] for one in summary["comparison"] if kind in one["method"] and one["displacement_m"]]
-    return _near(low, min(found)) and _near(high or low, max(found))
+    values = [
+        item["displacement_m"] for item in summary["comparison"] if kind in item["method"] and item["displacement_m"]
+    ]
+    return _near(low, min(values)) and _near(high or low, max(values))
 
 
 def _disagree(summary: Summary, low: str, high: str | None, observed: str, observed_high: str | None) -> bool:
@@ -73,23 +78,28 @@ def _span_of_slides(summary: Summary, low: str, high: str | None) -> bool:
 def _paper(summary: Summary, off: str, count: str, discs: str, off_discs: str) -> bool:
     """How many comparisons with the paper disagree, of all and of those of the calibrated discs."""
     compared = [row for row in summary["paper"] if row["agrees"] is not None]
-    own = [row for row in compared if "calibrated" in row["quantity"]]
-    found = [sum(not row["agrees"] for row in compared), len(compared), sum(not row["agrees"] for row in own), len(own)]
-    return found == [int(off), int(count), int(off_discs), int(discs)]
+    calibrated_rows = [row for row in compared if "calibrated" in row["quantity"]]
+    results = [
+        sum(not row["agrees"] for row in compared),
+        len(compared),
+        sum(not row["agrees"] for row in calibrated_rows),
+        len(calibrated_rows),
+    ]
+    return results == [int(off), int(count), int(off_discs), int(discs)]
 
 
 def _safe(summary: Summary, factor: str, key: str = "factor") -> bool:
     """The factor of safety without shaking, or by Davis's estimate."""
-    return _near(factor, next(one for one in summary["fem"]["safety_factors"] if one["kh"] == 0.0)[key])
+    return _near(factor, next(item for item in summary["fem"]["safety_factors"] if item["kh"] == 0.0)[key])
 
 
-def _any_safe(summary: Summary, found: str | None, searched: str | None) -> bool:
-    return _safe(summary, found or searched or "")
+def _any_safe(summary: Summary, result: str | None, searched: str | None) -> bool:
+    return _safe(summary, result or searched or "")
 
 
-def _known_slides(summary: Summary, told: str) -> bool:
+def _known_slides(summary: Summary, message: str) -> bool:
     """The error of the model, from the table of the collection, for flows, spreads, or all of them."""
-    return any(error is not None and error.sentence() == told for error in map(slide_error, (None, True, False)))
+    return any(error is not None and error.sentence() == message for error in map(slide_error, (None, True, False)))
 
 
 Check = Callable[..., bool]
@@ -124,7 +134,7 @@ CHECKS: tuple[tuple[str, Check], ...] = (
     ),
     (
         rf"^The slides are computed at Kh = {NUMBER}, .* after liquefaction, {NUMBER}",
-        lambda s, kh, limit: any(_near(limit, one["kc"]) for one in s["liquefied"]),
+        lambda s, kh, limit: any(_near(limit, sentence["kc"]) for sentence in s["liquefied"]),
     ),
     (r"^(\d+) of (\d+) comparisons with the paper disagree; of the (\d+) for the calibrated discs (\d+) do", _paper),
     (

@@ -23,53 +23,53 @@ KEYS = tuple(f"{table}.{key}" for model, table in TABLES.items() for key in mode
 @contextmanager
 def reads() -> Iterator[set[str]]:
     """The settings that are read in the block, in any thread of this process, as "table.key"."""
-    found: set[str] = set()
+    result: set[str] = set()
     for model, table in TABLES.items():
-        model.__getattribute__ = _heard(table, frozenset(model.model_fields), found)  # type: ignore[method-assign]
+        model.__getattribute__ = _heard(table, frozenset(model.model_fields), result)  # type: ignore[method-assign]
     try:
-        yield found
+        yield result
     finally:
         for model in TABLES:
             del model.__getattribute__
 
 
-def _heard(table: str, fields: frozenset[str], found: set[str]) -> Any:
+def _heard(table: str, fields: frozenset[str], outcome: set[str]) -> Any:
     def read(settings: object, name: str) -> Any:
         if name in fields:
-            found.add(f"{table}.{name}")
+            outcome.add(f"{table}.{name}")
         return object.__getattribute__(settings, name)
 
     return read
 
 
-def traced(stages: tuple[Stage, ...], found: dict[str, set[str]]) -> tuple[Stage, ...]:
+def traced(stages: tuple[Stage, ...], outcome: dict[str, set[str]]) -> tuple[Stage, ...]:
     """The same stages, which leave in ``found`` by their names what their work reads; their pictures are left out."""
 
-    def one(stage: Stage) -> Stage:
+    def entry(stage: Stage) -> Stage:
         def work(job: Job) -> None:
             with reads() as settings:
                 try:
                     stage.work(job)
                 finally:
-                    found.setdefault(stage.name, set()).update(settings)
+                    outcome.setdefault(stage.name, set()).update(settings)
 
         return replace(stage, work=work, draw=None, drawn_after=False, pictures=())
 
-    return tuple(one(stage) for stage in stages)
+    return tuple(entry(stage) for stage in stages)
 
 
-def altered(given: Config, name: str) -> Config:
+def altered(case_input: Config, name: str) -> Config:
     """The same input with another value of one setting, whatever that is: nothing is computed with it."""
     table, _, key = name.partition(".")
-    settings = getattr(given, table)
+    settings = getattr(case_input, table)
     other = str(Path(__file__)) if (table, key) in FILES else _other(getattr(settings, key))
     other = settings.model_copy(update={key: other})
-    found = given.model_copy(update={table: other})
-    if not found.triggering.cases:
-        return found
-    judged = assess(found.section, found.earthquake, found.triggering)
-    return found.analysed(
-        found.section, found.slide, cases_after_triggering(found.section, judged, found.triggering), ()
+    result = case_input.model_copy(update={table: other})
+    if not result.triggering.cases:
+        return result
+    judged = assess(result.section, result.earthquake, result.triggering)
+    return result.analysed(
+        result.section, result.slide, cases_after_triggering(result.section, judged, result.triggering), ()
     )
 
 
@@ -90,7 +90,7 @@ def _other(value: Any) -> Any:
 
 def stale(before: Config, after: Config) -> set[str]:
     """The stages whose results before are none for the input after."""
-    first, then = (Job(given, Store(Path("nowhere")), STAGES) for given in (before, after))
+    first, then = (Job(item, Store(Path("nowhere")), STAGES) for item in (before, after))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of values that no setting has
         return {stage.name for stage in STAGES if inputs(stage, first) != inputs(stage, then)}
@@ -98,5 +98,5 @@ def stale(before: Config, after: Config) -> set[str]:
 
 def with_needed(name: str) -> set[str]:
     """A stage and all that it needs."""
-    (stage,) = [one for one in STAGES if one.name == name]
+    (stage,) = [item for item in STAGES if item.name == name]
     return {name}.union(*(with_needed(other) for other in stage.needs))

@@ -52,7 +52,7 @@ def range_of_kh(slices: Slices, cohesion: np.ndarray, friction: np.ndarray, heig
     for sign in (1.0, -1.0):
         cost = np.zeros(5 * n + 4)
         cost[kh] = sign
-        found = linprog(cost, limits.tocsr(), most, rows.tocsr(), right, free, method="highs")
-        assert found.status == 0, found.message
-        ends.append(float(found.x[kh]))
+        result = linprog(cost, limits.tocsr(), most, rows.tocsr(), right, free, method="highs")
+        assert result.status == 0, result.message
+        ends.append(float(result.x[kh]))
     return ends[0], ends[1]

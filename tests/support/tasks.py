@@ -24,58 +24,58 @@ class Number(BaseModel):
     value: float
 
 
-def total(given: Numbers) -> Number:
+def total(inputs: Numbers) -> Number:
     """Their sum; none where one is negative."""
-    if min(given.values) < 0.0:
+    if min(inputs.values) < 0.0:
         raise NoAnswerError("a number is negative", "take its absolute value")
-    return Number(value=sum(given.values))
+    return Number(value=sum(inputs.values))
 
 
-def ishigami(given: Numbers) -> Number:
+def ishigami(inputs: Numbers) -> Number:
     """Ishigami and Homma (1990): sin x1 + 7 sin² x2 + 0.1 x3⁴ sin x1."""
-    x1, x2, x3 = given.values
+    x1, x2, x3 = inputs.values
     return Number(value=math.sin(x1) + 7.0 * math.sin(x2) ** 2 + 0.1 * x3**4 * math.sin(x1))
 
 
-def slow_total(given: Numbers) -> Number:
+def slow_total(inputs: Numbers) -> Number:
     """Their sum after a twentieth of a second; leaves a line for every time that it was begun."""
-    with (Path(given.folder) / f"{given.values}").open("a") as file:
+    with (Path(inputs.folder) / f"{inputs.values}").open("a") as file:
         file.write("begun\n")
     time.sleep(0.05)
-    return total(given)
+    return total(inputs)
 
 
-def dies_once(given: Numbers) -> Number:
+def dies_once(inputs: Numbers) -> Number:
     """Their sum; the first worker that tries is killed."""
-    return _dies(given, times=1)
+    return _dies(inputs, times=1)
 
 
-def dies_always(given: Numbers) -> Number:
+def dies_always(inputs: Numbers) -> Number:
     """Nobody who tries survives."""
-    return _dies(given, times=1000)
+    return _dies(inputs, times=1000)
 
 
-def _dies(given: Numbers, times: int) -> Number:
-    traces = Path(given.folder) / "tries"
+def _dies(inputs: Numbers, times: int) -> Number:
+    traces = Path(inputs.folder) / "tries"
     traces.mkdir(exist_ok=True)
     tried = len(list(traces.iterdir()))
     (traces / str(tried)).touch()
     if tried < times:
         os.kill(os.getpid(), signal.SIGKILL)
-    return total(given)
+    return total(inputs)
 
 
-def breaks(given: Numbers) -> Number:
+def breaks(inputs: Numbers) -> Number:
     """A fault of the program."""
     raise ZeroDivisionError("what no one expected")
 
 
-def infinite_slope(given: Numbers) -> Number:
+def infinite_slope(inputs: Numbers) -> Number:
     """Critical Kh of a dry infinite slope of 20 degrees, 5 m deep, 18 kN/m³; values are c (kPa) and φ (degrees).
 
     Limit equilibrium on a plane parallel to the ground: kc = (c / (γ z cos² β) + tan φ - tan β) / (1 + tan β tan φ).
     """
-    cohesion, friction = given.values
+    cohesion, friction = inputs.values
     slope, strength = math.tan(math.radians(20.0)), math.tan(math.radians(friction))
-    held = cohesion / (18.0 * 5.0 * math.cos(math.radians(20.0)) ** 2)
-    return Number(value=(held + strength - slope) / (1.0 + slope * strength))
+    fixed = cohesion / (18.0 * 5.0 * math.cos(math.radians(20.0)) ** 2)
+    return Number(value=(fixed + strength - slope) / (1.0 + slope * strength))

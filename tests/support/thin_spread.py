@@ -27,7 +27,7 @@ SLIPS = 0.01  # strain of a layer that slips, at its least and its greatest late
 THINNEST = 0.02  # m: of a column that takes part
 CREEP = 5.0  # s: dashpot over stiffness of ground short of its potential, as in discs and points
 LEAST = 0.2  # of its length that a column keeps
-CALM = 5.0  # s before the shaking of a case, in which its ground liquefies
+QUIET = 5.0  # s before the shaking of a case, in which its ground liquefies
 LASTS = 45.0  # s for which the spread is followed
 
 
@@ -61,7 +61,7 @@ class ThinGround:
     potential: float
     friction_angle: float = field(default=np.radians(33.0))
 
-    def held(self, way: np.ndarray, plastic: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def stress_of(self, way: np.ndarray, plastic: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Shear stress (Pa), its stiffness on the first line (Pa), plastic strain, at ways of the crust (m)."""
         knee = stress_at_potential(self.effective, np.full(len(way), self.strength))
         first, last = (self.potential, self.potential + BEYOND) if self.potential else (0.5 * BEYOND, BEYOND)
@@ -86,16 +86,16 @@ class ThinGround:
         lateral = 0.5 * np.pi * self.strength * layer * slips * np.clip(stretch / SLIPS, -1.0, 1.0)
         return np.asarray(liquid - lateral + 0.5 * earth * self.crust_weight * crust**2)
 
-    def spread(self, time: np.ndarray, push: np.ndarray, seconds: float, dt: float = 0.005) -> np.ndarray:
+    def spread(self, time: np.ndarray, loading: np.ndarray, seconds: float, dt: float = 0.005) -> np.ndarray:
         """How far the crust (n,) has moved (m) some seconds after the layer liquefied; time (s), push (m/s2)."""
         way, speed, plastic = (np.zeros(len(self.layer)) for _ in range(3))
         crust, layer = self.crust_weight * self.crust / GRAVITY, self.layer_weight * self.layer / GRAVITY
         moving = self.crust + self.layer > 2.0 * THINNEST
-        for a in np.interp(np.arange(0.0, seconds, dt), time, push, right=0.0):
+        for a in np.interp(np.arange(0.0, seconds, dt), time, loading, right=0.0):
             ends = np.concatenate([[0.0], 0.5 * (way[1:] + way[:-1]), [0.0]])
             force = self.pressure(np.diff(ends) / self.step, way)
             between = np.concatenate([force[:1], 0.5 * (force[1:] + force[:-1]), force[-1:]])
-            stress, stiffness, plastic = self.held(way, plastic)
+            stress, stiffness, plastic = self.stress_of(way, plastic)
             stress = np.clip(stress + CREEP * stiffness * speed / self.layer, -self.strength, self.strength)
             net = -np.diff(between) / self.step - stress + (crust + layer) * a
             speed = np.where(moving, speed + dt * net / (crust + 0.5 * layer), 0.0)
@@ -133,4 +133,4 @@ def spread_of(case: SlideCase, step: float = 1.0) -> float:
     )  # fmt: skip
     shaking = shaking_of(config, [k])
     assert shaking is not None
-    return float(np.interp(problem.at, x, ground.spread(shaking.time - CALM, shaking.push, LASTS)))
+    return float(np.interp(problem.at, x, ground.spread(shaking.time - QUIET, shaking.acceleration, LASTS)))

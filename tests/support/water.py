@@ -26,10 +26,10 @@ def section(*strata: dict[str, Any], **changes: Any) -> Section:
     return Section.parse({"name": "bank", **BANK, "strata": list(strata) or [soil()], **changes})
 
 
-def at_rest(given: Section, *points: tuple[float, float]) -> np.ndarray:
+def at_rest(inputs: Section, *points: tuple[float, float]) -> np.ndarray:
     """Pore pressure (Pa) without shaking at points (m)."""
     at = np.array(points)
-    return given.water_pressure.at_rest(at, at, given.stratum_at(*at.T))
+    return inputs.water_pressure.at_rest(at, at, inputs.stratum_at(*at.T))
 
 
 @st.composite

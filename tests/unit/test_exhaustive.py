@@ -42,9 +42,11 @@ def tables(tree: ast.Module) -> Iterator[tuple[str, bool]]:
 
 def looked_up(tree: ast.Module) -> set[str]:
     """The names that are looked up by something else than a word."""
-    found = [node for node in ast.walk(tree) if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Load)]
+    values = [node for node in ast.walk(tree) if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Load)]
     return {
-        node.value.id for node in found if isinstance(node.value, ast.Name) and not isinstance(node.slice, ast.Constant)
+        node.value.id
+        for node in values
+        if isinstance(node.value, ast.Name) and not isinstance(node.slice, ast.Constant)
     }
 
 

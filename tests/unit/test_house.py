@@ -42,15 +42,15 @@ LAYOUT = {
 def foreign_imports(source: str, module: str) -> set[str]:
     """Modules that a kernel's source imports and may not."""
     room = ".".join(module.split("/")[:-1])
-    found: set[str] = set()
+    result: set[str] = set()
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
+            result |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{module}: write the import in full"
             inside = {f"{node.module}.{alias.name}" for alias in node.names}
-            found |= inside if node.module in PACKAGES else {str(node.module)}
-    return {name for name in found if name.split(".")[0] not in ALLOWED and f"{name}.".find(f"{room}.") != 0}
+            result |= inside if node.module in PACKAGES else {str(node.module)}
+    return {name for name in result if name.split(".")[0] not in ALLOWED and f"{name}.".find(f"{room}.") != 0}
 
 
 @pytest.mark.parametrize("kernel", KERNELS)
@@ -118,10 +118,10 @@ def test_every_contract_breaks_where_it_should(tmp_path: Path) -> None:
         [sys.executable, "-c", LINT, "pyproject.toml", "", *breaches], cwd=tmp_path, capture_output=True, text=True,
         check=True, env={"PYTHONPATH": str(tmp_path)},
     )  # fmt: skip
-    kept, *found = done.stdout.split("BREACH")[1:]
-    assert "BROKEN" not in kept
-    for (name, line, contract), told in zip(BREACHES, found, strict=True):
-        assert re.search(rf"{contract}[^\n]*(\n[^\n]*)?BROKEN", told), (name, line, told)
+    stored, *result = done.stdout.split("BREACH")[1:]
+    assert "BROKEN" not in stored
+    for (name, line, contract), item in zip(BREACHES, result, strict=True):
+        assert re.search(rf"{contract}[^\n]*(\n[^\n]*)?BROKEN", item), (name, line, item)
 
 
 def test_nothing_else_stands_at_the_top_level() -> None:

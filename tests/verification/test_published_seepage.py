@@ -26,33 +26,33 @@ def section(ground: list, table: list, k: float, zones: dict, base: float = -0.5
     })  # fmt: skip
 
 
-def discharge(found: Section) -> float:
+def discharge(outcome: Section) -> float:
     """Water that flows through a metre of the section (m²/s)."""
-    flow = found.water_pressure.flow
+    flow = outcome.water_pressure.flow
     assert flow is not None
     return flow.discharge
 
 
-def heads(found: Section, points: list) -> np.ndarray:
+def heads(outcome: Section, points: list) -> np.ndarray:
     """Heads (m) at points below the phreatic line."""
     at = np.array(points, dtype=float)
-    pressure = found.water_pressure.at_rest(at, at, found.stratum_at(*at.T))
-    return at[:, 1] + pressure / found.water_pressure.unit_weight
+    pressure = outcome.water_pressure.at_rest(at, at, outcome.stratum_at(*at.T))
+    return at[:, 1] + pressure / outcome.water_pressure.unit_weight
 
 
 def test_bowles_dam_has_the_discharge_of_his_flow_nets() -> None:
     """Bowles (1984): 1.10 to 1.28e-3 m³/min by flow nets; Slide 1.378e-3 with the ground above the line, too."""
     ground = [[-1, 0], [0, 0], [50, 20], [60, 20], [100, 0], [101, 0]]
-    found = section(ground, [[-1, 18.5], [46.25, 18.5], [100, 0], [101, 0]], 6.67e-6, {})
-    assert 1.10e-3 <= 60.0 * discharge(found) <= 1.378e-3
+    result = section(ground, [[-1, 18.5], [46.25, 18.5], [100, 0], [101, 0]], 6.67e-6, {})
+    assert 1.10e-3 <= 60.0 * discharge(result) <= 1.378e-3
 
 
 def test_bowles_dam_on_a_toe_drain_has_the_discharge_of_his_flow_net() -> None:
     """Bowles (1984), example 9-2: 3.8e-6 m³/s by a flow net; SEEP/W and Slide 4.23e-6 with ground above the line."""
     ground = [[-1, 0], [0, 0], [90, 45], [100, 45], [190, 0], [191, 0]]
     drain = (1e-4, [[100, 0], [190, 0], [145, 22.5]])
-    found = section(ground, [[-1, 40], [80, 40], [190, 0], [191, 0]], 2e-7, {"drain": drain})
-    assert 3.8e-6 <= discharge(found) <= 4.23e-6
+    result = section(ground, [[-1, 40], [80, 40], [190, 0], [191, 0]], 2e-7, {"drain": drain})
+    assert 3.8e-6 <= discharge(result) <= 4.23e-6
 
 
 def test_heads_below_a_dam_are_those_of_rushton_and_redshaw() -> None:
@@ -63,6 +63,6 @@ def test_heads_below_a_dam_are_those_of_rushton_and_redshaw() -> None:
     ground = [[0, 0], [8, 0], [8, 6], [20, 6], [20, 0], [40, 0]]
     walls = [{"x": x, "bottom": -9.99} for x in (0.1, 39.9)]
     dam = (1e-16, [[8, 0], [20, 0], [20, 6], [8, 6]])
-    found = section(ground, [[0, 5], [8, 5], [20, 0], [40, 0]], 1e-6, {"dam": dam}, -10.0, cutoffs=walls)
+    result = section(ground, [[0, 5], [8, 5], [20, 0], [40, 0]], 1e-6, {"dam": dam}, -10.0, cutoffs=walls)
     x = [0.5, 10.0, 14.0, 20.0, 30.0]
-    assert heads(found, [[at, -4.0] for at in x]) == pytest.approx([4.50, 3.45, 2.47, 1.05, 0.20], abs=0.08)
+    assert heads(result, [[at, -4.0] for at in x]) == pytest.approx([4.50, 3.45, 2.47, 1.05, 0.20], abs=0.08)

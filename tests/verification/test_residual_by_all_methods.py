@@ -36,32 +36,32 @@ def section(consolidated: float) -> Section:
     })  # fmt: skip
 
 
-def of_elements(ground: Section, kept: Remains, place: tuple[float, float]) -> float:
+def of_elements(ground: Section, remaining: Remains, place: tuple[float, float]) -> float:
     """Cohesion (kPa) by the field of elements and slices."""
     at = np.array([place])
-    return float(liquefied_section(ground, {1: kept}).cohesion_field.at(at, at, np.array([1]))[0]) / 1e3
+    return float(liquefied_section(ground, {1: remaining}).cohesion_field.at(at, at, np.array([1]))[0]) / 1e3
 
 
-def of_bounds(ground: Section, kept: Remains, place: tuple[float, float], above: bool) -> float:
+def of_bounds(ground: Section, remaining: Remains, place: tuple[float, float], above: bool) -> float:
     """Cohesion (kPa) in the middle of the triangle around a place."""
-    section = liquefied_section(ground, {1: kept})
+    section = liquefied_section(ground, {1: remaining})
     mesh = triangulate(section, 1.0)
     corners = mesh.points[mesh.cells]
     near = np.hypot(*(corners.mean(axis=1) - np.array(place)).T).argmin()
-    found = section.cohesion_field.corners(corners[[near]], mesh.stratum[[near]], above)[0]
+    result = section.cohesion_field.corners(corners[[near]], mesh.stratum[[near]], above)[0]
     height = float(corners[near, :, 1].mean()) - place[1]
-    return float(found.mean()) / 1e3 + height * 18.0 * kept.residual
+    return float(result.mean()) / 1e3 + height * 18.0 * remaining.residual
 
 
-def of_points(ground: Section, kept: Remains, x: float) -> np.ndarray:
+def of_points(ground: Section, remaining: Remains, x: float) -> np.ndarray:
     """Cohesion times cos φ (kPa), less what 18 kN/m³ above makes of the ratio, of the material points of the sand."""
     points = ground_of(ground, 600)
     slider = PointSlider(points, 1)
-    slider._remember(SlideProgramme(lambda t: 0.0 * t, {1: 0.0}, {1: kept}, 1.0, 1.0, 1.0, 0.1, 0.0))
+    slider._remember(SlideProgramme(lambda t: 0.0 * t, {1: 0.0}, {1: remaining}, 1.0, 1.0, 1.0, 0.1, 0.0))
     places, stratum = (slider.engine.original(of) for of in (points.points.x, points.points.stratum))
     below = (stratum == 1) & (abs(places[:, 0] + points.offset[0] - x) < 2.0)
     depth = 10.0 - (places + points.offset)[below, 1]
-    return slider.began["after"][below, 0] / 1e3 - kept.residual * 18.0 * depth
+    return slider.began["after"][below, 0] / 1e3 - remaining.residual * 18.0 * depth
 
 
 def of_discs(ground: Section, case: Case) -> tuple[DiscModel, np.ndarray]:
@@ -76,14 +76,14 @@ def of_discs(ground: Section, case: Case) -> tuple[DiscModel, np.ndarray]:
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
 def test_a_ratio_counts_the_load_to_which_the_ground_has_consolidated(share: float) -> None:
     ground, case, place = section(share), Case(residual=0.1), (15.1, 3.1)
-    kept = case.remains_of(ground, 1)
-    assert kept == Remains(0.0, 0.0, 0.1)
+    remains = case.remains_of(ground, 1)
+    assert remains == Remains(0.0, 0.0, 0.1)
     expected = 0.1 * (18.0 * 6.9 + share * LOAD)
-    assert of_elements(ground, kept, place) == pytest.approx(expected)
+    assert of_elements(ground, remains, place) == pytest.approx(expected)
     for above in (False, True):
-        assert of_bounds(ground, kept, place, above) == pytest.approx(expected)
-    assert of_points(ground, kept, 15.0) == pytest.approx(0.1 * share * LOAD)
-    assert of_points(ground, kept, 4.0) == pytest.approx(0.0, abs=1e-9)
+        assert of_bounds(ground, remains, place, above) == pytest.approx(expected)
+    assert of_points(ground, remains, 15.0) == pytest.approx(0.1 * share * LOAD)
+    assert of_points(ground, remains, 4.0) == pytest.approx(0.0, abs=1e-9)
     model, strength = of_discs(ground, case)
     below = (model.layer == 1) & ~model.fixed & (abs(model.x - 15.0) < 2.0)
     none = of_discs(section(0.0), case)[1]
@@ -110,14 +110,14 @@ def test_the_mean_stress_that_reports_divide_by_is_the_same() -> None:
 def test_residual_strength_or_what_friction_and_cohesion_leave(case: Case, counts: Remains) -> None:
     """The larger one at the mean stress of the stratum counts for every method, and never their sum."""
     ground = section(0.0)
-    kept = case.remains_of(ground, 1)
-    assert kept == counts
+    remains = case.remains_of(ground, 1)
+    assert remains == counts
     stress = 18.0 * 6.9
     expected = counts.residual * stress + counts.strength / 1e3 + counts.cohesion * 4.0
-    assert of_elements(ground, kept, (5.1, 3.1)) == pytest.approx(expected)
-    assert of_bounds(ground, kept, (5.1, 3.1), False) == pytest.approx(expected)
+    assert of_elements(ground, remains, (5.1, 3.1)) == pytest.approx(expected)
+    assert of_bounds(ground, remains, (5.1, 3.1), False) == pytest.approx(expected)
     cosine = np.cos(np.arctan(counts.friction * TAN))
-    assert of_points(ground, kept, 5.0) == pytest.approx(
+    assert of_points(ground, remains, 5.0) == pytest.approx(
         (counts.strength / 1e3 + counts.cohesion * 4.0) * cosine, abs=1e-9
     )
     model, strength = of_discs(ground, case)

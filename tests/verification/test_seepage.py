@@ -51,8 +51,8 @@ def test_below_a_sheet_pile_the_discharge_is_that_of_the_conformal_map(depth: fl
     m = np.sin(0.5 * np.pi * depth) ** 2
     # Triangles are from above, and the foot of the pile is a singularity: 2.2 and 2.6 % measured.
     assert flow.discharge / (2.0 * K) == pytest.approx(ellipk(1.0 - m) / (2.0 * ellipk(m)), rel=0.03)
-    beside, near = np.array([[0.0, 9.0], [0.0, 9.0]]), np.array([[0.1, 9.0], [-0.1, 9.0]])
-    behind, before = section.water_pressure.at_rest(beside, near, np.array([0, 0]))
+    neighbour, near = np.array([[0.0, 9.0], [0.0, 9.0]]), np.array([[0.1, 9.0], [-0.1, 9.0]])
+    behind, before = section.water_pressure.at_rest(neighbour, near, np.array([0, 0]))
     assert before > behind + 9.81e3 * 0.5  # the pressure jumps across the wall
     assert not [text for text in section.notices if "not level" in text]
 
@@ -66,8 +66,8 @@ def test_parallel_to_a_slope_the_head_is_that_across_the_flow() -> None:
     slope = flowing([[0, 15], [50, 5]], [[0, 14], [50, 4]], base=[[0, 10], [50, 0]], head="normal")
     points = np.array([[25.0, 6.0], [10.0, 11.0], [40.0, 2.5]])
     section = Section.parse(slope)
-    found = section.water_pressure.at_rest(points, points, np.array([1, 1, 1]))
-    assert found == pytest.approx(9806.65 * (14.0 - 0.2 * points[:, 0] - points[:, 1]) / 1.04, abs=20.0)
+    ground = section.water_pressure.at_rest(points, points, np.array([1, 1, 1]))
+    assert ground == pytest.approx(9806.65 * (14.0 - 0.2 * points[:, 0] - points[:, 1]) / 1.04, abs=20.0)
 
 
 def test_still_water_stays_still_and_a_file_written_reads_as_the_same() -> None:
@@ -191,5 +191,5 @@ def test_still_water_in_layers_on_a_sloping_base_is_hydrostatic() -> None:
     assert flow is not None
     assert flow.discharge == 0.0
     z = flow.grid.points[:, 1]
-    found = np.maximum(flow.head - z, 0.0)
-    assert found == pytest.approx(np.maximum(-0.18 - z, 0.0), abs=1e-6)
+    result = np.maximum(flow.head - z, 0.0)
+    assert result == pytest.approx(np.maximum(-0.18 - z, 0.0), abs=1e-6)

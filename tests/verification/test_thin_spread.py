@@ -15,7 +15,7 @@ BANKS = {
     for case in read_cases(TOP / FOLDER)
     if any(value.author == AUTHOR for value in case.known.values)
 }  # fmt: skip
-CALM = np.array([0.0, 1.0]), np.zeros(2)  # no shaking
+QUIET = np.array([0.0, 1.0]), np.zeros(2)  # no shaking
 
 
 def liquid(layer: np.ndarray, step: float, strength: float, potential: float) -> ThinGround:
@@ -33,7 +33,7 @@ def test_ground_follows_a_small_step_by_the_exponential_of_its_distance() -> Non
     """
     step, drop, potential, strength = 2.0, 0.03, 0.45, 6e3
     x = np.arange(-200.0 + 0.5 * step, 200.0, step)
-    way = liquid(np.where(x < 0.0, HEIGHT, HEIGHT - drop), step, strength, potential).spread(*CALM, 90.0, 0.01)
+    way = liquid(np.where(x < 0.0, HEIGHT, HEIGHT - drop), step, strength, potential).spread(*QUIET, 90.0, 0.01)
     [knee] = stress_at_potential(np.array([EFFECTIVE]), np.array([strength]))
     length = np.sqrt(0.5 * WEIGHT * HEIGHT**2 / (knee / potential / HEIGHT))
     assert 30.0 < length < 36.0
@@ -51,7 +51,7 @@ def test_liquid_stands_while_its_thickness_changes_by_less_than_its_strength(sha
     strength, step = 5e3, 1.0
     x = np.arange(0.5, 60.0, step)
     layer = np.sqrt(HEIGHT**2 - 2.0 * share * strength / WEIGHT * np.clip(x - 15.0, 0.0, 30.0))
-    way = liquid(layer, step, strength, 0.0).spread(*CALM, 40.0)
+    way = liquid(layer, step, strength, 0.0).spread(*QUIET, 40.0)
     assert (way.max() > 0.15 * HEIGHT) == moves
     assert way.max() < HEIGHT
 
@@ -66,5 +66,5 @@ def test_banks_of_the_field_spread_as_it_is_told_beside_them() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", BANKS)
 def test_every_bank_spreads_as_it_is_told_beside_it(name: str) -> None:
-    [told] = [value.ends[0] for value in BANKS[name].known.values if value.author == AUTHOR]
-    assert spread_of(BANKS[name]) == pytest.approx(told, rel=0.03, abs=0.01)
+    [messages] = [value.ends[0] for value in BANKS[name].known.values if value.author == AUTHOR]
+    assert spread_of(BANKS[name]) == pytest.approx(messages, rel=0.03, abs=0.01)

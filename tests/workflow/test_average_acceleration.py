@@ -60,26 +60,26 @@ def slid(data: dict[str, Any], out: Path, **settings: Any) -> int:
     return run("slide", file, "--out", out)
 
 
-def beside(average: Path, folder: Path) -> Path:
+def compared(average: Path, folder: Path) -> Path:
     """The same folder once more, so that nothing but the slide is new."""
     return Path(shutil.copytree(average, folder / "out"))
 
 
 def case(folder: Path) -> dict[str, Any]:
     """The slide with a liquefied layer."""
-    found: dict[str, Any] = json.loads((folder / "dem/cases.json").read_text())["sets"]["calibrated"]["1"]
-    return found
+    loads: dict[str, Any] = json.loads((folder / "dem/cases.json").read_text())["sets"]["calibrated"]["1"]
+    return loads
 
 
 def test_the_discs_go_where_a_record_of_that_average_takes_them(
     data: dict[str, Any], average: Path, tmp_path: Path
 ) -> None:
-    given = analysed(data)
-    column = column_of(given.section, given.site_response)
+    config = analysed(data)
+    column = column_of(config.section, config.site_response)
     felt = column.average_above(SLIP)
     lines = "\n".join(f"{column.step * k!r}, {float(a)!r}" for k, a in enumerate(felt))
     (tmp_path / "felt.csv").write_text(f"time (s), a (m/s2)\n{lines}\n")
-    again = beside(average, tmp_path)
+    again = compared(average, tmp_path)
     assert slid(data, again, accelerogram=str(tmp_path / "felt.csv")) == 0
     assert case(again)["slide_max_m"] == pytest.approx(case(average)["slide_max_m"], rel=1e-9)
     # what the rock does is another motion, and takes them elsewhere
@@ -88,13 +88,13 @@ def test_the_discs_go_where_a_record_of_that_average_takes_them(
 
 
 def test_kh_is_k_max_where_it_is_left_to_the_record(data: dict[str, Any], average: Path, tmp_path: Path) -> None:
-    given = analysed(data)
-    k_max = round(column_of(given.section, given.site_response).k_max(SLIP), 4)
+    config = analysed(data)
+    k_max = round(column_of(config.section, config.site_response).k_max(SLIP), 4)
     assert 0.02 < k_max < 0.6
-    asked = beside(average, tmp_path)
-    assert slid(data, asked, kh="k_max") == 0
-    told = case(asked)
-    assert slid(data, asked, kh=k_max) == 0
-    assert case(asked) == told
-    assert slid(data, asked, kh=0.5 * k_max) == 0
-    assert case(asked)["slide_max_m"] < 0.95 * told["slide_max_m"]
+    path = compared(average, tmp_path)
+    assert slid(data, path, kh="k_max") == 0
+    case_answer = case(path)
+    assert slid(data, path, kh=k_max) == 0
+    assert case(path) == case_answer
+    assert slid(data, path, kh=0.5 * k_max) == 0
+    assert case(path)["slide_max_m"] < 0.95 * case_answer["slide_max_m"]

@@ -25,9 +25,9 @@ def test_leaves_the_bracket_how_good_it_is_and_pictures(tmp_path: Path, capsys: 
     out = tmp_path / "out"
     assert run("bounds", written(tmp_path), "--out", out, "--davis", *SMALL, painted=True) == 0
     answer = json.loads((out / "fem/bounds.json").read_text())
-    told = capsys.readouterr().out
+    messages = capsys.readouterr().out
     for bracket in (answer, answer["substitute"]):
-        assert f"{bracket['lower']:.4f} <= Kh <= {bracket['upper']:.4f}" in told
+        assert f"{bracket['lower']:.4f} <= Kh <= {bracket['upper']:.4f}" in messages
     assert 0.0 < answer["lower"] < answer["upper"]
     assert answer["gap"] <= 0.2
     assert answer["verdict"] == "bracketed"
@@ -37,7 +37,7 @@ def test_leaves_the_bracket_how_good_it_is_and_pictures(tmp_path: Path, capsys: 
     assert answer["residuals"]["lower"]["yield_slack"] >= 0.0
     assert answer["residuals"]["upper"]["flow_slack"] >= 0.0
     assert answer["cells"] == answer["history"][-1]["cells"]
-    assert answer["lower"] == max(one["lower"] for one in answer["history"] if one["lower"] is not None)
+    assert answer["lower"] == max(item["lower"] for item in answer["history"] if item["lower"] is not None)
     for name in ("bounds_mechanism", "bounds_stress", "bounds_mesh"):
         assert imread(out / f"figures/{name}.png").shape[1] == 1600
     assert not [path for path in out.rglob("*/.*") if path.is_file()]
@@ -55,9 +55,9 @@ def test_the_factor_of_safety_is_bounded_too(tmp_path: Path, capsys: pytest.Capt
     assert (
         run("bounds", path, "--out", out, "--safety-factor", "--set", "fem.safety_factor_at=[0.0, 0.05]", *coarse) == 0
     )
-    still, shaken = json.loads((out / "fem/bounds.json").read_text())["safety"]
+    still, seismic = json.loads((out / "fem/bounds.json").read_text())["safety"]
     assert f"{still['lower']:.3f} <= FS <= {still['upper']:.3f} at Kh = 0" in " ".join(capsys.readouterr().out.split())
-    assert shaken["upper"] < still["lower"]
+    assert seismic["upper"] < still["lower"]
     section = Section.read(path)
     elements = safety_factor(
         section, generate(section, MeshSettings(size=3.0)), FemSettings(flow="associated"), 0.0, MPI.COMM_SELF
@@ -94,10 +94,10 @@ def test_grains_that_roll_down_are_told_and_the_slope_as_a_whole_is_bounded(
     answer = json.loads((out / "fem/bounds.json").read_text())
     [face] = answer["shallow_failures"]
     assert answer["upper"] > face["kh"] == pytest.approx(0.1482, abs=1e-4)
-    told = " ".join(capsys.readouterr().out.split())
-    assert 'Shallow failure of the face of "sand" from x = 10 to 20 m at Kh = 0.148' in told
-    assert "Bounds of these deeper failures, the faces given a cohesion, with ψ = φ" in told
-    assert "Strict bounds" not in told  # they are none of the ground as it is given
+    text = " ".join(capsys.readouterr().out.split())
+    assert 'Shallow failure of the face of "sand" from x = 10 to 20 m at Kh = 0.148' in text
+    assert "Bounds of these deeper failures, the faces given a cohesion, with ψ = φ" in text
+    assert "Strict bounds" not in text  # they are none of the ground as it is given
 
 
 def test_the_limit_of_cells_ends_with_a_wide_bracket(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -136,9 +136,9 @@ def test_ctrl_c_stops_it(tmp_path: Path) -> None:
         assert done.poll() is None
     time.sleep(1.0)
     done.send_signal(signal.SIGINT)
-    _, told = done.communicate(timeout=60)
+    _, messages = done.communicate(timeout=60)
     assert done.returncode == 130
-    assert "Stopped." in told
+    assert "Stopped." in messages
     assert not (tmp_path / "out/fem/bounds.json").exists()
 
 

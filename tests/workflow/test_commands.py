@@ -27,7 +27,7 @@ def small(folder: Path, **soil: Any) -> Path:
     return path
 
 
-def told(capsys: pytest.CaptureFixture[str]) -> Any:
+def message(capsys: pytest.CaptureFixture[str]) -> Any:
     """What was printed, which is one JSON document."""
     return json.loads(capsys.readouterr().out)
 
@@ -50,11 +50,11 @@ def test_help_lists_the_stages_and_the_sections_that_come_with_it(capsys: pytest
 
 def test_help_has_the_commands_in_groups(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("--help") == 0
-    told = capsys.readouterr().out
-    places = [told.index(panel) for panel in Panel]
+    out = capsys.readouterr().out
+    places = [out.index(panel) for panel in Panel]
     assert places == sorted(places)
-    assert places[0] < told.index("│ check") < places[1] < told.index("│ run") < places[2] < told.index("│ fem")
-    assert places[3] < told.index("│ slide") < places[4] < told.index("│ study") < places[5] < told.index("│ compare")
+    assert places[0] < out.index("│ check") < places[1] < out.index("│ run") < places[2] < out.index("│ fem")
+    assert places[3] < out.index("│ slide") < places[4] < out.index("│ study") < places[5] < out.index("│ compare")
 
 
 def test_init_from_a_section_that_comes_with_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -68,19 +68,19 @@ def test_init_from_a_section_that_comes_with_it(tmp_path: Path, capsys: pytest.C
 
 def test_check_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run("check", written(tmp_path), "--out", tmp_path / "out", "--json") == 0
-    checked = told(capsys)
-    given = Config.load(tmp_path / "slope.toml")
-    assert [one["name"] for one in checked["strata"]] == [one.name for one in given.section.strata]
-    assert checked["strata"][0]["friction_angle"] == pytest.approx(given.section.strata[0].friction_angle)
+    checked = message(capsys)
+    config = Config.load(tmp_path / "slope.toml")
+    assert [item["name"] for item in checked["strata"]] == [item.name for item in config.section.strata]
+    assert checked["strata"][0]["friction_angle"] == pytest.approx(config.section.strata[0].friction_angle)
     assert Path(checked["picture"]).is_file()
 
 
 def test_plan_and_answers_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = small(tmp_path)
     assert run("run", path, "--out", tmp_path / "out", "--dry-run", "--json") == 0
-    assert [one["stage"] for one in told(capsys)] == list(NAMES)
+    assert [item["stage"] for item in message(capsys)] == list(NAMES)
     assert run("fem", path, "--out", tmp_path / "out", "--json") == 0
-    stages = told(capsys)["stages"]
+    stages = message(capsys)["stages"]
     assert (
         stages["mesh"]["mesh"]["quadrilaterals"]
         == stages["fem"]["answers"]["fem/critical.json"]["mesh"]["quadrilaterals"]
@@ -92,7 +92,7 @@ def test_plan_and_answers_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[
 def test_without_an_answer_json_says_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = small(tmp_path, cohesion="0.1 kPa", friction_angle="0 deg")
     assert run("fem", path, "--out", tmp_path / "out", "--json") == 3
-    fem = told(capsys)["stages"]["fem"]
+    fem = message(capsys)["stages"]["fem"]
     assert fem["outcome"] == "no answer"
     assert "weight" in fem["reason"]
 
@@ -163,7 +163,7 @@ def test_runs_side_by_side(two: list[Path], capsys: pytest.CaptureFixture[str], 
     html = (tmp_path / "both.html").read_text()
     assert html.count("<img") == 2 * len(list((two[0] / "figures").glob("*.png")))
     assert run("compare", *two, "--json") == 0
-    assert [run["fem"]["kc"] for run in told(capsys).values()] == kc
+    assert [run["fem"]["kc"] for run in message(capsys).values()] == kc
 
 
 def test_what_cannot_be_compared_is_told_at_once(

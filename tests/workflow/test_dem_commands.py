@@ -64,11 +64,11 @@ def answer(folder: Path, name: str) -> Any:
 
 
 def test_the_model_and_the_bracket(whole: Path) -> None:
-    found = answer(whole, "critical.json")
-    assert found["model"]["packing"] == "box"
-    assert found["model"]["unbalanced_ratio"] < 1e-4
-    assert found["model"]["pore_springs"] > 2 * found["model"]["elements"]
-    for search in (found["before"], found["after"]):
+    random_packings = answer(whole, "critical.json")
+    assert random_packings["model"]["packing"] == "box"
+    assert random_packings["model"]["unbalanced_ratio"] < 1e-4
+    assert random_packings["model"]["pore_springs"] > 2 * random_packings["model"]["elements"]
+    for search in (random_packings["before"], random_packings["after"]):
         assert search["verdict"] == "bracketed"
         assert search["kc_upper"] - search["kc_lower"] <= 0.04 * (1.0 + 1e-9)
         stood = [t["kh"] for t in search["trials"] if t["verdict"] == "stands"]
@@ -76,22 +76,22 @@ def test_the_model_and_the_bracket(whole: Path) -> None:
         assert max(stood) == search["kc_lower"] < search["kc_upper"]
         assert search["kc_upper"] in failed
         assert all(t["unbalanced_ratio"] <= 4e-4 for t in search["trials"] if t["verdict"] == "stands")
-    assert {(state["set"], state["kh"]) for state in found["states"]} == {("before", 0.1), ("after", 0.1)}
+    assert {(state["set"], state["kh"]) for state in random_packings["states"]} == {("before", 0.1), ("after", 0.1)}
     # after calibration these 200 discs sink to both sides, and a line under a sinking crest is no slip surface
-    assert all(len(found["slip_surface"][which]) > 1 for which in ("dem_before", "fem"))
+    assert all(len(random_packings["slip_surface"][which]) > 1 for which in ("dem_before", "fem"))
 
 
 def test_the_calibration_meets_the_continuum_or_says_why_not(whole: Path) -> None:
-    found = answer(whole, "calibration.json")
+    random_packings = answer(whole, "calibration.json")
     target = json.loads((whole / "fem/critical.json").read_text())["kc"]
-    assert found["target_kc"] == target
-    if found["verdict"] == "calibrated":
-        assert abs(found["kc"] - target) <= 0.1
+    assert random_packings["target_kc"] == target
+    if random_packings["verdict"] == "calibrated":
+        assert abs(random_packings["kc"] - target) <= 0.1
     else:
-        assert "the discs fail at Kh = " in found["reason"]
-    rows = {(row["parameter"], row["value"]) for row in found["sensitivity"]}
+        assert "the discs fail at Kh = " in random_packings["reason"]
+    rows = {(row["parameter"], row["value"]) for row in random_packings["sensitivity"]}
     assert rows >= {(p, f) for p in ("stiffness", "friction", "pore_strength") for f in (0.5, 1.0, 2.0)}
-    assert any(trial["value"] == found["value"] for trial in found["trials"])
+    assert any(trial["value"] == random_packings["value"] for trial in random_packings["trials"])
 
 
 def test_the_slides(whole: Path) -> None:
@@ -162,16 +162,16 @@ def test_a_case_by_number(whole: Path, tmp_path: Path, capsys: pytest.CaptureFix
 def test_element_tests_of_every_layer(tmp_path: Path) -> None:
     changes = {"element_tests": True, "parameter": "friction"}
     assert run("calibrate", written(tmp_path, dem=changes), "--out", tmp_path / "out") == 0
-    found = answer(tmp_path / "out", "calibration.json")["element_tests"]
-    tests = {(test["stratum"], test["packing"]) for test in found}
+    result = answer(tmp_path / "out", "calibration.json")["element_tests"]
+    tests = {(test["stratum"], test["packing"]) for test in result}
     assert tests == {(s["name"], p) for s in SECTION["strata"] for p in ("lattice", "random")}
-    assert all(test["assembly"]["E_Pa"] > 0.0 for test in found)
+    assert all(test["assembly"]["E_Pa"] > 0.0 for test in result)
 
 
 @pytest.mark.slow
 def test_out_of_reach_is_no_answer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     narrow = {"parameter": "pore_strength", "range": [0.9, 1.1], "tolerance": 0.001, "out_of_reach": "stop"}
     assert run("calibrate", written(tmp_path, dem=narrow), "--out", tmp_path / "out") == 3
-    told = capsys.readouterr()
-    assert "the discs fail at Kh = " in " ".join((told.out + told.err).split())
+    output = capsys.readouterr()
+    assert "the discs fail at Kh = " in " ".join((output.out + output.err).split())
     assert answer(tmp_path / "out", "calibration.json")["verdict"] == "out of reach"

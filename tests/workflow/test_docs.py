@@ -47,16 +47,16 @@ def site() -> Path:
 
 
 def test_the_site_is_whole_and_fetches_nothing(site: Path) -> None:
-    found = {str(page.relative_to(site)): page.read_text(encoding="utf-8") for page in site.rglob("*.html")}
+    values = {str(page.relative_to(site)): page.read_text(encoding="utf-8") for page in site.rglob("*.html")}
     made = {str(Path(page).with_suffix(".html")) for page in program("build").MADE}
-    assert {"index.html", "glossary.html", "tutorials/first_run.html", "changelog.html"} | made <= set(found)
-    for page, text in found.items():
+    assert {"index.html", "glossary.html", "tutorials/first_run.html", "changelog.html"} | made <= set(values)
+    for page, text in values.items():
         assert re.findall(r'<(?:script|img)[^>]+src="?https?:', text) == [], page
         assert re.findall(r'<link[^>]+rel="?stylesheet"?[^>]+href="?https?:', text) == [], page
         assert "{{" not in re.sub(r"<(code|pre).*?</\1>", "", text, flags=re.DOTALL), page
     for package in ("meshes", "fem", "dem"):
         for name in importlib.import_module(package).__all__:
-            assert f'.{name}"' in found["reference/python.html"], name
+            assert f'.{name}"' in values["reference/python.html"], name
 
 
 def test_every_link_leads_somewhere() -> None:
@@ -73,16 +73,16 @@ def test_every_link_leads_somewhere() -> None:
 
 
 def test_every_key_stands_in_the_reference_with_what_is_checked() -> None:
-    found = {(key.table, key.name): key for key in keys()}
+    values = {(key.table, key.name): key for key in keys()}
     for table in Config.tables():
         for name, field in type(Config.model_fields[table].default).model_fields.items():
-            assert found[table, name].words == (field.description or "")
-    assert found["fem", "accuracy"].allowed == "a number from 0 to 0.5"
-    assert found["fem", "accuracy"].default == "0.01"
-    assert found["strata", "youngs_modulus"].default == "must be given"
-    assert found["strata", "youngs_modulus"].unit == "Pa"
-    assert found["strata", "friction_angle"].allowed == 'from 0 to below 90 deg, such as "35 deg"'
-    assert found["slide.cases", "stiffness"].allowed == "a number above 0 to 1"
+            assert values[table, name].words == (field.description or "")
+    assert values["fem", "accuracy"].allowed == "a number from 0 to 0.5"
+    assert values["fem", "accuracy"].default == "0.01"
+    assert values["strata", "youngs_modulus"].default == "must be given"
+    assert values["strata", "youngs_modulus"].unit == "Pa"
+    assert values["strata", "friction_angle"].allowed == 'from 0 to below 90 deg, such as "35 deg"'
+    assert values["slide.cases", "stiffness"].allowed == "a number above 0 to 1"
 
 
 def test_every_file_of_a_run_stands_in_the_reference() -> None:
@@ -134,8 +134,8 @@ def parameters() -> dict[str, set[str]]:
     """The options of every command."""
     command = typer.main.get_command(app)
     return {
-        name: {word for parameter in one.params for word in (*parameter.opts, *parameter.secondary_opts)} | {"--help"}
-        for name, one in command.commands.items()  # type: ignore[attr-defined]
+        name: {word for parameter in item.params for word in (*parameter.opts, *parameter.secondary_opts)} | {"--help"}
+        for name, item in command.commands.items()  # type: ignore[attr-defined]
     }
 
 

@@ -37,9 +37,9 @@ def short_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_leaves_the_answer_its_path_fields_and_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     assert run("fem", written(tmp_path), "--out", out, "--kh", "0.1", "--kh", "5.0", *SMALL, painted=True) == 0
-    told = capsys.readouterr().out
+    messages = capsys.readouterr().out
     answer = json.loads((out / "fem/critical.json").read_text())
-    assert f"Critical Kh = {answer['kc']:.3f}" in told
+    assert f"Critical Kh = {answer['kc']:.3f}" in messages
     assert answer["verdict"] in ("plateau", "peak")
     assert 0.1 < answer["kc"] == answer["kc_lower"] <= answer["kc_upper"] < 5.0
     assert answer["kc"] <= max(step["factor"] for step in answer["curve"]) <= answer["kc_upper"]
@@ -67,12 +67,12 @@ def test_factors_of_safety_fall_with_kh_and_pass_one_at_the_critical_kh(
     options = ("--kh", "0.1", "--associated", "--safety-factor", "--sides", "fixed", "--set", "bounds.max_cells=400")
     assert run("fem", written(tmp_path), "--out", out, *options, *ONE_PATH, *SMALL, painted=True) == 0
     answer = json.loads((out / "fem/critical.json").read_text())
-    still, shaken = answer["safety_factors"]
+    still, seismic = answer["safety_factors"]
     assert still["kh"] == 0.0
-    assert still["factor"] > shaken["factor"] > 1.0
+    assert still["factor"] > seismic["factor"] > 1.0
     assert answer["kc"] > 0.1
     said = capsys.readouterr().out
-    for factor in (still, shaken):
+    for factor in (still, seismic):
         assert factor["verdict"] == "plateau"
         assert len(factor["slip_surface"]) > 5
         assert f"{factor['factor']:.3f} with ψ = φ; Davis's estimate for ψ = 0" in " ".join(said.split())
@@ -81,7 +81,7 @@ def test_factors_of_safety_fall_with_kh_and_pass_one_at_the_critical_kh(
     assert imread(out / "figures/fem_safety.png").shape[1] == 1600
     strict = json.loads((out / "fem/bounds.json").read_text())["safety"]
     assert [part["kh"] for part in strict] == [0.0, 0.1]
-    for part, factor in zip(strict, (still, shaken), strict=True):
+    for part, factor in zip(strict, (still, seismic), strict=True):
         assert 0.99 * part["lower"] < factor["factor"] < 1.1 * part["upper"]  # a coarse mesh that is not adapted
 
 
@@ -126,8 +126,8 @@ def test_ground_that_stands_only_as_it_dilates_is_told_by_both_factors(
     assert (
         run("fem", tmp_path / "sand.toml", "--out", tmp_path / "out", "--size", "3 m", "--set", "fem.accuracy=0") == 3
     )
-    told = " ".join(capsys.readouterr().err.split())
-    factors = re.search(r"safety is (.*) by Davis's estimate for ψ = 0, and (.*) with ψ = φ; with fem.flow =", told)
+    text = " ".join(capsys.readouterr().err.split())
+    factors = re.search(r"safety is (.*) by Davis's estimate for ψ = 0, and (.*) with ψ = φ; with fem.flow =", text)
     assert factors is not None
     assert float(factors[1]) == pytest.approx(0.894 * float(factors[2]), abs=0.01)
     assert float(factors[1]) < 1.0 < float(factors[2])
@@ -145,9 +145,9 @@ def test_without_dolfinx_it_says_how_to_get_it(
 
     monkeypatch.setattr(builtins, "__import__", importing)
     assert run("fem", written(tmp_path), "--out", tmp_path / "out", *SMALL) == 2
-    told = capsys.readouterr().err
-    assert "apt-get install python3-dolfinx" in told
-    assert "conda install" in told
+    err = capsys.readouterr().err
+    assert "apt-get install python3-dolfinx" in err
+    assert "conda install" in err
 
 
 @pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun")
@@ -167,21 +167,21 @@ def test_two_processes_find_the_same_and_one_writes(short_path: Path, tmp_path: 
     alone, two = (json.loads((out / "fem/critical.json").read_text()) for out in outs)
     assert two["kc"] == pytest.approx(alone["kc"], rel=1e-9)
     assert len(two["curve"]) == len(alone["curve"]) >= 2
-    for one, other in zip(two["curve"], alone["curve"], strict=True):
+    for item, other in zip(two["curve"], alone["curve"], strict=True):
         for quantity in ("factor", "displacement", "plastic_share"):
-            assert one[quantity] == pytest.approx(other[quantity], rel=1e-9), quantity
+            assert item[quantity] == pytest.approx(other[quantity], rel=1e-9), quantity
     assert two["curve"][-1]["plastic_share"] > 0.2
 
 
 def test_a_mesh_made_elsewhere_gives_the_same_answer(short_path: Path, tmp_path: Path) -> None:
-    given = short_path / "out/mesh/section.msh"
-    options = (*SHORT_PATH, "--element", "bilinear", "--mesh", given)
+    config = short_path / "out/mesh/section.msh"
+    options = (*SHORT_PATH, "--element", "bilinear", "--mesh", config)
     assert run("fem", short_path / "slope.toml", "--out", tmp_path / "given", *options) == 0
-    own, other = (
+    of_stage, other = (
         json.loads((out / "fem/critical.json").read_text()) for out in (short_path / "out", tmp_path / "given")
     )
     assert other["mesh"]["method"] == "given"
-    assert other["kc"] == pytest.approx(own["kc"], rel=1e-9)
+    assert other["kc"] == pytest.approx(of_stage["kc"], rel=1e-9)
 
 
 def test_a_mesh_without_the_groups_of_the_section_is_refused(
@@ -193,6 +193,6 @@ def test_a_mesh_without_the_groups_of_the_section_is_refused(
     renamed.write_text((tmp_path / "own/mesh/section.msh").read_text().replace('"upper"', '"top"'))
     capsys.readouterr()
     assert run("fem", path, "--out", tmp_path / "out", "--mesh", renamed) == 2
-    told = capsys.readouterr().err
-    assert 'there is no surface group "upper"' in told
-    assert 'the surface group "top" is no stratum' in told
+    err = capsys.readouterr().err
+    assert 'there is no surface group "upper"' in err
+    assert 'the surface group "top" is no stratum' in err

@@ -49,47 +49,47 @@ def said(folder: Path, capsys: pytest.CaptureFixture[str]) -> Ask:
     def ask(*arguments: str) -> str:
         code = run(*arguments)
         heard = capsys.readouterr()
-        told = " ".join((heard.out + heard.err).split())
-        assert code == 0, told
+        text = " ".join((heard.out + heard.err).split())
+        assert code == 0, text
         for stumble in ("Traceback", "<sub>", "{{", "None of its", ", below water roll", '", below water'):
-            assert stumble not in told
-        return told
+            assert stumble not in text
+        return text
 
     return ask
 
 
 def test_from_the_file_to_what_liquefies(said: Ask) -> None:
-    told = said("check", "levee.toml")
-    assert "The section is sound" in told
-    assert 'strata 4 "Soft clay": its cohesion varies' in told  # its number in the file, which water cuts
-    assert '"Levee fill, below water"' not in told
-    told = said("liquefaction", "levee.toml")
-    assert '"Loose sand" below water liquefies: F_L is below 1 in 100 % of it' in told
-    assert '"Levee fill" was not assessed (above the water table).' in told
-    assert '"Soft clay" was not assessed (plasticity index 35 % is at least 7 %: behaves as clay).' in told
-    assert '"Loose sand" was not assessed (above the water table).' in told
-    assert '"Dense sand" does not liquefy' in told
-    assert "below 1 in 0 % of it;" not in told
-    risks = dict(re.findall(r"(B-\d \w+): liquefaction potential index P_L = [\d.]+, risk ([a-z ]+)\.", told))
+    message = said("check", "levee.toml")
+    assert "The section is sound" in message
+    assert 'strata 4 "Soft clay": its cohesion varies' in message  # its number in the file, which water cuts
+    assert '"Levee fill, below water"' not in message
+    message = said("liquefaction", "levee.toml")
+    assert '"Loose sand" below water liquefies: F_L is below 1 in 100 % of it' in message
+    assert '"Levee fill" was not assessed (above the water table).' in message
+    assert '"Soft clay" was not assessed (plasticity index 35 % is at least 7 %: behaves as clay).' in message
+    assert '"Loose sand" was not assessed (above the water table).' in message
+    assert '"Dense sand" does not liquefy' in message
+    assert "below 1 in 0 % of it;" not in message
+    risks = dict(re.findall(r"(B-\d \w+): liquefaction potential index P_L = [\d.]+, risk ([a-z ]+)\.", message))
     assert risks == {"B-1 river": "very high", "B-2 crest": "high", "B-3 land": "very high"}
-    told = said("run", "levee.toml", "--dry-run")
-    assert "not run" in told
+    message = said("run", "levee.toml", "--dry-run")
+    assert "not run" in message
 
 
 def test_from_the_borings_to_what_liquefies(said: Ask, folder: Path) -> None:
     """Three borings in a table, in which the ground is at a depth of "0.0 mm"."""
-    told = said("section", "levee_borings.csv", "--out", "section.toml")
-    assert "3 borings" in told
-    told = said("check", "section.toml")
-    assert "The section is sound" in told
+    message = said("section", "levee_borings.csv", "--out", "section.toml")
+    assert "3 borings" in message
+    message = said("check", "section.toml")
+    assert "The section is sound" in message
     text = (folder / "section.toml").read_text(encoding="utf-8")
     head, sand = text.split('name = "Loose sand"')  # in the fill above it no blow count lies below the water
     text = head + 'name = "Loose sand"' + sand.replace('# liquefies_in = "triggered" ', 'liquefies_in = "triggered" ')
     text = re.sub(r"(?m)^# (\[earthquake\]|magnitude|peak_acceleration)", r"\1", text)
     (folder / "section.toml").write_text(text, encoding="utf-8")
-    told = said("liquefaction", "section.toml")
-    assert '"Loose sand" liquefies: F_L is below 1 in 100 % of it' in told
-    assert '"Dense sand" does not liquefy' in told
+    message = said("liquefaction", "section.toml")
+    assert '"Loose sand" liquefies: F_L is below 1 in 100 % of it' in message
+    assert '"Dense sand" does not liquefy' in message
 
 
 @pytest.mark.slow
@@ -97,19 +97,19 @@ def test_samples_of_it_have_answers(said: Ask, folder: Path) -> None:
     """Layers left to the blow counts, water, a record, and a cohesion that may be next to nothing."""
     with (folder / "levee.toml").open("a", encoding="utf-8") as file:
         file.write(UNCERTAIN)
-    told = said("study", "levee.toml", "--samples", "2", "--workers", "1", "--out", "study", *options(COARSE))
-    assert "2 samples of 3 uncertain numbers" in told
-    assert "all with an answer" in told
+    message = said("study", "levee.toml", "--samples", "2", "--workers", "1", "--out", "study", *options(COARSE))
+    assert "2 samples of 3 uncertain numbers" in message
+    assert "all with an answer" in message
     answer = json.loads((folder / "study/study.json").read_text())
     assert (answer["failed"], answer["without"]) == (0, [])
-    assert {one["name"]: one["samples"] for one in answer["results"]}["block_slide_m"] == 2
+    assert {item["name"]: item["samples"] for item in answer["results"]}["block_slide_m"] == 2
 
 
 @pytest.mark.slow
 def test_the_whole_run_and_once_more_with_other_frames(said: Ask, folder: Path) -> None:
     said("fem", "levee.toml", *options(SMALL), "--safety-factor")
-    told = said("run", "levee.toml", *options(SMALL))
-    assert "Report: " in told
+    message = said("run", "levee.toml", *options(SMALL))
+    assert "Report: " in message
     page = (folder / "runs/levee/report.html").read_text(encoding="utf-8")
     assert "&lt;sub" not in page
     assert "R-7, first issue" in page

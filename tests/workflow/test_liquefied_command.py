@@ -80,7 +80,7 @@ def test_an_embankment_with_a_weak_face_uphill_fails_there_first(
     path = tmp_path / "dam.toml"
     path.write_text(tomli_w.dumps(data))
     assert command_line.run("liquefied", path, "--out", tmp_path / "run", "--quiet") == 0
-    (told,) = json.loads((tmp_path / "run/fem/liquefied.json").read_text())["cases"]
-    assert told["direction"] == "uphill"
-    assert told["kc"] == pytest.approx(0.21, abs=0.01)
-    assert 0.9 * told["kc_lower"] < told["kc"] < 1.1 * told["kc_upper"]
+    (messages,) = json.loads((tmp_path / "run/fem/liquefied.json").read_text())["cases"]
+    assert messages["direction"] == "uphill"
+    assert messages["kc"] == pytest.approx(0.21, abs=0.01)
+    assert 0.9 * messages["kc_lower"] < messages["kc"] < 1.1 * messages["kc_upper"]

@@ -40,8 +40,8 @@ LEFT_BEHIND = [
 
 def files(folder: Path) -> list[str]:
     """All files but the log and what is known of the stages."""
-    found = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
-    return sorted(found - {"log.txt", ".noshiro/lock", ".noshiro/stages.json"})
+    result = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+    return sorted(result - {"log.txt", ".noshiro/lock", ".noshiro/stages.json"})
 
 
 @pytest.fixture
@@ -63,11 +63,11 @@ def out(tmp_path: Path) -> Path:
 def test_s13(command: tuple[str, ...], out: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(*command, S13, "--out", out) == 0
     assert set(LEFT_BEHIND) <= set(files(out))
-    told = capsys.readouterr()
-    assert "611 quadrilaterals, 672 nodes (mapped)" in told.out
-    assert "Smallest scaled Jacobian 0.999" in " ".join(told.out.split())
-    assert "Reconstruction." in told.out
-    assert told.err == ""
+    output = capsys.readouterr()
+    assert "611 quadrilaterals, 672 nodes (mapped)" in output.out
+    assert "Smallest scaled Jacobian 0.999" in " ".join(output.out.split())
+    assert "Reconstruction." in output.out
+    assert output.err == ""
     note = Section.read(S13).reconstruction_note
     assert note in (out / "mesh/section.msh").read_text(encoding="utf-8")
     assert note in (out / "section.toml").read_text(encoding="utf-8")
@@ -231,10 +231,10 @@ def test_files_that_are_refused(
     if content is not None:
         path.write_text(content)
     assert run(command, path, "--out", out) == 2
-    told = capsys.readouterr()
-    assert said in told.err
-    assert told.err.startswith(f"{path}: ")
-    assert told.out == ""
+    output = capsys.readouterr()
+    assert said in output.err
+    assert output.err.startswith(f"{path}: ")
+    assert output.out == ""
     assert not out.exists()
 
 
@@ -242,8 +242,8 @@ def test_bad_settings_are_told_with_the_rest(tmp_path: Path, capsys: pytest.Capt
     data = {**slope(), "mesh": {"method": "triangles", "refine": -1}, "base": {"elevation": 12.0}}
     (tmp_path / "a.toml").write_text(tomli_w.dumps(data))
     assert run("mesh", tmp_path / "a.toml") == 2
-    told = capsys.readouterr().err
-    assert all(part in told for part in ("mesh, method = 'triangles'", "mesh, refine = -1", "rises above the ground"))
+    err = capsys.readouterr().err
+    assert all(part in err for part in ("mesh, method = 'triangles'", "mesh, refine = -1", "rises above the ground"))
 
 
 def test_no_usable_mesh_is_another_exit_code(
@@ -325,12 +325,12 @@ def test_check_tells_what_is_not_as_it_was_written(tmp_path: Path, capsys: pytes
     path = tmp_path / "slope.toml"
     path.write_text(tomli_w.dumps({**data, "beyond": "30 m"}))
     assert run("check", path, "--out", tmp_path / "out") == 0
-    told = " ".join(capsys.readouterr().out.split())
-    assert "Warning: geometry: stratum 1 is 0.2 mm thick at x = 40 m: less than 10 mm counts as nothing." in told
-    assert 'Note: mesh: stratum "upper" thins out to nothing at x = 40 m; in the mesh it ends in a step' in told
-    assert "Note: beyond: ground, layers and water go on for 30 m past x = 0 and 100 m, level." in told
-    assert told.rindex("Warning:") < told.index("Note:"), "what may ask for something comes first"
-    assert "The section is sound." in told
+    text = " ".join(capsys.readouterr().out.split())
+    assert "Warning: geometry: stratum 1 is 0.2 mm thick at x = 40 m: less than 10 mm counts as nothing." in text
+    assert 'Note: mesh: stratum "upper" thins out to nothing at x = 40 m; in the mesh it ends in a step' in text
+    assert "Note: beyond: ground, layers and water go on for 30 m past x = 0 and 100 m, level." in text
+    assert text.rindex("Warning:") < text.index("Note:"), "what may ask for something comes first"
+    assert "The section is sound." in text
 
 
 def test_a_failure_keeps_what_was_there(section: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -353,9 +353,9 @@ def test_ctrl_c(section: Path, out: Path) -> None:
     process.stdout.readline()  # what it says before it meshes for seconds
     time.sleep(0.3)
     process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=60)
-    assert process.returncode == 130, told
-    assert told == "Stopped.\n"
+    _, messages = process.communicate(timeout=60)
+    assert process.returncode == 130, messages
+    assert messages == "Stopped.\n"
     assert files(out) == []
 
 
@@ -370,8 +370,8 @@ def test_sections_and_meshes_do_without_the_solver() -> None:
 
 def test_without_a_command_it_says_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:
     assert run() == 2
-    told = capsys.readouterr()
-    assert all(name in told.out + told.err for name in ("check", "mesh", "run"))
+    output = capsys.readouterr()
+    assert all(name in output.out + output.err for name in ("check", "mesh", "run"))
 
 
 def test_meshio_reads_the_mesh_of_a_run(section: Path, out: Path) -> None:

@@ -155,8 +155,8 @@ def test_points_have_the_sides_of_the_elements_unless_told_otherwise() -> None:
     assert at_rest(Config.parse(data))[0].ground.sides == "fixed"
 
 
-@pytest.mark.parametrize(("depth", "told"), [(0.5, True), (2.0, False)])
-def test_a_crust_thinner_than_a_cell_is_told_with_the_cells_it_wants(depth: float, told: bool) -> None:
+@pytest.mark.parametrize(("depth", "expected_text"), [(0.5, True), (2.0, False)])
+def test_a_crust_thinner_than_a_cell_is_told_with_the_cells_it_wants(depth: float, expected_text: bool) -> None:
     """200 cells of 1 m: 0.5 m of clay on sand that liquefies wants four times as many, 2 m want no more.
 
     An endless slope of 2 m of crust moves 2.3 m in cells half as thick, 3.1 and 17 m in cells 1.5 and 2.9 times as
@@ -177,4 +177,4 @@ def test_a_crust_thinner_than_a_cell_is_told_with_the_cells_it_wants(depth: floa
     line = np.array([[0.0, 0.0], [10.0, 0.0], [20.0, 0.0]])
     slide = PointSlide([1.0], [np.zeros(3)], [np.zeros(3)], True, "", line, line, cell=ground.grid.cell)
     notes = [note for note in _answer([slide] * 3, ground).notes if "less than a cell" in note]
-    assert ["0.5 m thick" in note and "800 cells" in note for note in notes] == [True] * told
+    assert ["0.5 m thick" in note and "800 cells" in note for note in notes] == [True] * expected_text

@@ -27,10 +27,10 @@ NAMES = re.compile(r"\b(?:1[89]|20)\d\d\b|S-13|2:1|[Ee]q(?:s?\.|uations?) \([\d)
 def flat(value: Any) -> Iterator[float]:
     """All numbers of a table or a text."""
     if isinstance(value, dict | list):
-        for one in value.values() if isinstance(value, dict) else value:
-            yield from flat(one)
+        for item in value.values() if isinstance(value, dict) else value:
+            yield from flat(item)
     else:
-        yield from (float(one.replace(",", "")) for one in VALUE.findall(str(value)))
+        yield from (float(entry.replace(",", "")) for entry in VALUE.findall(str(value)))
 
 
 def known(source: str) -> set[float]:
@@ -45,10 +45,10 @@ def unknown(text: str) -> list[str]:
     sources = [name.strip() for name in mark["sources"].split(",") if name.strip()] if mark else []
     values = set(flat((mark["definitions"] if mark else None) or "")).union(*map(known, sources))
     quoted = dict.fromkeys(NUMBER.findall(NAMES.sub("", CODE.sub("", text))))
-    places = {one: len(one.partition(".")[2]) for one in quoted if "." in one or float(one.replace(",", "")) >= 10}
+    places = {item: len(item.partition(".")[2]) for item in quoted if "." in item or float(item.replace(",", "")) >= 10}
     return [
-        one for one, digits in places.items()
-        if not any(abs(round(value, digits) - float(one.replace(",", ""))) < 1e-9 for value in values)
+        entry for entry, digits in places.items()
+        if not any(abs(round(value, digits) - float(entry.replace(",", ""))) < 1e-9 for value in values)
     ]  # fmt: skip
 
 

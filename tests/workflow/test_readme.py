@@ -35,7 +35,7 @@ def test_its_numbers_come_from_the_file() -> None:
     numbers = program("generated").numbers()
     slopes, slides, s13, discs = (numbers[name] for name in ("published", "slides", "s13", "dem_throughput"))
     lines = README[README.index("## What it does") : README.index("## Documentation")]
-    found = re.findall(r"(?<![\w-])\d+(?:\.\d+)?", lines)
+    matches = re.findall(r"(?<![\w-])\d+(?:\.\d+)?", lines)
     packings = sorted(s13["kc_discs_of_packings"])
     expected = [
         slopes["cases"], slopes["right"], slopes["explained"], slopes["wrong"], slopes["gap_percent"],
@@ -44,7 +44,7 @@ def test_its_numbers_come_from_the_file() -> None:
         slides["experiment_within_1_5"], slides["experiment_run"], 1.5, slides["field_within_1_5"], slides["field_run"],
         discs["times_lammps"],
     ]  # fmt: skip
-    assert [float(number) for number in found] == [float(number) for number in expected]
+    assert [float(number) for number in matches] == [float(number) for number in expected]
 
 
 def test_its_answers_come_from_the_file() -> None:
@@ -53,8 +53,8 @@ def test_its_answers_come_from_the_file() -> None:
     digits = {"kc": 3, "factor": 3, "lower": 4, "upper": 4}
     shown = [f"{first[name]:.{count}f}" for name, count in digits.items()]
     assert re.findall(r"\d\.\d{3,}", printed) == shown
-    told = README[README.index("prints 0") : README.index("## What it does")]
-    assert re.findall(r"\d\.\d+", told) == first["script"]
+    messages = README[README.index("prints 0") : README.index("## What it does")]
+    assert re.findall(r"\d\.\d+", messages) == first["script"]
 
 
 def test_the_section_is_read_and_what_the_script_imports_is_there() -> None:
@@ -75,8 +75,8 @@ def test_the_script_runs(tmp_path: Path) -> None:
         env={**os.environ, "PYTHONPATH": str(TOP)},
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    found = [float(number) for number in re.findall(r"\d\.\d+", done.stdout)]
-    told = [float(number) for number in program("generated").numbers()["readme"]["script"]]
-    assert len(found) == len(told) == 5
-    assert max(abs(a - b) for a, b in zip(found[:4], told[:4], strict=True)) < 0.002
-    assert abs(found[4] - told[4]) < 0.03
+    values = [float(number) for number in re.findall(r"\d\.\d+", done.stdout)]
+    messages = [float(number) for number in program("generated").numbers()["readme"]["script"]]
+    assert len(values) == len(messages) == 5
+    assert max(abs(a - b) for a, b in zip(values[:4], messages[:4], strict=True)) < 0.002
+    assert abs(values[4] - messages[4]) < 0.03

@@ -55,11 +55,11 @@ def soil(folder: Path, **changes: str) -> Path:
 
 def objects(printed: bytes) -> bytes:
     """What a PDF says, its compressed objects with it."""
-    found = [printed]
+    results = [printed]
     for stream in re.findall(rb"stream\r?\n(.*?)\r?\nendstream", printed, re.DOTALL):
         with contextlib.suppress(zlib.error):
-            found.append(zlib.decompress(stream))
-    return b"\n".join(found)
+            results.append(zlib.decompress(stream))
+    return b"\n".join(results)
 
 
 @pytest.fixture(scope="module")
@@ -67,16 +67,16 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """The folders of the four runs, coarse enough for seconds."""
     folder = tmp_path_factory.mktemp("runs")
     (folder / "strong").mkdir()
-    asked = {
+    requested = {
         "s13": (SECTIONS / "s13.toml", *CONTINUUM, *options(FEW_CELLS)),
         "river_bank": (RIVER_BANK, *WITH_DISCS, *options(FEW_DISCS)),
         "stands": (soil(folder / "strong", **STRONG), *CONTINUUM, *options({"mesh.size": 4, "fem.kh_limit": 0.3})),
         "falls": (soil(folder, **WEAK), *CONTINUUM),
     }
-    for name, arguments in asked.items():
+    for name, arguments in requested.items():
         wanted = (*arguments, *options(COARSE), "--out", folder / name, "-q")
         assert run("run", *wanted, painted=name in ("s13", "river_bank")) == RUNS[name][0], name
-    return {name: folder / name for name in asked}
+    return {name: folder / name for name in requested}
 
 
 @pytest.fixture(scope="module")
@@ -94,13 +94,15 @@ def test_what_is_read_is_what_was_found(name: str, runs: dict[str, Path], tab: P
     read = tab.value("[...document.querySelectorAll('.short p')].map(p => p.textContent)")
     assert read == summary["in_short"]
     warned = tab.value("[...document.querySelectorAll('.warnings td:nth-child(2)')].map(cell => cell.textContent)")
-    assert warned == [one["what"] for one in summary["warnings"] if one["weight"] < 3][:9]
+    assert warned == [entry["what"] for entry in summary["warnings"] if entry["weight"] < 3][:9]
     assert RUNS[name][1] in " ".join(read)
     assert disagreements([*read, *summary["findings"]], summary) == []
     numbers = tab.value("[...document.querySelectorAll('.answer b')].map(cell => cell.textContent)")
-    assert numbers == [one["value"] for one in summary["headlines"]]
-    asked = [event["request"]["url"] for event in tab.named("Network.requestWillBeSent")]
-    assert [url for url in asked if not url.startswith(("data:", "blob:"))] == [(runs[name] / "report.html").as_uri()]
+    assert numbers == [item["value"] for item in summary["headlines"]]
+    requested = [event["request"]["url"] for event in tab.named("Network.requestWillBeSent")]
+    assert [url for url in requested if not url.startswith(("data:", "blob:"))] == [
+        (runs[name] / "report.html").as_uri()
+    ]
     for event in ("Log.entryAdded", "Runtime.consoleAPICalled", "Runtime.exceptionThrown"):
         assert tab.named(event) == []
     assert min(tab.value("[...document.images].map(image => image.naturalWidth)"), default=1) > 0
@@ -115,8 +117,8 @@ def test_the_check_of_sentences_sees_what_is_wrong(runs: dict[str, Path]) -> Non
 
 
 def state(tab: Page, kind: str) -> dict[str, str]:
-    found: dict[str, str] = json.loads(tab.value(f"JSON.stringify(document.getElementById('play-{kind}').dataset)"))
-    return found
+    data: dict[str, str] = json.loads(tab.value(f"JSON.stringify(document.getElementById('play-{kind}').dataset)"))
+    return data
 
 
 def press(tab: Page, kind: str, label: str) -> dict[str, str]:

@@ -64,7 +64,7 @@ def test_clay_that_keeps_enough_stands(tmp_path: Path, capsys: pytest.CaptureFix
 
 
 @pytest.mark.parametrize(
-    ("more", "told"),
+    ("more", "message"),
     [
         ({"residual_friction_angle": "5 deg"}, "residual_friction_angle above friction_angle"),
         ({"residual_cohesion": "60 kPa"}, "residual_cohesion above cohesion"),
@@ -73,10 +73,10 @@ def test_clay_that_keeps_enough_stands(tmp_path: Path, capsys: pytest.CaptureFix
     ],
 )
 def test_residual_strength_that_cannot_be_meant_is_told(
-    more: dict[str, str], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    more: dict[str, str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert command_line.run("check", written(tmp_path, "25 kPa", **more), "--out", tmp_path / "run") == 2
-    assert told in " ".join(capsys.readouterr().err.split())
+    assert message in " ".join(capsys.readouterr().err.split())
 
 
 def test_one_of_both_is_not_enough(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -88,8 +88,8 @@ def test_one_of_both_is_not_enough(tmp_path: Path, capsys: pytest.CaptureFixture
 
 def test_ground_without_residual_strength_is_told_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path, "25 kPa")
-    kept = [line for line in path.read_text().splitlines() if not line.startswith("residual")]
-    path.write_text("\n".join(kept))
+    stored = [line for line in path.read_text().splitlines() if not line.startswith("residual")]
+    path.write_text("\n".join(stored))
     assert command_line.run("residual", path, "--out", tmp_path / "run") == 2
     assert "no stratum has a residual strength" in " ".join(capsys.readouterr().err.split())
 

@@ -72,14 +72,14 @@ def test_all_that_the_contract_names(whole: Path) -> None:
 def test_the_estimates_beside_the_slide(whole: Path) -> None:
     """Slope of 10 % with 4 m of liquefied ground: 0.75 √4 ∛10 = 3.232 m; the mean of both ways is their mean."""
     summary = json.loads((whole / "out/summary.json").read_text())
-    found = {estimate["method"]: estimate for estimate in summary["comparison"]}
-    assert found["Hamada et al., D = 0.75 √H ∛θ"]["displacement_m"] == pytest.approx(3.232, abs=1e-3)
-    ways = [found[f"rigid block under the accelerogram, {way}"]["displacement_m"] for way in ("positive", "negative")]
+    values = {estimate["method"]: estimate for estimate in summary["comparison"]}
+    assert values["Hamada et al., D = 0.75 √H ∛θ"]["displacement_m"] == pytest.approx(3.232, abs=1e-3)
+    ways = [values[f"rigid block under the accelerogram, {way}"]["displacement_m"] for way in ("positive", "negative")]
     assert min(ways) > 0.0
     assert ways[0] != ways[1]
-    mean = found["rigid block under the accelerogram, mean"]["displacement_m"]
+    mean = values["rigid block under the accelerogram, mean"]["displacement_m"]
     assert mean == pytest.approx(sum(ways) / 2)
-    assert found["rigid block on the slip surface, Kh = 0.1"]["displacement_m"] == 0.0
+    assert values["rigid block on the slip surface, Kh = 0.1"]["displacement_m"] == 0.0
     assert all(estimate["source"] and estimate["validity"] for estimate in summary["comparison"])
 
 
@@ -88,8 +88,8 @@ def test_nothing_changed_nothing_runs(whole: Path, capsys: pytest.CaptureFixture
     before = {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()}
     capsys.readouterr()
     assert run("run", whole / "slope.toml", "--out", out) == 0
-    told = capsys.readouterr().out
-    assert told.count("nothing has changed: reused") == 9
+    messages = capsys.readouterr().out
+    assert messages.count("nothing has changed: reused") == 9
     after = {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()}
     assert {path.name for path in after if after[path] != before.get(path)} == {"log.txt", "lock"}
     # the folder knows its own input, the record with it
@@ -105,9 +105,9 @@ def test_a_dry_run_only_says_what_it_would_do(whole: Path, capsys: pytest.Captur
     assert ["mesh", "run", "not", "run"] in [text.split() for text in capsys.readouterr().out.splitlines()]
     changed = ("--set", "sliding_block.scale=2")
     assert run("run", whole / "slope.toml", "--out", whole / "out", "--dry-run", *changed) == 0
-    told = [text.split() for text in capsys.readouterr().out.splitlines() if text.strip()]
-    assert ["slide", "be", "reused", "nothing", "has", "changed"] in told
-    assert ["report", "run", "changed:", "[sliding_block]"] in told
+    messages = [text.split() for text in capsys.readouterr().out.splitlines() if text.strip()]
+    assert ["slide", "be", "reused", "nothing", "has", "changed"] in messages
+    assert ["report", "run", "changed:", "[sliding_block]"] in messages
 
 
 def test_plot_draws_again_without_computing(whole: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -141,9 +141,9 @@ def test_view_needs_a_screen_and_says_so(
 ) -> None:
     monkeypatch.setenv("DISPLAY", display)
     assert run("view", whole / "out") == 2
-    told = " ".join(capsys.readouterr().err.split())
-    assert words in told
-    assert "noshiro plot" in told
+    text = " ".join(capsys.readouterr().err.split())
+    assert words in text
+    assert "noshiro plot" in text
 
 
 @pytest.mark.parametrize("command", ["plot", "view", "report"])
@@ -161,8 +161,8 @@ def test_the_report_in_a_browser(whole: Path) -> None:
     """No broken picture, nothing on the console, nothing fetched; and it prints."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile, page(Path(profile)) as tab:
         tab.open((whole / "out/report.html").as_uri())
-        asked = [event["request"]["url"] for event in tab.named("Network.requestWillBeSent")]
-        assert [url for url in asked if not url.startswith("data:")] == [(whole / "out/report.html").as_uri()]
+        requested = [event["request"]["url"] for event in tab.named("Network.requestWillBeSent")]
+        assert [url for url in requested if not url.startswith("data:")] == [(whole / "out/report.html").as_uri()]
         assert tab.named("Log.entryAdded") == []
         assert tab.named("Runtime.consoleAPICalled") == []
         assert tab.named("Runtime.exceptionThrown") == []
@@ -207,9 +207,9 @@ def test_without_an_answer_the_report_says_why(
     shutil.copytree(whole / "out", tmp_path / "out")
     dem_fixture.stand_in(monkeypatch, calibrate=dem_fixture.out_of_reach)
     assert run("run", whole / "slope.toml", "--out", tmp_path / "out", "--from", "calibrate") == 3
-    told = capsys.readouterr()
-    assert "No answer: the range of stiffness does not reach it; widen [dem] range" in told.err
-    assert "slide: not run: calibrate has no answer" in told.out
+    output = capsys.readouterr()
+    assert "No answer: the range of stiffness does not reach it; widen [dem] range" in output.err
+    assert "slide: not run: calibrate has no answer" in output.out
     summary = json.loads((tmp_path / "out/summary.json").read_text())
     assert summary["no_answer"]["calibrate"]["remedy"] == "widen [dem] range"
     assert summary["dem"]["verdict"] == "out of reach"

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from meshes.files import BESIDE
+from meshes.files import TEMPORARY
 from tests.support.command_line import TOP, line, process, run
 from tests.support.small_run import CONTINUUM, FEW_DISCS, SHORT_SLIDE, numbers, written
 
@@ -45,7 +45,7 @@ def finished_after_kills(
     for _ in range(kills):
         killed_at(path, tmp_path / "killed", draw.uniform(0.2, 1.0) * span, signal.SIGKILL, only)
         for file in (tmp_path / "killed").rglob("*.json"):
-            if not BESIDE.fullmatch(file.name):
+            if not TEMPORARY.fullmatch(file.name):
                 json.loads(file.read_text())  # whatever is there under its own name is whole
     assert run("run", path, "--out", tmp_path / "killed", *only) == 0
     return tmp_path / "alone", tmp_path / "killed"
@@ -83,8 +83,8 @@ def test_ctrl_c_while_it_computes(tmp_path: Path, capsys: pytest.CaptureFixture[
         pass  # `fem` comes next, and takes some 20 s
     time.sleep(1.0)
     started.send_signal(signal.SIGINT)
-    _, told = started.communicate(timeout=60)
-    assert (started.returncode, told) == (130, "Stopped.\n")
+    _, messages = started.communicate(timeout=60)
+    assert (started.returncode, messages) == (130, "Stopped.\n")
     assert not (tmp_path / "out/fem/critical.json").exists()
     assert "stopped after" in (tmp_path / "out/log.txt").read_text()
     assert run("run", path, "--out", tmp_path / "out", "--dry-run") == 0

@@ -129,23 +129,23 @@ def test_what_soil_discs_feel_of_a_case_is_all_that_their_slide_depends_on(whole
         return effect_of(case, config.section, [1], "soil"), slide.slide
 
     potential = {"residual": 0.2, "strain_potential": 0.2}
-    one, other = (slid(Case(**potential, stiffness=stiffness, damping=stiffness)) for stiffness in (0.1, 0.01))
-    assert one == other
+    item, other = (slid(Case(**potential, stiffness=stiffness, damping=stiffness)) for stiffness in (0.1, 0.01))
+    assert item == other
     soft, stiff = (slid(Case(residual=0.1, stiffness=stiffness)) for stiffness in (0.01, 0.5))
     assert soft[0] != stiff[0]
     assert soft[1] != stiff[1]
     drained = slid(Case(**potential, volumetric_strain=0.02))
-    assert drained[0] != one[0]
-    assert drained[1] != one[1]
+    assert drained[0] != item[0]
+    assert drained[1] != item[1]
 
 
 def test_settings_of_the_paper_are_refused_with_words(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     wrong = {**SECTION, "dem": {**SECTION["dem"], "parameter": "all", "packing": "box"}}
     (tmp_path / "soil.toml").write_text(tomli_w.dumps(wrong))
     assert run("calibrate", tmp_path / "soil.toml", "--out", tmp_path / "out") == 2
-    told = " ".join(capsys.readouterr().err.split())
-    assert "soil discs have the stiffness of their soil" in told
-    assert 'rows belong to model = "paper"' in told
+    text = " ".join(capsys.readouterr().err.split())
+    assert "soil discs have the stiffness of their soil" in text
+    assert 'rows belong to model = "paper"' in text
 
 
 def test_sections_without_settings_take_soil_discs() -> None:

@@ -107,8 +107,8 @@ def test_a_study_and_its_workers_killed_at_random_leave_the_same_table(
 def children(process: int) -> list[int]:
     """The processes that one has started, from any thread, to compute: Python with a program on its command line."""
     lists = Path(f"/proc/{process}/task").glob("*/children")
-    found = [int(word) for path in lists for word in path.read_text().split()]
-    return [one for one in found if "-c" in Path(f"/proc/{one}/cmdline").read_text().split("\0")]
+    values = [int(word) for path in lists for word in path.read_text().split()]
+    return [item for item in values if "-c" in Path(f"/proc/{item}/cmdline").read_text().split("\0")]
 
 
 def test_a_longer_study_computes_only_what_is_new(section: Path, alone: str) -> None:
@@ -122,7 +122,7 @@ def test_a_longer_study_computes_only_what_is_new(section: Path, alone: str) -> 
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["--only", "everything"], "expected one of fem, bounds, slide, block"),
         (["--method", "dice"], "study, method = 'dice'"),
@@ -131,10 +131,10 @@ def test_a_longer_study_computes_only_what_is_new(section: Path, alone: str) -> 
     ],
 )
 def test_bad_options_are_told(
-    arguments: list[str], told: str, section: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], message: str, section: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert ended([*command(section, tmp_path, 1), *arguments]) == 2
-    assert told in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_a_section_in_which_nothing_is_uncertain(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -148,7 +148,7 @@ def test_a_study_without_any_answer_ends_with_the_reason(
     section: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert ended([*command(section, tmp_path, 1), "--only", "slide"]) == 3
-    told = capsys.readouterr().err
-    assert f"slide: none of {SAMPLES} samples has an answer" in told
-    assert "no stratum liquefies in any case" in told
+    err = capsys.readouterr().err
+    assert f"slide: none of {SAMPLES} samples has an answer" in err
+    assert "no stratum liquefies in any case" in err
     assert (tmp_path / "study.html").is_file()

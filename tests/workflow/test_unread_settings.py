@@ -17,12 +17,12 @@ from workflow.stages import STAGES, command_of
 NAMES = [stage.name for stage in STAGES]
 
 
-def told(capsys: pytest.CaptureFixture[str]) -> str:
+def message(capsys: pytest.CaptureFixture[str]) -> str:
     return " ".join(capsys.readouterr().out.split())
 
 
 def test_a_setting_that_a_command_does_not_read_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    asked = (
+    requested = (
         "--set",
         "bounds.run=false",
         "--set",
@@ -32,8 +32,8 @@ def test_a_setting_that_a_command_does_not_read_is_told(tmp_path: Path, capsys: 
         "--set",
         "study.samples=3",
     )
-    assert run("mesh", written(tmp_path), "--out", tmp_path / "out", *asked) == 0
-    words = told(capsys)
+    assert run("mesh", written(tmp_path), "--out", tmp_path / "out", *requested) == 0
+    words = message(capsys)
     assert "noshiro mesh does not read bounds.run; it is read by noshiro run." in words
     assert "noshiro mesh does not read fem.sides; it is read by noshiro fem and" in words
     assert "noshiro mesh does not read study.samples; it is read by noshiro study." in words
@@ -44,8 +44,8 @@ def test_a_setting_that_a_command_does_not_read_is_told(tmp_path: Path, capsys: 
 def test_it_is_told_beside_an_output_without_sentences(
     way: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    asked = ("--set", "bounds.run=false", way)
-    assert run("mesh", written(tmp_path), "--out", tmp_path / "out", *asked) == 0
+    requested = ("--set", "bounds.run=false", way)
+    assert run("mesh", written(tmp_path), "--out", tmp_path / "out", *requested) == 0
     heard = capsys.readouterr()
     line = "Warning: noshiro mesh does not read bounds.run; it is read by noshiro run."
     assert line in heard.err
@@ -56,9 +56,17 @@ def test_it_is_told_beside_an_output_without_sentences(
 
 
 def test_a_run_reads_all_but_the_settings_of_studies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    asked = ("--dry-run", "--set", "bounds.gap=0.1", "--set", "figures.report_width=800", "--set", "study.samples=3")
-    assert run("run", written(tmp_path), "--out", tmp_path / "out", *asked) == 0
-    words = told(capsys)
+    requested = (
+        "--dry-run",
+        "--set",
+        "bounds.gap=0.1",
+        "--set",
+        "figures.report_width=800",
+        "--set",
+        "study.samples=3",
+    )
+    assert run("run", written(tmp_path), "--out", tmp_path / "out", *requested) == 0
+    words = message(capsys)
     assert "noshiro run does not read study.samples; it is read by noshiro study." in words
     assert words.count("does not read") == 1
 
@@ -99,28 +107,28 @@ def test_bounds_by_their_own_command_do_not_ask_whether_they_are_wanted(tmp_path
     assert line == "Warning: noshiro bounds does not read bounds.run; it is read by noshiro run."
 
 
-@pytest.mark.parametrize(("asked", "told"), [((), False), (("--set", "bounds.run=false"), True)])
+@pytest.mark.parametrize(("options", "message"), [((), False), (("--set", "bounds.run=false"), True)])
 def test_the_command_bounds_tells_of_bounds_run_where_it_was_set(
-    asked: tuple[str, ...],
-    told: bool,
+    options: tuple[str, ...],
+    message: bool,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     configs: list[Config] = []
     monkeypatch.setattr("workflow.cli.terminal.execute", lambda job, *rest, **more: configs.append(job.config))
-    assert run("bounds", written(tmp_path), "--out", tmp_path / "out", *asked) == 0
-    assert ("noshiro bounds does not read bounds.run" in capsys.readouterr().out) == told
+    assert run("bounds", written(tmp_path), "--out", tmp_path / "out", *options) == 0
+    assert ("noshiro bounds does not read bounds.run" in capsys.readouterr().out) == message
     assert configs[0].bounds.run is True
 
 
 def test_a_study_tells_what_its_parts_do_not_read() -> None:
     """The elements of a sample read no discs and no bounds; its slides do."""
-    asked = {"bounds": {"gap": 0.1}, "dem": {"elements": 500}, "fem": {"sides": "fixed"}, "study": {"samples": 2}}
-    told = _unread(asked, "study", ["fem", "block"])
-    assert [line.split(" does not read ")[1].split(";")[0] for line in told] == ["bounds.gap", "dem.elements"]
-    assert "noshiro bounds" in told[0]
-    assert _unread(asked, "study", ["bounds", "slide"]) == []
-    assert [line.split(";")[0] for line in _unread(asked, "converge", ["slide"])] == [
+    requested = {"bounds": {"gap": 0.1}, "dem": {"elements": 500}, "fem": {"sides": "fixed"}, "study": {"samples": 2}}
+    messages = _unread(requested, "study", ["fem", "block"])
+    assert [line.split(" does not read ")[1].split(";")[0] for line in messages] == ["bounds.gap", "dem.elements"]
+    assert "noshiro bounds" in messages[0]
+    assert _unread(requested, "study", ["bounds", "slide"]) == []
+    assert [line.split(";")[0] for line in _unread(requested, "converge", ["slide"])] == [
         "Warning: noshiro converge does not read bounds.gap"
     ]

@@ -25,8 +25,8 @@ def folder(tmp_path: Path) -> Path:
 def test_bounds_are_found_judged_kept_and_written(folder: Path, capsys: pytest.CaptureFixture[str]):
     """Taylor's circle of friction: c / γH = 0.097 at φ = 20° and 60°; log-spiral 0.0964."""
     verify(names=["taylor_60_20"], folder=folder, only=["bounds"])
-    found = read_answers(folder / "answers.json", Answer)["taylor_60_20"]
-    assert 0.97 < found.lower < 1.006 < found.upper < 1.03
+    result = read_answers(folder / "answers.json", Answer)["taylor_60_20"]
+    assert 0.97 < result.lower < 1.006 < result.upper < 1.03
     assert "right     taylor_60_20" in capsys.readouterr().out
     verify(folder=folder, judge=True, json=folder / "rows.json")
     assert "not run" in capsys.readouterr().out

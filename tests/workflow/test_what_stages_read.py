@@ -32,15 +32,15 @@ ELSEWHERE = "mesh.least_thickness"  # is read by the process of gmsh, which nobo
 TAKEN = ("earthquake", "triggering", "slide.cases")
 
 
-def read_by(given: Config, folder: Path) -> Reads:
+def read_by(inputs: Config, folder: Path) -> Reads:
     """The settings that the work of every stage reads, all stages run in this process."""
-    found: Reads = {}
-    stages = traced(STAGES, found)
+    values: Reads = {}
+    stages = traced(STAGES, values)
     # discs that are only roughly at rest may be out of reach
     with suppress(NoAnswerError), pytest.MonkeyPatch.context() as patch:
         unpainted(patch)
-        pipeline.execute(Job(given, Store(folder), stages), Choice.of(stages), Heard(), "test")
-    return found
+        pipeline.execute(Job(inputs, Store(folder), stages), Choice.of(stages), Heard(), "test")
+    return values
 
 
 def papers(folder: Path) -> Config:
@@ -66,7 +66,7 @@ def soil(folder: Path) -> Config:
     return analysed({**SECTION, **adapted, "strata": strata, "dem": {**SECTION["dem"], **few}, "slide": slide})
 
 
-def shaken(folder: Path) -> Config:
+def shaking(folder: Path) -> Config:
     """The paper's discs beside a path with ψ as given, borings, a record that makes strata liquefy by their F_L, and
     ground that loses its peak strength."""
     data = tomllib.loads(small_run.written(folder).read_text())
@@ -94,29 +94,29 @@ def shaken(folder: Path) -> Config:
 @pytest.fixture(scope="module")
 def of_the_papers(tmp_path_factory: pytest.TempPathFactory) -> tuple[Config, Reads]:
     folder = tmp_path_factory.mktemp("papers")
-    given = papers(folder)
-    return given, read_by(given, folder / "out")
+    config = papers(folder)
+    return config, read_by(config, folder / "out")
 
 
-def unheard(given: Config, reads: Reads) -> set[tuple[str, str]]:
+def unheard(inputs: Config, reads: Reads) -> set[tuple[str, str]]:
     """Stages, and settings that their work reads, whose change would not make them run again."""
-    ignored = {stage.name: set(stage.ignores(given)) for stage in STAGES}
+    ignored = {stage.name: set(stage.ignores(inputs)) for stage in STAGES}
     return {
         (name, key)
         for key in KEYS
         if not key.startswith(TAKEN)
-        for name in reads.keys() - stale(given, altered(given, key))
+        for name in reads.keys() - stale(inputs, altered(inputs, key))
         if key in reads[name] and key not in ignored[name] and key.partition(".")[0] not in ignored[name]
     }
 
 
 def test_what_a_stage_reads_makes_it_run_again(of_the_papers: tuple[Config, Reads]) -> None:
-    given, reads = of_the_papers
+    config, reads = of_the_papers
     assert set(reads) == {
         "mesh", "fem", "variants", "bounds", "slices", "liquefied", "mpm", "calibrate", "slide", "report",
     }  # fmt: skip
     assert all(reads.values())
-    assert unheard(given, reads) == set()
+    assert unheard(config, reads) == set()
 
 
 @pytest.mark.slow
@@ -124,18 +124,18 @@ def test_what_no_stage_reads_makes_none_run_again(of_the_papers: tuple[Config, R
     """Over inputs that take other ways through the program: whatever makes a stage run again is read by it, or by one
     that it needs, in one of them."""
     seen = [of_the_papers]
-    for kind in (soil, shaken):
+    for kind in (soil, shaking):
         (folder := tmp_path / kind.__name__).mkdir()
-        given = kind(folder)
-        seen.append((given, read_by(given, folder / "out")))
+        item = kind(folder)
+        seen.append((item, read_by(item, folder / "out")))
     read = {stage.name: set().union(*(reads.get(stage.name, set()) for _, reads in seen)) for stage in STAGES}
-    for given, reads in seen:
-        assert unheard(given, reads) == set()
+    for item, reads in seen:
+        assert unheard(item, reads) == set()
         needless = {
             (name, key)
             for key in KEYS
             if not key.startswith(TAKEN)
-            for name in stale(given, altered(given, key)) - {"report"}  # it lists all that is not the default
+            for name in stale(item, altered(item, key)) - {"report"}  # it lists all that is not the default
             if key != ELSEWHERE and not any(key in read[other] for other in with_needed(name))
         }
         assert needless == set()
@@ -162,8 +162,8 @@ def test_what_no_stage_reads_makes_none_run_again(of_the_papers: tuple[Config, R
     ],
 )
 def test_which_stages_run_again(key: str, again: set[str]) -> None:
-    given = analysed(SECTION)
-    assert stale(given, altered(given, key)) == {*again, "report"}
+    config = analysed(SECTION)
+    assert stale(config, altered(config, key)) == {*again, "report"}
 
 
 def test_what_a_section_is_called_changes_no_result() -> None:
@@ -197,13 +197,13 @@ def test_what_the_elements_ignore_changes_nothing(tmp_path: Path) -> None:
     the last bit."""
     from workflow.results.continuum import FemAnswer
 
-    given = papers(tmp_path)
-    fem = given.fem.model_copy(update={"threads": 2, "safety_factor_at": (0.1,)})
-    found = []
-    for number, one in enumerate((given, given.model_copy(update={"fem": fem}))):
+    config = papers(tmp_path)
+    fem = config.fem.model_copy(update={"threads": 2, "safety_factor_at": (0.1,)})
+    results = []
+    for number, item in enumerate((config, config.model_copy(update={"fem": fem}))):
         store, stages = Store(tmp_path / str(number)), tuple(STAGES)
-        pipeline.execute(Job(one, store, stages), Choice.of(stages, only=["mesh", "fem"]), Heard(), "test")
-        found.append(FemAnswer.read(store))
-    first, other = (one.model_copy(update={"settings": given.fem, "safety_factors": ()}) for one in found)
+        pipeline.execute(Job(item, store, stages), Choice.of(stages, only=["mesh", "fem"]), Heard(), "test")
+        results.append(FemAnswer.read(store))
+    first, other = (entry.model_copy(update={"settings": config.fem, "safety_factors": ()}) for entry in results)
     assert first == other
     assert np.isfinite(first.kc)

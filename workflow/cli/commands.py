@@ -1,4 +1,4 @@
-"""The command `noshiro`. Modules are imported when a command is called, so that `noshiro --help` is quick."""
+"""The command `noshiro`. Modules are imported when a command is called, so that `noshiro --help` is fast."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -198,7 +198,7 @@ def fem(
     invocation = Invocation.of(section, folder, {"mesh": mesh_options(refine, size, free), "fem": options}, settings)
     if safety_factor:
         invocation = invocation.with_safety_factors()
-    beside = ("bounds",) if safety_factor and invocation.config.bounds.run is not False else ()
+    also = ("bounds",) if safety_factor and invocation.config.bounds.run is not False else ()
     if mesh_file is not None and not mesh_file.is_file():
         raise InputError(str(mesh_file), ["there is no such file"])
     ranks = Ranks()
@@ -209,7 +209,7 @@ def fem(
         return help_compute(invocation.job(mesh_file=mesh_file, ranks=ranks), ranks)
     with ranks.leading():
         verbosity = Verbosity.of(quiet, verbose, json)
-        return _up_to("fem", invocation, force, verbosity, beside, mesh_file=mesh_file, ranks=ranks)
+        return _up_to("fem", invocation, force, verbosity, also, mesh_file=mesh_file, ranks=ranks)
 
 
 @app.command(rich_help_panel=Panel.AFTER)
@@ -355,8 +355,8 @@ def slide(
     invocation, cases = Invocation.of(section, folder, {}, settings), tuple(case) if case else None
     invocation.refuse_unknown(cases or ())
     both = model is None and "mpm" in invocation.config.slide.methods
-    stage, beside = "mpm" if model == "mpm" else "slide", ("mpm",) if both else ()
-    _up_to(stage, invocation, force, Verbosity.of(quiet, verbose, json), beside, cases=cases)
+    stage, also = "mpm" if model == "mpm" else "slide", ("mpm",) if both else ()
+    _up_to(stage, invocation, force, Verbosity.of(quiet, verbose, json), also, cases=cases)
 
 
 for panel, commands in ((Panel.BEFORE, (section, migrate)), (Panel.UNCERTAIN, (study, converge))):
@@ -366,14 +366,14 @@ app.registered_commands.sort(key=lambda command: [*Panel].index(Panel(command.ri
 
 
 def _up_to(
-    stage: str, invocation: "Invocation", force: bool, verbosity: Verbosity, beside: Sequence[str] = (), **more: Any
+    stage: str, invocation: "Invocation", force: bool, verbosity: Verbosity, also: Sequence[str] = (), **more: Any
 ) -> None:
-    """Run a stage and others ``beside`` it, after the stages that they need and that have not run yet."""
+    """Run a stage and the stages in ``also``, after the stages that these need and that have not run yet."""
     from workflow.cli.terminal import execute
     from workflow.run.plan import Choice
 
     job = invocation.job(**more)
-    choice = Choice.up_to(job.stages, stage, force, beside)
+    choice = Choice.up_to(job.stages, stage, force, also)
     execute(job, choice, verbosity, _warn(verbosity, invocation, stages.command_of(stage), choice.chosen))
 
 

@@ -15,7 +15,7 @@ from workflow.cli.unread import keys_of, unread
 from workflow.config import Config, merged, renamed
 from workflow.config.after_triggering import load_config
 from workflow.earthquake.records_in_use import records
-from workflow.run.mesh_options import kept
+from workflow.run.mesh_options import stored_options
 from workflow.run.stage import Job
 from workflow.run.store import Store
 
@@ -31,7 +31,7 @@ class Invocation:
     config : the section with all settings
     store : the folder
     mesh_options : settings of the mesh by the command line, of this command or of an earlier one
-    carried : whether the options of the mesh are of an earlier command
+    mesh_options_stored : whether the options of the mesh are of an earlier command
     section : the file of the section
     tables : settings and options of the command line
     """
@@ -39,7 +39,7 @@ class Invocation:
     config: Config
     store: Store
     mesh_options: dict[str, Any]
-    carried: bool
+    mesh_options_stored: bool
     section: Path
     tables: Tables
 
@@ -50,17 +50,17 @@ class Invocation:
         """Read the section file, and replace its settings by settings and options of the command line. Without options
         of the mesh those of the folder are used, unless ``afresh``. Raises InputError with every problem.
         """
-        asked = {
+        options_given = {
             table: {key: value for key, value in values.items() if value is not None}
             for table, values in options.items()
         }
-        tables = merged(dotted(settings or []), asked)
+        tables = merged(dotted(settings or []), options_given)
         read = load_config(section, tables)
         store = Store(folder or Path("runs") / read.section.name)
         mesh = dict(tables.get("mesh", {}))
-        carried = {} if mesh or afresh else kept(store)
-        if carried:
-            read = _with(section, tables, carried, store)
+        stored = {} if mesh or afresh else stored_options(store)
+        if stored:
+            read = _with(section, tables, stored, store)
         if read.fem.sides == "periodic":
             refuse_other_sides(read.section)
         list(records(read))  # a record that cannot be read is told now, not after minutes
@@ -68,7 +68,7 @@ class Invocation:
             from workflow.stages.shaking import shaking_of
 
             shaking_of(read, ())
-        return cls(read, store, mesh or carried, bool(carried), section, tables)
+        return cls(read, store, mesh or stored, bool(stored), section, tables)
 
     def refuse_unknown(self, cases: Sequence[int]) -> None:
         """Raise InputError for numbers of cases in which no stratum liquefies, and if there is no case with a
@@ -93,9 +93,11 @@ class Invocation:
 
     def with_safety_factors(self) -> "Invocation":
         """The invocation with factors of safety and their bounds, at Kh = 0 and at every Kh whose fields are stored."""
-        asked = tuple(sorted({0.0, *self.config.fem.kh, *self.config.fem.safety_factor_at}))
+        factors_at = tuple(sorted({0.0, *self.config.fem.kh, *self.config.fem.safety_factor_at}))
         others = {key: value for key, value in self.tables.get("bounds", {}).items() if key != "run"}  # this reads it
-        config = self.config.with_settings("fem", safety_factor_at=asked).with_settings("bounds", safety_factor=True)
+        config = self.config.with_settings("fem", safety_factor_at=factors_at).with_settings(
+            "bounds", safety_factor=True
+        )
         return replace(self, config=config, tables={**self.tables, "bounds": others})
 
     def unread(self, chosen: Sequence[str]) -> list[str]:
@@ -114,7 +116,7 @@ class Invocation:
     def notices(self) -> list[str]:
         """Notices: old names of settings with the new ones, and options of an earlier command that still apply."""
         old_words = renamed.notices(merged(read_toml(self.section), self.tables))
-        if not self.carried:
+        if not self.mesh_options_stored:
             return old_words
         message = ", ".join(f"{key} = {value}" for key, value in self.mesh_options.items())
         return [*old_words, f"Meshed as before in this folder: {message} (noshiro mesh without options forgets that)."]

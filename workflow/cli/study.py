@@ -47,9 +47,9 @@ def study(
     from workflow.study.study import run
 
     options = {"samples": samples, "method": method, "seed": seed}
-    asked = {"study": {key: value for key, value in options.items() if value is not None}}
+    overrides = {"study": {key: value for key, value in options.items() if value is not None}}
     changed = dotted(settings or [])
-    config = load_config(section, merged(changed, asked))
+    config = load_config(section, merged(changed, overrides))
     store = Store(folder or Path("runs") / f"{config.section.name}_study")
     parts = only or ["fem", "block"]
     old_words = notices(merged(read_toml(section), changed))

@@ -29,7 +29,9 @@ if TYPE_CHECKING:
     from workflow.report.side_by_side import ComparedRun
 
 VERBS: Mapping[Action, str] = {"run": "run", "redraw": "draw again", "reuse": "be reused", "off": "not run"}
-SHAKEN = frozenset({"triggering", "liquefied", "calibrate", "slide", "mpm"})  # stages that an earthquake matters to
+SEISMIC_STAGES = frozenset(
+    {"triggering", "liquefied", "calibrate", "slide", "mpm"}
+)  # stages that an earthquake matters to
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
@@ -129,7 +131,7 @@ def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[s
         with Display(out, err, shown, verbosity) as display:
             pipeline.execute(replace(job, executor=Processes(job.config.dem.workers)), choice, display, what)
     except InputError as error:
-        raise error.found_in(job.config.section.name, job.section_file) from None
+        raise error.of_file(job.config.section.name, job.section_file) from None
     except NoAnswerError:
         _tell(job, choice, verbosity, warnings, pdf)
         raise
@@ -159,7 +161,7 @@ def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
     from workflow.results.summary import Summary
 
     reported = "report" in choice.chosen and job.store.has("report.html")
-    asked = choice.asked or choice.chosen
+    shown = choice.requested or choice.chosen
     if every or not reported:
         results, warnings = Results.of(job), list[str]()
         ends = results.ends
@@ -168,11 +170,11 @@ def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
                 for line in sentences(stage.name, job.config, job.store, every, results):
                     if line.startswith(("Warning", "Contradiction")):
                         warnings.append(line)
-                    elif every or stage.name in asked:
+                    elif every or stage.name in shown:
                         say(line)
         for line in dict.fromkeys(warnings):
             say(line)
-        if every or SHAKEN & set(choice.chosen):
+        if every or SEISMIC_STAGES & set(choice.chosen):
             _show_shaking(job)
     if reported:
         for line in [

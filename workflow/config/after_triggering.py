@@ -13,7 +13,7 @@ from meshes.section.overburden import reaches_water
 from meshes.section.section import Section
 from workflow.config import K_MAX, Config
 from workflow.earthquake.column import column_of
-from workflow.earthquake.settings import SHAKES, SiteResponseSettings, assumed_push, push_of_slides
+from workflow.earthquake.settings import SHAKES, SiteResponseSettings, assumed_loading, loading_of_slides
 from workflow.earthquake.triggering.assessment import Assessment, assess
 from workflow.earthquake.triggering.consequences import left, pore_pressures
 from workflow.earthquake.triggering.settings import TriggeringSettings
@@ -43,7 +43,7 @@ def config_after_triggering(config: Config, source: str = "section") -> Config:
     try:
         return _analysed(config)
     except InputError as error:
-        raise error.found_in(config.section.name, Path(source)) from None
+        raise error.of_file(config.section.name, Path(source)) from None
 
 
 def load_config(path: Path, overrides: Mapping[str, Mapping[str, Any]] | None = None) -> Config:
@@ -123,10 +123,14 @@ def cases_after_triggering(section: Section, assessment: Assessment, settings: T
     cases = []
     for name in settings.cases:
         if settings.residual == "ratio":
-            kept: dict[str, Any] = {"residual": {strata[layer.stratum].name: layer.ratio(name) for layer in remains}}
+            remaining_strength: dict[str, Any] = {
+                "residual": {strata[layer.stratum].name: layer.ratio(name) for layer in remains}
+            }
         else:
-            kept = {"residual_strength": {strata[layer.stratum].name: layer.strength(name) for layer in remains}}
-        cases.append(Case(name=name, volumetric_strain=drained, strain_potential=potential, **kept))
+            remaining_strength = {
+                "residual_strength": {strata[layer.stratum].name: layer.strength(name) for layer in remains}
+            }
+        cases.append(Case(name=name, volumetric_strain=drained, strain_potential=potential, **remaining_strength))
     return cases
 
 
@@ -143,7 +147,7 @@ def _driven(config: Config) -> tuple[SlideSettings, list[str]]:
     written = {key: getattr(config.slide, key) for key in config.slide.model_fields_set} | config.left_open
     if written.get("kh") == K_MAX:
         written["kh"] = average_kh(config.section, config.site_response)
-    numbers = push_of_slides(config.earthquake, written, config.section.name)
+    numbers = loading_of_slides(config.earthquake, written, config.section.name)
     return SlideSettings.model_validate({**written, **numbers}), list(numbers)
 
 
@@ -156,5 +160,5 @@ def _assumed(config: Config, section: Section, slide: SlideSettings) -> SlideSet
         return slide
     if "cases" not in config.slide.model_fields_set:
         slide = slide.changed(cases=cases_of_loose_sand(section))
-    shaken = slide.model_fields_set | config.left_open.keys()
-    return slide if shaken & set(SHAKES) else slide.changed(**assumed_push(config.earthquake.magnitude))
+    settings_present = slide.model_fields_set | config.left_open.keys()
+    return slide if settings_present & set(SHAKES) else slide.changed(**assumed_loading(config.earthquake.magnitude))

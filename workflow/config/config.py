@@ -48,7 +48,7 @@ DONE = (
 
 
 def notice_lines(notices: Iterable[str]) -> list[str]:
-    """Notices as commands print them: notes say what was done, warnings may ask for something."""
+    """Notices as commands print them: notes state what was done, warnings may require an action of the user."""
     return [f"{'Note' if any(words in text for words in DONE) else 'Warning'}: {text}." for text in notices]
 
 
@@ -225,7 +225,7 @@ class Config(Tables):
         try:
             settings = Tables.model_validate(tables)
         except ValidationError as error:
-            problems += sentences(error, tables, Tables, beside=list(Section.model_fields))
+            problems += sentences(error, tables, Tables, other_keys=list(Section.model_fields))
         if section is None or settings is None:
             raise InputError(source, problems)
         try:
@@ -271,14 +271,14 @@ class Config(Tables):
         Raises InputError with every problem found.
         """
         data = read_toml(path)
-        _find_beside(data, Path(path).parent)
+        _find_files(data, Path(path).parent)
         for table, values in (overrides or {}).items():
             set_values = {key: value for key, value in values.items() if value is not None}
-            _find_beside({table: set_values}, Path())
+            _find_files({table: set_values}, Path())
             if set_values and isinstance(data.get(table, {}), dict):
                 replaced = {other for key in set_values for other in REPLACES.get((table, key), ())} - set_values.keys()
-                kept = {key: value for key, value in data.get(table, {}).items() if key not in replaced}
-                data[table] = merged(kept, set_values)
+                unchanged = {key: value for key, value in data.get(table, {}).items() if key not in replaced}
+                data[table] = merged(unchanged, set_values)
         read = cls.parse(data, str(path))
         if missing := [
             f"{key} = {file}: there is no such file" for key, file in read.files().items() if not file.is_file()
@@ -310,7 +310,7 @@ def _is_unknown_table(key: str, value: Any) -> bool:
     return isinstance(value, Mapping) and key not in Section.model_fields
 
 
-def _find_beside(data: Mapping[str, Any], folder: Path) -> None:
+def _find_files(data: Mapping[str, Any], folder: Path) -> None:
     """Make the paths of the files that settings name absolute ones."""
     for table, key in FILES:
         values = data.get(table)

@@ -47,7 +47,9 @@ class Renamed:
         return {key: self.value(each) for key, each in old.items()} if isinstance(old, Mapping) else old
 
     def moved(self, table: Mapping[str, Any], old: str, new: str) -> dict[str, Any]:
-        """A table whose key ``old`` is ``new``, with its value in current words; in the same order."""
+        """A copy of a table in which the key ``old`` is renamed ``new``, in its place, with its value in current
+        words.
+        """
         return {new if key == old else key: self.value(each) if key == old else each for key, each in table.items()}
 
 

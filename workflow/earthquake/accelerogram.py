@@ -55,7 +55,7 @@ class Accelerogram:
 def read(path: Path, unit: str = "", component: str = "") -> Accelerogram:
     """A record of acceleration in any of the formats; the format is recognised by the content of the file.
 
-    Velocity and displacement are differentiated in time, and an offset is subtracted; remarks say so.
+    Velocity and displacement are differentiated in time, and an offset is subtracted; remarks state both.
 
     Parameters
     ----------

@@ -134,9 +134,9 @@ class EarthquakeSettings(Model):
         cycles = None if slide.accelerogram or slide.kh == 0.0 else self.equivalent()
         if cycles is None:
             return ""
-        held = "" if slide.kh_cycles is not None or slide.kh_seconds is not None else " one way for ever"
+        one_way = "" if slide.kh_cycles is not None or slide.kh_seconds is not None else " one way for ever"
         return (
-            f"slide, {slide.shaking}{held} counts, as given; [earthquake] stands for Kh = {cycles.kh:g} both ways, "
+            f"slide, {slide.shaking}{one_way} counts, as given; [earthquake] stands for Kh = {cycles.kh:g} both ways, "
             f'{cycles.cycles:g} cycles of {cycles.period:g} s (slide.kh = "{EARTHQUAKE}")'
         )
 
@@ -174,8 +174,8 @@ class EarthquakeSettings(Model):
 
     def is_assumed(self, slide: SlideSettings) -> bool:
         """Whether the input does not determine the shaking, so that ``slide`` has assumed values."""
-        push = {key: getattr(slide, key) for key in ("kh", *CYCLES)}
-        return self.equivalent() is None and not slide.accelerogram and push == assumed_push(self.magnitude)
+        loading = {key: getattr(slide, key) for key in ("kh", *CYCLES)}
+        return self.equivalent() is None and not slide.accelerogram and loading == assumed_loading(self.magnitude)
 
     def equivalent(self) -> EquivalentKh | None:
         """The equivalent cycles of Kh; those of a record also if its own peak is given. None without a peak."""
@@ -226,27 +226,28 @@ class SiteResponseSettings(Model):
     )
 
 
-def push_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], source: str) -> dict[str, Any]:
+def loading_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], source: str) -> dict[str, Any]:
     """Kh of the slides, its cycles and their period, where the earthquake of the input determines them.
 
     Empty without an earthquake, or if its table has errors, which are reported elsewhere. With a given Kh or duration
     there are no cycles unless the settings request them. Raises InputError if a setting is ``"earthquake"`` and there
     is no peak, or a record shakes the slides instead.
     """
-    asked = [key for key in ("kh", *CYCLES) if slide.get(key) == EARTHQUAKE]
+    requested = [key for key in ("kh", *CYCLES) if slide.get(key) == EARTHQUAKE]
     kh_left = slide.get("kh", EARTHQUAKE) == EARTHQUAKE
-    held = "kh_seconds" in slide or not kh_left
-    left = [key for key in CYCLES if slide.get(key, None if held else EARTHQUAKE) == EARTHQUAKE]
-    if asked and slide.get("accelerogram"):
-        message = (
-            f'slide, {asked[0]} = "{EARTHQUAKE}": expected no accelerogram beside it, which shakes the slides itself'
-        )
+    is_constant = "kh_seconds" in slide or not kh_left
+    left = [key for key in CYCLES if slide.get(key, None if is_constant else EARTHQUAKE) == EARTHQUAKE]
+    if requested and slide.get("accelerogram"):
+        expected = "expected no accelerogram beside it, which shakes the slides itself"
+        message = f'slide, {requested[0]} = "{EARTHQUAKE}": {expected}'
         raise InputError(source, [message])
     if slide.get("accelerogram") or not (kh_left or left):
         return {}
     cycles = earthquake.equivalent()
-    if cycles is None and asked:
-        message = f'slide, {asked[0]} = "{EARTHQUAKE}": expected [earthquake] with a peak, a record, or magnitude and '
+    if cycles is None and requested:
+        message = (
+            f'slide, {requested[0]} = "{EARTHQUAKE}": expected [earthquake] with a peak, a record, or magnitude and '
+        )
         raise InputError(source, [message + "distance"])
     if cycles is None:
         return {}
@@ -254,7 +255,7 @@ def push_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], sou
     return {key: values[key] for key in [*(["kh"] if kh_left else []), *left]}
 
 
-def assumed_push(magnitude: float | None) -> dict[str, float]:
+def assumed_loading(magnitude: float | None) -> dict[str, float]:
     """Assumed Kh of the slides, its cycles and their period, where the input does not determine the shaking.
 
     The default Kh with the cycles and the period of the ``magnitude`` (7.5 if None) at 20 km. A constant Kh without end

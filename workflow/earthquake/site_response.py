@@ -112,12 +112,12 @@ def waves(layers: Sequence[Layer], base: HalfSpace, omega: np.ndarray) -> tuple[
     up, down = np.ones_like(number), np.ones_like(number)
     for j, layer in enumerate(layers):
         ratio = density[j] * velocity[j] / (density[j + 1] * velocity[j + 1])
-        ahead, back = (
+        following, back = (
             up[j] * np.exp(1j * number[j] * layer.thickness),
             down[j] * np.exp(-1j * number[j] * layer.thickness),
         )
-        up[j + 1] = 0.5 * ((1.0 + ratio) * ahead + (1.0 - ratio) * back)
-        down[j + 1] = 0.5 * ((1.0 - ratio) * ahead + (1.0 + ratio) * back)
+        up[j + 1] = 0.5 * ((1.0 + ratio) * following + (1.0 - ratio) * back)
+        down[j + 1] = 0.5 * ((1.0 - ratio) * following + (1.0 + ratio) * back)
     return up, down, number
 
 

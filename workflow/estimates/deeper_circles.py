@@ -51,7 +51,7 @@ def ground_of_circles(
     circle = critical_circle(section, towards, kh, least_depth, vertical, crack=crack)
     direction: Direction = "downhill" if sign_of(section, "downhill") == towards else "uphill"
     settings = FemSettings(direction=direction, least_depth=least_depth, vertical=vertical)
-    faces = shallow_failures(section, settings, shaken=kh != 0.0)
+    faces = shallow_failures(section, settings, excess_pressure=kh != 0.0)
     if circle is None or not _slides_first(section, faces, kh, circle.bishop):
         return section, circle
     ground = strengthened(section, faces, settings)

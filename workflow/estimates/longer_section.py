@@ -58,7 +58,8 @@ def circle_of_longer_section(
     Returns
     -------
     LongerSectionCircle or None
-        None where the circle ends at no side, the section cannot be continued, or no longer circle slides with less.
+        None where the circle ends at no side, the section cannot be continued, or no circle of the longer section has a
+        smaller critical Kh.
     """
     left, right = section.extent
     near = AT_SIDE * (right - left)
@@ -74,9 +75,9 @@ def circle_of_longer_section(
         longer = Section.parse({**data, "beyond": f"{beyond:g} m"}, section.name)
     except InputError:  # such as a line of water that ends at the side
         return None
-    found = ground_of_circles(longer, towards, None, least_depth, vertical, crack)[1]
-    if found is None or found.bishop >= critical:
+    circle = ground_of_circles(longer, towards, None, least_depth, vertical, crack)[1]
+    if circle is None or circle.bishop >= critical:
         return None
-    reach = found.surface[end, 0] - (left, right)[end]
+    reach = circle.surface[end, 0] - (left, right)[end]
     past = max(0.0, float(-reach if side == "left" else reach))
-    return LongerSectionCircle(side, past, beyond - (section.beyond or 0.0), found.bishop)
+    return LongerSectionCircle(side, past, beyond - (section.beyond or 0.0), circle.bishop)

@@ -152,8 +152,8 @@ def spencer_critical_kh(slices: Slices) -> Balance | None:
     ones = np.ones(1)
 
     def force_balance(theta: float) -> float:
-        still, shaken = (_residuals(slices, ones, kh, theta)[0][0] for kh in (0.0, 1.0))
-        kh = still / (still - shaken)  # linear in Kh
+        still, seismic = (_residuals(slices, ones, kh, theta)[0][0] for kh in (0.0, 1.0))
+        kh = still / (still - seismic)  # linear in Kh
         return float(kh) if abs(kh) <= LARGEST_KH else np.nan
 
     balance = _moment_balance(force_balance, lambda kh, theta: float(_residuals(slices, ones, kh, theta)[1][0]))

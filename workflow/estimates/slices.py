@@ -54,7 +54,7 @@ class Slices:
 
 
 def divide(
-    section: Section, x: np.ndarray, z: np.ndarray, towards: int = LEFT, shaken: bool = False, vertical: float = 0.0
+    section: Section, x: np.ndarray, z: np.ndarray, towards: int = LEFT, seismic: bool = False, vertical: float = 0.0
 ) -> Slices:
     """Divide the ground above trial slip surfaces into slices.
 
@@ -66,7 +66,7 @@ def divide(
         Corners of the bases from left to right (m), inside the section and not above the ground.
     towards : int
         LEFT or RIGHT, the side to which the mass slides and the seismic force acts.
-    shaken : bool
+    seismic : bool
         Whether excess pore pressures by shaking act.
     vertical : float
         Vertical seismic coefficient, positive upwards: it reduces the weight by this share of the mass.
@@ -85,13 +85,13 @@ def divide(
     shakes = GRAVITY * np.array([stratum.density_seismic for stratum in section.strata])
     weighs = GRAVITY * np.array([stratum.density_ordinary for stratum in section.strata]) - vertical * shakes
     mass = thickness * shakes
-    push, inertia, ground = _ground_forces(section, x, towards)
+    traction, inertia, ground = _ground_forces(section, x, towards)
     arm = ground - base
     along = -towards  # x to the left where the mass slides to the right
     stratum = _stratum(levels, points[:, 1])
     cohesion = section.cohesion_field.at(points, points, stratum)
     friction = np.tan([soil.friction_angle for soil in section.strata])[stratum]
-    water = section.water_pressure.inside(points, points, stratum, shaken)
+    water = section.water_pressure.inside(points, points, stratum, seismic)
     forward = -width * mass.sum(axis=1).reshape(shape)  # the inertia of the soil, to the left
 
     return Slices(
@@ -99,9 +99,9 @@ def divide(
         z=base,
         angle=np.arctan2(along * rise, width),
         length=np.hypot(width, rise),
-        vertical=width * (push[..., 1] - (thickness @ weighs).reshape(shape)),
-        horizontal=width * along * push[..., 0],
-        moment=-arm * width * along * push[..., 0],
+        vertical=width * (traction[..., 1] - (thickness @ weighs).reshape(shape)),
+        horizontal=width * along * traction[..., 0],
+        moment=-arm * width * along * traction[..., 0],
         inertia=forward + width * along * inertia[..., 0],
         inertia_vertical=width * inertia[..., 1],
         inertia_moment=width * (mass * height).sum(axis=1).reshape(shape) - arm * width * along * inertia[..., 0],
@@ -111,7 +111,7 @@ def divide(
     )
 
 
-def pushed_by_crack(
+def loaded_by_crack(
     slices: Slices, section: Section, crack: TensionCrack, head: tuple[np.ndarray, np.ndarray], towards: int
 ) -> Slices:
     """The slices with the thrust of the water in tension cracks at their heads.
@@ -165,7 +165,7 @@ def _ground_forces(section: Section, x: np.ndarray, towards: int) -> tuple[np.nd
     loads = section.surface_loads
     still = -section.water_pressure.on_ground(points, points)[:, None] * normal
     force = (still + loads.dead(points, points, normal)) * stretch
-    added = loads.shaken(towards, points, points, normal) * stretch
+    added = loads.seismic(towards, points, points, normal) * stretch
     return force.reshape(*height.shape, 2), added.reshape(*height.shape, 2), height
 
 

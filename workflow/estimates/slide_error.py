@@ -29,7 +29,7 @@ class SlideError:
         Kind of the slides that were compared, in words.
     factor : float
         Factor between prediction and measurement in most cases.
-    held, cases : int
+    within, cases : int
         Number of cases within the factor, and number of all cases.
     middle : float
         Factor that half of the predictions did not exceed.
@@ -39,7 +39,7 @@ class SlideError:
 
     kind: str
     factor: float
-    held: int
+    within: int
     cases: int
     middle: float
     method: SlideMethod = "discs"
@@ -48,7 +48,7 @@ class SlideError:
         """The sentence on the error of a slide."""
         named = f"{self.kind[0].upper()}{self.kind[1:]} of the collection"
         return (
-            f"{named} were predicted{BY[self.method]} within a factor of {self.factor:g} in {self.held} of "
+            f"{named} were predicted{BY[self.method]} within a factor of {self.factor:g} in {self.within} of "
             f"{self.cases} cases"
         )
 
@@ -96,10 +96,10 @@ def error_of(kind: str, ratios: Sequence[float], method: SlideMethod = "discs") 
         return None
     off = [max(ratio, 1.0 / ratio) if ratio > 0.0 else float("inf") for ratio in ratios]
     for factor in FACTORS:
-        held = sum(distance <= factor for distance in off)
-        if held >= MOST * len(off):
+        within = sum(distance <= factor for distance in off)
+        if within >= MOST * len(off):
             break
-    return SlideError(kind, factor, held, len(off), median(off), method)
+    return SlideError(kind, factor, within, len(off), median(off), method)
 
 
 def _rows(method: SlideMethod) -> list[tuple[str, str, float]]:

@@ -13,7 +13,7 @@ import numpy as np
 from meshes.section.section import Section
 from meshes.section.tension_crack import TensionCrack
 from workflow.estimates.slice_methods import bishop_critical_kh, bishop_factor, spencer_critical_kh, spencer_factor
-from workflow.estimates.slices import LEFT, RIGHT, Slices, divide, pushed_by_crack
+from workflow.estimates.slices import LEFT, RIGHT, Slices, divide, loaded_by_crack
 
 ENDS, DEPTHS = 41, 16  # points of the ground, and circles through a pair of them, on the first grid
 SLICES, FINE_SLICES = 40, 200  # of a circle on the first grids, and on the last ones
@@ -114,7 +114,7 @@ def surface_balance(
     line = _to_the_ground(section, line, towards)
     x = np.linspace(line[0, 0], line[-1, 0], FINE_SLICES + 1)
     z = np.minimum(np.interp(x, *line.T), section.layering.interfaces(x)[:, 0])
-    slices = divide(section, x[None], z[None], towards, shaken=kh != 0.0, vertical=vertical)
+    slices = divide(section, x[None], z[None], towards, seismic=kh != 0.0, vertical=vertical)
     return _by_spencer(slices, kh)
 
 
@@ -191,8 +191,8 @@ class _Search:
 
     def _best(self, circles: np.ndarray, number: int) -> np.ndarray:
         """The circles with the least values, each on ``number`` slices, the least first."""
-        some = CHUNK * SLICES // number
-        value = np.concatenate([self._values(circles[k : k + some], number) for k in range(0, len(circles), some)])
+        batch = CHUNK * SLICES // number
+        value = np.concatenate([self._values(circles[k : k + batch], number) for k in range(0, len(circles), batch)])
         order = np.argsort(np.where(np.isfinite(value), value, np.inf), kind="stable")
         return circles[order[: min(BEST, int(np.isfinite(value).sum()))]]
 
@@ -211,10 +211,10 @@ class _Search:
         return bishop_factor(slices, mirrored, centre[:, 1], radius, self.kh)
 
     def _divided(self, x: np.ndarray, z: np.ndarray) -> Slices:
-        slices = divide(self.section, x, z, self.towards, shaken=self.kh != 0.0, vertical=self.vertical)
+        slices = divide(self.section, x, z, self.towards, seismic=self.kh != 0.0, vertical=self.vertical)
         if self.crack.bottom is None:
             return slices
-        return pushed_by_crack(slices, self.section, self.crack, (x[:, self._head], z[:, self._head]), self.towards)
+        return loaded_by_crack(slices, self.section, self.crack, (x[:, self._head], z[:, self._head]), self.towards)
 
     @property
     def _head(self) -> int:
@@ -222,9 +222,8 @@ class _Search:
         return -1 if self.towards == LEFT else 0
 
     def _surfaces(self, circles: np.ndarray, number: int) -> tuple[np.ndarray, ...]:
-        """Corners x, z (circles, number + 1) of the slices, centres (circles, 2), radii, and which circles are sound.
-
-        A sound circle is everywhere below the ground and above the base of the section, deep enough, and nowhere
+        """Corners x, z (circles, number + 1) of the slices, centres (circles, 2), radii, and which circles are valid. A
+        valid circle is everywhere below the ground and above the base of the section, deep enough, and nowhere
         vertical.
         """
         section = self.section

@@ -50,8 +50,8 @@ def face_circle(
     """The critical slip circle of one face of a structure: a part of the crest slides with it ``towards`` a side.
 
     ``critical`` is the critical circle of the ``section`` towards this side; it is also the circle of the face if a
-    part of the crest slides with it. The other arguments are those of `critical_circle`.
-    ``kh``, ``least_depth``, ``vertical``, ``crack``: as there.
+    part of the crest slides with it. The other arguments, ``kh``, ``least_depth``, ``vertical`` and ``crack``, are
+    those of `critical_circle`.
     """
     if critical is not None and structure.slides_with([(x, z) for x, z in critical.surface]):
         return critical

@@ -46,8 +46,8 @@ def thin_weak_layers(section: Section) -> tuple[str, ...]:
                 continue
             middle = float(column[inside[0]]) - 0.5 * thick
             weak = next(k for k in inside if column[k + 1] <= middle)
-            beside = [present[first - 1], *present[last + 1 : last + 2]]
-            strength, *others = (_strength(section, at, middle, weak, k) for k in (weak, *beside))
+            neighbours = [present[first - 1], *present[last + 1 : last + 2]]
+            strength, *others = (_strength(section, at, middle, weak, k) for k in (weak, *neighbours))
             if strength < WEAK * min(others):
                 lengths[soils[weak]] = lengths.get(soils[weak], 0.0) + width
     return tuple(soil for soil in dict.fromkeys(soils) if lengths.get(soil, 0.0) > relief > 0.0)
@@ -60,7 +60,9 @@ def _runs(names: list[str]) -> list[tuple[int, int]]:
 
 
 def _strength(section: Section, x: float, z: float, weak: int, soil: int) -> float:
-    """Shear strength (Pa) on a level plane at x, z (m) in stratum ``own``, if that had the strength of ``soil``."""
+    """Shear strength (Pa) on a level plane at x, z (m) in stratum ``own``, if this stratum had the strength of
+    ``soil``.
+    """
     point, field = np.array([[x, z]]), section.cohesion_field
     stress = float(field.effective_stress(point, point, np.array([weak]))[0])
     cohesion = float(field.at(point, point, np.array([soil]))[0])

@@ -57,7 +57,7 @@ def in_section(model: DiscModel, ground: Ground) -> DiscModel:
     """
     view = copy.copy(model)
     view.x, view.z = ground.to_section(model.x, model.z)
-    view.vx, view.vz = ground.turned(model.vx, model.vz)
+    view.vx, view.vz = ground.to_section_axes(model.vx, model.vz)
     view.roll = model.roll - ground.tilt * model.radius
     return view
 
@@ -159,7 +159,7 @@ def state(model: DiscModel, before: DiscModel, path: Path | str, title: str) -> 
 
 
 def nice(value: float) -> float:
-    """The next round number above a positive one: 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten."""
+    """The next round number above a positive number: 1, 1.5, 2, 3, 4, 5, 6 or 8 times a power of ten."""
     if not value > 0.0:
         return 1.0
     power = 10.0 ** np.floor(np.log10(value))

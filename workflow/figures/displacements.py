@@ -103,7 +103,7 @@ def slides(results: Results) -> Iterator[Row]:
 
 
 def _why_not(words: str) -> str:
-    """The reason why an estimate gives no displacement, from its words."""
+    """The reason why an estimate gives no displacement, taken from its text."""
     for sign in ("outside its range: ", "not computed: "):
         _, separator, reason = words.partition(sign)
         if separator:

@@ -55,10 +55,10 @@ def without(text: str, characters: str) -> str:
 
 def notice(texts: Iterable[str]) -> str:
     """Say which characters no font can show, and which font would; empty if all can be shown."""
-    lost = missing("".join(texts))
-    if not lost:
+    missing_characters = missing("".join(texts))
+    if not missing_characters:
         return ""
-    return f"no font on this machine has {lost}, so pictures show {UNKNOWN} in their place; {ASKED_FOR}"
+    return f"no font on this machine has {missing_characters}, so pictures show {UNKNOWN} in their place; {ASKED_FOR}"
 
 
 def _lacking(files: Iterable[str], characters: frozenset[str]) -> frozenset[str]:

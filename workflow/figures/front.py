@@ -45,7 +45,9 @@ def front(results: Results, name: str) -> bool:
 
 
 def _largest(results: Results) -> tuple[int, CaseAnswer | PointCase | None]:
-    """The largest slide of the governing set of discs, or else of material points; None without slides."""
+    """The case with the largest slide, by the governing set of discs or else by material points; None without
+    slides.
+    """
     _, discs = results.case_set()
     cases: Mapping[int, CaseAnswer | PointCase] = discs or (results.mpm.cases if results.mpm is not None else {})
     if not cases:

@@ -43,7 +43,7 @@ SURVEYED = (0, (1, 3))  # dashes of the ends of the ground that was given
 LEAST_NUMBERED = 0.02  # of the height of a section: a number would not fit into a thinner stratum
 NUMBER_SIZE = 6.5  # points
 HALO = [withStroke(linewidth=2.5, foreground="white")]
-BESIDE = 0.015  # of the width: from number to number above the ground
+LABEL_SPACING = 0.015  # of the width: from number to number above the ground
 FOOT_CHARACTERS = 190
 ARROW = 0.03  # of the width: the largest surcharge
 
@@ -181,10 +181,10 @@ def borders(section: Section) -> list[np.ndarray]:
     outlines = [polygon for k in range(layers.strata) for polygon in layers.polygons(k)]
     edges = np.concatenate([np.stack([outline, np.roll(outline, -1, axis=0)], axis=1) for outline in outlines])
     middle = edges.mean(axis=1)
-    beside = [
+    outside = [
         numbers[layers.stratum_at(middle[:, 0] + side, middle[:, 1])] for side in (-layers.tolerance, layers.tolerance)
     ]
-    seam = (edges[:, 0, 0] == edges[:, 1, 0]) & (beside[0] == beside[1])
+    seam = (edges[:, 0, 0] == edges[:, 1, 0]) & (outside[0] == outside[1])
     return list(edges[~seam])
 
 
@@ -233,8 +233,10 @@ def _number_strata(axes: Axes, section: Section) -> None:
         if thickness[best] < LEAST_NUMBERED * np.ptp(section.outline()[:, 1]):
             continue
         fits = thickness[best] * points_per_metre > 1.3 * NUMBER_SIZE
-        beside = 0.0 if fits else (1 + thin) * BESIDE * width / layers.width[best]  # clear of the numbers that fit
-        share = min(0.5 + beside, 0.95)
+        offset = (
+            0.0 if fits else (1 + thin) * LABEL_SPACING * width / layers.width[best]
+        )  # clear of the numbers that fit
+        share = min(0.5 + offset, 0.95)
         x = layers.x[best] + share * layers.width[best]
         z = float(0.5 * ((1.0 - share) * layers.left[best] + share * layers.right[best])[k : k + 2].sum())
         if fits:

@@ -87,10 +87,10 @@ def _draw_discs(job: Job, field: str, at: float | None) -> list[Path]:
     if results.dem is None:
         why = results.missing.get("calibrate", "the stage calibrate ended without an answer")
         raise InputError(str(job.store.folder), [f"has no discs: {why}"])
-    kept = results.dem.states
-    states = [state for state in kept if at is None or abs(state.kh - at) < SAME_KH]
+    stored = results.dem.states
+    states = [state for state in stored if at is None or abs(state.kh - at) < SAME_KH]
     if not states:
-        there = ", ".join(f"{kh:g}" for kh in sorted({state.kh for state in kept})) or "none"
+        there = ", ".join(f"{kh:g}" for kh in sorted({state.kh for state in stored})) or "none"
         raise InputError("--at", [f"{at:g}: there are no discs at this Kh; expected one of {there}, or set dem.kh"])
     ground = ground_of(job.config.section, job.config.dem)
     paths = []

@@ -154,9 +154,9 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
     left = config.cases[number - 1]
     if isinstance(case, CaseAnswer) and not (config.dem.model == "soil" and springs == "calibrated"):
         left = Case(stiffness=case.stiffness)
-    kept = left_by(left)
+    text = left_by(left)
     rest = case.reason if " after " in case.reason else f"after {frame.seconds:.1f} s: {case.reason}"
-    foot = f"{rest[0].upper()}{rest[1:]}. Liquefied layers keep {kept}."
+    foot = f"{rest[0].upper()}{rest[1:]}. Liquefied layers keep {text}."
     soils = {
         soil_of(stratum.name): colours[k]
         for k, stratum in enumerate(config.section.strata)

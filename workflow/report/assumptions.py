@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
-from dem.settings import PAPER_PUSH
+from dem.settings import PAPER_LOADING
 from fem.continuum.strength import Flow, flow_of
 from fem.settings import DirectionSetting, Sides
 from meshes.section.section import Section
@@ -110,8 +110,8 @@ def _water(section: Section) -> str:
 
 def _of_the_paper(config: Config) -> str:
     """The loading of the paper's own discs, if they are computed in addition to soil discs."""
-    beside = config.dem.model == "soil" and config.dem.paper
-    return f"On the paper's own discs its Kh = {PAPER_PUSH['kh']:g} acts without end. " if beside else ""
+    both_models = config.dem.model == "soil" and config.dem.paper
+    return f"On the paper's own discs its Kh = {PAPER_LOADING['kh']:g} acts without end. " if both_models else ""
 
 
 def _driven(config: Config) -> str:

@@ -26,8 +26,9 @@ RELY = "rely on elements and bounds, since the critical mechanism is no circle, 
 def of_circles(results: Results) -> Iterator[str]:
     """Slip circles above strict upper bounds, and below lower ones.
 
-    A reviewer who knows circles alone would take the larger number. A smaller one is no proof of failure: a circle
-    through ground with friction is no mechanism with ψ = φ, and methods of slices assume the normal force on it.
+    A circle above the upper bound overestimates the critical Kh. A circle below the lower bound does not prove failure:
+    a circle through ground with friction is not a mechanism with ψ = φ, and methods of slices assume the normal force
+    on its base.
     """
     circles, bounds = results.slices, results.bounds
     if circles is None or bounds is None or results.config.fem.direction != "both":
@@ -75,7 +76,7 @@ def _value(circle: CirclePart) -> float:
 
 
 def _slides_out(bounds: BoundsAnswer) -> str:
-    """What to do where the ground of the bounds slides out at a side; empty where it does not."""
+    """What to do where the mechanism of the bounds leaves the section at a side; empty where it does not."""
     sides = bounds.directions[0].leaves if bounds.directions else ()
     if not sides or bounds.sides != "free-field":
         return ""
@@ -86,7 +87,7 @@ def _slides_out(bounds: BoundsAnswer) -> str:
 
 
 def _assumed(section: Section, circle: CirclePart) -> str:
-    """Why a circle may fail with less than the ground bears in equilibrium, and what to do."""
+    """Why a circle may fail at a smaller Kh than the ground resists in equilibrium, and what to do."""
     strata = [shown_name(name) for name in _cut_steeply(section, circle)]
     if not strata:
         return ", although no ground with friction explains it: compare both with the elements, and do not use either"

@@ -80,7 +80,7 @@ def fem_sentences(
         if answer.davis is not None or answer.associated is not None:
             yield WHEN
         yield from meshes_sentences(answer)
-    yield from beside_sentences(answer)
+    yield from comparison_sentences(answer)
     yield from (safety_sentence(factor, answer, every) for factor in answer.safety_factors)
     for warning in (*answer.warnings, *(results.warnings_by_bounds() if results is not None else ())):
         yield f"{'Contradiction' if warning.contradiction else 'Warning'}: {warning.what} To do: {warning.remedy}."
@@ -92,8 +92,8 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = Tru
     """A factor of safety and the extent of its slip surface; with ``every`` also details of its computation."""
     most = f", on this mesh at most {factor.upper:.3f}" if factor.upper > factor.factor else ""
     rest = f", with a mesh error of {100 * factor.rest:.1f} % or less" if factor.rest is not None else ""
-    beside = factor.davis if factor.davis is not None else factor.associated
-    number = with_flow(factor.factor, answer.flow, beside, answer.estimate, "{:.3f}".format)
+    compared = factor.davis if factor.davis is not None else factor.associated
+    number = with_flow(factor.factor, answer.flow, compared, answer.estimate, "{:.3f}".format)
     if factor.verdict == "no failure":  # it is where the search ended, not where the ground fails
         return f"Factor of safety at Kh = {factor.kh:g}: above {factor.factor:.3g}, where the search ended."
     phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}. {factor.verdict.capitalize()}{most}, "
@@ -125,7 +125,7 @@ def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
         yield f"On meshes adapted to the mechanism: {phrase}. The sequence ended because {answer.meshes_ended}.{tends}"
 
 
-def beside_sentences(answer: FemAnswer) -> Iterator[str]:
+def comparison_sentences(answer: FemAnswer) -> Iterator[str]:
     """The critical Kh in the other direction, and the shallow failures of cohesionless faces."""
     if answer.associated is not None and answer.associated.at_sides:
         yield f"With ψ = φ the critical Kh is {coefficient(answer.associated.kc)}{_out_at(answer.associated.at_sides)}."
@@ -159,9 +159,9 @@ def _out_at(sides: tuple[str, ...]) -> str:
 def proven(faces: bool, load_ends: bool) -> str:
     """The name of bounds of the ground as it is, or with cohesionless ``faces``, or bare ground at ``load_ends``,
     strengthened."""
-    held = [what for what, given in (("the faces", faces), ("the ends of loads", load_ends)) if given]
+    strengthened = [what for what, is_so in (("the faces", faces), ("the ends of loads", load_ends)) if is_so]
     failures = "Bounds of these deeper failures" if faces else "Bounds"
-    return f"{failures}, {' and '.join(held)} given a cohesion," if held else "Strict bounds"
+    return f"{failures}, {' and '.join(strengthened)} given a cohesion," if strengthened else "Strict bounds"
 
 
 def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
@@ -216,7 +216,7 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
             )
         yield (
             f"Discs: critical Kh = {_bracket(answer.kc, answer)} for "
-            f"{_asked(answer, answer.target_kc)}, with {answer.parameter} = {answer.value:.4g}."
+            f"{_tried(answer, answer.target_kc)}, with {answer.parameter} = {answer.value:.4g}."
         )
     else:
         low, high = answer.range
@@ -226,7 +226,7 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
         )
 
 
-def _asked(answer: CalibrationAnswer, target: float) -> str:
+def _tried(answer: CalibrationAnswer, target: float) -> str:
     """The target of the calibration in words: a range if the critical Kh of the continuum is one and the discs are
     within it.
     """
@@ -357,8 +357,8 @@ def _slices(config: Config, answer: SlicesAnswer) -> Iterator[str]:
 def sentences(
     name: str, config: Config, store: Store, every: bool = True, results: Results | None = None
 ) -> Iterator[str]:
-    """The result of one stage in sentences; with ``every`` also details of the finite elements. They are compared with
-    the ``results`` of the other stages.
+    """The result of one stage in sentences; with ``every`` also details of the finite elements. The result is compared
+    with the ``results`` of the other stages.
     """
     of_stage: dict[str, Callable[[], Iterator[str]]] = {
         "triggering": lambda: triggering_sentences(TriggeringAnswer.read(store)),

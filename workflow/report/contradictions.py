@@ -19,7 +19,7 @@ from workflow.results.verdicts import Weight
 LESS, LESS_SHARE = 0.1, 0.03
 # A surface that falls by so much (m), and so many times the mean of its uphill third, is not told by that mean.
 FALLS, FALLS_TIMES = 0.5, 3.0
-BESIDE = 0.05  # of the length of the section: what falls so near to a side slides away from it
+NEAR_SIDE = 0.05  # of the length of the section: what falls so near to a side slides away from it
 # Discs that lose such a share of their critical Kh on the way to it do not bear it where it is held.
 FALLEN = 0.25
 # Shares of the largest slide by which the uphill end of a section moves where a slide goes on behind it; and the
@@ -52,7 +52,9 @@ def contradictions(results: Results) -> Iterator[tuple[Weight, str]]:
 
 
 def of_curve(discs: DiscsAnswer) -> Iterator[str]:
-    """Warn where the load-displacement curve of the discs falls far below the critical Kh before it reaches it."""
+    """Warn where the load-displacement curve of the discs falls far below the critical Kh before reaching the critical
+    Kh.
+    """
     fall = deepest_fall(discs.after, soil=discs.model.discs == "soil")
     if discs.after.kc is not None and fall is not None and fall[0] - fall[1] > FALLEN * discs.after.kc:
         yield (
@@ -92,11 +94,11 @@ def deepest_fall(search: DiscSearch, soil: bool) -> tuple[float, float] | None:
 def of_sides(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
     """Warn of slides that a side of the disc model stopped."""
     for side in ("left", "right"):
-        held = [number for number, case in cases.items() if case.stopped_by == side]
-        if held:
-            lengths = span([cases[number].slide_max_m for number in held])
+        stopped = [number for number, case in cases.items() if case.stopped_by == side]
+        if stopped:
+            lengths = span([cases[number].slide_max_m for number in stopped])
             yield (
-                f"the {side} side of the disc model stopped {of_cases(held)}: {lengths} is "
+                f"the {side} side of the disc model stopped {of_cases(stopped)}: {lengths} is "
                 f"the least that the ground slides; take a longer section (beyond)"
             )
 
@@ -192,8 +194,8 @@ def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "di
         return
     lengths, places = zip(*far.values(), strict=True)
     fall, at, of = span(lengths), _ends(places), of_cases(list(far))
-    beside = {_side(cases[number][0], place) for number, (_, place) in far.items()}
-    side = beside.pop() if len(beside) == 1 else ""
+    sides = {_side(cases[number][0], place) for number, (_, place) in far.items()}
+    side = sides.pop() if len(sides) == 1 else ""
     if by == "discs" and side:
         yield (
             f"the surface falls by {fall} at x = {at} m in {of}, where it slides away from the {side} side of the "
@@ -214,7 +216,7 @@ def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "di
 def _side(surface: MovedSurface, x: float) -> str:
     """The side of the model that a place (m) on a surface is close to; empty where it is close to none."""
     along = [point[0] for point in surface.surface_before]
-    near = BESIDE * (max(along) - min(along))
+    near = NEAR_SIDE * (max(along) - min(along))
     return "left" if x < min(along) + near else "right" if x > max(along) - near else ""
 
 

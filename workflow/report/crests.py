@@ -58,7 +58,7 @@ def _part(config: Config, structure: Standing, by: str, case: int, slide: Settle
     drained = reconsolidation_below(config, structure.crest, case)
     added = 0.0 if config.cases[case - 1].volumetric_strain > 0.0 else drained or 0.0
     value, low, high = (settlement + added for settlement in slide)
-    water = water_beside(config, structure.crest)
+    water = water_at_crest(config, structure.crest)
     heights = [
         None if water is None else freeboard(structure.crest.elevation, settlement, water)
         for settlement in (value, high, low)
@@ -104,7 +104,7 @@ def _strains_of_borings(config: Config) -> dict[int, float]:
         return {}
 
 
-def water_beside(config: Config, crest: Crest) -> float | None:
+def water_at_crest(config: Config, crest: Crest) -> float | None:
     """Elevation (m) of the water that a structure retains: that of the criteria, or the higher one at its feet."""
     limit = config.criteria.freeboard
     if limit is not None and limit.water is not None:

@@ -223,23 +223,23 @@ def _slide(results: Results, _: Texts) -> HeadlinePart:
 def _block(results: Results, _: Texts) -> HeadlinePart:
     """The displacement of a rigid block in the earthquake, where nothing liquefies."""
     config = results.config
-    shaken = config.earthquake != EarthquakeSettings() or bool(config.sliding_block.accelerogram)
-    found = {
+    has_shaking = config.earthquake != EarthquakeSettings() or bool(config.sliding_block.accelerogram)
+    slides = {
         _("Newmark's block") if row.kind == "block" else row.method: row.displacement_m
-        for row in (estimates(config.section, config, results.kc, results.slip_surface) if shaken else ())
+        for row in (estimates(config.section, config, results.kc, results.slip_surface) if has_shaking else ())
         if row.kind in ("block", "block regression") and row.displacement_m is not None
     }
-    if not found:
+    if not slides:
         phrase = _("No layer of the section liquefies, so no slide was computed.")
         return HeadlinePart(name=_("slide after liquefaction"), value="–", interval="", conclusion=phrase)
-    each = [_("{slide} by {method}", slide=metres(slide), method=method) for method, slide in found.items()]
+    each = [_("{slide} by {method}", slide=metres(slide), method=method) for method, slide in slides.items()]
     phrase = _(
         "No layer of the section liquefies. In the earthquake the ground that fails slides as a rigid block: {each}.",
         each=_.listed(each),
     )
-    interval = _("by {number} methods of a rigid block that loses no strength", number=len(found))
+    interval = _("by {number} methods of a rigid block that loses no strength", number=len(slides))
     name = _("displacement in the earthquake")
-    return HeadlinePart(name=name, value=span(list(found.values())), interval=interval, conclusion=phrase)
+    return HeadlinePart(name=name, value=span(list(slides.values())), interval=interval, conclusion=phrase)
 
 
 Slides = Mapping[int, CaseAnswer] | Mapping[int, PointCase] | Mapping[int, CaseAnswer | PointCase]
@@ -270,14 +270,14 @@ def _of_slides(results: Results, _: Texts) -> str:
         return _("the error on known slides is not known")
     error = min(errors, key=lambda error: error.middle)
     moved, method = predicted[error.method], _(NAMES[error.method])
-    if 2 * error.held < error.cases:
+    if 2 * error.within < error.cases:
         return _("no interval: {method} did not predict the known slides of this kind", method=method)
     if not error.bounds_slides:
         return _(
             "uncertain by a factor of {factor}: {held} of {cases} known slides were predicted within it by {method}, "
             "half of them within a factor of {middle}",
             factor=f"{error.factor:g}",
-            held=error.held,
+            within=error.within,
             cases=error.cases,
             method=method,
             middle=f"{error.middle:.2g}",
@@ -285,7 +285,7 @@ def _of_slides(results: Results, _: Texts) -> str:
     return _(
         "{span} by the error of {method}: they predicted {held} of {cases} known slides within a factor of {factor}",
         span=rough_range(*error.interval(min(moved), max(moved))),
-        held=error.held,
+        within=error.within,
         cases=error.cases,
         factor=f"{error.factor:g}",
         method=method,

@@ -25,7 +25,7 @@ DISCS = "They are calibrated to the continuum with the given ψ, 0 if none is gi
 LIQUEFIED = "Whether the ground then stands follows from strict bounds, which have ψ = φ, or else from finite elements."
 
 
-def with_flow(value: float, flow: Flow, beside: float | None, estimate: str, shown: Callable[[float], str]) -> str:
+def with_flow(value: float, flow: Flow, compared: float | None, estimate: str, shown: Callable[[float], str]) -> str:
     """A critical Kh or factor of safety in words.
 
     Parameters
@@ -34,7 +34,7 @@ def with_flow(value: float, flow: Flow, beside: float | None, estimate: str, sho
         The number by the flow rule ``flow`` (-).
     flow : {"davis", "associated", "section"}
         The flow rule of the analysis.
-    beside : float or None
+    compared : float or None
         The number by the other flow rule, if this differs (-).
     estimate : str
         Name of Davis's estimate.
@@ -49,18 +49,18 @@ def with_flow(value: float, flow: Flow, beside: float | None, estimate: str, sho
     match flow:
         case "associated":
             phrase = f"{shown(value)} with ψ = φ"
-            return phrase if beside is None else f"{phrase}; {estimate}, which is no bound: {_low(beside, shown)}"
+            return phrase if compared is None else f"{phrase}; {estimate}, which is no bound: {_low(compared, shown)}"
         case "davis":
             phrase = f"{shown(value)} by {estimate}, which is no bound"
         case "section":
             phrase = f"{shown(value)} with ψ as given by a non-associated path"
         case _:
             assert_never(flow)
-    return phrase if beside is None else f"{phrase}; with ψ = φ: {shown(beside)}"
+    return phrase if compared is None else f"{phrase}; with ψ = φ: {shown(compared)}"
 
 
 def _low(value: float, shown: Callable[[float], str]) -> str:
-    """Davis's estimate in words; if such ground fails under its weight there is no Kh above 0."""
+    """Davis's estimate in words; if the ground with this strength fails under its weight, no Kh is given."""
     return shown(value) if value > 0.0 else "0, it fails under its own weight"
 
 

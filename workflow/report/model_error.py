@@ -35,7 +35,7 @@ def error_sentence(slides: Sequence[float], flows: bool | None, method: SlideMet
     moved = [slide for slide in slides if slide > 0.0]
     if error is None or not moved:
         return ""
-    if 2 * error.held < error.cases:
+    if 2 * error.within < error.cases:
         return f"{error.sentence()}: the slide of such ground is not predicted by {NAMES[method]}."
     if not error.bounds_slides:
         half = f"half of them within a factor of {error.middle:.2g}"

@@ -7,14 +7,14 @@ from functools import partial
 
 import numpy as np
 
-from dem.settings import PAPER_PUSH
+from dem.settings import PAPER_LOADING
 from meshes.section.section import Section
 from workflow.estimates.comparison import is_s13
 from workflow.estimates.sliding_block import SmoothPlane
 from workflow.report.numbers import span
 from workflow.results.answer import Line
 from workflow.results.cases import CaseAnswer
-from workflow.results.continuum import KeptState
+from workflow.results.continuum import StoredState
 from workflow.results.discs import SetOfSprings
 from workflow.results.results import Results
 from workflow.results.summary import PaperRow
@@ -60,12 +60,12 @@ def _absent(results: Results, stage: str) -> str:
 
 
 def _fem(results: Results) -> Iterator[PaperRow]:
-    ours = _absent(results, "fem")
-    at_02 = PaperRow("FEM: stands at Kh = 0.2, Asd layers below water at failure", "yes", "Fig. 9", ours)
-    kc = PaperRow("FEM: critical Kh", "about 0.25", "Fig. 10, Sec. 4(1)", ours)
-    surface = PaperRow("FEM: failure surface in the Asd layers", "yes", "Fig. 10(b)", ours)
+    result = _absent(results, "fem")
+    at_02 = PaperRow("FEM: stands at Kh = 0.2, Asd layers below water at failure", "yes", "Fig. 9", result)
+    kc = PaperRow("FEM: critical Kh", "about 0.25", "Fig. 10, Sec. 4(1)", result)
+    surface = PaperRow("FEM: failure surface in the Asd layers", "yes", "Fig. 10(b)", result)
     past = "FEM: Kh = 0.3 is past equilibrium, failure zone from Asd to the surface"
-    at_03 = PaperRow(past, "yes", "Fig. 11", ours)
+    at_03 = PaperRow(past, "yes", "Fig. 11", result)
     if results.fem is None or results.kc is None:
         yield from (at_02, kc, surface, at_03)
         return
@@ -87,7 +87,7 @@ def _fem(results: Results) -> Iterator[PaperRow]:
     yield at_03 if state is None else _past(at_03, state)
 
 
-def _stands(row: PaperRow, state: KeptState) -> PaperRow:
+def _stands(row: PaperRow, state: StoredState) -> PaperRow:
     shares = {name: state.failed_share_by_stratum.get(name, 0.0) for name in ASD_BELOW_WATER}
     stands = not state.past_equilibrium
     phrase = ("stands; " if stands else "does not stand; ") + _shares(shares) + " at failure"
@@ -95,7 +95,7 @@ def _stands(row: PaperRow, state: KeptState) -> PaperRow:
     return replace(row, ours=phrase, agrees=stands and max(shares.values()) >= AT_FAILURE, why=why)
 
 
-def _past(row: PaperRow, state: KeptState) -> PaperRow:
+def _past(row: PaperRow, state: StoredState) -> PaperRow:
     shares = {name: state.failed_share_by_stratum.get(name, 0.0) for name in ("1 Ts", *ASD)}
     phrase = ("past equilibrium; " if state.past_equilibrium else "stands; ") + _shares(shares) + " at failure"
     reaches = shares["1 Ts"] > 0.0 and max(shares[name] for name in ASD) > 0.0
@@ -130,9 +130,9 @@ def _disc_sets(results: Results) -> tuple[SetOfSprings, ...]:
 
 def _dem(results: Results, which: SetOfSprings) -> Iterator[PaperRow]:
     """States at the paper's two Kh: of its own discs, "before" calibration or "after" it."""
-    springs, ours = CALLED[which], _absent(results, "calibrate")
-    stands = PaperRow(f"DEM: stands at Kh = 0.2{springs}", "yes", "Fig. 12", ours)
-    broken = PaperRow(f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}", "yes", "Fig. 13", ours)
+    springs, result = CALLED[which], _absent(results, "calibrate")
+    stands = PaperRow(f"DEM: stands at Kh = 0.2{springs}", "yes", "Fig. 12", result)
+    broken = PaperRow(f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}", "yes", "Fig. 13", result)
     states = results.dem.states_of(which) if results.dem is not None else {}
     if 0.2 in states:
         verdict, why = states[0.2].verdict, f"{states[0.2].reason}; {SECTION}"
@@ -162,17 +162,17 @@ def _slides(results: Results, name: str) -> Iterator[PaperRow]:
     cases = results.cases.sets[name] if results.cases is not None else {}
     springs = {"table2": ", springs of Table 2", "calibrated": ", calibrated springs"}.get(name, "")
     open_points = "the text leaves open how contacts are averaged and how fast layers liquefy"
-    held = "" if name == "table2" else _other_push(results)
-    why = f"{SECTION}; {held}{open_points} (see docs/theory/paper.md)"
+    loading = "" if name == "table2" else _other_loading(results)
+    why = f"{SECTION}; {loading}{open_points} (see docs/theory/paper.md)"
 
     def row(number: int, what: str, paper: str, where: str, compare: Comparison) -> PaperRow:
         quantity = f"{what}, case {number}{springs}"
         case = cases.get(number)
         if case is None:
             return PaperRow(quantity, paper, where, _absent(results, "slide"))
-        ours, agrees = compare(case)
+        result, agrees = compare(case)
         moving = "" if case.settled else f"; {case.reason}"
-        return PaperRow(quantity, paper, where, ours, agrees, why + moving)
+        return PaperRow(quantity, paper, where, result, agrees, why + moving)
 
     for number, metres in SETTLEMENT.items():
         near_settlement = partial(_near, "settlement_uphill_m", metres)
@@ -216,11 +216,13 @@ def _measured(results: Results) -> PaperRow:
     return replace(row, ours=phrase, agrees=agrees, why=f"{SECTION}; and so are cases and Kh")
 
 
-def _other_push(results: Results) -> str:
+def _other_loading(results: Results) -> str:
     """A clause that the paper holds its Kh constant, where the slides have another loading; else empty."""
     slide = results.config.slide
-    same = all(getattr(slide, key) == value for key, value in PAPER_PUSH.items())
-    return "" if same else f"the paper holds Kh = {PAPER_PUSH['kh']:g} without end, these discs have {slide.shaking}; "
+    same = all(getattr(slide, key) == value for key, value in PAPER_LOADING.items())
+    return (
+        "" if same else f"the paper holds Kh = {PAPER_LOADING['kh']:g} without end, these discs have {slide.shaking}; "
+    )
 
 
 def _smooth() -> PaperRow:

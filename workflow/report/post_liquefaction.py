@@ -36,8 +36,8 @@ def outcome(case: LiquefiedCase) -> str:
         return f"{after} does not stand without shaking: {case.reason}."
     most = case.kc if case.kc_upper is None or case.kc is None else min(case.kc, case.kc_upper)
     acting = " acting uphill" if case.direction == "uphill" else ""  # where that gives the smaller critical Kh
-    bears = f", with a critical Kh of about {coefficient(most)}{acting}" if most is not None else ""
-    return f"{after} still stands without shaking{bears}: {case.reason}."
+    critical = f", with a critical Kh of about {coefficient(most)}{acting}" if most is not None else ""
+    return f"{after} still stands without shaking{critical}: {case.reason}."
 
 
 def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
@@ -122,7 +122,7 @@ def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
 
 
 def _alike(weaker: LiquefiedCase, stronger: LiquefiedCase) -> bool:
-    """Whether two cases have the same strata, and the one with the larger factor more strength."""
+    """Whether two cases have the same strata, and the case with the larger factor of safety has more strength."""
     names = [stratum.name for stratum in weaker.strata] == [stratum.name for stratum in stronger.strata]
     pairs = [(a.cohesion_kPa, b.cohesion_kPa) for a, b in zip(weaker.strata, stronger.strata, strict=False)]
     return names and all(0.0 < a <= b for a, b in pairs) and any(a < b for a, b in pairs)
@@ -145,7 +145,7 @@ def _scaled(stratum: LiquefiedStratum, by: float) -> LiquefiedStratum:
 
 
 def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
-    """Whether a measured displacement contradicts a case: a flow failure does not stop after so little."""
+    """Whether a measured displacement contradicts a case: a flow failure does not stop after a small displacement."""
     measured = [float(case.displacement) for case in results.config.report.observed]
     relief = _relief(results)
     if not measured or max(measured) >= FLOWS * relief:

@@ -60,9 +60,9 @@ def _elements(results: Results, _: Texts) -> Iterator[Row]:
         of = _("factor of safety at Kh = {kh}, finite elements", kh=f"{factor.kh:g}")
         value = f"> {factor.factor:.2f}" if factor.verdict == "no failure" else f"{factor.factor:.2f}"
         yield Row(of, value, "", _(FLOW[fem.flow]))
-        beside, flow = (factor.davis, "davis") if factor.davis is not None else (factor.associated, "associated")
-        if beside is not None:
-            yield Row(of, f"{beside:.2f}", "", _(FLOW[flow]))
+        compared, flow = (factor.davis, "davis") if factor.davis is not None else (factor.associated, "associated")
+        if compared is not None:
+            yield Row(of, f"{compared:.2f}", "", _(FLOW[flow]))
 
 
 def _bounds(results: Results, _: Texts) -> Iterator[Row]:

@@ -103,8 +103,8 @@ def _assumed(results: Results, fem: FemAnswer, error: Accuracy | None) -> Iterat
 
 
 def _most(results: Results, fem: FemAnswer) -> float:
-    """The largest possible critical Kh for any flow rule: by strict bounds with the same sides, or with ψ = φ. A
-    path of smaller ψ that exceeds it had too coarse a mesh, and is disregarded.
+    """The largest possible critical Kh for any flow rule: by strict bounds with the same sides, or with ψ = φ. A path
+    of smaller ψ with a larger critical Kh had too coarse a mesh, and is disregarded.
     """
     bounds, full = results.bounds, fem.kc if fem.flow == "associated" else math.inf
     if fem.associated is not None:

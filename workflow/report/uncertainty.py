@@ -59,10 +59,10 @@ def _seen(variant: Variant, kc: float | None) -> str:
     if variant.kc is None or kc is None:
         return f"Here, {variant.change}: {variant.verdict}, {variant.reason}."
     without = variant.kc_without or kc
-    beside = f" instead of {coefficient(without)}" if variant.kc_without is not None else ""
+    comparison = f" instead of {coefficient(without)}" if variant.kc_without is not None else ""
     by = 100.0 * (variant.kc / without - 1.0)
     much = f"{by:+.1f} %" if abs(by) >= 0.05 else "no change"
-    return f"Here, {variant.change}: critical Kh = {coefficient(variant.kc)}{beside} ({much})."
+    return f"Here, {variant.change}: critical Kh = {coefficient(variant.kc)}{comparison} ({much})."
 
 
 def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str]]:

@@ -15,7 +15,7 @@ from workflow.results.results import Results
 from workflow.results.slices import CirclePart, FacePart, SlicesAnswer
 from workflow.results.verdicts import Criterion, VerdictPart
 
-Found = tuple[str, float | None, float | None, str]  # of what, ends of the interval, why there is no answer
+Interval = tuple[str, float | None, float | None, str]  # of what, ends of the interval, why there is no answer
 AT_LEAST: tuple[Criterion, ...] = ("factor of safety", "critical Kh", "freeboard")
 OF_FACES: tuple[Criterion, ...] = ("factor of safety", "critical Kh")  # of structures, where there are any
 OPEN = float("inf")  # the upper end of what still grows
@@ -40,7 +40,7 @@ def verdicts(results: Results) -> list[VerdictPart]:
 
 
 def _judged(
-    criterion: Criterion, limit: float, source: str, ranges: Iterator[Found], kh: float | None = None
+    criterion: Criterion, limit: float, source: str, ranges: Iterator[Interval], kh: float | None = None
 ) -> Iterator[VerdictPart]:
     answers = list(ranges) or [("the section", None, None, "there is no answer")]
     for of, low, high, reason in answers:
@@ -60,7 +60,7 @@ def _judged(
         )
 
 
-def _factors(results: Results, kh: float) -> Iterator[Found]:
+def _factors(results: Results, kh: float) -> Iterator[Interval]:
     for of, face in _sliding(results):
         yield from _by_slices(of, [circle for group in face.factors if group.kh == kh for circle in group.circles])
     fem = results.fem
@@ -69,7 +69,7 @@ def _factors(results: Results, kh: float) -> Iterator[Found]:
             yield "the section by finite elements", group.factor, max(group.factor, group.upper), ""
 
 
-def _critical(results: Results) -> Iterator[Found]:
+def _critical(results: Results) -> Iterator[Interval]:
     for of, face in _sliding(results):
         critical = face.critical
         yield from _by_slices(of, critical if isinstance(critical, tuple) else () if critical is None else (critical,))
@@ -103,7 +103,7 @@ def _sliding(results: Results) -> list[tuple[str, FacePart | SlicesAnswer]]:
     return faces or [("the section", results.slices)]
 
 
-def _by_slices(of: str, circles: Sequence[CirclePart]) -> Iterator[Found]:
+def _by_slices(of: str, circles: Sequence[CirclePart]) -> Iterator[Interval]:
     """The interval of Bishop's and Spencer's results on the circle with the smallest one."""
     if not circles:
         yield f"{of}, by slices", None, None, "no circle slides"
@@ -113,7 +113,7 @@ def _by_slices(of: str, circles: Sequence[CirclePart]) -> Iterator[Found]:
     yield f"{of}, by slices", min(both), max(both), ""
 
 
-def _displacements(results: Results) -> Iterator[Found]:
+def _displacements(results: Results) -> Iterator[Interval]:
     config = results.config
     for row in face_rows(config, results.slices):
         of = f"{row.name}, rigid block with its strength"
@@ -158,14 +158,14 @@ def _largest(along: Line, start: float, end: float) -> float | None:
     return float(inside.max()) if len(inside) else None
 
 
-def _settlements(results: Results) -> Iterator[Found]:
+def _settlements(results: Results) -> Iterator[Interval]:
     for part in crest_parts(results.config, results.cases, results.mpm):
         high = part.settlement_high_m if part.at_rest else OPEN
         yield f"{part.structure}, {part.by}", part.settlement_low_m, high, _why(part.at_rest)
     yield from _not_computed(results)
 
 
-def _freeboards(results: Results) -> Iterator[Found]:
+def _freeboards(results: Results) -> Iterator[Interval]:
     for part in crest_parts(results.config, results.cases, results.mpm):
         of = f"{part.structure}, {part.by}"
         if part.freeboard_high_m is None:
@@ -179,11 +179,11 @@ def _why(at_rest: bool) -> str:
     return "" if at_rest else "the slide is not at rest"
 
 
-def _not_computed(results: Results) -> Iterator[Found]:
+def _not_computed(results: Results) -> Iterator[Interval]:
     """Cases of liquefaction of which no slide was computed."""
     computed = {*results.case_set()[1], *(results.mpm.cases if results.mpm is not None else ())}
-    asked = {number for stratum in results.config.section.strata for number in stratum.liquefies_in}
-    for number in sorted(asked - computed):
+    expected = {number for stratum in results.config.section.strata for number in stratum.liquefies_in}
+    for number in sorted(expected - computed):
         yield f"after liquefaction, {results.config.called(number)}", None, None, "no slide was computed"
 
 

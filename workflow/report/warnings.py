@@ -56,7 +56,7 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
         yield from sides_warning(fem, results.config.section, results.variants.variants if results.variants else ())
     if results.config.section.reconstruction:
         yield 2, "the ground is a reconstruction: confirm the depths of the layers by borings"
-    for find in (_calibration, _target_range, _fails_when_held, _residual_strength, _at_the_limit):
+    for find in (_calibration, _target_range, _fails_between_fixed_sides, _residual_strength, _at_the_limit):
         yield from ((2, text) for text in find(results))
     yield from contradictions(results)
     yield from ((2, text) for text in _of_cases(results))
@@ -173,7 +173,7 @@ def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:
         )
 
 
-def _fails_when_held(results: Results) -> Iterator[str]:
+def _fails_between_fixed_sides(results: Results) -> Iterator[str]:
     """A warning that discs fail under a constant Kh below the critical Kh of their displacement-controlled test."""
     discs = results.dem
     if discs is None or discs.after.kc is None:

@@ -85,7 +85,7 @@ class Answer(Part):
     def read(cls, store: Store) -> Self:
         """Read the answer in a folder.
 
-        Raises InputError if the file is missing or no JSON, OtherVersionError if another version of the program wrote
+        Raises InputError if the file is missing or not JSON, OtherVersionError if another version of the program wrote
         it.
         """
         data = current_answer(store.read_json(cls.FILE))

@@ -63,7 +63,7 @@ class DirectionPart(Part):
 
     @property
     def words(self) -> str:
-        """The bounds in words; if the other direction fails first they need not be close."""
+        """The bounds in words; if the other direction fails first, the bounds of this direction need not be close."""
         to, out = f"{FORCE[self.direction]} (to the {self.towards})", self.way_out
         match self.lower, self.upper:
             case None, None:
@@ -112,7 +112,7 @@ class ShallowBoundPart(Part):
     kh: float = Field(description="seismic coefficient of the shallow failure")
 
     def is_edge(self, least_depth: float) -> bool:
-        """Whether it is only the edge of an outcropping layer, narrower than the least depth (m) of failures."""
+        """Whether the face is only the edge of an outcropping layer, narrower than the least depth (m) of failures."""
         return self.end - self.start < least_depth
 
 

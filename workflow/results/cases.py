@@ -91,8 +91,8 @@ class MovedSurface(Part):
             return 0.0, 0.0
         by_x = [line[np.argsort(line[:, 0], kind="stable")] for line in (before, after)]
         x = np.unique(np.concatenate([before[:, 0], after[:, 0]]))
-        inner = 1 if min(len(before), len(after)) > 2 else 0  # the place of the first point that is read
-        left, right = (choose(line[end, 0] for line in by_x) for choose, end in ((max, inner), (min, -1 - inner)))
+        first = 1 if min(len(before), len(after)) > 2 else 0  # the place of the first point that is read
+        left, right = (choose(line[end, 0] for line in by_x) for choose, end in ((max, first), (min, -1 - first)))
         x = x[(x >= left) & (x <= right)]
         if not len(x):
             return 0.0, 0.0

@@ -36,7 +36,7 @@ class Gravity(Part):
     plastic_share: float = Field(description="share of the points that yield under the weight alone, 0 to 1")
 
 
-class KeptState(Part):
+class StoredState(Part):
     """The continuum at one Kh whose fields are stored."""
 
     label: str
@@ -88,8 +88,7 @@ class ShallowFailurePart(Part):
     kh: float = Field(description="Kh at which they do; below 0 if they do by their own weight")
 
     def is_edge(self, least_depth: float) -> bool:
-        """Whether it is no face but the edge of a layer that comes out of the ground, narrower than the least depth (m)
-        of a failure that counts."""
+        """Whether the face is only the edge of an outcropping layer, narrower than the least depth (m) of failures."""
         return self.end_x_m - self.start_x_m < least_depth
 
 
@@ -101,7 +100,7 @@ class MeshStep(Part):
 
 
 def displacement_at(path: Sequence[PathStep], kc: float, share: float) -> float:
-    """The displacement (m) at which a path of rising Kh comes to a share of the critical one, ``kc``.
+    """The displacement (m) at which a path of rising Kh reaches a share of the critical Kh, ``kc``.
 
     A path may end below this share if limit analysis gave the critical Kh. Then it is extrapolated: the difference to
     kc decays exponentially with displacement, at the rate of the last step. For S-13 in a rigid box, paths cut off at
@@ -157,7 +156,7 @@ class FemAnswer(Answer):
     gravity: Gravity
     linear_solves: int
     curve: tuple[PathStep, ...]
-    states: tuple[KeptState, ...]
+    states: tuple[StoredState, ...]
     safety_factors: tuple[FactorOfSafety, ...]
 
     @property
@@ -178,11 +177,11 @@ class FemAnswer(Answer):
         """Whether there is a critical Kh: the path reached a plateau or a peak."""
         return self.verdict in ("plateau", "peak")
 
-    def state_at(self, kh: float) -> KeptState | None:
+    def state_at(self, kh: float) -> StoredState | None:
         """The stored state at a Kh; None if there is none."""
         return next((state for state in self.states if abs(state.kh - kh) < 1e-9), None)
 
-    def last_in_equilibrium(self) -> KeptState | None:
+    def last_in_equilibrium(self) -> StoredState | None:
         """The last state of the path, which shows the failure mechanism."""
         return next((state for state in reversed(self.states) if not state.past_equilibrium), None)
 

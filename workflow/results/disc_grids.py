@@ -30,7 +30,7 @@ def grid_of(model: DiscModel, before: DiscModel, ground: Ground) -> pv.PolyData:
         ("displacement_m", model.x - before.x, model.z - before.z),
         ("velocity_m_s", model.vx, model.vz),
     ):
-        dx, dz = ground.turned(u, v)
+        dx, dz = ground.to_section_axes(u, v)
         grid.point_data[name] = np.column_stack([dx, dz, np.zeros(n)])
     grid.cell_data["cracked"] = np.concatenate([np.full(n, -1), (model.pore_length[near] < 0.0).astype(int)])
     return grid

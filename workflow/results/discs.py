@@ -62,7 +62,7 @@ class KhTrial(Part):
 
 
 class DiscSearch(Part):
-    """The bracket of the critical Kh of the discs, and every trial on the way."""
+    """The bracket of the critical Kh of the discs, and all trials of the search."""
 
     parameters: Parameters | None = Field(default=None, description="the springs it was found with")
     kc: float | None = Field(description="the middle of the bracket; None without one")
@@ -125,8 +125,8 @@ class DiscsAnswer(Answer):
     def kc_table2(self) -> float | None:
         """The critical Kh with the springs of the paper's Table 2 as printed, if it was computed."""
         search = self.paper.search if self.paper is not None else self.before
-        asked = search.parameters is not None and search.parameters.springs == "table2"
-        return search.kc if asked else None
+        is_printed = search.parameters is not None and search.parameters.springs == "table2"
+        return search.kc if is_printed else None
 
     def states_of(self, which: SetOfSprings) -> dict[float, DiscState]:
         """The stored states of one set of springs, by their Kh."""

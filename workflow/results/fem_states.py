@@ -44,8 +44,8 @@ class FemResults:
 
     def slip_surface(self, state: State) -> np.ndarray:
         """Points (n, 2) in m of the slip surface of one of the ``states``; none where the ground does not fail."""
-        kept = next(kept for kept, loaded in zip(self.answer.states, self.states, strict=True) if loaded is state)
-        return np.array(kept.slip_surface).reshape(-1, 2)
+        stored = next(stored for stored, loaded in zip(self.answer.states, self.states, strict=True) if loaded is state)
+        return np.array(stored.slip_surface).reshape(-1, 2)
 
 
 def _state(grid: pv.UnstructuredGrid, label: str, kh: float) -> State:

@@ -29,9 +29,9 @@ class Entry(Part):
         return Search(**{**values, "trials": trials, "curve": list(self.search.curve)})
 
 
-def _trial(kept: KhTrial) -> Trial:
+def _trial(stored: KhTrial) -> Trial:
     """The stored trial, with infinity for unknown numbers."""
-    values: dict[str, Any] = {name: math.inf if value is None else value for name, value in kept}
+    values: dict[str, Any] = {name: math.inf if value is None else value for name, value in stored}
     return Trial(**values)
 
 

@@ -25,7 +25,7 @@ from workflow.run.record import Entry, Record
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 
-Found = TypeVar("Found", bound=Answer)
+AnswerOf = TypeVar("AnswerOf", bound=Answer)
 # What is judged by bounds: what it is, its value, lower and upper bound, and whether these are of its own flow rule.
 Judged = tuple[str, float, float | None, float | None, bool]
 
@@ -74,7 +74,7 @@ class Results:
             else:
                 missing[stage.name] = why
 
-        def left(stage: str, kind: type[Found]) -> Found | None:
+        def left(stage: str, kind: type[AnswerOf]) -> AnswerOf | None:
             """The stored answer of a stage, if it ran for this input."""
             written = stage in ends and kind.FILE in ends[stage].files
             return kind.read(job.store) if written else None
@@ -135,7 +135,7 @@ class Results:
 
     @property
     def _bracketed(self) -> bool:
-        """Whether strict bounds of the same sides and flow rule are close, so that they check the elements."""
+        """Whether the strict bounds with the same sides and flow rule are close enough to check the finite elements."""
         fem, bounds = self.fem, self.bounds
         if fem is None or bounds is None or bounds.sides != fem.settings.sides:
             return False

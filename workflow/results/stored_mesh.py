@@ -34,7 +34,7 @@ def given_mesh(section: Section, path: Path) -> QuadMesh:
 
 
 def stored_mesh(section: Section, store: Store) -> QuadMesh:
-    """The mesh that the stage left; raises InputError if it is not there or not of this section."""
+    """The mesh that the stage `mesh` wrote; raises InputError if it is missing or belongs to another section."""
     import pyvista as pv
 
     mesh = given_mesh(section, store.folder / GMSH_FILE)

@@ -211,6 +211,6 @@ class Summary(Answer):
         if not isinstance(data, dict) or "doubtful" not in data:
             return data
         sentences = data["doubtful"]
-        kept = {key: value for key, value in data.items() if key != "doubtful"}
+        answers = {key: value for key, value in data.items() if key != "doubtful"}
         warnings = [{"weight": 2, "what": text, "remedy": ""} for text in sentences]
-        return {"headlines": (), "findings": (), **kept, "warnings": warnings}
+        return {"headlines": (), "findings": (), **answers, "warnings": warnings}

@@ -42,8 +42,10 @@ def _take(descriptor: int, folder: Path) -> None:
     except OSError as error:
         if error.errno in (errno.ENOLCK, errno.ENOTSUP, errno.EINVAL):
             return  # a file system without locks: rather no lock than no run
-        who = _holder(descriptor)
-        raise InputError(str(folder), [f"is in use by another run{who}; wait for it, or take another --out"]) from None
+        holder = _holder(descriptor)
+        raise InputError(
+            str(folder), [f"is in use by another run{holder}; wait for it, or take another --out"]
+        ) from None
     me = {"pid": os.getpid(), "host": socket.gethostname(), "since": datetime.now().isoformat(" ", "seconds")}
     try:
         os.ftruncate(descriptor, 0)
@@ -54,7 +56,7 @@ def _take(descriptor: int, folder: Path) -> None:
 
 def _holder(descriptor: int) -> str:
     try:
-        who = json.loads(os.pread(descriptor, 1000, 0))
-        return f" (process {who['pid']} on {who['host']}, since {who['since']})"
+        holder = json.loads(os.pread(descriptor, 1000, 0))
+        return f" (process {holder['pid']} on {holder['host']}, since {holder['since']})"
     except (OSError, ValueError, KeyError, TypeError):
         return ""

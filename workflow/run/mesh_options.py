@@ -11,7 +11,7 @@ from workflow.run.store import Store
 NAME = ".noshiro/mesh_options.json"
 
 
-def kept(store: Store) -> dict[str, Any]:
+def stored_options(store: Store) -> dict[str, Any]:
     """Stored options of the mesh command; empty without any."""
     options = store.read_json(NAME) if store.has(NAME) else {}
     return options if isinstance(options, dict) else {}

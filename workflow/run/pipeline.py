@@ -70,12 +70,9 @@ class Run:
 
     Attributes
     ----------
-    job: stages, config and folder.
-    record: outcomes of the stages.
-    log: log.txt.
-    listener: notified of stages and progress.
-    failures: errors of stages without an answer, by name, and of the stages that need them.
-    beside: stages and pictures that run concurrently with this process.
+    job: stages, config and folder. record: outcomes of the stages. log: log.txt. listener: notified of stages and
+    progress. failures: errors of stages without an answer, by name, and of the stages that need them. pending: stages
+    and pictures that run concurrently with this process.
     """
 
     job: Job
@@ -83,7 +80,7 @@ class Run:
     log: Log
     listener: Listener
     failures: dict[str, NoAnswerError] = field(default_factory=dict)
-    beside: list[Future[None]] = field(default_factory=list)
+    pending: list[Future[None]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         alone = self.job.ranks is None or self.job.ranks.comm.size == 1  # else MPI started several processes
@@ -94,13 +91,13 @@ class Run:
         """Run the stages in order, and concurrently where they do not depend on each other."""
         waiting = list(decisions)
         while waiting:
-            for decision in [candidate for candidate in waiting if self._can_go_beside(candidate, waiting)]:
+            for decision in [candidate for candidate in waiting if self._can_run_concurrently(candidate, waiting)]:
                 waiting.remove(decision)
-                self.work_beside(decision)
+                self.work_in_other_process(decision)
             decision = waiting.pop(0)
             if decision.stage.of_all:
                 self._wait()
-            for future in self.beside:
+            for future in self.pending:
                 if future.done():
                     future.result()
             self.do(decision)
@@ -108,18 +105,21 @@ class Run:
 
     def _wait(self) -> None:
         """Wait for all concurrent tasks; raises the first error."""
-        for future in as_completed(self.beside):
+        for future in as_completed(self.pending):
             future.result()
 
-    def _can_go_beside(self, decision: Decision, waiting: Sequence[Decision]) -> bool:
+    def _can_run_concurrently(self, decision: Decision, waiting: Sequence[Decision]) -> bool:
         """Whether a stage can run now in another process, while this process has other work."""
         stage = decision.stage
-        if self.executor.count < 2 or stage.beside is None or decision.action != "run":
+        if self.executor.count < 2 or stage.concurrent_after is None or decision.action != "run":
             return False
-        needed = {*stage.beside, *stage.needs}
+        needed = {*stage.concurrent_after, *stage.needs}
         if needed & {other.stage.name for other in waiting} or needed & self.failures.keys():
             return False
-        return any(other.action == "run" and other.stage.beside is None and not other.stage.of_all for other in waiting)
+        return any(
+            other.action == "run" and other.stage.concurrent_after is None and not other.stage.of_all
+            for other in waiting
+        )
 
     def do(self, decision: Decision) -> None:
         """Carry out the decision about a stage, unless one that it needs has no answer."""
@@ -145,24 +145,24 @@ class Run:
 
     def work(self, decision: Decision) -> None:
         """Run the work of a stage, and record its outcome."""
-        begun, failure = self._begin(decision), None
+        started, failure = self._begin(decision), None
         try:
-            decision.stage.work(replace(self.job, progress=begun.progress))
+            decision.stage.work(replace(self.job, progress=started.progress))
         except NoAnswerError as error:  # all else is a fault of the input, of the machine, or of the program
             failure = error
-        self._end(decision, begun, failure)
+        self._end(decision, started, failure)
         stage = decision.stage
         if stage.draw is not None and stage.drawn_after and self.record.entries[stage.name].files:
-            self._draw(stage, stage.draw, begun)
+            self._draw(stage, stage.draw, started)
 
-    def _draw(self, stage: Stage, draw: Callable[[Job], None], begun: "StartedStage") -> None:
+    def _draw(self, stage: Stage, draw: Callable[[Job], None], started: "StartedStage") -> None:
         """Draw the pictures of a stage, in another process if there is one."""
 
         def keep(drawn: "Future[None]") -> None:
             drawn.result()
-            self._keep_pictures(stage, begun.before)
+            self._keep_pictures(stage, started.before)
 
-        self.beside.append(then(self.executor.submit(draw, self._for_others()), keep))
+        self.pending.append(then(self.executor.submit(draw, self._for_others()), keep))
 
     def _for_others(self) -> Job:
         """The job in the form that other processes receive."""
@@ -175,9 +175,9 @@ class Run:
             pictures = self._drawn(stage, before)
             self.record.put(stage.name, replace(entry, pictures=pictures, title=title(self.job.config.section)))
 
-    def work_beside(self, decision: Decision) -> None:
+    def work_in_other_process(self, decision: Decision) -> None:
         """Run the work of a stage in another process; its outcome is recorded as soon as it ends."""
-        begun = self._begin(decision)
+        started = self._begin(decision)
 
         def end(worked: "Future[None]") -> None:
             failure = None
@@ -185,10 +185,10 @@ class Run:
                 worked.result()
             except NoAnswerError as error:
                 failure = error
-            self._end(decision, begun, failure)
+            self._end(decision, started, failure)
 
         work = partial(_worked, decision.stage.work, self._for_others())
-        self.beside.append(then(self.executor.begin(work, lambda progress: begun.progress(*progress)), end))
+        self.pending.append(then(self.executor.begin(work, lambda progress: started.progress(*progress)), end))
 
     def _begin(self, decision: Decision) -> "StartedStage":
         """Remove intermediate files of other inputs, and record that a stage has begun."""
@@ -203,22 +203,22 @@ class Run:
             self.record.put(stage.name, Entry(inputs, "begun"))
         return StartedStage(inputs, progress, store.marks((*stage.results, *stage.pictures)), time.perf_counter())
 
-    def _end(self, decision: Decision, begun: "StartedStage", failure: NoAnswerError | None) -> None:
+    def _end(self, decision: Decision, started: "StartedStage", failure: NoAnswerError | None) -> None:
         """Record how a stage has ended, and its files."""
         stage, store = decision.stage, self.job.store
-        seconds = time.perf_counter() - begun.start
+        seconds = time.perf_counter() - started.start
         # What it did not write may be of other inputs, but for a stage that goes on and has cleaned up before.
-        results = store.matching(stage.results) if stage.leftovers else store.written(stage.results, begun.before)
+        results = store.matching(stage.results) if stage.leftovers else store.written(stage.results, started.before)
         to_draw = stage.drawn_after and bool(results)
         entry = Entry(
-            begun.inputs,
+            started.inputs,
             "no answer" if failure else "part" if stage.partial(self.job) else "done",
             failure.reason if failure else "",
             failure.remedy if failure else "",
             round(seconds, 2),
             datetime.now().isoformat(" ", "seconds"),
             sizes(store, results),
-            [] if to_draw else self._drawn(stage, begun.before),
+            [] if to_draw else self._drawn(stage, started.before),
             "" if to_draw else title(self.job.config.section),
         )
         with self.one_at_a_time:

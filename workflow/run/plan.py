@@ -24,12 +24,12 @@ class Choice:
     ----------
     chosen: the names of the stages that may run, in their order.
     forced: stages among them that run even if nothing has changed.
-    asked: stages requested by name, which run even if the settings do not require them.
+    requested: stages requested by name, which run even if the settings do not require them.
     """
 
     chosen: tuple[str, ...]
     forced: tuple[str, ...] = ()
-    asked: tuple[str, ...] = ()
+    requested: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -40,26 +40,26 @@ class Choice:
         Raises InputError if there is no such stage.
         """
         names = tuple(stage.name for stage in stages)
-        asked = {"--from": [start] if start else [], "--only": list(only)}
-        for option, is_given in asked.items():
-            unknown = [name for name in is_given if name not in names]
+        requested = {"--from": [start] if start else [], "--only": list(only)}
+        for option, names_given in requested.items():
+            unknown = [name for name in names_given if name not in names]
             if unknown:
                 raise InputError(option, [f"{name!r}: expected a stage, one of {', '.join(names)}" for name in unknown])
         chosen = tuple(name for name in names if name in only) or names
         after = names[names.index(start) :] if start else ()
-        return cls(chosen, chosen if force else after, tuple(asked["--from"] + asked["--only"]))
+        return cls(chosen, chosen if force else after, tuple(requested["--from"] + requested["--only"]))
 
     @classmethod
-    def up_to(cls, stages: Sequence[Stage], name: str, force: bool = False, beside: Sequence[str] = ()) -> Self:
-        """A stage (run again with ``force``), other stages ``beside`` it, and the stages that they need.
+    def up_to(cls, stages: Sequence[Stage], name: str, force: bool = False, also: Sequence[str] = ()) -> Self:
+        """A stage (run again with ``force``), the stages in ``also``, and the stages that these need.
 
         ``stages``: in their order; ``name``: of the stage.
         """
-        needed = {name, *beside}
+        needed = {name, *also}
         for stage in reversed(stages):
             needed |= set(stage.needs) if stage.name in needed else set()
         chosen = tuple(stage.name for stage in stages if stage.name in needed)
-        return cls(chosen, (name, *beside) if force else (), (name, *beside))
+        return cls(chosen, (name, *also) if force else (), (name, *also))
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def plan(job: Job, record: Record, choice: Choice) -> list[Decision]:
 
 
 def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
-    """The fingerprints of all inputs of a stage; for the report these include the outcomes of the others."""
+    """The fingerprints of all inputs of a stage; for the report these include the outcomes of the other stages."""
     prints = inputs(stage, job)
     if stage.of_all:
         ends = {name: [entry.outcome, entry.ended] for name, entry in record.entries.items() if name != stage.name}
@@ -127,7 +127,7 @@ def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool
     why = changes(stage, made_from(stage, job, record), record)
     if stage.name not in choice.chosen:
         return Decision(stage, "off" if why else "reuse", why)
-    if (unwanted := stage.unwanted(job.config)) and stage.name not in choice.asked:
+    if (unwanted := stage.unwanted(job.config)) and stage.name not in choice.requested:
         return Decision(stage, "off" if why else "reuse", unwanted)
     if stage.name in choice.forced:
         return Decision(stage, "run", "asked for")

@@ -61,7 +61,7 @@ class Record:
         return self.entries.get(name)
 
     def put(self, name: str, entry: Entry) -> None:
-        """Keep an entry; on disk before this returns."""
+        """Store an entry; it is on disk when the function returns."""
         self.entries[name] = entry
         self.outdated -= {name}
         stages: Mapping[str, object] = {key: asdict(value) for key, value in self.entries.items()}

@@ -76,7 +76,7 @@ class Stage:
     unwanted: why the settings do not require it; empty where they do. Where they do not, it runs only if it is
         requested by name, and its earlier results are reused while they are valid.
     partial: whether the job requests only a part of it.
-    beside: the stages that must have ended before it may run beside others, in another process; None where it
+    concurrent_after: the stages that must have ended before it may run beside others, in another process; None where it
         runs in this process. Only a stage ``of_all`` may need it.
     of_all: whether it reports the results of all other stages. It then runs after any change of them, even if stages
         that it needs have no answer.
@@ -98,5 +98,5 @@ class Stage:
     leftovers: tuple[str, ...] = ()
     unwanted: Callable[[Config], str] = lambda config: ""
     partial: Callable[[Job], bool] = lambda job: False
-    beside: tuple[str, ...] | None = None
+    concurrent_after: tuple[str, ...] | None = None
     of_all: bool = False

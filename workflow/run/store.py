@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from meshes.errors import InputError
-from meshes.files import BESIDE, whole
+from meshes.files import TEMPORARY, whole
 
 if TYPE_CHECKING:
     import pyvista as pv
@@ -51,12 +51,12 @@ class Store:
         """
         target = self.folder / name
         try:
-            with whole(target) as beside:
-                yield beside
+            with whole(target) as temporary:
+                yield temporary
         except OSError as error:
             reason = error.strerror or error
             other = Path(str(error.filename or target))
-            if not BESIDE.fullmatch(other.name) and not target.is_relative_to(other):
+            if not TEMPORARY.fullmatch(other.name) and not target.is_relative_to(other):
                 raise InputError(str(other), [f"cannot be read: {reason}"]) from error
             raise InputError(str(target), [f"cannot be written: {reason}"]) from error
 
@@ -113,7 +113,7 @@ class Store:
     def matching(self, patterns: Sequence[str]) -> list[str]:
         """Names of the complete files that match any of some patterns, in the order of the numbers in them."""
         paths = {path for pattern in patterns for path in self.folder.glob(pattern) if path.is_file()}
-        names = [str(path.relative_to(self.folder)) for path in paths if not BESIDE.fullmatch(path.name)]
+        names = [str(path.relative_to(self.folder)) for path in paths if not TEMPORARY.fullmatch(path.name)]
         return sorted(names, key=_by_numbers)
 
     def marks(self, patterns: Sequence[str]) -> dict[str, tuple[int, int]]:
@@ -136,6 +136,6 @@ class Store:
     def sweep(self) -> None:
         """Remove files that killed processes left half-written; to be called while the folder is locked."""
         for path in self.folder.rglob(".*"):
-            if BESIDE.fullmatch(path.name) and path.is_file():
+            if TEMPORARY.fullmatch(path.name) and path.is_file():
                 with suppress(OSError):
                     path.unlink()

@@ -14,7 +14,7 @@ from meshes.borings.log import BoringFile, Log
 from meshes.borings.section_text import text_of
 from meshes.drawings.dxf_file import read_dxf, write_dxf
 from meshes.errors import InputError
-from meshes.models.foreign_model import FoundSection
+from meshes.models.foreign_model import ImportedSection
 from meshes.models.gsz_file import read_gsz
 from meshes.models.stix_file import read_stix
 from meshes.models.xslope_file import read_xslope
@@ -30,7 +30,7 @@ READERS: dict[str, Callable[[Path, Mapping[str, str]], BoringFile]] = {
     ".xml": read_bro,
 }
 DRAWING = ".dxf"
-MODELS: dict[str, Callable[[Path, str, str | None], FoundSection]] = {
+MODELS: dict[str, Callable[[Path, str, str | None], ImportedSection]] = {
     ".stix": read_stix,
     ".gsz": read_gsz,
     ".xlsx": read_xslope,
@@ -181,8 +181,8 @@ def _by_stratum(problems: Sequence[str]) -> list[str]:
 
 def _summary(connection: Connected) -> list[str]:
     everything = (*connection.borings, *connection.soundings)
-    far = [f"{item.log.name} {abs(item.beside):.1f} m" for item in everything if abs(item.beside) > 0.05]
-    beside = [f"Beside the line: {', '.join(far)}."] if far else []
+    far = [f"{item.log.name} {abs(item.off_line):.1f} m" for item in everything if abs(item.off_line) > 0.05]
+    notice = [f"Beside the line: {', '.join(far)}."] if far else []
     cones = sum(bool(item.log.cones) for item in everything)
     more = f", cones in {cones} of {len(everything)}" if cones else ""
-    return [f"{len(connection.borings)} borings with layers{more}, strata {', '.join(connection.names)}.", *beside]
+    return [f"{len(connection.borings)} borings with layers{more}, strata {', '.join(connection.names)}.", *notice]

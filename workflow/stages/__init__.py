@@ -42,7 +42,7 @@ def stored_job(folder: Path) -> "Job":
     from workflow.run.record import Record
     from workflow.run.stage import Job
     from workflow.run.store import Store
-    from workflow.stages.mesh import GIVEN
+    from workflow.stages.mesh import MESH_FILE
 
     path = folder / "section.toml"
     if not path.is_file():
@@ -51,7 +51,7 @@ def stored_job(folder: Path) -> "Job":
         raise InputError(str(folder), [f"{lacking}; {expected}"])
     store = Store(folder)
     left = Record(store)["mesh"]
-    has_own_mesh = left is not None and GIVEN in left.inputs
+    has_own_mesh = left is not None and MESH_FILE in left.inputs
     declared = globals().get("STAGES") or __getattr__("STAGES")
     mesh_file = folder / "mesh/section.msh" if has_own_mesh else None
     return Job(load_config(path), store, declared, mesh_file=mesh_file)

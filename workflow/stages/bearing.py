@@ -30,7 +30,7 @@ WITHOUT_EFFECT = (
     "fem.threads", "fem.safety_factor_at", "fem.accuracy", "fem.kh", "fem.max_cells", "fem.rigid_box",
     "bounds.max_cells", "bounds.gap", "bounds.seconds", "bounds.davis",
 )  # fmt: skip
-Found = TypeVar("Found")
+Result = TypeVar("Result")
 
 
 def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool = False) -> Bearing:
@@ -56,7 +56,7 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
 
     flow = flow_of(config.section.strata, config.fem.flow)
     fem = config.fem.changed(kh=(), flow=flow, accuracy=0.0)  # the mesh of the stage, and no other
-    asked = config.bounds.changed(max_cells=CELLS, gap=GAP, seconds=SECONDS, davis=False)
+    bounds_settings = config.bounds.changed(max_cells=CELLS, gap=GAP, seconds=SECONDS, davis=False)
     notes: list[str] = []
     weight = _weight_borne(section, mesh, fem)
     critical = _critical(section, config, mesh, fem, notes) if weight >= 1.0 else None
@@ -68,7 +68,7 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
             "the layers have no residual strength, so that there is no factor of safety; see slide.cases, residual"
         )
     else:
-        factor, strict = _factors(section, mesh, fem, asked, notes)
+        factor, strict = _factors(section, mesh, fem, bounds_settings, notes)
     lower = strict.lower if strict is not None and strict.lower > 0.0 else None
     upper = strict.upper if strict is not None and math.isfinite(strict.upper) else None
     if weight < 1.0 and not (upper is not None and upper < 1.0):  # else the factor of safety says so
@@ -80,7 +80,7 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
         notes.append("strict bounds of the factor of safety: none within the allowed work")
     unstable = ""  # why ground that stands between held sides does not between its own
     if lower is not None and lower > 1.0:
-        bracket, unstable = _between_own_sides(section, fem, asked, notes)
+        bracket, unstable = _between_own_sides(section, fem, bounds_settings, notes)
     if strict is not None and strict.shallow_failure is not None:
         notes.append(
             "shallow ground without cohesion, of one face or where two meet, fails at a factor of safety of "
@@ -132,10 +132,11 @@ def _critical(
 
 
 def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float:
-    """The multiple of its weight that the ground bears by finite elements; infinite where that is not found, or the
-    flow is not associated: a path would look for an equilibrium for minutes, and ground that flows has none.
+    """The multiple of its weight that the ground resists by finite elements. It is infinite where it is not found, or
+    where the flow is not associated: a path would search for an equilibrium for minutes, and ground that flows has
+    none.
 
-    ``section``: as it is asked about; ``mesh``: of it; ``fem``: settings.
+    ``section``: with changed strength; ``mesh``: of it; ``fem``: settings.
     """
     from mpi4py import MPI
 
@@ -149,13 +150,13 @@ def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float
 
 
 def _factors(
-    section: Section, mesh: "QuadMesh", fem: FemSettings, asked: BoundsSettings, notes: list[str]
+    section: Section, mesh: "QuadMesh", fem: FemSettings, bounds_settings: BoundsSettings, notes: list[str]
 ) -> "tuple[float | None, SafetyBounds | None]":
     """Factor of safety at Kh = 0 between held sides by finite elements, and its strict bounds; closer bounds if the
     first ones do not decide whether the ground stands. None, with a note, without an answer.
 
-    ``section``: with changed strength; ``mesh``: of it; ``fem``, ``asked``: settings of both methods; ``notes``: list
-    to which notes are added.
+    ``section``: with changed strength; ``mesh``: of it; ``fem``, ``bounds_settings``: settings of both methods;
+    ``notes``: list to which notes are added.
     """
     from mpi4py import MPI
 
@@ -164,27 +165,32 @@ def _factors(
 
     safety = tried("finite elements", notes, lambda: safety_factor(section, mesh, fem, 0.0, MPI.COMM_SELF))
     guess = safety.factor if safety is not None else 1.0
-    strict = tried("strict bounds", notes, lambda: safety_bounds(section, fem, asked, 0.0, guess, held=True))
+    strict = tried(
+        "strict bounds", notes, lambda: safety_bounds(section, fem, bounds_settings, 0.0, guess, smooth_sides=True)
+    )
     if strict is not None and strict.lower <= 1.0 <= strict.upper < math.inf:
-        fine = asked.changed(max_cells=FINER * CELLS, gap=GAP / FINER)
+        fine = bounds_settings.changed(max_cells=FINER * CELLS, gap=GAP / FINER)
         at = 0.5 * (strict.lower + strict.upper)
-        strict = tried("finer bounds", notes, lambda: safety_bounds(section, fem, fine, 0.0, at, held=True)) or strict
+        strict = (
+            tried("finer bounds", notes, lambda: safety_bounds(section, fem, fine, 0.0, at, smooth_sides=True))
+            or strict
+        )
     return safety.factor if safety is not None and safety.verdict != "undecided" else None, strict
 
 
 def _between_own_sides(
-    section: Section, fem: FemSettings, asked: BoundsSettings, notes: list[str]
+    section: Section, fem: FemSettings, bounds_settings: BoundsSettings, notes: list[str]
 ) -> "tuple[SmallerKhBounds | None, str]":
     """Strict bounds of the critical Kh with the sides of the section, or the reason why the ground fails under its
     weight with them.
 
-    ``section``: with changed strength; ``fem``, ``asked``: settings; ``notes``: list to which a note is added without
-    an answer.
+    ``section``: with changed strength; ``fem``, ``bounds_settings``: settings; ``notes``: list to which a note is added
+    without an answer.
     """
     from fem.limit.bounds import kh_bounds
 
     try:
-        return kh_bounds(section, fem, asked), ""
+        return kh_bounds(section, fem, bounds_settings), ""
     except UnstableError as error:
         return None, str(error)
     except (NoAnswerError, InputError) as error:
@@ -192,7 +198,7 @@ def _between_own_sides(
         return None, ""
 
 
-def tried(what: str, notes: list[str], find: Callable[[], Found]) -> Found | None:
+def tried(what: str, notes: list[str], find: Callable[[], Result]) -> Result | None:
     """The answer of an analysis; None, with a note of the reason, if it has none."""
     try:
         return find()

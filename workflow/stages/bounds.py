@@ -71,7 +71,7 @@ def _factors(job: Job, config: Config, settings: BoundsSettings) -> Iterator[Saf
     share = settings.of_factors.model_copy(update={"seconds": settings.seconds / count})
     for kh in config.fem.safety_factor_at:
         job.progress(f"factor of safety at Kh = {kh:g}", None)
-        bounds = safety_bounds(config.section, config.fem, share, kh, held=kh == 0.0)
+        bounds = safety_bounds(config.section, config.fem, share, kh, smooth_sides=kh == 0.0)
         yield SafetyPart(
             kh=kh,
             lower=bounds.lower or None,
@@ -242,7 +242,7 @@ STAGE = Stage(
         "bounds", "fem.direction", "fem.flow", "fem.least_depth", "fem.safety_factor_at", "fem.sides", "fem.vertical",
     ),
     ignores=lambda config: ("bounds.run", *(() if config.bounds.safety_factor else ("fem.safety_factor_at",))),
-    beside=("fem",),
+    concurrent_after=("fem",),
     results=(BoundsAnswer.FILE,),
     read=BoundsAnswer.read,
     pictures=("figures/bounds_*.png",),

@@ -43,7 +43,7 @@ from workflow.run.progress import Progress, SearchShare
 from workflow.run.store import Store
 from workflow.stages.dem_counterpart import dem_counterpart_piece
 from workflow.stages.disc_pictures import CALIBRATED, draw_discs
-from workflow.stages.disc_states import FAILING, NO_LINE, KeptStates, Sets, Start, keep_states, state_file
+from workflow.stages.disc_states import FAILING, NO_LINE, Sets, Start, StoredStates, keep_states, state_file
 from workflow.stages.discs_at_rest import (
     PAPER,
     SETTLED,
@@ -59,7 +59,7 @@ JOURNAL = "dem/trials.jsonl"
 PAPER_JOURNAL = "dem/paper_trials.jsonl"
 NARROWING = 5  # searches that finding the factor takes, more or less
 # Of soil discs, more or less: searches, with the factor; points on the curve of one; element tests that take as long.
-PUSHES, POINTS, TESTS = 3, 22, 30
+PUSHOVERS, POINTS, TESTS = 3, 22, 30
 FIRST = 0.5  # of the time, what comes before these searches and tests
 
 
@@ -75,7 +75,7 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
     discs = discs_at_rest(config, store, config.dem, SETTLED, lambda what: progress(what, None))
     if searched.base.kc is None:
         none = slip_surfaces(config, store, NO_LINE, NO_LINE, fem)
-        discs_answer(config, discs, searched, KeptStates(), none, discs.settled).write(store)
+        discs_answer(config, discs, searched, StoredStates(), none, discs.settled).write(store)
         CalibrationAnswer.of(searched.base, None, config.dem.tolerance).write(store)
         raise NoAnswerError(
             f"the discs have no critical Kh before calibration: {searched.base.verdict}, {searched.base.reason}",
@@ -90,10 +90,10 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
     papers_own = None
     if paper is not None:
         papers_own, sets["paper"] = _paper_answer(config, store, paper)
-    kept = keep_states(config, store, sets, executor)
+    stored = keep_states(config, store, sets, executor)
     progress("slip surfaces", None)
-    surfaces = slip_surfaces(config, store, kept.surface("before"), kept.surface("after"), fem)
-    discs_answer(config, discs, searched, kept, surfaces, sets["after"].settled, papers_own).write(store)
+    surfaces = slip_surfaces(config, store, stored.surface("before"), stored.surface("after"), fem)
+    discs_answer(config, discs, searched, stored, surfaces, sets["after"].settled, papers_own).write(store)
     calibration_answer(config, searched, continuum, layers=layers).write(store)
     if tests := _layer_tests(config, discs, searched, progress, executor):
         calibration_answer(config, searched, continuum, layers=layers, element_tests=tests).write(store)
@@ -139,7 +139,7 @@ def _searched(
     searched, ended = 0.0, 0
 
     def tell(words: str) -> None:
-        work = TESTS * PUSHES
+        work = TESTS * PUSHOVERS
         share = FIRST + (1.0 - FIRST) * (ended + work * searched) / (len(tests) + work)
         progress(words, share if ended or searched else None)
 
@@ -152,7 +152,7 @@ def _searched(
     soils = soil_layers(config.section) if config.dem.element_tests else ()
     programme = ElementTestProgramme(soils, config.dem.mean_radius(config.section))
     tests: list[Piece] = [(compressed, (task,)) for task in programme.tasks]
-    threads = max(1, config.dem.workers // (1 + config.dem.paper)) if programme.is_kept else 1
+    threads = max(1, config.dem.workers // (1 + config.dem.paper)) if programme.is_stored else 1
     searches: list[Piece] = [(_calibrated, (config, store, threads))]
     searches += [(_paper, (config, store, threads))] if config.dem.paper else []
 
@@ -164,8 +164,8 @@ def _searched(
 
     executor.compute(_done, [(dem_counterpart_piece, (config, store)), (_at_rest, (config, store))], heard)
     outcomes = executor.compute(_done, [*searches, *tests], heard, one_more)
-    found, tested = outcomes[: len(searches)], outcomes[len(searches) :]
-    return found[0], found[1] if config.dem.paper else None, tuple(programme.checks(tested))
+    done, tested = outcomes[: len(searches)], outcomes[len(searches) :]
+    return done[0], done[1] if config.dem.paper else None, tuple(programme.checks(tested))
 
 
 Piece = tuple[Callable[..., Any], tuple[Any, ...]]  # what is done, and what it is given
@@ -188,8 +188,8 @@ def _calibrated(config: Config, store: Store, threads: int, tell: Tell, executor
     """
     discs = discs_at_rest(config, store, config.dem, SETTLED, lambda what: tell((what, None)))
     continuum = continuum_for(config, store)
-    soil, asked = config.dem.model == "soil", config.dem.parameter != "none"
-    wanted = (PUSHES if soil else 1 + NARROWING + 2 * len(ONE_AT_A_TIME)) if asked else 1
+    soil, calibrates = config.dem.model == "soil", config.dem.parameter != "none"
+    wanted = (PUSHOVERS if soil else 1 + NARROWING + 2 * len(ONE_AT_A_TIME)) if calibrates else 1
     share_of = SearchShare(wanted, POINTS if soil else 8)
 
     def on_trial(trial: Trial) -> None:
@@ -200,13 +200,13 @@ def _calibrated(config: Config, store: Store, threads: int, tell: Tell, executor
     base = calibrator.search("", 1.0)
     if base.kc is None:
         return Searched(base)
-    searched = Searched(base, calibrated(calibrator, continuum, one_at_a_time=not soil) if asked else None)
+    searched = Searched(base, calibrated(calibrator, continuum, one_at_a_time=not soil) if calibrates else None)
     parameter, factor = next(iter(searched.factor.items()), ("", 1.0))
     save(store, CALIBRATED, calibrator.settled_with(parameter, factor))
     keys: dict[SetOfSprings, Key] = {"before": key_of("", 1.0), "after": key_of(parameter, factor)}
     for which, key in keys.items():
-        if key in calibrator.pushed:
-            save(store, state_file(which, FAILING), calibrator.pushed[key])
+        if key in calibrator.displaced:
+            save(store, state_file(which, FAILING), calibrator.displaced[key])
     return searched
 
 
@@ -262,22 +262,22 @@ def discs_answer(
     config: Config,
     discs: Discs,
     searched: Searched,
-    kept: KeptStates,
+    stored: StoredStates,
     surfaces: SlipSurfaces,
     sliding: DiscModel,
     paper: PaperDiscs | None = None,
 ) -> DiscsAnswer:
     """The content of dem/critical.json; ``sliding`` are the discs at rest from which slides start.
 
-    ``config``: of the run; ``discs``: at rest; ``searched``: critical Kh before and after calibration; ``kept``: states
-    at recorded Kh; ``surfaces``: slip surfaces; ``paper``: answer of the paper's discs.
+    ``config``: of the run; ``discs``: at rest; ``searched``: critical Kh before and after calibration; ``stored``:
+    states at recorded Kh; ``surfaces``: slip surfaces; ``paper``: answer of the paper's discs.
     """
     return DiscsAnswer(
         section=SectionLabel.of(config.section),
         model=_model_answer(config, config.dem, discs, sliding),
         before=DiscSearch.taken(searched.base, parameters=_parameters(config.dem, {})),
         after=DiscSearch.taken(searched.after, parameters=_parameters(config.dem, searched.factor)),
-        states=kept.states,
+        states=stored.states,
         slip_surface=surfaces,
         paper=paper,
     )

@@ -52,14 +52,14 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
 
     fem = FemAnswer.read(store)
     known = _in_the_box_of_discs(config, store, fem, tell) or DemCounterpart.of(fem)
-    held = sides_of_discs(config)
-    if known.sides != held or known.flow == "section" or is_dilating_fully(config.section.strata):
+    sides = sides_of_discs(config)
+    if known.sides != sides or known.flow == "section" or is_dilating_fully(config.section.strata):
         return known
     mesh = stored_mesh(config.section, store)
     depth = known.deeper_than_m or config.fem.least_depth
-    settings = config.fem.changed(direction=fem.direction, least_depth=depth, sides=held)
+    settings = config.fem.changed(direction=fem.direction, least_depth=depth, sides=sides)
     davis = known.kc if known.flow == "davis" else 0.0
-    path = _with_psi_as_given(config.section, mesh, settings, davis, tell)
+    path = _with_own_psi(config.section, mesh, settings, davis, tell)
     sharp = not isinstance(path, str) and path.upper <= path.kc + config.dem.tolerance
     most = known.kc_upper if isinstance(path, str) else path.upper
     if not sharp:
@@ -90,13 +90,13 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
     from fem.search.slip_surface import slip_surface
 
     dilates_more = fem.flow == "associated" and not is_dilating_fully(config.section.strata)
-    held = sides_of_discs(config)
-    if not config.fem.rigid_box or (config.fem.sides == held and not dilates_more):
+    sides = sides_of_discs(config)
+    if not config.fem.rigid_box or (config.fem.sides == sides and not dilates_more):
         return None
     deep = DISCS_DEEP * config.dem.mean_radius(config.section)
     depth = deep if fem.shallow_failures and deep > config.fem.least_depth else None
     least = depth or config.fem.least_depth
-    settings = config.fem.changed(direction=fem.direction, least_depth=least, sides=held)
+    settings = config.fem.changed(direction=fem.direction, least_depth=least, sides=sides)
 
     def report(what: str, path: "EquilibriumPath | None") -> None:
         tell((f"the continuum: {what}" + (f" = {path.factor:.4f}" if path is not None else ""), None))
@@ -113,7 +113,7 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
     return DemCounterpart.taken(
         result,
         kc_upper=result.upper,
-        sides=held,
+        sides=sides,
         deeper_than_m=depth,
         instead="",
         yielding_m=displacement_at(result.steps, result.kc, YIELDED),
@@ -122,7 +122,7 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
     )
 
 
-def _with_psi_as_given(
+def _with_own_psi(
     section: Section, mesh: QuadMesh, settings: FemSettings, davis: float, tell: Tell
 ) -> "NonAssociatedPath | str":
     """The path, or the reason why Davis's estimate (critical Kh = ``davis``) has to replace it."""

@@ -51,7 +51,7 @@ Sets = dict[SetOfSprings, Start]
 
 
 @dataclass(frozen=True)
-class KeptStates:
+class StoredStates:
     """The stored states, and for each set of springs the slip surface (k, 2) in m."""
 
     states: tuple[DiscState, ...] = ()
@@ -62,7 +62,7 @@ class KeptStates:
         return self.surfaces.get(which, NO_LINE)
 
 
-def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) -> KeptStates:
+def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) -> StoredStates:
     """Compute and store the discs at every recorded Kh, each from rest, until they stand or fail; and the slip surface
     of every set at the upper end of its bracket.
     ``config``: of the run; ``store``: its folder; ``sets``: discs before and after calibration; ``executor``: computes
@@ -76,7 +76,7 @@ def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) ->
     ]
     states = executor.compute(_reached, [*recorded, *ends])
     failing = {state.set: np.array(state.slip_surface).reshape(-1, 2) for state in states[len(recorded) :]}
-    return KeptStates(tuple(states[: len(recorded)]), failing)
+    return StoredStates(tuple(states[: len(recorded)]), failing)
 
 
 @dataclass(frozen=True)

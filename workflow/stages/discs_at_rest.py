@@ -95,10 +95,10 @@ def calibrator_for(
     Kh and yield displacement; ``executor``: computes in parallel; ``until_failed``: whether the test of soil discs
     continues until they have a slip surface; ``threads``: of a search that is done alone.
     """
-    kept = Journal(store, journal)
+    trials = Journal(store, journal)
     return Calibrator(
-        discs.ground, discs.layers, discs.settled, dem, continuum=continuum, known=kept.known(),
-        on_trial=lambda trial, _: on_trial(trial), on_search=kept.add, executor=executor,
+        discs.ground, discs.layers, discs.settled, dem, continuum=continuum, known=trials.known(),
+        on_trial=lambda trial, _: on_trial(trial), on_search=trials.add, executor=executor,
         until_failed=until_failed, threads=threads,
     )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""How long a run takes, roughly, which is told before it."""
+"""Rough duration of a run, which is printed before it begins."""
 
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -15,7 +15,7 @@ POWER = 1.5  # by which these rise with the number: smaller ones need shorter st
 
 
 def _cases(config: Config) -> int:
-    """Cases of liquefaction that have to be computed: those of the same strength once."""
+    """Cases of liquefaction that have to be computed: of cases with equal strength only the first one."""
     return len(set(alike_by_strength(config, list(liquefying(config))).values()))
 
 

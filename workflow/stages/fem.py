@@ -14,11 +14,11 @@ from workflow.results.continuum import (
     FactorOfSafety,
     FemAnswer,
     Gravity,
-    KeptState,
     MeshCount,
     MeshStep,
     OtherWay,
     ShallowFailurePart,
+    StoredState,
 )
 from workflow.results.stored_mesh import FEM_FILE
 from workflow.run.ranks import Ranks
@@ -130,7 +130,7 @@ def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
         gravity=Gravity(iterations=result.gravity_iterations, plastic_share=result.gravity_plastic_share),
         linear_solves=result.solves,
         curve=tuple(result.steps),
-        states=tuple(_kept(mesh, state, surface if _fails(state, result) else ()) for state in result.states),
+        states=tuple(_stored_state(mesh, state, surface if _fails(state, result) else ()) for state in result.states),
         safety_factors=tuple(_factor_of_safety(factor, result.flow) for factor in assessment.safety),
     )
 
@@ -143,7 +143,7 @@ def _other_way(adapted: "AdaptiveResult[Any] | None") -> OtherWay | None:
 
 
 def _at_sides(adapted: "AdaptiveResult[Any]") -> tuple[str, ...]:
-    """The sides of the section that the failing ground moves through; none if it does not fail."""
+    """The sides of the section through which the failing ground slides out; none if the ground does not fail."""
     return adapted.at_sides if adapted.result.verdict in ("plateau", "peak") else ()
 
 
@@ -152,8 +152,8 @@ def _fails(state: "State", result: "CriticalResult") -> bool:
     return state.past_equilibrium or state.kh >= result.lower
 
 
-def _kept(mesh: "QuadMesh", state: "State", surface: Line) -> KeptState:
-    return KeptState.taken(
+def _stored_state(mesh: "QuadMesh", state: "State", surface: Line) -> StoredState:
+    return StoredState.taken(
         state,
         largest_displacement_m=float(np.hypot(*state.displacement.T).max()),
         failed_share_by_stratum=failed_shares(mesh, state),
@@ -166,8 +166,8 @@ def _factor_of_safety(adapted: "AdaptiveResult[SafetyFactor]", flow: Flow) -> Fa
     return FactorOfSafety.taken(
         result,
         curve=tuple(result.steps),
-        davis=result.beside if flow == "associated" else None,
-        associated=result.beside if flow == "davis" else None,
+        davis=result.by_other_flow if flow == "associated" else None,
+        associated=result.by_other_flow if flow == "davis" else None,
         rest=float(rest) if np.isfinite(rest) else None,
         slip_surface=_slip_line(adapted.mesh, result.mechanism) if result.mechanism is not None else (),
     )
@@ -198,8 +198,8 @@ def write_fields(section: Section, mesh: "QuadMesh", states: list["State"], stor
         store.write_grid(f"fem/{fields_file(number)}", grid)
         entries.append((state.kh, fields_file(number)))
     store.write_collection(COLLECTION, entries)
-    kept = {f"fem/{fields_file(number)}" for number in range(len(entries))}
-    store.remove(sorted(set(store.matching(["fem/fields_*.vtu"])) - kept))
+    stored = {f"fem/{fields_file(number)}" for number in range(len(entries))}
+    store.remove(sorted(set(store.matching(["fem/fields_*.vtu"])) - stored))
 
 
 STAGE = Stage(

@@ -32,8 +32,8 @@ def work(job: Job) -> None:
 def _different(config: Config) -> dict[tuple[tuple[int, Remains], ...], list[int]]:
     """The numbers of the cases, grouped by the residual strength of their liquefied strata."""
     groups: dict[tuple[tuple[int, Remains], ...], list[int]] = {}
-    for number, kept in remaining(config).items():
-        groups.setdefault(tuple(kept.items()), []).append(number)
+    for number, remains in remaining(config).items():
+        groups.setdefault(tuple(remains.items()), []).append(number)
     return groups
 
 
@@ -70,7 +70,7 @@ STAGE = Stage(
     reads=("fem",),
     ignores=lambda config: WITHOUT_EFFECT,
     takes=lambda config: {"what liquefies": cases_as_data(config, LOST)},
-    beside=("mesh",),
+    concurrent_after=("mesh",),
     results=(LiquefiedAnswer.FILE,),
     read=LiquefiedAnswer.read,
     unwanted=unless_it_liquefies,

@@ -95,10 +95,10 @@ def _tasks(config: Config, starts: dict[str, tuple[DiscModel, Ground]], wanted: 
 
 def _cases(slides: dict[PlannedSlide, Slide], springs: str) -> dict[int, CaseAnswer]:
     """The cases of one set of springs, in the order of their numbers."""
-    mine = {each.number: (each, slide) for each, slide in slides.items() if each.springs == springs}
+    of_springs = {each.number: (each, slide) for each, slide in slides.items() if each.springs == springs}
     return {
-        number: CaseAnswer.of(slide, mine[ALONE][1], each.case.stiffness)
-        for number, (each, slide) in sorted(mine.items())
+        number: CaseAnswer.of(slide, of_springs[ALONE][1], each.case.stiffness)
+        for number, (each, slide) in sorted(of_springs.items())
         if each.case is not None
     }
 

@@ -4,7 +4,7 @@ import shutil
 
 from workflow.run.stage import Job, Stage
 
-GIVEN = "the mesh given"  # by this name people know a mesh of their own
+MESH_FILE = "the mesh given"  # by this name people know a mesh of their own
 
 
 def work(job: Job) -> None:
@@ -52,7 +52,7 @@ STAGE = Stage(
     draw=draw,
     drawn_after=True,
     reads=("mesh",),
-    files=lambda job: {GIVEN: job.mesh_file} if job.mesh_file else {},
+    files=lambda job: {MESH_FILE: job.mesh_file} if job.mesh_file else {},
     results=("mesh/section.msh", "mesh/section.vtu"),
     pictures=("figures/section.png", "figures/weights.png", "figures/mesh.png"),
 )

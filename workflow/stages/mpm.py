@@ -64,7 +64,7 @@ class PointRun:
 def work(job: Job) -> None:
     """Compute the slides of the requested cases, or of all; writes mpm/slides.json and a picture.
 
-    The answer says so where the method is not applicable.
+    Where the method is not applicable, the answer has the reason.
     """
     from fem.mpm.slide import DECAYS
     from workflow.results.disc_grids import copy_frames, write_collection
@@ -212,21 +212,21 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
     strata = list(remains)
     shaking = shaking_of(config, strata)
     if shaking is not None:
-        time, push = shaking.time - shaking.time[0], shaking.push
+        time, acceleration = shaking.time - shaking.time[0], shaking.acceleration
         last = max([float(time[-1]), *(start + onset for start in shaking.onsets.values())])
         return SlideProgramme(
-            lambda t: np.interp(t, time, push, right=0.0), dict(shaking.onsets), remains, onset, last,
+            lambda t: np.interp(t, time, acceleration, right=0.0), dict(shaking.onsets), remains, onset, last,
             float(time[-1]) + settings.duration, settings.still, case.volumetric_strain,
         )  # fmt: skip
-    held = settings.kh_seconds
+    duration = settings.kh_seconds
 
-    def push_at(t: np.ndarray) -> np.ndarray:
+    def acceleration_at(t: np.ndarray) -> np.ndarray:
         rise = 0.5 - 0.5 * np.cos(np.pi * np.clip(t / LEAD, 0.0, 1.0))
-        return settings.kh * GRAVITY * rise * (np.ones_like(t) if held is None else t < held)
+        return settings.kh * GRAVITY * rise * (np.ones_like(t) if duration is None else t < duration)
 
-    calm = LEAD + onset if held is None else max(LEAD + onset, held + AFTER)
+    rest_from = LEAD + onset if duration is None else max(LEAD + onset, duration + AFTER)
     return SlideProgramme(
-        push_at, dict.fromkeys(strata, LEAD), remains, onset, calm, settings.duration, settings.still,
+        acceleration_at, dict.fromkeys(strata, LEAD), remains, onset, rest_from, settings.duration, settings.still,
         case.volumetric_strain,
     )  # fmt: skip
 
@@ -301,7 +301,7 @@ STAGE = Stage(
     ignores=of_the_record,
     takes=taken,
     files=files,
-    beside=("mesh",),
+    concurrent_after=("mesh",),
     results=(PointSlidesAnswer.FILE, "mpm/case*.pvd", "mpm/case*/*.vtp"),
     read=PointSlidesAnswer.read,
     pictures=("figures/mpm*.png", "figures/mpm*.webp"),

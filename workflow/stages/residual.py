@@ -1,8 +1,8 @@
 """The stage `residual`: whether a failure continues with the residual strength after large shear strains.
 
-The verdict has two steps. With peak strength the ground fails along a surface; soil that has slid along it has residual
-strength (Skempton 1964, Géotechnique 14, 77-102), and so has a slope that slid before. Between the two, failure is
-progressive, from the place of the largest shear strain.
+The verdict has two steps. With peak strength the ground fails along a surface; soil that has slid along this surface
+has residual strength (Skempton 1964, Géotechnique 14, 77-102), as has a slope that slid before. Between peak and
+residual strength, failure is progressive and starts at the place of the largest shear strain.
 """
 
 import math
@@ -107,7 +107,7 @@ def _without_residual(config: Config) -> str:
 
 
 def verdict_of(factor: float | None, everywhere: "Bearing") -> Verdict:
-    """The verdict from both factors."""
+    """The verdict from the factors of safety with peak and with residual strength."""
     if everywhere.stands == "stands":
         return "stands"
     if factor is None:
@@ -122,7 +122,7 @@ STAGE = Stage(
     needs=("mesh",),
     reads=("fem",),
     ignores=lambda config: WITHOUT_EFFECT,
-    beside=("mesh",),
+    concurrent_after=("mesh",),
     results=(ResidualAnswer.FILE,),
     read=ResidualAnswer.read,
     unwanted=_without_residual,

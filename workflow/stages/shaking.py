@@ -26,15 +26,15 @@ def shaking_of(config: Config, strata: Sequence[int]) -> Shaking | None:
     settings = config.slide
     if not settings.accelerogram:
         return cycles(settings, strata, passed=_passed(config, strata))
-    time, push = _average(config) if settings.accelerogram == AVERAGE else _record(config)
-    push, of_the_base = settings.scale * push, settings.accelerogram != AVERAGE
+    time, acceleration = _average(config) if settings.accelerogram == AVERAGE else _record(config)
+    acceleration, of_the_base = settings.scale * acceleration, settings.accelerogram != AVERAGE
     if settings.liquefies_at != "F_L":
-        return Shaking(time, push, dict.fromkeys(strata, settings.liquefies_at), of_the_base)
+        return Shaking(time, acceleration, dict.fromkeys(strata, settings.liquefies_at), of_the_base)
     lowest = lowest_factors(config)
     factors = {k: min(1.0, lowest[k] or 1.0) if k < len(lowest) else 1.0 for k in strata}
-    size = np.abs(push)
+    size = np.abs(acceleration)
     reached = {k: int(np.argmax(size >= factor * size.max())) for k, factor in factors.items()}
-    return Shaking(time, push, {k: float(time[place] - time[0]) for k, place in reached.items()}, of_the_base)
+    return Shaking(time, acceleration, {k: float(time[place] - time[0]) for k, place in reached.items()}, of_the_base)
 
 
 def _passed(config: Config, strata: Sequence[int]) -> dict[int, float]:

@@ -30,18 +30,18 @@ def work(job: Job) -> None:
 
     section, fem, crack = job.config.section, job.config.fem, job.config.tension_crack
     wanted = job.config.criteria.factor_of_safety
-    asked = dict.fromkeys((0.0, *fem.safety_factor_at, *(() if wanted is None else (wanted.kh,))))
+    coefficients = dict.fromkeys((0.0, *fem.safety_factor_at, *(() if wanted is None else (wanted.kh,))))
     circles: Circles = {}
-    for kh in (*asked, None):
+    for kh in (*coefficients, None):
         job.progress("critical Kh" if kh is None else f"factor of safety at Kh = {kh:g}", None)
         for side in (LEFT, RIGHT):
             circles[kh, side] = ground_of_circles(section, side, kh, fem.least_depth, fem.vertical, crack)
-    critical, *factors = (_parts(section, kh, (circles[kh, LEFT], circles[kh, RIGHT])) for kh in (None, *asked))
+    critical, *factors = (_parts(section, kh, (circles[kh, LEFT], circles[kh, RIGHT])) for kh in (None, *coefficients))
     critical = tuple(_with_longer(job.config, part) for part in critical)
     reason = "" if critical or any(factors) else NO_CIRCLE
     SlicesAnswer(
         section=SectionLabel.of(section),
-        factors=tuple(FactorCircles(kh=kh, circles=parts) for kh, parts in zip(asked, factors, strict=True)),
+        factors=tuple(FactorCircles(kh=kh, circles=parts) for kh, parts in zip(coefficients, factors, strict=True)),
         critical=critical,
         faces=tuple(_faces(job, circles)),
         least_depth=fem.least_depth,
@@ -82,7 +82,7 @@ def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
 
 
 def _with_longer(config: "Config", part: CirclePart) -> CirclePart:
-    """A circle with the least critical Kh, and where it ends at a side that of a longer section beside it."""
+    """A circle with the least critical Kh and, where it ends at a side, the critical circle of a longer section."""
     from workflow.estimates.longer_section import circle_of_longer_section
     from workflow.estimates.slices import LEFT, RIGHT
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from dem.case import Case
 from dem.ground import Ground
 from dem.model import DiscModel
-from dem.settings import PAPER_PUSH
+from dem.settings import PAPER_LOADING
 from dem.slides.liquefaction import Slider
 from dem.slides.liquefied_strength import effect_of
 from dem.slides.row import Row
@@ -85,7 +85,7 @@ def slid(run: SlideTask, tell: Tell) -> Slide:
     """
     task, store = run.task, run.store
     papers_own = task.springs == "table2" and run.config.dem.model == "soil"
-    config = run.config.with_settings("slide", **PAPER_PUSH) if papers_own else run.config
+    config = run.config.with_settings("slide", **PAPER_LOADING) if papers_own else run.config
     folder = store.folder / task.folder
     shaking = shaking_of(config, task.strata)
     slider = Slider(task.start, task.ground, task.strata, task.case, config.slide, folder, shaking)

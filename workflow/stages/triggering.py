@@ -8,7 +8,7 @@ PICTURE = "figures/triggering.png"
 
 
 def work(job: Job) -> None:
-    """F_L at every blow count; leaves triggering.json. Raises InputError."""
+    """Compute F_L at every blow count; writes triggering.json. Raises InputError."""
     config = job.config
     assessment = assess(config.section, config.earthquake, config.triggering)
     TriggeringAnswer.of(config, assessment).write(job.store)

@@ -39,7 +39,7 @@ def work(job: Job) -> None:
     answer = FemAnswer.read(store)
     one_way = config.with_settings("fem", direction=answer.direction)
     last = fem_mesh(config.section, store, answer.mesh.method)
-    asked = [
+    changes = [
         on_a_mesh(change, config, store, answer, last)
         for name in config.variants.which
         if (change := changed(one_way, name, answer.element))
@@ -47,9 +47,9 @@ def work(job: Job) -> None:
     ended: list[Variant] = []
 
     def heard(place: int, message: str) -> None:
-        progress(f"{asked[place].words}: {message}", len(ended) / len(asked))
+        progress(f"{changes[place].words}: {message}", len(ended) / len(changes))
 
-    variants = job.executor.compute(variant, asked, heard, lambda _, each: ended.append(each))
+    variants = job.executor.compute(variant, changes, heard, lambda _, each: ended.append(each))
     VariantsAnswer(variants=tuple(variants)).write(store)
 
 
@@ -126,7 +126,7 @@ def variant(change: Change, tell: Tell) -> Variant:
     """The critical Kh with a change, or None with the reason."""
     start = time.perf_counter()
     try:
-        result = _found(change, tell)
+        result = _limit(change, tell)
     except NoAnswerError as error:
         return Variant(
             name=change.name, change=change.words, kc=None, kc_upper=None, verdict="no answer", reason=str(error),
@@ -145,7 +145,7 @@ def variant(change: Change, tell: Tell) -> Variant:
     )
 
 
-def _found(change: Change, tell: Tell) -> "LimitLoadResult | CriticalResult":
+def _limit(change: Change, tell: Tell) -> "LimitLoadResult | CriticalResult":
     """The limit load by limit analysis where it is unique, else by a path; raises NoAnswerError."""
     from mpi4py import MPI
 
@@ -170,7 +170,7 @@ STAGE = Stage(
     needs=("fem",),
     reads=("mesh", "fem", "variants"),
     ignores=lambda config: (*WITHOUT_EFFECT, "fem.kh", "fem.rigid_box"),
-    beside=("fem",),
+    concurrent_after=("fem",),
     results=(VariantsAnswer.FILE,),
     read=VariantsAnswer.read,
     unwanted=lambda config: "" if config.variants.which else "variants.which is empty",

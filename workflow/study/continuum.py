@@ -53,9 +53,9 @@ def _critical(config: Config, first: "QuadMesh") -> "tuple[LimitLoadResult | Cri
 def bounds(sample: Sample) -> Numbers:
     """Strict lower and upper bound of the critical Kh, ψ = φ."""
     config = Config.parse(sample.data)
-    asked = config.bounds.changed(davis=False)
+    bounds_settings = config.bounds.changed(davis=False)
     try:
-        bracket = kh_bounds(config.section, config.fem, asked)
+        bracket = kh_bounds(config.section, config.fem, bounds_settings)
     except UnstableError:
         return Numbers(numbers={"kc_lower_bound": 0.0, "kc_upper_bound": 0.0})
     return Numbers(numbers={

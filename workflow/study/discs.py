@@ -29,8 +29,8 @@ def discs(sample: Sample) -> Numbers:
         raise InputError(
             config.section.name, ["no stratum liquefies in any case; expected liquefies_in in one at least"]
         )
-    with TemporaryDirectory(prefix="noshiro-") as beside:
-        store = Store(Path(sample.folder or beside))
+    with TemporaryDirectory(prefix="noshiro-") as folder:
+        store = Store(Path(sample.folder or folder))
         job = Job(config, store, STAGES)
         pipeline.execute(job, Choice(tuple(stage.name for stage in job.stages)), _Silence(), "noshiro study")
         answer = CasesAnswer.read(store)

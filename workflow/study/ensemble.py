@@ -13,14 +13,14 @@ from typing import Any, Generic
 from meshes.errors import InputError, NoAnswerError
 from meshes.executor import LostError, Processes, is_interrupt
 from workflow.study.result_cache import Outcome, ResultCache
-from workflow.study.task import Found, Given, Task
+from workflow.study.task import Input, Result, Task
 
 LOOK_AGAIN = 1.0  # s between two looks for answers that another machine computes
 PATIENCE = 30  # s for a scheduler to answer
 
 
 @dataclass(frozen=True)
-class Row(Generic[Found]):
+class Row(Generic[Result]):
     """Outcome of a task.
 
     Attributes
@@ -33,7 +33,7 @@ class Row(Generic[Found]):
         Whether the answer was already stored.
     """
 
-    answer: Found | None
+    answer: Result | None
     reason: str = ""
     reused: bool = False
 
@@ -59,19 +59,19 @@ class Ensemble:
         self.folder, self.workers, self.scheduler = folder.absolute(), workers, scheduler
         self.cache = ResultCache(self.folder)
 
-    def rows(self, tasks: Sequence[Task[Given, Found]], on_row: OnRow | None = None) -> list[Row[Found]]:
+    def rows(self, tasks: Sequence[Task[Input, Result]], on_row: OnRow | None = None) -> list[Row[Result]]:
         """Outcomes of all tasks, in their order.
 
         Tasks in work on another machine are waited for, and taken over if that machine fails.
         """
-        rows: dict[str, Row[Found]] = {}
-        missing: dict[str, Task[Given, Found]] = {}
+        rows: dict[str, Row[Result]] = {}
+        missing: dict[str, Task[Input, Result]] = {}
         for task in tasks:
-            kept = self.cache.read(task.fingerprint)
-            if kept is None:
+            stored = self.cache.read(task.fingerprint)
+            if stored is None:
                 missing[task.fingerprint] = task
             else:
-                rows[task.fingerprint] = _row(task, kept, reused=True)
+                rows[task.fingerprint] = _row(task, stored, reused=True)
         total = len(rows) + len(missing)
 
         def tell() -> None:
@@ -115,16 +115,16 @@ class Ensemble:
     def _round(
         self,
         executor: futures.Executor,
-        missing: dict[str, Task[Given, Found]],
-        rows: dict[str, Row[Found]],
+        missing: dict[str, Task[Input, Result]],
+        rows: dict[str, Row[Result]],
         tell: Callable[[], None],
     ) -> None:
         """Try every missing task once; those in work on another machine remain missing."""
         tasks = list(missing.values())
         attempts = [Attempt(str(self.folder), task.fingerprint, partial(_outcome, task), task.name) for task in tasks]
-        begun = {executor.submit(attempt, each): task for each, task in zip(attempts, tasks, strict=True)}
-        for future in futures.as_completed(begun):
-            task = begun[future]
+        waiting = {executor.submit(attempt, each): task for each, task in zip(attempts, tasks, strict=True)}
+        for future in futures.as_completed(waiting):
+            task = waiting[future]
             try:
                 outcome = future.result()
             except InputError:
@@ -152,9 +152,9 @@ class Attempt:
 def attempt(wanted: Attempt) -> Outcome | None:
     """Compute a task unless it is stored, or in work elsewhere (then None); called in a worker."""
     cache = ResultCache(Path(wanted.folder))
-    with cache.claimed(wanted.fingerprint) as mine:
+    with cache.claimed(wanted.fingerprint) as claimed:
         there = cache.read(wanted.fingerprint)
-        if there is not None or not mine:
+        if there is not None or not claimed:
             return there
         outcome = wanted.compute()
         if outcome.lasting:
@@ -162,7 +162,7 @@ def attempt(wanted: Attempt) -> Outcome | None:
         return outcome
 
 
-def _outcome(task: Task[Given, Found]) -> Outcome:
+def _outcome(task: Task[Input, Result]) -> Outcome:
     """Call the function of a task; the message of an exception becomes the reason.
 
     Invalid input and missing answers are stored, since they would recur. Other errors may be due to the machine or to a
@@ -170,7 +170,7 @@ def _outcome(task: Task[Given, Found]) -> Outcome:
     """
     start, answer, reason, lasting = time.perf_counter(), None, "", True
     try:
-        answer = task.function(task.given).model_dump(mode="json")
+        answer = task.function(task.argument).model_dump(mode="json")
     except (InputError, NoAnswerError) as error:
         reason = "; ".join(error.problems) if isinstance(error, InputError) else str(error)
     except Exception as error:
@@ -178,11 +178,11 @@ def _outcome(task: Task[Given, Found]) -> Outcome:
             raise KeyboardInterrupt from error
         reason, lasting = f"{type(error).__name__}: {error}", False
     return Outcome(
-        task=task.name, given=task.given.model_dump(mode="json"), answer=answer, reason=reason,
+        task=task.name, given=task.argument.model_dump(mode="json"), answer=answer, reason=reason,
         seconds=round(time.perf_counter() - start, 3), host=socket.gethostname(), lasting=lasting,
     )  # fmt: skip
 
 
-def _row(task: Task[Any, Found], outcome: Outcome, reused: bool = False) -> Row[Found]:
+def _row(task: Task[Any, Result], outcome: Outcome, reused: bool = False) -> Row[Result]:
     answer = None if outcome.answer is None else task.answer_type.model_validate(outcome.answer)
     return Row(answer, outcome.reason, reused)

@@ -131,15 +131,15 @@ def _under(record: Accelerogram, peak: float, kc: float) -> float:
     """The slide (m) under the record scaled to a peak (g), in the direction with the larger slide."""
     if peak <= kc:
         return 0.0
-    pushed = record.acceleration * (peak * GRAVITY / record.peak)
-    return max(newmark(record.time, sign * pushed, kc).permanent for sign in (1.0, -1.0))
+    scaled = record.acceleration * (peak * GRAVITY / record.peak)
+    return max(newmark(record.time, sign * scaled, kc).permanent for sign in (1.0, -1.0))
 
 
 def block(config: Config, kc: float | None) -> float | None:
     """The slide (m) of the rigid block of one sample, under its record or its constant Kh.
 
-    None without kc, and for a Kh without end: then the block is at rest or never stops, and a mean over samples has no
-    meaning.
+    None without kc, and for a constant Kh without end: the block then is at rest or never stops, and a mean over
+    samples has no meaning.
     """
     drive, recorded = block_drive(config), bool(config.sliding_block.accelerogram)
     if kc is None or (not recorded and math.isinf(drive.seconds)):

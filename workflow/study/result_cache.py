@@ -56,8 +56,8 @@ class ResultCache:
         """Store an outcome; raises InputError if it cannot be written."""
         path = self.path(fingerprint)
         try:
-            with whole(path) as beside:
-                beside.write_text(outcome.model_dump_json(indent=1) + "\n", encoding="utf-8")
+            with whole(path) as temporary:
+                temporary.write_text(outcome.model_dump_json(indent=1) + "\n", encoding="utf-8")
         except OSError as error:
             raise InputError(str(path), [f"cannot be written: {error.strerror or error}"]) from error
 
@@ -68,9 +68,9 @@ class ResultCache:
         path = self.folder / f".{fingerprint}.claim"
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
         try:
-            mine = _locked(descriptor)
-            yield mine
-            if mine:
+            locked = _locked(descriptor)
+            yield locked
+            if locked:
                 # its outcome is written by now, or the task is free for anybody: a late claim on the old file does
                 # no harm, since who holds one looks for an outcome first
                 with suppress(OSError):

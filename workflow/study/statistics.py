@@ -15,8 +15,8 @@ BOOTSTRAP_SEED, RESAMPLES = 0, 400
 def probability(name: str, over: np.ndarray, happens: np.ndarray) -> Curve:
     """A probability curve: the share of true values in ``happens`` (samples, len(over)) at each value of ``over``.
 
-    Interval by E. B. Wilson, Probable inference, J. Am. Stat. Assoc. 22 (1927) 209-212. It holds for independent
-    samples; those of a Sobol' sequence or a Latin hypercube are more accurate.
+    Interval by E. B. Wilson, Probable inference, J. Am. Stat. Assoc. 22 (1927) 209-212. This interval holds for
+    independent samples; samples of a Sobol' sequence or a Latin hypercube are more accurate.
     """
     n = len(happens)
     share = happens.mean(axis=0)
@@ -62,12 +62,12 @@ def _correlation(drawn: Sequence[Any], values: np.ndarray, there: np.ndarray, wo
     """Spearman's rank correlation; for words the correlation ratio, the root of the share of variance between
     categories.
     """
-    kept = [value for value, use in zip(drawn, there, strict=True) if use]
-    if len(set(map(str, kept))) < 2:
+    used = [value for value, use in zip(drawn, there, strict=True) if use]
+    if len(set(map(str, used))) < 2:
         return None
     if not words:
-        return float(spearmanr(np.array(kept, dtype=float), values[there]).statistic)
-    groups = np.unique(list(map(str, kept)), return_inverse=True)[1]
+        return float(spearmanr(np.array(used, dtype=float), values[there]).statistic)
+    groups = np.unique(list(map(str, used)), return_inverse=True)[1]
     means = np.array([values[there][groups == k].mean() for k in range(groups.max() + 1)])[groups]
     return float(np.std(means) / np.std(values[there]))
 
@@ -95,7 +95,7 @@ def _sobol(values: np.ndarray, dimensions: int) -> dict[int, dict[str, Any]]:
 
 
 def _indices(parts: np.ndarray, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First-order and total indices (d,) by some of the samples; scipy's own bootstrap cannot be given a seed."""
-    some = parts[:, :, chosen]
-    indices = sobol_indices(func={"f_A": some[0], "f_B": some[1], "f_AB": some[2:]}, n=len(chosen))
+    """First-order and total indices (d,) from a subset of the samples; the bootstrap of scipy takes no seed."""
+    selected = parts[:, :, chosen]
+    indices = sobol_indices(func={"f_A": selected[0], "f_B": selected[1], "f_AB": selected[2:]}, n=len(chosen))
     return np.ravel(indices.first_order), np.ravel(indices.total_order)

@@ -119,7 +119,7 @@ def task_of(read: Config, part: Part, store: Store) -> Task[Sample, Numbers]:
     if not part.keeps:
         return task
     folder = store.folder.absolute() / "running" / task.fingerprint
-    return Task(part.function, task.given.model_copy(update={"folder": str(folder)}))
+    return Task(part.function, task.argument.model_copy(update={"folder": str(folder)}))
 
 
 def _row(
@@ -189,5 +189,5 @@ def _spread(values: np.ndarray) -> Spread:
 def _groups(table: Table, name: str, path: str) -> Iterator[Group]:
     column, drawn = table.column(name), [str(value) for value in table.drawn(path)]
     for value in dict.fromkeys(drawn):
-        mine = column[[value_of_group == value for value_of_group in drawn]]
-        yield Group(path=path, value=value, samples=int(np.isfinite(mine).sum()), spread=_spread(mine))
+        group = column[[value_of_group == value for value_of_group in drawn]]
+        yield Group(path=path, value=value, samples=int(np.isfinite(group).sum()), spread=_spread(group))

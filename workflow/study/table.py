@@ -39,7 +39,7 @@ class Table:
 
     @property
     def failed(self) -> int:
-        """Samples with a part without an answer."""
+        """Samples in which at least one part of the study has no answer."""
         return sum(bool(row.reason) for row in self.rows)
 
     def column(self, name: str) -> np.ndarray:

@@ -12,12 +12,12 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from workflow.run.fingerprint import fingerprint_of, program
 
-Given = TypeVar("Given", bound=BaseModel)
-Found = TypeVar("Found", bound=BaseModel)
+Input = TypeVar("Input", bound=BaseModel)
+Result = TypeVar("Result", bound=BaseModel)
 
 
 @dataclass(frozen=True)
-class Task(Generic[Given, Found]):
+class Task(Generic[Input, Result]):
     """One function to be called once.
 
     Attributes
@@ -25,12 +25,12 @@ class Task(Generic[Given, Found]):
     function : callable
         Function at the top level of a module that the workers can import. Its annotations name its input and answer,
         and its answer depends only on its input.
-    given : pydantic model
+    argument : pydantic model
         The input.
     """
 
-    function: Callable[[Given], Found]
-    given: Given
+    function: Callable[[Input], Result]
+    argument: Input
 
     @property
     def name(self) -> str:
@@ -38,16 +38,16 @@ class Task(Generic[Given, Found]):
         return f"{self.function.__module__}.{self.function.__qualname__}"
 
     @property
-    def answer_type(self) -> type[Found]:
+    def answer_type(self) -> type[Result]:
         """The model of its answer."""
-        answer_type: type[Found] = get_type_hints(self.function)["return"]
+        answer_type: type[Result] = get_type_hints(self.function)["return"]
         return answer_type
 
     @cached_property
     def fingerprint(self) -> str:
         """Fingerprint of the function, its module, the program and its input."""
         made_by = {"task": self.name, "program": program(), "module": _text(self.function.__module__)}
-        return fingerprint_of({**made_by, "given": self.given.model_dump(mode="json")})
+        return fingerprint_of({**made_by, "given": self.argument.model_dump(mode="json")})
 
 
 def _text(module: str) -> str:

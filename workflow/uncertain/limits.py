@@ -13,7 +13,7 @@ from workflow.uncertain.path import changed_value, places, value_at
 
 FIRST, LAST = 2.0**-54, 1.0 - 2.0**-53  # the chances furthest from the median that a sample can have
 HALVINGS = 60
-TOLD = 1e-4  # share that is cut off from which a person hears of it
+NOTABLE = 1e-4  # share that is cut off from which a person hears of it
 
 Models = Sequence[type[BaseModel]]  # whose fields stand side by side in an input
 Check = Callable[[Any], str]  # what is wrong with a number that is drawn; empty where nothing is
@@ -36,7 +36,9 @@ class Reach:
     problem: str = ""
 
     def within(self, chance: float) -> float:
-        """Probability in the whole distribution of the same number as a probability (0 to 1) in the truncated one."""
+        """Convert a probability (0 to 1) of the truncated distribution to the probability of the same number in the
+        whole distribution.
+        """
         return self.low + chance * (self.high - self.low)
 
 
@@ -72,7 +74,7 @@ def _reach(path: str, distribution: Distribution, check: Check) -> Reach:
         f"{name}: {100.0 * share:.2g} % of its {distribution.kind} distribution lie {side} "
         f"{distribution.written(round(at(bound), 9) + 0.0)} and are cut off ({check(at(end))})"
         for side, bound, share, end in (("below", low, low, FIRST), ("above", high, 1.0 - high, LAST))
-        if share > TOLD
+        if share > NOTABLE
     ]  # fmt: skip
     return Reach(low, high, "\n".join(messages))
 

@@ -83,7 +83,7 @@ def changed_value(before: Any, distribution: Distribution, value: Any) -> Any:
 
 
 def _moved(before: Any, distribution: Distribution, value: Any) -> Any:
-    """A number or a line (or a table with one), shifted or multiplied by a factor."""
+    """A number or a line (or a table that contains a line), shifted or multiplied by a factor."""
     if isinstance(before, dict):
         return {key: _moved(inside, distribution, value) for key, inside in before.items()}
     if _is_point(before):

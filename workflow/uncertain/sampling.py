@@ -1,4 +1,4 @@
-"""Samples of the uncertain numbers: the same for the same seed, however many computers draw them."""
+"""Samples of the uncertain numbers: equal seeds give equal samples on any number of computers."""
 
 import warnings
 from collections.abc import Mapping

@@ -24,10 +24,10 @@ class Correlation(Model):
 
 def _nested(path: str, value: Any, known: Set[str]) -> Iterator[str]:
     """The paths to distributions within nested tables."""
-    for key, inner in value.items() if isinstance(value, Mapping) and not known & set(value) else ():
-        if isinstance(inner, Mapping):
-            deeper = not known & set(inner) and any(isinstance(item, Mapping) for item in inner.values())
-            yield from _nested(f"{path}.{key}", inner, known) if deeper else (f"{path}.{key}",)
+    for key, nested in value.items() if isinstance(value, Mapping) and not known & set(value) else ():
+        if isinstance(nested, Mapping):
+            deeper = not known & set(nested) and any(isinstance(item, Mapping) for item in nested.values())
+            yield from _nested(f"{path}.{key}", nested, known) if deeper else (f"{path}.{key}",)
 
 
 class UncertainSettings(Model):

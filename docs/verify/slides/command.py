@@ -26,7 +26,7 @@ def verify_slides(
     return [_as_dict(row) for row in rows]
 
 
-def told(verdict: SlideVerdict) -> str:
+def sentence(verdict: SlideVerdict) -> str:
     """A ratio and its spread in words, with significant digits only."""
     if verdict.ratio is None or verdict.spread is None:
         return ""
@@ -45,7 +45,7 @@ def number(value: float) -> str:
 
 
 def _as_dict(row: SlideRow) -> dict[str, object]:
-    answer = {} if row.found is None else asdict(row.found)
+    answer = {} if row.answer is None else asdict(row.answer)
     return answer | {
         "name": row.case.name,
         "group": row.case.known.group,
@@ -58,10 +58,12 @@ def _as_dict(row: SlideRow) -> dict[str, object]:
 
 def _tell(out: Console, row: SlideRow) -> None:
     """One line for a case."""
-    answer = row.found
+    answer = row.answer
     values = predicted(answer, row.verdict) if answer is not None else ""
     measured = " to ".join(dict.fromkeys(number(end) for end in row.case.measured))
-    line = f"{row.verdict.word:<15} {row.case.name:<30} measured {measured}, predicted {values}; {told(row.verdict)}"
+    line = (
+        f"{row.verdict.word:<15} {row.case.name:<30} measured {measured}, predicted {values}; {sentence(row.verdict)}"
+    )
     out.print(escape(line.rstrip("; ")), soft_wrap=True)
     if answer is not None and answer.failure:
         out.print(escape(f"                {answer.failure}"), soft_wrap=True)

@@ -17,7 +17,7 @@ from workflow.stages.mpm import slide_of_points
 ACROSS, CRUST, ALONG, BELOW = 6, 2, 4, 3
 YOUNG = 1e9  # Pa: blocks are rigid, as far as the speed of waves allows
 POISSON = 0.33
-CALM = 5.0  # s from liquefaction to shaking: ground without a strain potential has come to rest
+QUIET = 5.0  # s from liquefaction to shaking: ground without a strain potential has come to rest
 LATER = 60.0  # s after that, until which a slope is followed
 
 
@@ -59,14 +59,14 @@ def _along_uniform_slope(case: SlideCase, wanted: UniformSlope) -> float:
     cells = ALONG * round(float(section.layering.areas().sum()) / (ALONG * _cell(wanted) ** 2))
     slider = PointSlider(ground_of(section, cells, "periodic"), 1)
     slider.settle()
-    time, push = shaking_of_slope(wanted, case.folder)
+    time, acceleration = shaking_of_slope(wanted, case.folder)
     onset = SlideSettings().onset_of("soil")
-    time, push = np.append(0.0, onset + CALM + time), np.append(0.0, push)
+    time, acceleration = np.append(0.0, onset + QUIET + time), np.append(0.0, acceleration)
     last = float(time[-1])
     slide = slider.run(
         SlideProgramme(
-            lambda t: np.interp(t, time, push, right=0.0), {1: 0.0}, {1: wanted.left.remains_of(section, 1)}, onset,
-            last, last + LATER,
+            lambda t: np.interp(t, time, acceleration, right=0.0), {1: 0.0}, {1: wanted.left.remains_of(section, 1)},
+            onset, last, last + LATER,
         )
     )  # fmt: skip
     return float(slide.slide[-1].mean() / np.cos(wanted.angle))

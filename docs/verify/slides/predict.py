@@ -30,7 +30,7 @@ STEPS = 24  # of gravity in a slow loss of strength, each of a unit sqrt(H / g)
 UNITS = 12.0  # of that, after it, at most
 POINTS = 60  # of a profile that is kept
 
-Found = tuple[float, float, bool, Line, Line]  # value, loose share, at rest, surface before and after
+SlideNumbers = tuple[float, float, bool, Line, Line]  # value, loose share, at rest, surface before and after
 
 
 def predict(case: SlideCase, seeds: int | None = None) -> SlideAnswer:
@@ -43,9 +43,9 @@ def predict(case: SlideCase, seeds: int | None = None) -> SlideAnswer:
     seeds
         Packings; as many as the case asks for if None.
     """
-    begun = time.process_time()
+    started = time.process_time()
     find = _FINDERS[type(case.known.problem)]
-    predictions: list[Found] = []
+    predictions: list[SlideNumbers] = []
     failure = ""
     for seed in range(seeds or case.known.seeds):
         try:
@@ -53,7 +53,7 @@ def predict(case: SlideCase, seeds: int | None = None) -> SlideAnswer:
         except (NoAnswerError, InputError, ValueError) as error:
             failure = f"packing {seed}: {error}"
             break
-    seconds = round(time.process_time() - begun, 1)
+    seconds = round(time.process_time() - started, 1)
     if failure or not predictions:
         return SlideAnswer(case.name, seconds=seconds, failure=failure)
     values, loose, rested, before, after = zip(*predictions, strict=True)
@@ -69,7 +69,7 @@ def _thinned(points: np.ndarray) -> Line:
     return tuple((round(float(x), 2), round(float(z), 2)) for x, z in points[::step])
 
 
-def _column(case: SlideCase, wanted: Column, seed: int) -> Found:
+def _column(case: SlideCase, wanted: Column, seed: int) -> SlideNumbers:
     """Run-out over the width of sand, over the height of clay."""
     weight = wanted.density * G * wanted.height
     clay = wanted.weight_over_strength > 0.0
@@ -102,7 +102,7 @@ def _strength_is_lost_slowly(column: SoilColumn, wanted: Column) -> bool:
     return run_until_rest(model, still=1e-3 * column.width, longest=UNITS * column.unit, every=0.5 * column.unit).rested
 
 
-def _uniform_slope(case: SlideCase, wanted: UniformSlope, seed: int) -> Found:
+def _uniform_slope(case: SlideCase, wanted: UniformSlope, seed: int) -> SlideNumbers:
     """Slide of the crust (m)."""
     stress = 0.5 * wanted.density * G * sum(wanted.thickness)
     sand = soil_contacts(0.0, wanted.friction_angle, stress)
@@ -118,13 +118,13 @@ def _uniform_slope(case: SlideCase, wanted: UniformSlope, seed: int) -> Found:
     slope.liquefy([0], wanted.left)
     if not wanted.left.strain_potential:
         start = slope.model.x.copy()
-    push = slope.shake(*shaking_of_slope(wanted, case.folder))
+    response = slope.shake(*shaking_of_slope(wanted, case.folder))
     after = deposit_profile(slope.model)
     slid = float((slope.model.x - start)[crust].mean())
-    return slid, loose_share(slope.model), push.rest.rested, _thinned(before), _thinned(after)
+    return slid, loose_share(slope.model), response.rest.rested, _thinned(before), _thinned(after)
 
 
-def _section(case: SlideCase, wanted: Ground, seed: int) -> Found:
+def _section(case: SlideCase, wanted: Ground, seed: int) -> SlideNumbers:
     """Slide at a place of the surface (m), of discs with the strengths of the section: no factor is fitted."""
     config = case.config
     if config is None:
@@ -166,7 +166,7 @@ def _at(wanted: Ground, along: np.ndarray, largest: float, start: DiscModel, end
     return float(np.interp(wanted.at, *along.T))
 
 
-_FINDERS: dict[type, Callable[[SlideCase, Any, int], Found]] = {
+_FINDERS: dict[type, Callable[[SlideCase, Any, int], SlideNumbers]] = {
     Column: _column,
     UniformSlope: _uniform_slope,
     Ground: _section,

@@ -8,7 +8,7 @@ from dem.kernels.neighbours import pairs_within
 from dem.kernels.period import Period
 
 SWEEPS = 300  # in which discs grow to their size and are pushed apart
-PUSHES = 10  # in each sweep
+CORRECTIONS = 10  # in each sweep
 SHARE = 0.6  # of an overlap that a push takes away
 NEAR = 0.9  # radii between the rim of a plate's disc and the plane that the others keep to
 
@@ -41,8 +41,10 @@ class TiedPacking:
 
     def without_upper_plate(self) -> "TiedPacking":
         """The ground without the upper plate."""
-        kept = ~self.above
-        return TiedPacking(self.x[kept], self.z[kept], self.radius[kept], self.layer[kept], self.length, self.height)
+        below = ~self.above
+        return TiedPacking(
+            self.x[below], self.z[below], self.radius[below], self.layer[below], self.length, self.height
+        )
 
 
 def tied_packing(
@@ -64,13 +66,13 @@ def tied_packing(
     for sweep in range(SWEEPS):
         grown = sizes * min(1.0, 0.5 + sweep / SWEEPS)
         i, j = pairs_within(x, z, grown, still, 0.2 * radius, Period(length, 0.0))
-        for _ in range(PUSHES):
+        for _ in range(CORRECTIONS):
             dx, dz = x[j] - x[i], z[j] - z[i]
             dx -= np.floor(dx / length + 0.5) * length
             distance = np.hypot(dx, dz)
-            push = 0.5 * SHARE * np.maximum(grown[i] + grown[j] - distance, 0.0) / distance
-            x += np.bincount(j, push * dx, count) - np.bincount(i, push * dx, count)
-            z += np.bincount(j, push * dz, count) - np.bincount(i, push * dz, count)
+            shift = 0.5 * SHARE * np.maximum(grown[i] + grown[j] - distance, 0.0) / distance
+            x += np.bincount(j, shift * dx, count) - np.bincount(i, shift * dx, count)
+            z += np.bincount(j, shift * dz, count) - np.bincount(i, shift * dz, count)
             z = np.clip(z, grown, height - grown)
     plate = 2.0 * radius * (np.arange(columns) + 0.5)
     return TiedPacking(

@@ -138,7 +138,7 @@ class UniformSlope:
         self.model = slider.model
         return slider
 
-    def push(self, kh: float, seconds: float, *, layer: int = 0, later: float = LATER) -> "Push":
+    def shake_constant(self, kh: float, seconds: float, *, layer: int = 0, later: float = LATER) -> "SlopeResponse":
         """Puts a seismic coefficient on for some seconds, then takes it away, and follows the slope until it rests.
 
         Parameters
@@ -154,13 +154,15 @@ class UniformSlope:
 
         Returns
         -------
-        Push
+        SlopeResponse
             How far the block slid, and the strength that held it.
         """
         times = np.array([0.0, 1e-3, seconds, seconds + 1e-3])
         return self.shake(times, kh * GRAVITY * np.array([0.0, 1.0, 1.0, 0.0]), layer=layer, later=later)
 
-    def shake(self, time: np.ndarray, push: np.ndarray, *, layer: int = 0, later: float = LATER) -> "Push":
+    def shake(
+        self, time: np.ndarray, acceleration: np.ndarray, *, layer: int = 0, later: float = LATER
+    ) -> "SlopeResponse":
         """Shakes the base, and follows the slope until it rests.
 
         Parameters
@@ -174,12 +176,12 @@ class UniformSlope:
 
         Returns
         -------
-        Push
+        SlopeResponse
             How far the block slid.
         """
         model, block, seconds = self.model, self.above(layer), float(time[-1])
         begin, start = model.time, model.x.copy()
-        model.acceleration = self.ground.shaken(begin + time, push)
+        model.acceleration = self.ground.recorded_acceleration(begin + time, acceleration)
         rows: list[tuple[float, float, float]] = []
 
         def look(m: DiscModel) -> None:
@@ -188,7 +190,7 @@ class UniformSlope:
         rest = run_until_rest(
             model, still=STILL, longest=seconds + later, every=LOOK, at_least=seconds + 1.0, on_look=look
         )
-        return Push(self.angle, float(push.max()) / GRAVITY, seconds, np.array(rows), rest)
+        return SlopeResponse(self.angle, float(acceleration.max()) / GRAVITY, seconds, np.array(rows), rest)
 
 
 def _discs(packing: TiedPacking, layers: Sequence[LayerSprings], thickness: Sequence[float] = ()) -> DiscModel:
@@ -203,7 +205,7 @@ def _discs(packing: TiedPacking, layers: Sequence[LayerSprings], thickness: Sequ
     )
 
 
-class Push:
+class SlopeResponse:
     """How a block slid under Kh, or under a base that shook.
 
     Attributes
@@ -225,11 +227,11 @@ class Push:
         Of a block on a plane: (sin b + k cos b - a/g) / (cos b - k sin b); NaN where it did not move long enough.
         """
         b = self.angle
-        pushed = (self.time > 1.5) & (self.time <= self.seconds)
+        shaking = (self.time > 1.5) & (self.time <= self.seconds)
         braked = (self.time > self.seconds + 0.25) & (self.speed > 0.15 * self.speed.max())
         on, off = (
             float(np.polyfit(self.time[part], self.speed[part], 1)[0]) if part.sum() > 2 else np.nan
-            for part in (pushed, braked)
+            for part in (shaking, braked)
         )
         driven = (np.sin(b) + self.kh * np.cos(b) - on / G) / (np.cos(b) - self.kh * np.sin(b))
         return float(driven), float((np.sin(b) - off / G) / np.cos(b))

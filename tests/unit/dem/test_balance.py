@@ -88,11 +88,11 @@ def test_the_area_does_not_hang_on_where_in_its_column_the_first_disc_lies(start
 def test_volume_change_is_told_by_stratum(start: DiscModel, ground: Ground) -> None:
     """Ground that is 2 % lower has lost 2 % of its area, in every stratum; ground that is carried away and turned over
     on its side, none."""
-    lower, turned = start.copy(), start.copy()
+    lower, disc_model = start.copy(), start.copy()
     lower.z *= 0.98
     assert volume_change(start, lower) == pytest.approx(-0.02, rel=1e-9)
-    turned.x, turned.z = 7.0 - start.z, start.x.copy()
-    assert volume_change(start, turned) == pytest.approx(0.0, abs=1e-12)
+    disc_model.x, disc_model.z = 7.0 - start.z, start.x.copy()
+    assert volume_change(start, disc_model) == pytest.approx(0.0, abs=1e-12)
     slider = Slider(start, ground, [1], Case(stiffness=0.1), SlideSettings())
     slider.model = lower
     assert any("get denser as they shear" in note and "-2.0 %" in note for note in slider._notes())
@@ -105,7 +105,7 @@ def test_ground_that_piles_up_at_a_side_is_told(start: DiscModel, ground: Ground
     right = ~piled.fixed & (piled.x > piled.x[~piled.fixed].max() - 4.0)
     piled.z[right] += 2.5 * RADIUS
     after = both_sides(piled, start, ground)
-    assert any("piled up" in told and "right" in told for told in at_the_sides(after))
+    assert any("piled up" in at_the_side and "right" in at_the_side for at_the_side in at_the_sides(after))
     assert (stopped_by(before), stopped_by(after)) == (None, "right")
 
 
@@ -121,9 +121,9 @@ def test_what_slid_far_and_ends_at_a_side_was_stopped_by_it(
     assert stopped_by(both_sides(slid, start, ground)) == side
 
 
-@pytest.mark.parametrize(("by_weight", "told"), [(9.9, True), (1.5, False)])
+@pytest.mark.parametrize(("by_weight", "message"), [(9.9, True), (1.5, False)])
 def test_a_flow_failure_is_judged_by_what_weight_alone_does(
-    by_weight: float, told: bool, start: DiscModel, ground: Ground, monkeypatch: pytest.MonkeyPatch
+    by_weight: float, message: bool, start: DiscModel, ground: Ground, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """9.9 m without shaking is one for a bank 8 m high, though it slid 47 m, five times as far, with Kh."""
     slider = Slider(start, ground, [1], Case(stiffness=0.1), SlideSettings())
@@ -132,8 +132,8 @@ def test_a_flow_failure_is_judged_by_what_weight_alone_does(
     slider.slide.rows = [SimpleNamespace(slide_max_m=47.0, time_s=60.0)]
     alone = SimpleNamespace(rows=[SimpleNamespace(slide_max_m=by_weight, time_s=20.0)])
     monkeypatch.setattr(Slider, "run", lambda _: alone)
-    assert [("flow failure" in note) for note in slider._flow()] == [True] * told
-    assert (slider.slide.flows, slider.slide.slide_by_weight_m) == (told, by_weight)
+    assert [("flow failure" in note) for note in slider._flow()] == [True] * message
+    assert (slider.slide.flows, slider.slide.slide_by_weight_m) == (message, by_weight)
 
 
 def test_a_thin_layer_is_told_with_the_radius_that_it_wants(start: DiscModel, ground: Ground) -> None:
@@ -141,10 +141,10 @@ def test_a_thin_layer_is_told_with_the_radius_that_it_wants(start: DiscModel, gr
     thin = start.copy()
     row = np.round(thin.z / (np.sqrt(3.0) * RADIUS)).astype(int)
     thin.layer[~thin.fixed & (row == 3)] = 0
-    told = thin_layers(thin, ground, [1])
-    assert len(told) == 1
-    assert "less than two disc diameters" in told[0]
-    assert "0.38 m" in told[0]  # a row of 1.5 m: two discs of a quarter of that
+    messages = thin_layers(thin, ground, [1])
+    assert len(messages) == 1
+    assert "less than two disc diameters" in messages[0]
+    assert "0.38 m" in messages[0]  # a row of 1.5 m: two discs of a quarter of that
     both = thin.copy()
     both.layer[~thin.fixed & (row != 3)] = 1
     both.layer[~thin.fixed & (row == 3)] = 0
@@ -158,9 +158,9 @@ def test_a_crust_thinner_than_two_discs_is_told(start: DiscModel, ground: Ground
     for rows, count in ((1, 1), (3, 0)):
         crusted.layer[~crusted.fixed] = 0
         crusted.layer[~crusted.fixed & (row == row[~crusted.fixed].max() - rows)] = 1
-        told = thin_crust(crusted, ground, [1])
-        assert len(told) == count
-        assert ["check with discs of 0.32 m radius" in note for note in told] == [True] * count
+        messages = thin_crust(crusted, ground, [1])
+        assert len(messages) == count
+        assert ["check with discs of 0.32 m radius" in note for note in messages] == [True] * count
     assert thin_crust(start, ground, []) == []
 
 
@@ -207,10 +207,10 @@ def test_softer_springs_give_way_as_was_asked(start: DiscModel, ground: Ground) 
 
 
 def test_kh_is_taken_away_again(ground: Ground) -> None:
-    shaking = ground.held(0.2, 10.0, 1.0, 5.0)
+    shaking = ground.constant_acceleration(0.2, 10.0, 1.0, 5.0)
     at = np.interp([9.9, 11.0, 14.9, 16.1, 30.0], shaking.times, shaking.x)
     assert at == pytest.approx([0.0, 0.2 * 9.80665, 0.2 * 9.80665, 0.0, 0.0], abs=1e-9)
-    assert ground.held(0.2, 10.0, 1.0, None).x[-1] == pytest.approx(0.2 * 9.80665)
+    assert ground.constant_acceleration(0.2, 10.0, 1.0, None).x[-1] == pytest.approx(0.2 * 9.80665)
 
 
 def test_a_case_has_one_residual() -> None:

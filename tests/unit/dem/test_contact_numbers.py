@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from dem.errors import ConfinementError
-from dem.laboratory import kept_strengths
+from dem.laboratory import stored_strengths
 from dem.laboratory.compression import BINS, PatchStrength, compress
 from dem.laboratory.contact_numbers import PRESSURE, RADIUS, ContactNumbers
 from dem.laboratory.element_test_programme import SEEDS, ElementTestProgramme, Outcome, Task
-from dem.laboratory.kept_strengths import strength_of_patch
 from dem.laboratory.patch import Sample
 from dem.laboratory.soil_layers import SoilLayer, soil_layers
+from dem.laboratory.stored_strengths import strength_of_patch
 from meshes.section.section import Section
 from tests.support.sections import layer
 
@@ -42,14 +42,14 @@ def strength(after: float, modulus: float = 1e7) -> PatchStrength:
 @pytest.mark.parametrize("numbers", [SAND, ContactNumbers(False, -0.2, 2.0, 128.0)])
 def test_patches_of_equal_numbers_are_scaled_copies(numbers: ContactNumbers) -> None:
     """Twice the radius, four times the pressure and the stiffness: the same motion, to the last bit."""
-    one = replace(numbers.sample(1), size=SMALL)
-    springs = one.layer
+    item = replace(numbers.sample(1), size=SMALL)
+    springs = item.layer
     other = Sample(
         replace(springs, kn=4.0 * springs.kn, ks=4.0 * springs.ks, stop=4.0 * springs.stop,
                 contact_cohesion=8.0 * springs.contact_cohesion),
         "random", 2.0 * RADIUS, seed=1, size=SMALL, law="soil",
     )  # fmt: skip
-    small, large = compress(one, PRESSURE), compress(other, 4.0 * PRESSURE)
+    small, large = compress(item, PRESSURE), compress(other, 4.0 * PRESSURE)
     assert (large.after, large.E) == pytest.approx((4.0 * small.after, 4.0 * small.E), rel=1e-12)
     assert small.after > 0.0
 
@@ -93,26 +93,26 @@ def test_a_test_without_result_says_at_which_pressure_of_the_layer(layers: list[
 
 def test_a_patch_is_tested_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Kept to the last bit; a file that was damaged is made again, and a test without result is not repeated."""
-    asked: list[float] = []
+    requested: list[float] = []
 
     def counted(sample: Sample, pressure: float) -> PatchStrength:
-        asked.append(sample.layer.friction)
+        requested.append(sample.layer.friction)
         if sample.seed == 2:
             raise ConfinementError("it does not come to rest")
         return strength(1e5 / 3.0)
 
-    monkeypatch.setattr(kept_strengths, "_folder", lambda: tmp_path / "kept")
-    monkeypatch.setattr(kept_strengths, "compress", counted)
+    monkeypatch.setattr(stored_strengths, "_folder", lambda: tmp_path / "kept")
+    monkeypatch.setattr(stored_strengths, "compress", counted)
     first, again = strength_of_patch(SAND, 1), strength_of_patch(SAND, 1)
     assert isinstance(first, PatchStrength)
     assert isinstance(again, PatchStrength)
     assert again.after == first.after
     assert again.course.tolist() == first.course.tolist()
     assert strength_of_patch(SAND, 2) == strength_of_patch(SAND, 2) == "it does not come to rest"
-    assert len(asked) == 2
+    assert len(requested) == 2
     strength_of_patch(SAND._replace(friction=np.nextafter(0.4, 1.0)), 1)
-    assert len(asked) == 3
+    assert len(requested) == 3
     for file in (tmp_path / "kept").iterdir():
         file.write_text('{"after": 1.0}')
     assert strength_of_patch(SAND, 1).after == first.after  # type: ignore[union-attr]
-    assert len(asked) == 4
+    assert len(requested) == 4

@@ -133,27 +133,27 @@ def test_confined_on_all_sides_and_stress_as_the_forces_say(make: type) -> None:
 def test_what_a_press_keeps_is_what_the_model_would_say() -> None:
     made = Sample(replace(SOIL, cohesion=0.0), "random", RADIUS, size=SMALL, law="soil").patch()
     confine(made, 1e6)
-    kept, renewed = made.copy(), made.copy()
+    disc_model, renewed = made.copy(), made.copy()
     per_second = 1e-3 / made.time_unit
     drive = np.array([[0.2, 0.5], [0.0, -1.0]]) * per_second
-    with Press(kept) as press:
+    with Press(disc_model) as press:
         for k in range(1, 6):
             press.strain(k * drive, 0.002 / per_second)
-            inside = kept.stress_state()
-            assert press.stable_step() == pytest.approx(largest_step(whole(kept)).seconds, rel=1e-12)
+            inside = disc_model.stress_state()
+            assert press.stable_step() == pytest.approx(largest_step(whole(disc_model)).seconds, rel=1e-12)
     with Press(renewed) as press:
         for k in range(1, 6):
             press.strain(k * drive, 0.002 / per_second)
             press.run.update()  # the contacts go back to the model, and a new layout is made of it
     for name in ("x", "z", "vx", "vz", "roll", "shear", "force_x", "force_z", "pair_i"):
-        assert np.array_equal(getattr(kept.model, name), getattr(renewed.model, name)), name
-    model, after = kept.model, kept.stress_state()
+        assert np.array_equal(getattr(disc_model.model, name), getattr(renewed.model, name)), name
+    model, after = disc_model.model, disc_model.stress_state()
     assert np.array_equal(after.stress, inside.stress)
     assert after.unbalanced == inside.unbalanced
     total = [np.bincount(model.pair_j, f, len(model)) - np.bincount(model.pair_i, f, len(model))
              for f in (model.force_x, model.force_z)]  # fmt: skip
     forces = np.hypot(model.force_x, model.force_z)
-    unbalanced = np.hypot(*total)[~kept.frame].mean() / forces[forces > 0.0].mean()
+    unbalanced = np.hypot(*total)[~disc_model.frame].mean() / forces[forces > 0.0].mean()
     assert after.unbalanced == pytest.approx(unbalanced, rel=1e-12)
 
 
@@ -222,14 +222,14 @@ def test_a_test_that_cannot_go_on_keeps_its_curve_and_says_why() -> None:
 
 
 def test_as_json_holds_soil_beside_discs(sand: ElementTest) -> None:
-    found = json.loads(json.dumps(sand.as_json(STRATUM), allow_nan=False))
-    assert found["stratum"] == "sand"
-    assert found["packing"] == "random"
-    assert found["soil"] == pytest.approx({"E_Pa": 30e6, "nu": 0.3, "c_Pa": 5e3, "phi_deg": 35.0})
-    assert found["assembly"]["E_Pa"] == sand.E
-    assert found["assembly"]["phi_deg"] == pytest.approx(np.degrees(sand.phi))
-    assert [t["pressure_Pa"] for t in found["tests"]] == [1e6, 2e6]
-    assert found["verdicts"] == list(sand.verdicts)
+    data = json.loads(json.dumps(sand.as_json(STRATUM), allow_nan=False))
+    assert data["stratum"] == "sand"
+    assert data["packing"] == "random"
+    assert data["soil"] == pytest.approx({"E_Pa": 30e6, "nu": 0.3, "c_Pa": 5e3, "phi_deg": 35.0})
+    assert data["assembly"]["E_Pa"] == sand.E
+    assert data["assembly"]["phi_deg"] == pytest.approx(np.degrees(sand.phi))
+    assert [t["pressure_Pa"] for t in data["tests"]] == [1e6, 2e6]
+    assert data["verdicts"] == list(sand.verdicts)
 
 
 def test_element_tests_hear_an_interrupt(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -25,7 +25,7 @@ from tests.support.dem_cases import BARE, EARTH, FLOOR, GRAVITY, RADIUS, SOIL, b
 QUAKE = Acceleration(np.linspace(0.0, 2.0, 41), 3.0 * np.sin(np.arange(41.0)), np.cos(np.arange(41.0)))
 
 
-def shaken(law: Law = "paper") -> DiscModel:
+def shaking(law: Law = "paper") -> DiscModel:
     """A box in which lists are made anew, pore springs crack and discs slide; and roll, if they are soil discs."""
     model = box(20, 14, replace(SOIL if law == "paper" else EARTH, cohesion=4e3), tilt=0.1, law=law)
     model.skin = 0.04  # a thin one, so that lists are made often
@@ -58,7 +58,7 @@ def lists(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> No
 def test_number_of_threads_changes_no_bit(energies: bool, law: Law) -> None:
     runs = []
     for threads in (1, 3):
-        model = shaken(law)
+        model = shaking(law)
         Engine(threads=threads, energies=energies, balance=1.0).run(model, 1.0)
         runs.append(model)
     assert runs[0].lists_made > 4
@@ -69,7 +69,7 @@ def test_number_of_threads_changes_no_bit(energies: bool, law: Law) -> None:
 @pytest.mark.parametrize("law", ["paper", "soil"])
 def test_pulses_change_no_bit(law: Law) -> None:
     """Between them places and speeds are those of separate runs, and contacts once they are asked for."""
-    runs, pulsed = shaken(law), shaken(law)
+    runs, pulsed = shaking(law), shaking(law)
     for model in (runs, pulsed):
         model.skin = 0.5  # the list of neighbours lasts, and with it the stable step
         model.make_list()
@@ -92,9 +92,9 @@ def test_pulses_change_no_bit(law: Law) -> None:
 @pytest.mark.parametrize("law", ["paper", "soil"])
 def test_restart_changes_no_bit(tmp_path: Path, law: Law) -> None:
     engine = Engine(dt=2e-4, balance=1.0)
-    whole = shaken(law)
+    whole = shaking(law)
     engine.run(whole, steps=4001)
-    part = shaken(law)
+    part = shaking(law)
     engine.run(part, steps=1777)
     part.save(tmp_path / "checkpoint.npz")
     part = DiscModel.load(tmp_path / "checkpoint.npz")
@@ -126,7 +126,7 @@ def test_room_is_used_again(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_checkpoint_holds_everything(tmp_path: Path) -> None:
-    model = shaken("soil")
+    model = shaking("soil")
     model.lines = FLOOR.copy() - (0, 5, 0, 0, 0, 0)
     Engine(balance=1.0).run(model, 0.2)
     model.save(tmp_path / "checkpoint.npz")
@@ -141,7 +141,7 @@ def test_checkpoint_holds_everything(tmp_path: Path) -> None:
 @pytest.mark.parametrize("law", ["paper", "soil"])
 def test_numbering_changes_rounding_only(law: Law) -> None:
     """The same discs numbered in another order move the same way, until chaos has magnified the last bits."""
-    first = shaken(law)
+    first = shaking(law)
     shuffle = np.random.default_rng(0).permutation(len(first))
     second = DiscModel.create(
         DiscGeometry(first.x[shuffle], first.z[shuffle], RADIUS, first.layer[shuffle]),
@@ -164,7 +164,7 @@ def test_numbering_changes_rounding_only(law: Law) -> None:
 def test_skin_of_the_list_changes_rounding_only(law: Law) -> None:
     ends = []
     for skin in (0.02, 0.3, 0.6):
-        model = shaken(law)
+        model = shaking(law)
         model.skin = skin
         model.make_list()
         Engine(dt=2e-4, balance=1.0).run(model, steps=400)
@@ -206,7 +206,7 @@ def test_list_is_made_only_when_a_disc_has_moved_half_the_skin() -> None:
 
 
 def test_no_steps_leave_the_model_as_it_is() -> None:
-    model = shaken()
+    model = shaking()
     Engine(balance=1.0).run(model, steps=5)
     before = model.copy()
     energies = Engine(balance=1.0).run(model, steps=0)
@@ -300,10 +300,10 @@ def test_cut_pore_springs_by_layer() -> None:
     model = box(8, 6)
     model.set_pore_springs()
     upper = (model.layer[model.pair_i] == 0) | (model.layer[model.pair_j] == 0)
-    held = model.pore_length > 0.0
-    assert model.cut_pore_springs([0]) == np.sum(upper & held)
+    fixed = model.pore_length > 0.0
+    assert model.cut_pore_springs([0]) == np.sum(upper & fixed)
     assert np.all(model.pore_length[upper] == 0.0)
-    assert np.all(model.pore_length[held & ~upper] > 0.0)
+    assert np.all(model.pore_length[fixed & ~upper] > 0.0)
 
 
 def test_settled_column_of_discs_carries_its_weight_to_the_base() -> None:
@@ -321,7 +321,7 @@ def test_settled_column_of_discs_carries_its_weight_to_the_base() -> None:
 
 def test_interrupted_run_leaves_a_whole_model() -> None:
     """Ctrl-C while the kernel runs: the model stands where the kernel stopped, and goes on from there."""
-    model, whole = shaken(), shaken()
+    model, whole = shaking(), shaking()
     engine = Engine(dt=2e-4, balance=1.0)
     timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
     timer.start()

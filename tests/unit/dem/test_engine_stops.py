@@ -68,13 +68,13 @@ def test_smallest_of_all_limits_sets_the_step() -> None:
 
 def test_nan_stops_the_run_and_leaves_the_checkpoint(tmp_path: Path) -> None:
     model = box(6, 5)
-    kept = tmp_path / "kept.npz"
-    engine = Engine(checkpoint=kept, checkpoint_every=0.05)
+    stored = tmp_path / "kept.npz"
+    engine = Engine(checkpoint=stored, checkpoint_every=0.05)
     engine.run(model, 0.1)
     model.vx_half[17] = model.vx[17] = np.nan
-    with pytest.raises(NotFiniteError, match=rf"disc \d+ at x = .* t = 0\.1.*last checkpoint is {kept}"):
+    with pytest.raises(NotFiniteError, match=rf"disc \d+ at x = .* t = 0\.1.*last checkpoint is {stored}"):
         engine.run(model, 0.1)
-    assert np.isfinite(DiscModel.load(kept).x).all()
+    assert np.isfinite(DiscModel.load(stored).x).all()
 
 
 def test_too_deep_an_overlap_stops_the_run() -> None:
@@ -132,7 +132,7 @@ def test_impossible_settings_are_refused(settings: dict, words: str) -> None:
     [({"radius": 0.0}, "radius"), ({"layer": 3}, "layer 3 of 1"), ({"skin": 0.0}, "skin"), ({"x": [np.nan]}, "finite")],
 )
 def test_impossible_discs_are_refused(change: dict, words: str) -> None:
-    given = {"x": [0.0], "z": [0.0], "radius": RADIUS, "layer": 0, "skin": None} | change
-    skin = given.pop("skin")
+    config = {"x": [0.0], "z": [0.0], "radius": RADIUS, "layer": 0, "skin": None} | change
+    skin = config.pop("skin")
     with pytest.raises(ValueError, match=words):
-        DiscModel.create(DiscGeometry(**given), DiscMaterials([BARE]), skin=skin)
+        DiscModel.create(DiscGeometry(**config), DiscMaterials([BARE]), skin=skin)

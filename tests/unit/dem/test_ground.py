@@ -45,10 +45,10 @@ def test_rows_lie_along_the_surface_and_discs_in_their_stratum() -> None:
 def test_gravity_is_vertical_in_the_section() -> None:
     section, ground = s13()
     model = ground.model(springs_of(section, DemSettings(model="paper", radius=0.75), 0.75), DemSettings(model="paper"))
-    gx, gz = ground.turned(*(np.array(g) for g in model.gravity))
+    gx, gz = ground.to_section_axes(*(np.array(g) for g in model.gravity))
     assert (float(gx), float(gz)) == pytest.approx((0.0, -9.80665), abs=1e-12)
     shaking = ground.shaking(0.0, 0.2, 1.0, 2.0)
-    ax, az = ground.turned(shaking.x, shaking.z)
+    ax, az = ground.to_section_axes(shaking.x, shaking.z)
     assert ax[[0, -1]] == pytest.approx([0.0, 0.2 * 9.80665])
     assert az == pytest.approx(0.0, abs=1e-12)
 
@@ -60,7 +60,7 @@ def test_ground_that_falls_to_the_left_is_the_mirror_image() -> None:
     section = Section.parse(data)
     ground = ground_of(section, DemSettings(model="paper", packing="box", radius=0.5))
     assert (ground.downhill, ground.tilt < 0.0) == (-1, True)
-    ax, _ = ground.turned(*(np.array(v) for v in (ground.shaking(0.0, 0.1, 0.0, 1.0).x, np.zeros(65))))
+    ax, _ = ground.to_section_axes(*(np.array(v) for v in (ground.shaking(0.0, 0.1, 0.0, 1.0).x, np.zeros(65))))
     assert ax[-1] < 0.0
 
 
@@ -90,11 +90,11 @@ def test_auto_takes_a_box_only_where_it_fits() -> None:
 def test_table2_wants_ten_strata_and_settings_that_fit() -> None:
     section = Section.parse(slope())
     settings = DemSettings(model="paper", springs="table2", radius=5.0, range=(2.0, 1.0))
-    told = settings.problems(section)
-    assert len(told) == 3
-    assert "ten strata" in told[0]
-    assert "radius = 5 m: expected at most" in told[1]
-    assert "range" in told[2]
+    problems = settings.problems(section)
+    assert len(problems) == 3
+    assert "ten strata" in problems[0]
+    assert "radius = 5 m: expected at most" in problems[1]
+    assert "range" in problems[2]
 
 
 def test_springs_carry_the_names_of_the_strata() -> None:

@@ -25,12 +25,12 @@ def section(surface: list[list[float]]) -> Section:
     })  # fmt: skip
 
 
-def rows(given: Section, shift: float = 0.0) -> Packing:
+def rows(inputs: Section, shift: float = 0.0) -> Packing:
     """Rows of equal discs whose tops touch the surface, with discs held on either side."""
     x = np.arange(-0.5, 37.0, 2.0 * RADIUS)
     depth = RADIUS + 2.0 * RADIUS * np.arange(4)
     xs, down = (grid.ravel() for grid in np.meshgrid(x, depth))
-    z = np.interp(xs, *np.array(given.surface, float).T) - down + shift
+    z = np.interp(xs, *np.array(inputs.surface, float).T) - down + shift
     layer_of = np.where((xs < 0.0) | (xs > 36.0), -1, 0).astype(np.int32)
     return Packing(xs, z, np.full(len(xs), RADIUS), layer_of, np.zeros((0, 6)))
 
@@ -39,44 +39,44 @@ def without(packing: Packing, gone: np.ndarray) -> Packing:
     return Packing(packing.x[~gone], packing.z[~gone], packing.radius[~gone], packing.layer[~gone], packing.lines)
 
 
-def off(given: Section, packing: Packing) -> np.ndarray:
-    return misfit(given, packing.discs(DiscMaterials([SOIL], law="soil")), RADIUS)
+def off(inputs: Section, packing: Packing) -> np.ndarray:
+    return misfit(inputs, packing.discs(DiscMaterials([SOIL], law="soil")), RADIUS)
 
 
 @pytest.mark.parametrize("surface", [LEVEL, FACE])
 def test_rows_that_touch_the_surface_are_level(surface: list[list[float]]) -> None:
     """On a face, too, where the surface falls by two thirds of a metre across one column."""
-    given = section(surface)
-    assert off(given, rows(given)) == pytest.approx(0.0, abs=1e-9)
+    ground = section(surface)
+    assert off(ground, rows(ground)) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_hollow_is_filled() -> None:
-    given = section(LEVEL)
-    packing = rows(given)
+    ground = section(LEVEL)
+    packing = rows(ground)
     hollow = (np.abs(packing.x - 18.0) < 1.8) & (packing.z > TOP - 2.0 * RADIUS)
-    before, after = without(packing, hollow), levelled(given, without(packing, hollow), RADIUS, SPREAD)
-    assert off(given, before).min() < -1.9 * RADIUS
-    assert np.abs(off(given, after)).max() <= STANDS_OUT * RADIUS
+    before, after = without(packing, hollow), levelled(ground, without(packing, hollow), RADIUS, SPREAD)
+    assert off(ground, before).min() < -1.9 * RADIUS
+    assert np.abs(off(ground, after)).max() <= STANDS_OUT * RADIUS
     assert (after.radius >= (1.0 - SPREAD) * RADIUS - 1e-9).all()
     assert (after.radius <= (1.0 + SPREAD) * RADIUS + 1e-9).all()
 
 
 def test_what_stands_out_goes() -> None:
     """And nothing that does is laid in."""
-    given = section(LEVEL)
-    packing = rows(given)
+    ground = section(LEVEL)
+    packing = rows(ground)
     packing.z[(np.abs(packing.x - 18.0) < 1.8) & packing.free] += 0.5 * RADIUS
-    after = levelled(given, packing, RADIUS, SPREAD)
+    after = levelled(ground, packing, RADIUS, SPREAD)
     assert (after.z + after.radius)[after.free].max() <= TOP + STANDS_OUT * RADIUS + 1e-9
 
 
 @pytest.mark.parametrize("surface", [LEVEL, FACE])
 def test_new_discs_overlap_none_and_rest_on_two(surface: list[list[float]]) -> None:
-    given = section(surface)
-    packing = rows(given)
+    ground = section(surface)
+    packing = rows(ground)
     rng = np.random.default_rng(1)
     before = without(packing, packing.free & (rng.uniform(size=len(packing.x)) < 0.15))
-    after = levelled(given, before, RADIUS, SPREAD)
+    after = levelled(ground, before, RADIUS, SPREAD)
     known = {(x, z) for x, z in zip(before.x, before.z, strict=True)}
     new = np.array([(x, z) not in known for x, z in zip(after.x, after.z, strict=True)])
     assert new.sum() >= 3
@@ -97,9 +97,9 @@ def test_new_discs_at_the_toe_of_a_quay_overlap_none_behind_it() -> None:
 
 
 def test_the_same_discs_give_the_same_surface() -> None:
-    given = section(FACE)
-    packing = rows(given)
+    ground = section(FACE)
+    packing = rows(ground)
     before = without(packing, packing.free & (np.arange(len(packing.x)) % 7 == 0))
-    one, two = (levelled(given, before, RADIUS, SPREAD) for _ in range(2))
-    assert np.array_equal(one.x, two.x)
-    assert np.array_equal(one.radius, two.radius)
+    item, two = (levelled(ground, before, RADIUS, SPREAD) for _ in range(2))
+    assert np.array_equal(item.x, two.x)
+    assert np.array_equal(item.radius, two.radius)

@@ -19,19 +19,19 @@ from dem.kernels.liquefied_pairs import (
     DENSITY,
     FITTED,
     NOW,
-    PUSH,
+    PRESSURE_TERM,
     STRAIN,
     STRENGTH,
     TAKEN_ACROSS_AT,
     TAKEN_ALONG_AT,
 )
-from dem.kernels.liquefied_stress import held_shear
+from dem.kernels.liquefied_stress import measured_shear
 from dem.liquefied_ground import (
     ADJUSTS,
     LEAST_STRAIN,
     MOST_STRAIN,
     Onset,
-    has_begun,
+    is_liquefying,
     liquefy,
     match_strength,
     set_share,
@@ -72,27 +72,27 @@ def heap(gravity: float = GRAVITY, base: bool = True, seed: int = 3, soft: bool 
     return model
 
 
-def same(one: DiscModel, other: DiscModel) -> None:
+def same(single: DiscModel, other: DiscModel) -> None:
     for name in ("x", "z", "vx", "vz", "liquefied", "liquefied_i", "bonds", "strength_factor", "energy_sums"):
-        assert np.array_equal(getattr(one, name), getattr(other, name)), name
+        assert np.array_equal(getattr(single, name), getattr(other, name)), name
 
 
 def test_kernels_are_one_over_the_plane() -> None:
     """Integral of W over the plane, closed form of Wendland's C2; its slope is its derivative; w falls from 1 to 0."""
     r = np.linspace(0.0, 1.999, 4001)
-    width = np.array([density_kernel.py_func(one, 2.0) for one in r])
+    width = np.array([density_kernel.py_func(item, 2.0) for item in r])
     assert trapezoid(2.0 * np.pi * r * width[:, 0], r) == pytest.approx(1.0, rel=1e-4)
     assert np.gradient(width[:, 0], r)[1:-1] == pytest.approx(width[1:-1, 1], abs=1e-3)
-    assert [bond_kernel.py_func(one, 2.0) for one in (0.0, 2.0)] == [1.0, 0.0]
+    assert [bond_kernel.py_func(entry, 2.0) for entry in (0.0, 2.0)] == [1.0, 0.0]
 
 
 @pytest.mark.parametrize("soft", [False, True])
 def test_threads_do_not_change_a_bit(soft: bool) -> None:
-    one, three = heap(soft=soft), heap(soft=soft)
-    for model, threads in ((one, 1), (three, 3)):
+    disc_model, three = heap(soft=soft), heap(soft=soft)
+    for model, threads in ((disc_model, 1), (three, 3)):
         Engine(dt=4e-4, threads=threads, balance=5e-3).run(model, steps=400)
-    assert one.lists_made > 3
-    same(one, three)
+    assert disc_model.lists_made > 3
+    same(disc_model, three)
 
 
 @pytest.mark.parametrize("soft", [False, True])
@@ -106,7 +106,7 @@ def test_stops_and_checkpoints_do_not_change_a_bit(tmp_path: Path, soft: bool) -
         part.save(tmp_path / "half.npz")
         part = DiscModel.load(tmp_path / "half.npz")
     engine.run(part, steps=100)
-    assert whole.steps_held > 1
+    assert whole.steps_between_looks > 1
     same(whole, part)
 
 
@@ -142,28 +142,28 @@ def test_pairs_take_back_the_shear_that_pressure_bears(axes: int, seed: int) -> 
     bear beyond the mean stays; that nothing is left on the average shows the endless slope of `test_strain_potential`.
     """
     model = heap(gravity=0.0, base=False, seed=seed, soft=True)
-    wet, i, j, begun = model.liquefied, model.liquefied_i, model.liquefied_j, has_begun(model)
-    wet[:, PUSH] = np.where(begun, 5e4, 0.0)
+    wet, i, j, started = model.liquefied, model.liquefied_i, model.liquefied_j, is_liquefying(model)
+    wet[:, PRESSURE_TERM] = np.where(started, 5e4, 0.0)
     take_back_shear(model)
     way = np.array([model.x[j] - model.x[i], model.z[j] - model.z[i]])
     apart = np.hypot(*way)
     nx, nz = way / apart
     width, slope = np.array([density_kernel.py_func(min(r, model.reach), model.reach) for r in apart]).T
-    twice = np.where(begun[i] & begun[j], 1.0, 2.0)
-    pushed = twice * (wet[i, PUSH] + wet[j, PUSH]) * wet[i, AREA] * wet[j, AREA] * slope * apart
+    twice = np.where(started[i] & started[j], 1.0, 2.0)
+    loaded = twice * (wet[i, PRESSURE_TERM] + wet[j, PRESSURE_TERM]) * wet[i, AREA] * wet[j, AREA] * slope * apart
     along, across = model.bonds[:, [TAKEN_ALONG_AT, TAKEN_ACROSS_AT]].T * apart
     fx, fz = along * nx - across * nz, along * nz + across * nx
-    borne = pushed * (0.5 * (nx * nx - nz * nz) if axes == 0 else nx * nz)
+    borne = loaded * (0.5 * (nx * nx - nz * nz) if axes == 0 else nx * nz)
     taken = 0.5 * (fx * nx - fz * nz) if axes == 0 else 0.5 * (fx * nz + fz * nx)
 
     def of_discs(values: np.ndarray) -> np.ndarray:
         """The mean over neighbours of what pairs (pairs,) add to each disc, but for a factor."""
         each = np.bincount(i, values, len(model)) + np.bincount(j, values, len(model))
-        weight = np.where(begun[i] & begun[j], width, 0.0)
+        weight = np.where(started[i] & started[j], width, 0.0)
         near = np.bincount(i, weight * each[j], len(model)) + np.bincount(j, weight * each[i], len(model))
         return np.asarray(density_kernel.py_func(0.0, model.reach)[0] * each + near)
 
-    within = begun & (model.x > 3.0) & (model.x < 17.0) & (model.z > 2.0) & (model.z < 8.0)
+    within = started & (model.x > 3.0) & (model.x < 17.0) & (model.z > 2.0) & (model.z < 8.0)
     first, second = of_discs(borne)[within], of_discs(taken)[within]
     assert within.sum() > 60
     assert np.corrcoef(first, second)[0, 1] < -0.7
@@ -198,27 +198,27 @@ def affine(strain: np.ndarray) -> tuple[DiscModel, np.ndarray]:
     lever = np.where(distance < model.reach, bond_kernel.py_func(distance, model.reach) * distance, 0.0)
     levers = np.bincount(i, lever, 900) + np.bincount(j, lever, 900)
     model.liquefied[:, BOND] = model.liquefied[:, STRENGTH] * model.liquefied[:, AREA] / levers
-    ahead = apart / distance
+    following = apart / distance
     towards = strain @ apart / np.maximum(np.hypot(*(strain @ apart)), 1e-12)
     model.bonds[:, :] = 0.0
-    model.bonds[:, 0] = np.sum(ahead * towards, axis=0)
-    model.bonds[:, 1] = ahead[0] * towards[1] - ahead[1] * towards[0]
+    model.bonds[:, 0] = np.sum(following * towards, axis=0)
+    model.bonds[:, 1] = following[0] * towards[1] - following[1] * towards[0]
     return model, strain @ at
 
 
 @pytest.mark.parametrize(
-    ("strain", "held"),
+    ("strain", "constant"),
     [([[0.0, 0.01], [0.0, 0.0]], 1.0), ([[0.0, 0.0], [-0.02, 0.0]], 1.0), ([[0.01, 0.0], [0.0, -0.01]], np.pi / 4.0)],
 )
-def test_the_shear_stress_that_bonds_hold_is_measured(strain: list[list[float]], held: float) -> None:
+def test_the_shear_stress_that_bonds_hold_is_measured(strain: list[list[float]], constant: float) -> None:
     """By integration over directions: FITTED times the strength in simple shear, and pi/4 of that in pure shear, since
     bonds resist the rotation of simple shear, too."""
     model, way = affine(np.array(strain))
-    stress, shear, used = held_shear(
+    stress, shear, used = measured_shear(
         model.liquefied, way, np.array([model.liquefied_i, model.liquefied_j]), model.bonds, model.reach, model.repeats
     )
     inside = (np.abs(model.x - 13.0) < 9.0) & (np.abs(model.z - 13.0) < 9.0)
-    assert stress[inside].mean() == pytest.approx(FITTED * held * 1e4, rel=0.03)
+    assert stress[inside].mean() == pytest.approx(FITTED * constant * 1e4, rel=0.03)
     gamma = np.hypot(strain[0][0] - strain[1][1], strain[0][1] + strain[1][0])
     assert shear[inside] == pytest.approx(gamma)
     assert used[inside] == pytest.approx(1.0)
@@ -257,7 +257,7 @@ def test_contacts_of_liquefied_layers_are_gone() -> None:
 def test_what_drains_takes_its_area_along() -> None:
     model = heap()
     area, density = model.liquefied[:, AREA].copy(), model.liquefied[:, NOW].copy()
-    wet = has_begun(model)
+    wet = is_liquefying(model)
     model.set_radius(np.where(wet, 0.95, 1.0) * model.radius)
     assert model.liquefied[wet, AREA] == pytest.approx(0.95**2 * area[wet])
     assert (model.liquefied[~wet, AREA] == area[~wet]).all()
@@ -268,23 +268,23 @@ def test_what_drains_takes_its_area_along() -> None:
 def test_a_free_surface_counts_as_ground_that_is_as_dense_as_below() -> None:
     """Discs with half of their neighbours would press without end once they are buried."""
     box = ShearedBox.of(0, 6e4).model
-    at_rest = box.liquefied[has_begun(box), DENSITY]
+    at_rest = box.liquefied[is_liquefying(box), DENSITY]
     assert at_rest.min() > 0.85 * np.median(at_rest)
 
 
 def test_what_cannot_liquefy() -> None:
     n = 40
     x, z, nothing = np.arange(n) * 2.0 * RADIUS, np.zeros(n), np.zeros(n)
-    given = Onset(np.ones(n, bool), np.ones(n), nothing, nothing, nothing)
+    config = Onset(np.ones(n, bool), np.ones(n), nothing, nothing, nothing)
     with pytest.raises(ValueError, match="only those of law='soil' liquefy"):
-        liquefy(DiscModel.create(DiscGeometry(x, z, RADIUS), DiscMaterials([BARE])), given)
+        liquefy(DiscModel.create(DiscGeometry(x, z, RADIUS), DiscMaterials([BARE])), config)
     short = DiscModel.create(
         DiscGeometry(x[:6], z[:6], RADIUS),
         DiscMaterials([LOOSE], law="soil"),
         DiscBoundary(period=(12.5 * RADIUS, 0.0)),
     )
     with pytest.raises(ValueError, match="three times the range of its pore pressure kernel"):
-        liquefy(short, given)
+        liquefy(short, config)
 
 
 @pytest.fixture(scope="module")
@@ -300,7 +300,7 @@ def level() -> tuple[DiscModel, Ground]:
 def test_overburden_is_the_weight_above(level: tuple[DiscModel, Ground]) -> None:
     """Of level ground with a buoyant layer below: within 3 % in the middle, 15 % beside the walls."""
     model = level[0]
-    found = effective_overburden(model)
+    values = effective_overburden(model)
     row = np.round(model.z / (np.sqrt(3.0) * RADIUS)).astype(int)
     free = ~model.fixed
     lowest, top = int(row[free].min()), int(row[free].max())
@@ -308,8 +308,8 @@ def test_overburden_is_the_weight_above(level: tuple[DiscModel, Ground]) -> None
     expected = (np.cumsum(down[::-1])[::-1] - 0.5 * down) / (2.0 * RADIUS)
     middle = free & (np.abs(model.x - model.x.mean()) < 6.0 * RADIUS)
     for k in range(lowest, top + 1):
-        assert found[middle & (row == k)] == pytest.approx(expected[k - lowest], rel=0.03)
-    assert found[free] == pytest.approx(expected[row[free] - lowest], rel=0.15)
+        assert values[middle & (row == k)] == pytest.approx(expected[k - lowest], rel=0.03)
+    assert values[free] == pytest.approx(expected[row[free] - lowest], rel=0.15)
 
 
 def test_residual_strength_of_a_case(level: tuple[DiscModel, Ground]) -> None:

@@ -33,22 +33,22 @@ assert told and not {"take_steps", "energies", "find_pairs", "stable_step"} & se
 
 @pytest.mark.slow
 def test_a_run_compiles_none_of_them_again(tmp_path: Path) -> None:
-    given = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
-    subprocess.run([sys.executable, "-c", PROGRAM], env=given, check=True)
+    config = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    subprocess.run([sys.executable, "-c", PROGRAM], env=config, check=True)
     assert list(tmp_path.glob(f"*/{precompile.MARK}-*"))
 
 
 def test_they_are_compiled_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(precompile, "kept_kernels", lambda: tmp_path)
+    monkeypatch.setattr(precompile, "kernel_folder", lambda: tmp_path)
     wanted: list[str] = []
-    told: list[str] = []
+    messages: list[str] = []
 
-    class Asked(Executor):
+    class RecordingExecutor(Executor):
         def compute(self, work: object, inputs: Sequence[str], *_: object) -> list[None]:  # type: ignore[override]
             wanted.extend(inputs)
             return [None for _ in inputs]
 
     for _ in range(2):
-        precompile.precompile(Asked(), told.append)
+        precompile.precompile(RecordingExecutor(), messages.append)
     assert wanted == ["steps", "energies"]
-    assert len(told) == 1
+    assert len(messages) == 1

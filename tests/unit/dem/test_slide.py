@@ -55,7 +55,7 @@ def slid(start: DiscModel, ground: Ground, case: Case | None, **changes: object)
 def test_kh_reverses_in_its_cycles_where_no_record_is_given(start: DiscModel, ground: Ground) -> None:
     """Two cycles of half a second and the halves at the edges, then nothing; it was held for ever before."""
     settings = SETTINGS.changed(kh=0.1, kh_cycles=2.0, kh_period=0.5, onset=1.0)
-    drive = Slider(start, ground, [1], Case(residual=0.1), settings).drive
+    drive = Slider(start, ground, [1], Case(residual=0.1), settings).motion
     assert drive.starts == {1: 0.0}  # liquefied in full once the shaking begins
     assert drive.end == pytest.approx(1.0 + 1.5 + settings.duration, abs=1e-5)
     moving = drive.acceleration
@@ -64,7 +64,7 @@ def test_kh_reverses_in_its_cycles_where_no_record_is_given(start: DiscModel, gr
     assert swing.max() == pytest.approx(-swing.min(), rel=0.02)
     assert swing.max() == pytest.approx(0.1 * 9.81 * np.cos(ground.tilt), rel=0.02)
     assert np.abs(swing[260:]).max() < 1e-9
-    assert Slider(start, ground, [1], None, settings.changed(kh=0.0)).drive.end == settings.duration
+    assert Slider(start, ground, [1], None, settings.changed(kh=0.0)).motion.end == settings.duration
 
 
 def test_liquefied_layers_take_the_factors() -> None:
@@ -88,13 +88,13 @@ def test_softer_layers_settle_more_and_nothing_escapes(start: DiscModel, ground:
     for slide in cases:
         assert slide.escaped == 0
         work = [row.work_J for row in slide.rows]
-        held = [row.kinetic_J + row.stored_J + row.dissipated_J for row in slide.rows]
+        fixed = [row.kinetic_J + row.stored_J + row.dissipated_J for row in slide.rows]
         # energy in the springs that was cut at the onset is no work, and does not change afterwards
-        assert np.ptp(np.array(held) - work) < 2e-3 * max(abs(w) for w in work)
-    told = cases[-1].as_json(alone)
-    assert told["slides_over_share_uphill"] >= told["slides_over_share_downhill"]
-    assert len(told["surface_before"]) > 10
-    assert np.ptp(told["surface_after"], axis=0)[0] == pytest.approx(np.ptp(told["surface_before"], axis=0)[0], abs=4.0)
+        assert np.ptp(np.array(fixed) - work) < 2e-3 * max(abs(w) for w in work)
+    data = cases[-1].as_json(alone)
+    assert data["slides_over_share_uphill"] >= data["slides_over_share_downhill"]
+    assert len(data["surface_before"]) > 10
+    assert np.ptp(data["surface_after"], axis=0)[0] == pytest.approx(np.ptp(data["surface_before"], axis=0)[0], abs=4.0)
 
 
 def test_a_slide_that_a_side_of_the_box_stopped_has_not_come_to_rest(
@@ -102,10 +102,10 @@ def test_a_slide_that_a_side_of_the_box_stopped_has_not_come_to_rest(
 ) -> None:
     """The surface lies still in both; where a side holds it, it would go on in a longer section."""
     monkeypatch.setattr("dem.slides.liquefaction.stopped_by", lambda sides: "right")
-    held = slid(start, ground, Case(stiffness=0.3), kh=0.0, duration=30.0, still=1e-3)
-    assert not held.settled
-    assert held.stopped_by == "right"
-    assert held.reason == "the right side of the box stopped it: a longer section would let it go on"
+    slide = slid(start, ground, Case(stiffness=0.3), kh=0.0, duration=30.0, still=1e-3)
+    assert not slide.settled
+    assert slide.stopped_by == "right"
+    assert slide.reason == "the right side of the box stopped it: a longer section would let it go on"
 
 
 def closing(load: float, k: float) -> float:
@@ -155,15 +155,17 @@ def test_a_slide_whose_energy_does_not_balance_begins_again_with_half_the_step(
     assert plain.step_share == SETTINGS.step_of("paper")
 
     def misses(allowed: float) -> Slide:
-        monkeypatch.setattr("dem.slides.liquefaction.Engine", lambda **given: Engine(**{"balance": allowed, **given}))
+        monkeypatch.setattr(
+            "dem.slides.liquefaction.Engine", lambda **strengths: Engine(**{"balance": allowed, **strengths})
+        )
         return Slider(start, ground, [1], case, SETTINGS, tmp_path / f"{allowed:g}").run()
 
     half = misses(BETWEEN)
     assert half.step_share == SETTINGS.step_of("paper") / 2
     assert half.reason.split(";")[0] == plain.reason.split(";")[0]
     assert abs(len(half.rows) - len(plain.rows)) <= 1  # when a slide is at rest hangs on a look
-    for one, other in zip(half.rows, plain.rows, strict=False):
-        assert one.time_s == pytest.approx(other.time_s, abs=0.01)
+    for row, other in zip(half.rows, plain.rows, strict=False):
+        assert row.time_s == pytest.approx(other.time_s, abs=0.01)
     assert half.rows[-1].slide_max_m == pytest.approx(plain.rows[-1].slide_max_m, abs=0.1)
     resumed = Slider(start, ground, [1], case, SETTINGS, tmp_path / f"{BETWEEN:g}").run()
     assert resumed == half
@@ -176,8 +178,8 @@ def test_a_slide_whose_energy_does_not_balance_begins_again_with_half_the_step(
 
 def test_threads_do_not_change_a_slide(start: DiscModel, ground: Ground) -> None:
     case = Case(stiffness=0.05)
-    one, two = (Slider(start, ground, [1], case, SETTINGS).run(threads=n) for n in (1, 2))
-    assert one == two
+    item, two = (Slider(start, ground, [1], case, SETTINGS).run(threads=n) for n in (1, 2))
+    assert item == two
 
 
 def test_an_onset_that_takes_time_ends_at_the_same_springs(start: DiscModel, ground: Ground) -> None:
@@ -228,13 +230,13 @@ def test_cracks_and_escapes_are_counted(start: DiscModel, ground: Ground) -> Non
 def test_a_record_shakes_and_strata_liquefy_each_at_its_time(ground: Ground, start: DiscModel) -> None:
     """Constant push as a record is Kh that is held; what liquefies later is still whole until then; then calm."""
     time = np.linspace(0.0, 3.0, 61)
-    push = np.where(time < 2.0, 0.1 * 9.80665 * np.minimum(1.0, time / 0.5), 0.0)
+    acceleration = np.where(time < 2.0, 0.1 * 9.80665 * np.minimum(1.0, time / 0.5), 0.0)
     heard: dict[float, float] = {}
 
     def look(model: DiscModel, row: Row, _: bool) -> None:
         heard[round(row.time_s, 2)] = model.springs.layers[1].kn
 
-    shaking = Shaking(time, push, {1: 1.25})
+    shaking = Shaking(time, acceleration, {1: 1.25})
     slide = Slider(start, ground, [1], Case(stiffness=0.1), SETTINGS, shaking=shaking).run(look)
     assert heard[1.0] == LAYERS[1].kn
     assert heard[1.25] == LAYERS[1].kn  # the look comes before the change
@@ -247,11 +249,11 @@ def test_no_record_moves_nothing_and_its_sign_is_downhill(ground: Ground, start:
     time = np.linspace(0.0, 1.0, 41)
     wave = 2.0 * np.sin(np.pi * time)
 
-    def far(push: np.ndarray) -> float:
-        slider = Slider(start, ground, [], None, SETTINGS, shaking=Shaking(time, push, {}))
+    def far(loading: np.ndarray) -> float:
+        slider = Slider(start, ground, [], None, SETTINGS, shaking=Shaking(time, loading, {}))
         slider.run()
         return float(slider.surface.movement(slider.model, ground)[0].mean())
 
-    calm, down, up = far(0.0 * wave), far(wave), far(-wave)
-    assert abs(calm) < 1e-4
-    assert down > calm > up
+    count, down, up = far(0.0 * wave), far(wave), far(-wave)
+    assert abs(count) < 1e-4
+    assert down > count > up

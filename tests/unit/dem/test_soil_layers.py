@@ -43,8 +43,8 @@ def test_the_map_rises_with_friction_and_with_cohesion(turns: bool) -> None:
     holds |= table.friction[:, None] >= 0.0
     soils = (table.friction[:, None] <= 0.4) & (table.cohesion <= 6.4)
     rise = np.diff(table.after, axis=0), np.diff(table.after, axis=1)
-    own = table.cohesion > 0.0
-    assert (rise[0][(holds & soils)[:-1] & soils[1:] & own] > 0.0).all()
+    at_stress = table.cohesion > 0.0
+    assert (rise[0][(holds & soils)[:-1] & soils[1:] & at_stress] > 0.0).all()
     assert (rise[1][holds[:, :-1] & soils[:, 1:]] > 0.0).all()
     assert ((table.after[~holds] > 0.1) & (table.after[~holds] < 0.25)).all()  # what the geometry of discs holds
     assert (table.after < table.peak).all()
@@ -67,9 +67,9 @@ def test_the_peak_of_sand_is_told() -> None:
 def test_any_sand_is_met_at_all_stresses(degrees: float) -> None:
     phi = np.radians(degrees)
     wanted = PRESSURES * np.sin(phi) / (1.0 - np.sin(phi))
-    found = strength_map().fit(wanted, PRESSURES, cohesive=False)
-    assert found.cohesion == 0.0
-    assert found.expected == pytest.approx(wanted, rel=0.02)
+    fit = strength_map().fit(wanted, PRESSURES, cohesive=False)
+    assert fit.cohesion == 0.0
+    assert fit.expected == pytest.approx(wanted, rel=0.02)
 
 
 @settings(deadline=None, max_examples=25)
@@ -77,24 +77,25 @@ def test_any_sand_is_met_at_all_stresses(degrees: float) -> None:
 def test_any_clay_is_met_at_all_stresses(cohesion_over_stress: float) -> None:
     """Its contacts hold less where they are pressed harder, since the geometry of discs has friction and clay none."""
     wanted = np.full(3, cohesion_over_stress * PRESSURES[-1])
-    found = strength_map(turns=False).fit(wanted, PRESSURES)
-    assert found.friction < 0.0
-    assert found.expected == pytest.approx(wanted, rel=0.07)
+    fit = strength_map(turns=False).fit(wanted, PRESSURES)
+    assert fit.friction < 0.0
+    assert fit.expected == pytest.approx(wanted, rel=0.07)
 
 
 def test_every_layer_of_s13() -> None:
-    layers = {one.stratum.name: one for one in soil_layers(Section.read(SECTIONS / "s13.toml"))}
+    layers = {soil_layer.stratum.name: soil_layer for soil_layer in soil_layers(Section.read(SECTIONS / "s13.toml"))}
     # stiff discs are a little stronger at little stress, as sand is: 7 % to either side of the middle
     assert layers["5 Asd"].expected == pytest.approx(layers["5 Asd"].wanted, rel=0.08)
     asd = layers["5 Asd"]
     kappa = asd.stiffness / (0.5 * asd.stress)
     assert asd.stratum.youngs_modulus / asd.stiffness == pytest.approx(0.493 * (kappa / 400.0) ** -0.22, rel=0.02)
-    assert all(one.turns == (one.stratum.friction_angle > 0.0) for one in layers.values())
-    springs = [one.springs(0.75, 0.3) for one in layers.values()]
+    assert all(item.turns == (item.stratum.friction_angle > 0.0) for item in layers.values())
+    springs = [value.springs(0.75, 0.3) for value in layers.values()]
     assert all(
-        np.isfinite(own.rolling_friction) == one.turns for own, one in zip(springs, layers.values(), strict=True)
+        np.isfinite(at_stress.rolling_friction) == spring.turns
+        for at_stress, spring in zip(springs, layers.values(), strict=True)
     )
-    assert all(one.stiffness >= SOFTEST * one.stress for one in layers.values())
+    assert all(entry.stiffness >= SOFTEST * entry.stress for entry in layers.values())
     assert "as strong as this soil" in layers["10 Base"].notes[0]
 
 
@@ -107,8 +108,8 @@ def test_a_layer_that_no_discs_can_be_is_named_with_what_can_be_had() -> None:
 
 
 def test_weight_and_mass_are_those_of_the_soil() -> None:
-    one = soil_layers(homogeneous(density_ordinary=900.0, density_seismic=1900.0))[0]
-    springs = one.springs(0.5, 0.27)
+    item = soil_layers(homogeneous(density_ordinary=900.0, density_seismic=1900.0))[0]
+    springs = item.springs(0.5, 0.27)
     assert springs.density == pytest.approx(1.27 * 1900.0)
     assert springs.effective_density == pytest.approx(1.27 * 900.0)
 
@@ -122,7 +123,7 @@ def test_stiff_sand_is_asked_for_less_since_its_discs_dilate_more() -> None:
         assert gain[kappa] == pytest.approx(strength / 1.047, rel=0.04)
     stiff = gain[6000.0]
     assert float(table.gained_by_softness(400.0 * 1e5, np.array(1e5), 0.0)) == 1.0
-    one, ten = (soil_layers(homogeneous(cohesion="0 kPa", youngs_modulus=f"{e} MPa"))[0] for e in (20, 200))
-    assert ten.friction < one.friction
+    item, ten = (soil_layers(homogeneous(cohesion="0 kPa", youngs_modulus=f"{e} MPa"))[0] for e in (20, 200))
+    assert ten.friction < item.friction
     hardly = float(table.gained_by_softness(6000.0 * 1e5, np.array(1e5), 1.0))
     assert hardly == pytest.approx(stiff, rel=1e-3)  # a pascal of cohesion is none

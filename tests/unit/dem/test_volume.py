@@ -95,10 +95,10 @@ def volume_lost(start: DiscModel, model: DiscModel) -> float:
 def test_loose_ground_that_liquefies_keeps_its_volume(wedge: tuple[DiscModel, Ground]) -> None:
     """It got denser by 6 % as long as contacts bore it; pore water keeps it, and no disc swells."""
     start, ground = wedge
-    kept = Slider(start, ground, [1], CASE, SETTINGS.model_copy(update={"duration": 20.0}))
-    kept.run()
-    assert abs(volume_lost(start, kept.model)) < 0.015
-    assert (kept.model.radius == start.radius).all()
+    slider = Slider(start, ground, [1], CASE, SETTINGS.model_copy(update={"duration": 20.0}))
+    slider.run()
+    assert abs(volume_lost(start, slider.model)) < 0.015
+    assert (slider.model.radius == start.radius).all()
 
 
 def test_undrained_ground_that_shears_swells(
@@ -107,17 +107,17 @@ def test_undrained_ground_that_shears_swells(
     """Only discs of the stratum get larger, none heavier."""
     start, ground = undrained_wedge
     settings = SETTINGS.model_copy(update={"kh": 0.4, "duration": 20.0})
-    kept = Slider(start, ground, [], None, settings)
-    kept.run()
+    slider = Slider(start, ground, [], None, settings)
+    slider.run()
     monkeypatch.setattr("dem.slides.liquefaction.undrained", lambda *_: [])
     drained = Slider(start, ground, [], None, settings)
     drained.run()
     assert volume_lost(start, drained.model) > 0.01
-    assert abs(volume_lost(start, kept.model)) < 0.006
+    assert abs(volume_lost(start, slider.model)) < 0.006
     other = start.layer != 1
-    assert (kept.model.radius[other] == start.radius[other]).all()
-    assert (kept.model.mass == start.mass).all()
-    assert 1.01 < kept.swelling[-1][0] < 1.1
+    assert (slider.model.radius[other] == start.radius[other]).all()
+    assert (slider.model.mass == start.mass).all()
+    assert 1.01 < slider.swelling[-1][0] < 1.1
 
 
 def test_what_swells_goes_on_with_the_same_bits(

@@ -65,14 +65,14 @@ def solved(
 
 
 def test_it_goes_on_until_the_answer_no_longer_changes() -> None:
-    found = solved(Solver(error=5.0))
-    assert found.converged
-    assert [one.cells for one in found.rounds] == sorted({one.cells for one in found.rounds})
-    assert found.rounds[0].change == float("inf")
-    assert found.rounds[-1].rest <= 0.01 < found.rounds[-2].rest
-    assert found.rounds[-1].cells == len(found.mesh.cells)
-    assert found.result.value == found.rounds[-1].value
-    assert found.limit == pytest.approx(EXACT, rel=1e-9)  # the error is what the limit supposes
+    solution = solved(Solver(error=5.0))
+    assert solution.converged
+    assert [item.cells for item in solution.rounds] == sorted({item.cells for item in solution.rounds})
+    assert solution.rounds[0].change == float("inf")
+    assert solution.rounds[-1].rest <= 0.01 < solution.rounds[-2].rest
+    assert solution.rounds[-1].cells == len(solution.mesh.cells)
+    assert solution.result.value == solution.rounds[-1].value
+    assert solution.limit == pytest.approx(EXACT, rel=1e-9)  # the error is what the limit supposes
 
 
 def test_a_finer_mesh_that_bears_more_is_trusted_less() -> None:
@@ -90,44 +90,46 @@ def test_a_rise_on_about_as_many_cells_tells_no_error() -> None:
         mechanism = SimpleNamespace(plastic_shear_strain=np.ones(len(mesh.cells)))
         return SimpleNamespace(value=next(values), reason="", mechanism=mechanism)
 
-    found = solve_adaptively(generate(section, wanted), partial(next_mesh, section, wanted), solve, Wish(0.02, 9000))
-    assert found.rounds[1].cells < 1.25 * found.rounds[0].cells
-    assert [one.tells for one in found.rounds[:3]] == [True, False, True]
-    assert found.converged
-    assert found.result.value < 0.0886
+    adaptive_result = solve_adaptively(
+        generate(section, wanted), partial(next_mesh, section, wanted), solve, Wish(0.02, 9000)
+    )
+    assert adaptive_result.rounds[1].cells < 1.25 * adaptive_result.rounds[0].cells
+    assert [item.tells for item in adaptive_result.rounds[:3]] == [True, False, True]
+    assert adaptive_result.converged
+    assert adaptive_result.result.value < 0.0886
 
 
 def test_it_ends_at_the_limit_of_cells_and_says_so() -> None:
     solver = Solver(error=100.0)
-    found = solved(solver, max_cells=2000)
-    assert not found.converged
-    assert "2000 are allowed" in found.reason
+    solution = solved(solver, max_cells=2000)
+    assert not solution.converged
+    assert "2000 are allowed" in solution.reason
     assert max(solver.seen) < 2500
 
 
 def test_the_last_answer_counts_where_the_next_mesh_has_none() -> None:
-    found = solved(Solver(error=100.0, breaks_at=1500))
-    assert not found.converged
-    assert found.reason == "there is no answer on the next mesh: the section fails under its own weight"
-    assert found.rounds[-1].cells == len(found.mesh.cells) < 1500
+    solution = solved(Solver(error=100.0, breaks_at=1500))
+    assert not solution.converged
+    assert solution.reason == "there is no answer on the next mesh: the section fails under its own weight"
+    assert solution.rounds[-1].cells == len(solution.mesh.cells) < 1500
 
 
 def test_without_a_mechanism_there_is_nothing_to_refine() -> None:
-    found = solved(Solver(error=100.0, fails=False))
-    assert (len(found.rounds), found.converged) == (1, False)
-    assert found.reason == "there is no mechanism to refine: it is told"
-    assert np.isnan(found.limit)
+    solution = solved(Solver(error=100.0, fails=False))
+    assert (len(solution.rounds), solution.converged) == (1, False)
+    assert solution.reason == "there is no mechanism to refine: it is told"
+    assert np.isnan(solution.limit)
 
 
 def test_a_direction_that_cannot_govern_is_not_refined() -> None:
-    found = solved(Solver(error=100.0), other=0.6 * EXACT)
-    assert (len(found.rounds), found.reason) == (1, "the other direction governs")
+    solution = solved(Solver(error=100.0), other=0.6 * EXACT)
+    assert (len(solution.rounds), solution.reason) == (1, "the other direction governs")
 
 
 def test_a_direction_is_refined_until_what_is_left_of_its_error_no_longer_matters() -> None:
-    found = solved(Solver(error=20.0), accuracy=1e-4, other=0.9 * EXACT)
-    assert (len(found.rounds), found.reason) == (2, "the other direction governs")
-    assert found.result.value * (1.0 - 2.0 * found.rounds[-1].rest) > 0.9 * EXACT
+    solution = solved(Solver(error=20.0), accuracy=1e-4, other=0.9 * EXACT)
+    assert (len(solution.rounds), solution.reason) == (2, "the other direction governs")
+    assert solution.result.value * (1.0 - 2.0 * solution.rounds[-1].rest) > 0.9 * EXACT
 
 
 def test_no_answer_on_the_first_mesh_is_raised() -> None:

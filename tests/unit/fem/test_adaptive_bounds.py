@@ -13,7 +13,7 @@ from meshes.section.section import Section
 from tests.support import SECTIONS
 
 
-class Found(Bracket):
+class FixedBracket(Bracket):
     """A bracket of bounds alone."""
 
     def __init__(self, *bounds: tuple[float | None, float | None]) -> None:
@@ -33,7 +33,7 @@ class Found(Bracket):
         return 2.0 * (self.upper - self.lower) / (self.upper + self.lower) if np.isfinite(self.upper) else np.inf
 
 
-CLOSING = Found((0.2, 0.4), (0.25, 0.35), (0.28, 0.32))
+CLOSING = FixedBracket((0.2, 0.4), (0.25, 0.35), (0.28, 0.32))
 
 
 @pytest.mark.parametrize(
@@ -55,37 +55,37 @@ def test_a_search_that_makes_no_progress_ends():
     """As on the river bank before its shallow failure was known: 0.1231 to 0.1402 on every mesh."""
     same = (0.1231, 0.1402)
     limits = Limits(0.02, 100_000)
-    assert limits.reached(Found((0.1, 0.2), same, same, same), 1000) is None
-    assert limits.reached(Found((0.1, 0.2), (0.11, 0.2), same, same, same), 1000) == "stalled"
-    assert limits.reached(Found(*[(None, 0.2)] * 5), 1000) == "stalled"
-    assert limits.reached(Found(*[(None, 0.2)] * 4, (0.1, 0.2)), 1000) is None
+    assert limits.reached(FixedBracket((0.1, 0.2), same, same, same), 1000) is None
+    assert limits.reached(FixedBracket((0.1, 0.2), (0.11, 0.2), same, same, same), 1000) == "stalled"
+    assert limits.reached(FixedBracket(*[(None, 0.2)] * 5), 1000) == "stalled"
+    assert limits.reached(FixedBracket(*[(None, 0.2)] * 4, (0.1, 0.2)), 1000) is None
 
 
 def test_the_last_mesh_is_as_large_as_it_needs_to_be():
     limits = Limits(0.06, 2000)
     assert limits.growth(CLOSING, 400) == pytest.approx(1.15 * CLOSING.gap / 0.06)
-    assert limits.growth(Found((0.2, 0.4)), 100) == 2.0
+    assert limits.growth(FixedBracket((0.2, 0.4)), 100) == 2.0
     assert limits.growth(CLOSING, 1500) == pytest.approx(2000 / 1500)
 
 
 def test_bounds_of_a_small_kh_are_close_enough_at_the_same_difference_in_kh():
     """1 %, or 0.002 in Kh where Kh is below 0.2; a factor of safety to half of that share."""
     limits = Limits(0.01, 10_000, least=LEAST_KH)
-    assert limits.reached(Found((0.015, 0.0169)), 100) == "gap"
-    assert limits.reached(Found((0.015, 0.0171)), 100) is None
-    assert limits.reached(Found((0.398, 0.4019)), 100) == "gap"
-    assert limits.reached(Found((0.398, 0.4021)), 100) is None
+    assert limits.reached(FixedBracket((0.015, 0.0169)), 100) == "gap"
+    assert limits.reached(FixedBracket((0.015, 0.0171)), 100) is None
+    assert limits.reached(FixedBracket((0.398, 0.4019)), 100) == "gap"
+    assert limits.reached(FixedBracket((0.398, 0.4021)), 100) is None
     assert BoundsSettings().of_factors.gap == 0.5 * BoundsSettings().gap == 0.005
 
 
 def test_a_slow_clock_changes_nothing(monkeypatch):
     """Every look at any clock finds an hour gone: the meshes, and both bounds to the bit, are the same."""
     section = Section.read(SECTIONS / "slope_2to1.toml")
-    asked = BoundsSettings(gap=0.001, seconds=0.5, davis=False)
-    quiet = kh_bounds(section, FemSettings(), asked)
+    bounds_settings = BoundsSettings(gap=0.001, seconds=0.5, davis=False)
+    quiet = kh_bounds(section, FemSettings(), bounds_settings)
     hours = itertools.count(0.0, 3600.0)
     for clock in ("time", "monotonic", "perf_counter", "process_time"):
         monkeypatch.setattr(time, clock, lambda: next(hours))
-    loaded = kh_bounds(section, FemSettings(), asked)
+    loaded = kh_bounds(section, FemSettings(), bounds_settings)
     assert quiet.ended == loaded.ended == "time"
     assert quiet.meshes == loaded.meshes

@@ -21,21 +21,21 @@ def test_two_threads_find_the_same_bits_as_one(monkeypatch):
     ground = Section.parse({"name": "a", "surface": surface, "base": {"elevation": 0.0}, "strata": [layer("only")]})
     settings = FemSettings(accuracy=0.1, max_cells=300, safety_factor_at=(0.0, 0.05))
     meshing = MeshSettings(size=3.0)
-    found = []
+    results = []
     for alone in (False, True):
         if alone:
-            monkeypatch.setattr(assessment, "one_more_thread", lambda beside: SERIAL)
+            monkeypatch.setattr(assessment, "one_more_thread", lambda neighbour: SERIAL)
         mesh = generate(ground, meshing)
-        found.append(assess(ground, meshing, mesh, settings, MPI.COMM_SELF, lambda *_: None))
-    one, other = found
-    assert one.critical.kc == other.critical.kc
-    assert one.critical.steps == other.critical.steps
-    assert [each.result.factor for each in one.safety] == [each.result.factor for each in other.safety]
-    assert one.davis.result.kc == other.davis.result.kc < one.critical.kc
-    assert [each.result.beside for each in one.safety] == [each.result.beside for each in other.safety]
-    assert one.associated is None
-    assert len(one.safety) == 2
-    np.testing.assert_array_equal(one.mesh.points, other.mesh.points)
+        results.append(assess(ground, meshing, mesh, settings, MPI.COMM_SELF, lambda *_: None))
+    item, other = results
+    assert item.critical.kc == other.critical.kc
+    assert item.critical.steps == other.critical.steps
+    assert [each.result.factor for each in item.safety] == [each.result.factor for each in other.safety]
+    assert item.davis.result.kc == other.davis.result.kc < item.critical.kc
+    assert [each.result.by_other_flow for each in item.safety] == [each.result.by_other_flow for each in other.safety]
+    assert item.associated is None
+    assert len(item.safety) == 2
+    np.testing.assert_array_equal(item.mesh.points, other.mesh.points)
 
 
 @pytest.mark.slow
@@ -67,30 +67,30 @@ def assessed(section: Section, **settings: object) -> assessment.Assessment:
 def test_a_file_that_says_nothing_of_dilation_is_told_with_psi_equal_to_phi_and_davis_s_estimate_beside():
     """One that gives psi = 0 is told the other way round, in the same numbers; one with psi = phi has one number."""
     soil = {"cohesion": "5 kPa", "friction_angle": "32 deg"}
-    silent, given = assessed(slope_with(**soil)), assessed(slope_with(**soil, dilation_angle="0 deg"))
-    assert (silent.critical.flow, given.critical.flow) == ("associated", "davis")
+    silent, config = assessed(slope_with(**soil)), assessed(slope_with(**soil, dilation_angle="0 deg"))
+    assert (silent.critical.flow, config.critical.flow) == ("associated", "davis")
     assert silent.davis.result.kc < silent.critical.kc
-    assert given.critical.kc == pytest.approx(silent.davis.result.kc, rel=1e-3)
-    assert given.associated.result.kc == pytest.approx(silent.critical.kc, rel=1e-3)
-    (still,), (other) = silent.safety, given.safety
-    assert still.result.beside == pytest.approx(other[0].result.factor, rel=2e-3)
-    assert other[0].result.beside == pytest.approx(still.result.factor, rel=2e-3)
+    assert config.critical.kc == pytest.approx(silent.davis.result.kc, rel=1e-3)
+    assert config.associated.result.kc == pytest.approx(silent.critical.kc, rel=1e-3)
+    (still,), (other) = silent.safety, config.safety
+    assert still.result.by_other_flow == pytest.approx(other[0].result.factor, rel=2e-3)
+    assert other[0].result.by_other_flow == pytest.approx(still.result.factor, rel=2e-3)
     # the closed form of form B for one soil without dilation, sqrt(F^2 - tan^2 phi)
-    assert still.result.beside == pytest.approx(
+    assert still.result.by_other_flow == pytest.approx(
         np.sqrt(still.result.factor**2 - np.tan(np.radians(32.0)) ** 2), rel=0.01
     )
     full = assessed(slope_with(**soil, dilation_angle="32 deg"))
     assert full.critical.kc == silent.critical.kc
-    assert (full.associated, full.davis, full.safety[0].result.beside) == (None, None, None)
+    assert (full.associated, full.davis, full.safety[0].result.by_other_flow) == (None, None, None)
 
 
 def test_ground_that_stands_only_as_it_dilates_has_a_critical_kh_and_an_estimate_of_zero():
     """Davis's factor of safety below 1 beside one above it: ground that fails by itself has no Kh of its own."""
-    found = assessed(slope_with(cohesion="0.6 kPa", friction_angle="24 deg"))
-    assert found.safety[0].result.beside < 1.0 < found.safety[0].result.factor
-    assert found.critical.kc > 0.0
-    assert found.davis.result.kc == 0.0
-    assert "own weight" in found.davis.result.reason
+    result = assessed(slope_with(cohesion="0.6 kPa", friction_angle="24 deg"))
+    assert result.safety[0].result.by_other_flow < 1.0 < result.safety[0].result.factor
+    assert result.critical.kc > 0.0
+    assert result.davis.result.kc == 0.0
+    assert "own weight" in result.davis.result.reason
 
 
 def test_ground_that_only_its_free_field_sides_push_over_is_told_so():
@@ -108,9 +108,9 @@ def test_ground_that_excess_pore_pressure_lets_flow_is_told_so():
     fails under its own weight, and that its factor of safety is above 1: the one before shaking."""
     sand = {"cohesion": "0.1 kPa", "friction_angle": "35 deg", "excess_pore_pressure_ratio": 1.0}
     loose = slope_with(**sand)
-    with pytest.raises(UnstableError, match=r"stands without it: then its factor of safety is 1\.\d\d") as told:
+    with pytest.raises(UnstableError, match=r"stands without it: then its factor of safety is 1\.\d\d") as error:
         assessed(loose)
-    assert "excess_pore_pressure_ratio, which is 1 in" in str(told.value)
+    assert "excess_pore_pressure_ratio, which is 1 in" in str(error.value)
     with pytest.raises(UnstableError, match="excess pore pressure and its weight"):
         kh_bounds(loose, FemSettings(sides="fixed"), BoundsSettings(max_cells=400, davis=False))
 
@@ -120,8 +120,8 @@ def test_the_path_is_followed_once_where_both_flow_rules_have_one_mesh(soil, mon
     """A second one would begin where the first one ended, and tell states below failure that were never there."""
     followed = []
     path = assessment.critical_coefficient
-    monkeypatch.setattr(assessment, "critical_coefficient", lambda *given: followed.append(1) or path(*given))
-    found = assessed(slope_with(cohesion="5 kPa", friction_angle="32 deg", **soil), kh=(0.2,))
+    monkeypatch.setattr(assessment, "critical_coefficient", lambda *options: followed.append(1) or path(*options))
+    result = assessed(slope_with(cohesion="5 kPa", friction_angle="32 deg", **soil), kh=(0.2,))
     assert len(followed) == 1
-    (state,) = (state for state in found.critical.states if state.kh == 0.2)
+    (state,) = (state for state in result.critical.states if state.kh == 0.2)
     assert np.any(state.failed)

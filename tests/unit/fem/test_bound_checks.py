@@ -74,7 +74,7 @@ def test_a_stress_past_the_yield_surface_is_found_and_refused(problem, low, monk
     check = check_stress(spoiled, low.stress, low.multiplier)
     assert check.yield_slack < 0.0
     assert not check.holds
-    monkeypatch.setattr(adaptive_bounds, "lower_bound", lambda problem, *asked: low)
+    monkeypatch.setattr(adaptive_bounds, "lower_bound", lambda problem, *arguments: low)
     _, notes, stress = proven_lower_bound(spoiled)
     assert stress is None
     assert any("the lower bound is none" in note for note in notes)
@@ -85,7 +85,9 @@ def test_velocities_that_break_the_flow_rule_are_found_and_refused(problem, high
     backwards = check_velocity(problem, -high.velocity)
     assert backwards.flow_slack < 0.0
     assert not backwards.holds
-    monkeypatch.setattr(adaptive_bounds, "upper_bound", lambda problem, *asked: replace(high, velocity=-high.velocity))
+    monkeypatch.setattr(
+        adaptive_bounds, "upper_bound", lambda problem, *arguments: replace(high, velocity=-high.velocity)
+    )
     _, notes, mechanism = proven_upper_bound(problem)
     assert mechanism is None
     assert any("the upper bound is none" in note for note in notes)

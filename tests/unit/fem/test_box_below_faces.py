@@ -10,20 +10,20 @@ from workflow.config import Config
 
 def test_below_a_face_of_sand_the_box_bears_more() -> None:
     """Sand of 32° at 26.6°: its face rolls down at tan 5.4° = 0.095; 2 m deeper the clay and the toe hold more."""
-    given = Config.parse({
+    config = Config.parse({
         "name": "face", "surface": [[0.0, 8.0], [12.0, 8.0], [24.0, 2.0], [36.0, 2.0]], "base": {"elevation": 0.0},
         "strata": [layer("sand", cohesion="0 kPa", friction_angle="32 deg")],
         "mesh": {"size": 1.5}, "fem": {"accuracy": 0.0, "direction": "downhill", "safety_factor_at": []},
     })  # fmt: skip
-    mesh = generate(given.section, given.mesh)
-    found = assess(given.section, given.mesh, mesh, given.fem, MPI.COMM_SELF, lambda *_: None)
-    assert found.critical.shallow_failures
-    assert found.critical.shallow_failures[0].kh < 0.1
-    held = given.fem.changed(sides="fixed")
-    deeper = held.changed(least_depth=2.0)
+    mesh = generate(config.section, config.mesh)
+    assessment = assess(config.section, config.mesh, mesh, config.fem, MPI.COMM_SELF, lambda *_: None)
+    assert assessment.critical.shallow_failures
+    assert assessment.critical.shallow_failures[0].kh < 0.1
+    layer_springss = config.fem.changed(sides="fixed")
+    deeper = layer_springss.changed(least_depth=2.0)
     box, deep_box = (
-        critical_as_discs(given.section, given.mesh, mesh, fem, MPI.COMM_SELF, lambda *_: None).result
-        for fem in (held, deeper)
+        critical_as_discs(config.section, config.mesh, mesh, fem, MPI.COMM_SELF, lambda *_: None).result
+        for fem in (layer_springss, deeper)
     )
-    assert deep_box.kc > found.critical.shallow_failures[0].kh
+    assert deep_box.kc > assessment.critical.shallow_failures[0].kh
     assert deep_box.kc >= box.kc - 0.01

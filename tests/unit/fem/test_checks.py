@@ -71,15 +71,15 @@ def test_strict_bounds_judge_answers_of_their_own_flow_and_every_smaller_dilatio
 
 
 def test_changes_by_more_than_3_percent_are_told():
-    found = list(of_others(0.299, [Computed("cells of half the size", 0.267), Computed("another step", 0.298)]))
-    assert len(found) == 1
-    assert "-11 %" in found[0].what
+    values = list(of_others(0.299, [Computed("cells of half the size", 0.267), Computed("another step", 0.298)]))
+    assert len(values) == 1
+    assert "-11 %" in values[0].what
 
 
 def test_a_change_on_another_mesh_is_held_against_that_mesh():
     other = Computed("quadratic element, on the first mesh of 1041 cells", 0.1242, decisive=False, without=0.1139)
-    (found,) = of_others(0.1096, [other])
-    assert "0.124 instead of 0.114, +9 %" in found.what
+    (computed,) = of_others(0.1096, [other])
+    assert "0.124 instead of 0.114, +9 %" in computed.what
 
 
 @pytest.mark.parametrize(("side", "column"), [("left", 0.0), ("right", 20.0)])

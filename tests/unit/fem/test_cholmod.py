@@ -14,8 +14,8 @@ pytestmark = pytest.mark.skipif(not cholmod.available(), reason="there is no CHO
 def lower_triangle(side: int) -> sparse.csc_matrix:
     """Of a membrane on a square of ``side`` points a side, on soft springs."""
     line = sparse.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(side, side))
-    one = sparse.identity(side)
-    whole = sparse.kron(one, line) + sparse.kron(line, one) + 1e-3 * sparse.identity(side**2)
+    item = sparse.identity(side)
+    whole = sparse.kron(item, line) + sparse.kron(line, item) + 1e-3 * sparse.identity(side**2)
     lower = sparse.tril(whole, format="csc")
     lower.sort_indices()
     return lower
@@ -35,8 +35,8 @@ def test_solutions_are_right_and_do_not_depend_on_threads() -> None:
     whole = lower + sparse.triu(lower.T, 1)
     assert np.abs(whole @ alone - sides).max() < 1e-10
     with ThreadPoolExecutor(2) as threads:
-        beside = list(threads.map(lambda _: solution(lower, sides), range(20)))
-    assert all(np.array_equal(alone, one) for one in beside)
+        values = list(threads.map(lambda _: solution(lower, sides), range(20)))
+    assert all(np.array_equal(alone, item) for item in values)
 
 
 def test_what_is_not_positive_definite_is_refused_and_the_next_matrix_is_not(capfd) -> None:

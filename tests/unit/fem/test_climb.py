@@ -37,14 +37,16 @@ def test_the_ground_softens_towards_its_limit_load(bank) -> None:
 def test_a_limit_below_the_limit_load_is_no_failure() -> None:
     mesh = generate(BANK_OF_SAND, MeshSettings(method="free", size=1.5))
     wish = FemSettings(flow="davis", direction="downhill", kh_limit=0.05)
-    found = critical_coefficient(BANK_OF_SAND, mesh, wish, MPI.COMM_SELF)
-    assert (found.verdict, found.kc, found.lower) == ("no failure", 0.05, 0.05)
+    critical_result = critical_coefficient(BANK_OF_SAND, mesh, wish, MPI.COMM_SELF)
+    assert (critical_result.verdict, critical_result.kc, critical_result.lower) == ("no failure", 0.05, 0.05)
 
 
 def test_ground_that_goes_on_as_before_needs_no_iteration() -> None:
     """Clay of 1 MPa stays elastic: the second level is the first one, lengthened."""
     hard = section([[0.0, 4.0], [10.0, 4.0], [22.0, 0.0], [36.0, 0.0]], 6.0, soil("clay", c=1e6, phi=0.0))
     wish = FemSettings(flow="davis", direction="downhill", kh_limit=0.2, kh=(0.1, 0.2))
-    found = critical_coefficient(hard, generate(hard, MeshSettings(method="free", size=1.5)), wish, MPI.COMM_SELF)
-    assert [step.factor for step in found.steps[-2:]] == [0.1, 0.2]
-    assert found.steps[-1].iterations == 0
+    critical_result = critical_coefficient(
+        hard, generate(hard, MeshSettings(method="free", size=1.5)), wish, MPI.COMM_SELF
+    )
+    assert [step.factor for step in critical_result.steps[-2:]] == [0.1, 0.2]
+    assert critical_result.steps[-1].iterations == 0

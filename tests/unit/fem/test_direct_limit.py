@@ -6,7 +6,7 @@ import pytest
 from mpi4py import MPI
 
 from fem.errors import UnstableError
-from fem.limit_load.limit_load import asked_again, critical_limit_load, in_order
+from fem.limit_load.limit_load import critical_limit_load, in_order, with_other_flow
 from fem.settings import FemSettings
 from fem.solvers import cone_program
 from meshes.errors import NoAnswerError
@@ -28,7 +28,7 @@ def test_ground_whose_weight_no_stress_balances_is_said_to_fail():
 
 
 def test_what_the_solver_proves_only_almost_is_no_verdict(monkeypatch):
-    monkeypatch.setattr(cone_program, "_poorness", lambda found: 2)
+    monkeypatch.setattr(cone_program, "_poorness", lambda result: 2)
     with pytest.raises(NoAnswerError, match="limit load of the elements was not found") as caught:
         limit()
     assert not isinstance(caught.value, UnstableError)
@@ -43,7 +43,7 @@ def test_brackets_of_one_mesh_end_where_the_other_does() -> None:
         FemSettings(direction="downhill", flow="davis"),
     )
     weak = critical_limit_load(ground, mesh, davis, MPI.COMM_SELF)
-    strong = asked_again(weak, ground, mesh, davis.changed(flow="associated"))
+    strong = with_other_flow(weak, ground, mesh, davis.changed(flow="associated"))
     assert in_order(weak, strong) == (weak, strong)  # brackets that do not meet stay
     low, high = (
         replace(result, kc=sum(bracket) / 2, ground=replace(result.ground, limit=replace(limit, bracket=bracket)))

@@ -58,10 +58,10 @@ def test_patch_held_at_its_border_finds_the_linear_displacement_inside(element):
     start = np.where(problem.free, 0.0, exact)
     unbalanced = -problem.internal_force(start)
     problem.factorise()
-    found = start + problem.solve(unbalanced)
+    result = start + problem.solve(unbalanced)
     assert problem.free.sum() > 0
     # ELASTIC_SHARE stands in the matrix and not in the forces, so one iteration leaves that share of the correction.
-    np.testing.assert_allclose(found, exact, rtol=0.0, atol=2e-6 * np.abs(start - exact).max())
+    np.testing.assert_allclose(result, exact, rtol=0.0, atol=2e-6 * np.abs(start - exact).max())
     forces = problem.internal_force(exact)
     scale = np.abs(forces[~problem.free]).max()
     assert np.abs(forces[problem.free]).max() < 1e-11 * scale
@@ -108,12 +108,12 @@ def test_matrix_is_the_derivative_of_the_forces_in_plastic_flow_too(element, psi
     random = np.random.default_rng(5)
     state = np.where(problem.free, 2e-3 * random.normal(size=len(problem.free)), 0.0)
     direction = np.where(problem.free, random.normal(size=len(problem.free)), 0.0)
-    ahead, behind = (problem.internal_force(state + step * direction) for step in (1e-9, -1e-9))
+    following, behind = (problem.internal_force(state + step * direction) for step in (1e-9, -1e-9))
     problem.internal_force(state)
     assert 0.1 < problem.plastic_share() < 1.0
     problem.factorise()
     # ELASTIC_SHARE is in the matrix only.
-    back = problem.solve((ahead - behind) / 2e-9)
+    back = problem.solve((following - behind) / 2e-9)
     np.testing.assert_allclose(back, direction, atol=1e-3 * np.abs(direction).max())
 
 
@@ -122,7 +122,7 @@ def test_matrix_is_the_derivative_of_the_forces_in_plastic_flow_too(element, psi
 def test_both_libraries_solve_the_same_equations(element, monkeypatch):
     """Associated flow by CHOLMOD, by MUMPS where there is none, and by MUMPS where a pivot is not positive: the same
     displacement but for rounding, in plastic ground held at its base."""
-    found = []
+    results = []
 
     def refuse(lower):
         raise cholmod.NotPositiveDefiniteError
@@ -139,11 +139,11 @@ def test_both_libraries_solve_the_same_equations(element, monkeypatch):
             problem.internal_force(np.where(problem.free, moved, 0.0))
             assert 0.1 < problem.plastic_share() < 1.0
             problem.factorise()
-            found.append(problem.solve(problem.body_force([2000.0], (1.0, -10.0))))
-    assert np.all(found[0][~problem.free] == 0.0)
-    for other in found[1:]:
-        assert not np.array_equal(other, found[0])  # it is another library
-        np.testing.assert_allclose(other, found[0], rtol=0.0, atol=1e-9 * np.abs(found[0]).max())
+            results.append(problem.solve(problem.body_force([2000.0], (1.0, -10.0))))
+    assert np.all(results[0][~problem.free] == 0.0)
+    for other in results[1:]:
+        assert not np.array_equal(other, results[0])  # it is another library
+        np.testing.assert_allclose(other, results[0], rtol=0.0, atol=1e-9 * np.abs(results[0]).max())
 
 
 @every_element

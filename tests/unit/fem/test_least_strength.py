@@ -98,6 +98,6 @@ def test_bounds_of_the_factor_of_tailings_are_close() -> None:
             "zones": [{**soil("Starter", **starter), "points": [[64, 4], [72, 4], [84, 0], [55, 0]]}],
         }
     )
-    bounds = safety_bounds(section, FEM, BoundsSettings(gap=0.05, max_cells=2000, seconds=30), held=True)
+    bounds = safety_bounds(section, FEM, BoundsSettings(gap=0.05, max_cells=2000, seconds=30), smooth_sides=True)
     assert bounds.gap < 0.06
     assert 1.3 < bounds.lower < 1.363 < bounds.upper

@@ -28,8 +28,13 @@ def test_what_is_left_of_a_stratum() -> None:
     stress = section.section.cohesion_field.mean_effective_stress(0)
     assert stress == pytest.approx(GRAVITY * 3.0 * 900.0)
     residual = liquefied_section(section.section, {0: Remains(0.0, 0.0, 0.1)})
-    kept = residual.strata[0]
-    assert (kept.cohesion, kept.strength_ratio, kept.friction_angle, kept.poissons_ratio) == (0.0, 0.1, 0.0, 0.49)
+    strata = residual.strata[0]
+    assert (strata.cohesion, strata.strength_ratio, strata.friction_angle, strata.poissons_ratio) == (
+        0.0,
+        0.1,
+        0.0,
+        0.49,
+    )
     assert residual.cohesion_field.means()[0].cohesion == pytest.approx(0.1 * GRAVITY * 3.0 * 900.0)
     top, middle = np.array([[50.0, -1.0], [50.0, -3.0]]), np.array([0, 0])
     assert residual.cohesion_field.at(top, top, middle) == pytest.approx([90.0 * GRAVITY, 270.0 * GRAVITY])
@@ -42,12 +47,12 @@ def test_what_is_left_of_a_stratum() -> None:
 
 def test_what_is_borne_does_not_hang_on_rounding() -> None:
     """S-13 without any strength in its liquefied layers, next to rock: some factorisations break down, whichever."""
-    given = Config.load(SECTIONS / "s13.toml")
-    gone = {k: Remains(0.0, 0.0, 0.0) for k, s in enumerate(given.section.strata) if s.liquefies_in}
-    ground = liquefied_section(given.section, gone)
-    mesh, rng = generate(ground, given.mesh), np.random.default_rng(0)
-    shaken = [mesh.points * (1.0 + 1e-13 * size * rng.standard_normal(mesh.points.shape)) for size in (0.0, 1.0, 1.0)]
-    borne = [weight_borne(ground, replace(mesh, points=points), given.fem, MPI.COMM_SELF) for points in shaken]
+    config = Config.load(SECTIONS / "s13.toml")
+    gone = {k: Remains(0.0, 0.0, 0.0) for k, s in enumerate(config.section.strata) if s.liquefies_in}
+    ground = liquefied_section(config.section, gone)
+    mesh, rng = generate(ground, config.mesh), np.random.default_rng(0)
+    seismic = [mesh.points * (1.0 + 1e-13 * size * rng.standard_normal(mesh.points.shape)) for size in (0.0, 1.0, 1.0)]
+    borne = [weight_borne(ground, replace(mesh, points=points), config.fem, MPI.COMM_SELF) for points in seismic]
     assert borne == pytest.approx([borne[0]] * 3, rel=5e-3)
     assert 0.09 < borne[0] < 0.13
 

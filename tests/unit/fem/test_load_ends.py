@@ -2,7 +2,7 @@
 
 import pytest
 
-from fem.continuum.load_ends import BELOW_END, soil_of_strip, with_held_ends
+from fem.continuum.load_ends import BELOW_END, soil_of_strip, with_strengthened_load_ends
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings
@@ -27,14 +27,14 @@ def bank(load: tuple[float, float], **changes: object) -> Section:
 
 
 def test_only_bare_ends_on_sand_are_held() -> None:
-    held = with_held_ends(bank((0.0, 20.0)), 0.5)
-    [strip, sand] = held.strata
+    ground = with_strengthened_load_ends(bank((0.0, 20.0)), 0.5)
+    [strip, sand] = ground.strata
     assert strip.name == f"Sand{BELOW_END}20 m"
     assert (strip.cohesion, strip.friction_angle) == (15e3, sand.friction_angle)
     assert soil_of_strip(strip.name) == sand.name == soil_of_strip(sand.name) == "Sand"
-    assert held.layering.areas()[0] == pytest.approx(1.0 * 0.5)
+    assert ground.layering.areas()[0] == pytest.approx(1.0 * 0.5)
     clay = bank((0.0, 20.0), cohesion="5 kPa")
-    assert with_held_ends(clay, 0.5) is clay
+    assert with_strengthened_load_ends(clay, 0.5) is clay
 
 
 def test_a_road_on_bare_sand_has_bounds_on_either_side_of_what_elements_find() -> None:
@@ -42,5 +42,5 @@ def test_a_road_on_bare_sand_has_bounds_on_either_side_of_what_elements_find() -
     wish = BoundsSettings(gap=0.1, max_cells=2000, seconds=30)
     bounds = kh_bounds(bank((5.0, 20.0)), FEM, wish)
     assert 0.24 < bounds.lower < 0.259 < bounds.upper < 0.285
-    factor = safety_bounds(bank((5.0, 20.0)), FEM, wish, held=True)
+    factor = safety_bounds(bank((5.0, 20.0)), FEM, wish, smooth_sides=True)
     assert 1.68 < factor.lower < 1.781 < factor.upper < 1.85

@@ -101,11 +101,11 @@ def test_a_quarter_turn_of_the_axes_changes_nothing(p, trial):
     table = mc.table(YOUNG, *p)
     turn = np.array([[0, 1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, -1.0]])
     stress, tangent, plastic, region = updated(table, trial)
-    turned = updated(table, trial @ turn)
-    np.testing.assert_allclose(turned[0], stress @ turn, rtol=1e-12)
-    np.testing.assert_allclose(turned[1][0], turn @ tangent[0] @ turn, rtol=1e-12, atol=1e-12 * YOUNG)
-    np.testing.assert_allclose(turned[2], plastic @ turn, rtol=1e-12)
-    assert turned[3] == region
+    rotated = updated(table, trial @ turn)
+    np.testing.assert_allclose(rotated[0], stress @ turn, rtol=1e-12)
+    np.testing.assert_allclose(rotated[1][0], turn @ tangent[0] @ turn, rtol=1e-12, atol=1e-12 * YOUNG)
+    np.testing.assert_allclose(rotated[2], plastic @ turn, rtol=1e-12)
+    assert rotated[3] == region
 
 
 @every

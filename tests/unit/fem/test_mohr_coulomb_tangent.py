@@ -25,9 +25,9 @@ def test_taylor_remainder_of_the_tangent_is_of_second_order(flow, tension):
     remainder = np.empty((len(STEPS), len(trial)))
     predicted = np.einsum("nij,nj->ni", tangent, direction)
     for k, h in enumerate(STEPS):
-        ahead, _, _, region_ahead = updated(table, trial, h * direction)
-        steady &= region_ahead == region
-        remainder[k] = np.linalg.norm(ahead - stress - h * predicted, axis=1)
+        following, _, _, region_after = updated(table, trial, h * direction)
+        steady &= region_after == region
+        remainder[k] = np.linalg.norm(following - stress - h * predicted, axis=1)
     a, b = in_plane(trial)
     steady &= a - b > 1  # the closer they are, the smaller the steps must be
     place = np.where(trial[:, 2] >= a, 1, np.where(trial[:, 2] > b, 2, 3))
@@ -62,12 +62,12 @@ def test_taylor_remainder_of_the_tangent_is_of_second_order(flow, tension):
 def test_tangent_where_the_in_plane_trial_stresses_coincide(trial, region, split):
     table = mc.table(YOUNG, 0.3, 2.0, 0.5, 0.2, 0.5)
     trial = np.add(trial, [split, 0, 0, split], dtype=float)
-    _, tangent, _, found = updated(table, trial)
-    assert found == region
+    _, tangent, _, result = updated(table, trial)
+    assert result == region
     h = 1e-5 * np.eye(4)
-    ahead, behind = updated(table, np.tile(trial, (4, 1)), h), updated(table, np.tile(trial, (4, 1)), -h)
-    assert set(ahead[3]) | set(behind[3]) == {region}
-    np.testing.assert_allclose(tangent[0], (ahead[0] - behind[0]).T / 2e-5, atol=1e-6 * YOUNG)
+    following, behind = updated(table, np.tile(trial, (4, 1)), h), updated(table, np.tile(trial, (4, 1)), -h)
+    assert set(following[3]) | set(behind[3]) == {region}
+    np.testing.assert_allclose(tangent[0], (following[0] - behind[0]).T / 2e-5, atol=1e-6 * YOUNG)
 
 
 def test_associated_tangent_is_symmetric():

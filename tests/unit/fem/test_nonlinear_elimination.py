@@ -29,7 +29,7 @@ def mesh():
 
 
 @dataclass(frozen=True)
-class Begun:
+class StartedProblem:
     """A bank after one elastic displacement under its weight, (dofs,) in m, and its unbalanced force, in N/m."""
 
     problem: PlaneStrain
@@ -39,45 +39,45 @@ class Begun:
 
 
 @pytest.fixture
-def begun(mesh) -> Begun:
+def started(mesh) -> StartedProblem:
     problem, weight, _ = at_the_sides(BANK_OF_SAND, mesh, SETTINGS, MPI.COMM_SELF)
     problem.hold(UNDER_GRAVITY)
     load = ProportionalLoad(np.zeros_like(weight), weight)
     problem.use_elastic_tangent()
     problem.factorise()
     moved = problem.solve(weight)
-    return Begun(problem, load, moved, residual_of(problem, load, moved, 1.0, 1.0)[0])
+    return StartedProblem(problem, load, moved, residual_of(problem, load, moved, 1.0, 1.0)[0])
 
 
-def test_a_pocket_comes_to_rest_and_nothing_around_it_moves(begun) -> None:
-    subproblem = LocalSubproblem(begun.problem, begun.unbalanced)
-    after = subproblem.at_rest(begun.moved, begun.unbalanced)
+def test_a_pocket_comes_to_rest_and_nothing_around_it_moves(started) -> None:
+    subproblem = LocalSubproblem(started.problem, started.unbalanced)
+    after = subproblem.at_rest(started.moved, started.unbalanced)
     outside = np.setdiff1d(np.arange(len(after)), subproblem.components)
     assert len(subproblem.components) > 0
     assert len(outside) > 0
-    assert np.array_equal(after[outside], begun.moved[outside])
-    left = np.abs(residual_of(begun.problem, begun.load, after, 1.0, 1.0)[0])
-    before = np.abs(begun.unbalanced)
+    assert np.array_equal(after[outside], started.moved[outside])
+    left = np.abs(residual_of(started.problem, started.load, after, 1.0, 1.0)[0])
+    before = np.abs(started.unbalanced)
     assert (
         left[subproblem.components].max() <= 1.01 * ALIKE * before[outside].max() < before[subproblem.components].max()
     )
 
 
-def test_what_is_held_stays_where_it_is(begun) -> None:
-    subproblem = LocalSubproblem(begun.problem, begun.unbalanced)
-    assert np.all(begun.problem.free[subproblem.components])
+def test_what_is_held_stays_where_it_is(started) -> None:
+    subproblem = LocalSubproblem(started.problem, started.unbalanced)
+    assert np.all(started.problem.free[subproblem.components])
 
 
 def test_a_river_bank_of_bare_sand_comes_to_the_same_rest_with_fewer_corrections(monkeypatch) -> None:
     """Fine cells at a toe under water, where sand bears next to nothing."""
     bank = Section.read(RIVER_BANK)
     first = generate(bank, MeshSettings(method="free", size=2.0))
-    found = critical_limit_load(bank, first, SETTINGS, MPI.COMM_SELF)
-    assert found.mechanism is not None
-    fine = next_mesh(bank, MeshSettings(method="free"), first, found.mechanism.plastic_shear_strain, 2000)
+    limit_load_result = critical_limit_load(bank, first, SETTINGS, MPI.COMM_SELF)
+    assert limit_load_result.mechanism is not None
+    fine = next_mesh(bank, MeshSettings(method="free"), first, limit_load_result.mechanism.plastic_shear_strain, 2000)
 
     def settled() -> tuple[int, np.ndarray]:
-        problem, weight, constant = at_the_sides(bank, fine, SETTINGS, MPI.COMM_SELF, found.ground.faces)
+        problem, weight, constant = at_the_sides(bank, fine, SETTINGS, MPI.COMM_SELF, limit_load_result.ground.faces)
         path = bring_to_rest(problem, weight, constant, SETTINGS)
         return path.solves, problem.stress
 

@@ -33,9 +33,9 @@ def box(phi: float, cohesion: float = 1.0) -> LimitProblem:
 def test_a_held_right_angle_cannot_strain_from_45_degrees_on(phi, corners):
     """With one cell on either edge, the velocity between them has to lie within 90° - φ of both normals."""
     problem = box(phi)
-    found = unstrained_points(problem)
-    assert np.count_nonzero(found) == corners
-    assert set(problem.points[found][:, 1]) <= {0.0}
+    values = unstrained_points(problem)
+    assert np.count_nonzero(values) == corners
+    assert set(problem.points[values][:, 1]) <= {0.0}
 
 
 def test_a_bare_surface_without_cohesion_has_no_stress():
@@ -78,10 +78,10 @@ def test_normally_consolidated_clay_under_water_is_bracketed() -> None:
         "strata": [clay],
     }
     section, angle = Section.parse(data), np.arctan(7.0 / 40.0)
-    fem, some = FemSettings(sides="periodic", direction="downhill"), BoundsSettings(max_cells=600, gap=0.005)
-    found, factor = kh_bounds(section, fem, some), safety_bounds(section, fem, some)
+    fem, limits = FemSettings(sides="periodic", direction="downhill"), BoundsSettings(max_cells=600, gap=0.005)
+    bounds, factor = kh_bounds(section, fem, limits), safety_bounds(section, fem, limits)
     kc = (15.5 - 9.81) / 15.5 * (0.25 - np.sin(angle) * np.cos(angle)) / np.cos(angle) ** 2
-    assert found.lower <= kc <= found.upper <= found.lower + 0.005
+    assert bounds.lower <= kc <= bounds.upper <= bounds.lower + 0.005
     assert factor.lower <= 0.25 / (np.sin(angle) * np.cos(angle)) <= factor.upper <= 1.01 * factor.lower
 
 
@@ -110,22 +110,22 @@ def test_contacts_that_are_all_but_straight_do_not_cost_the_bounds(noise):
     section = Section.parse(slope())
     mesh = triangulate(section, 4.0)
     body = body_of(section, mesh, FemSettings(sides="fixed"), davis=False)
-    found = bracket(mesh, body, Limits(gap=0.5, max_cells=400))
-    inner = np.ones(len(found.mesh.points), dtype=bool)
-    inner[found.mesh.edges[found.mesh.edge_cells[:, 1] < 0]] = False
-    shift = noise * np.random.default_rng(1).uniform(-1.0, 1.0, found.mesh.points.shape) * inner[:, None]
-    shaken = replace(found.mesh, points=found.mesh.points + shift)
-    problem = limit_problem(shaken, body, units_of(shaken, body))
+    text = bracket(mesh, body, Limits(gap=0.5, max_cells=400))
+    inner = np.ones(len(text.mesh.points), dtype=bool)
+    inner[text.mesh.edges[text.mesh.edge_cells[:, 1] < 0]] = False
+    shift = noise * np.random.default_rng(1).uniform(-1.0, 1.0, text.mesh.points.shape) * inner[:, None]
+    seismic = replace(text.mesh, points=text.mesh.points + shift)
+    problem = limit_problem(seismic, body, units_of(seismic, body))
     (_, _, stress), (_, _, mechanism) = proven_lower_bound(problem), proven_upper_bound(problem)
     assert stress is not None
     assert mechanism is not None
-    assert stress.multiplier == pytest.approx(found.meshes[-1].lower, rel=0.02)
-    assert mechanism.multiplier == pytest.approx(found.meshes[-1].upper, rel=1e-3)
+    assert stress.multiplier == pytest.approx(text.meshes[-1].lower, rel=0.02)
+    assert mechanism.multiplier == pytest.approx(text.meshes[-1].upper, rel=1e-3)
 
 
 @pytest.mark.parametrize("sides", ["fixed", "free-field"])
 def test_a_slope_of_46_degrees_of_friction_has_both_bounds(sides):
     data = Section.read(SECTIONS / "slope_2to1.toml").model_dump(exclude_none=True, by_alias=True)
     data["strata"][0]["friction_angle"] = "46 deg"
-    found = kh_bounds(Section.parse(data), FemSettings(sides=sides), BoundsSettings(gap=0.1, max_cells=4000))
-    assert found.gap <= 0.1
+    bounds = kh_bounds(Section.parse(data), FemSettings(sides=sides), BoundsSettings(gap=0.1, max_cells=4000))
+    assert bounds.gap <= 0.1

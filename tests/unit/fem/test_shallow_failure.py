@@ -137,18 +137,18 @@ def test_water_that_seeps_out_along_a_face_takes_its_part(head: str, share: floa
     """(γ cos² - u/h) tan φ - γ sin cos over γ (cos² + sin cos tan φ), the infinite slope; cos² is 0.9 at 1:3."""
     face = {"surface": [[0.0, 20.0], [60.0, 0.0]], "base": {"depth": 8.0}}
     sand = soil("Sand", cohesion=0.0, friction_angle="38 deg")
-    given = water_section(sand, **face, water={"table": {"depth": 0.0}, "head": head})
-    [found] = shallow_failures(given, FemSettings())
+    config = water_section(sand, **face, water={"table": {"depth": 0.0}, "head": head})
+    [result] = shallow_failures(config, FemSettings())
     friction = math.tan(math.radians(38.0))
     up = (20e3 * 0.9 - share * WATER) * friction - 20e3 * 0.3
-    assert found.kh == pytest.approx(up / (20e3 * (0.9 + 0.3 * friction)), rel=1e-6)
+    assert result.kh == pytest.approx(up / (20e3 * (0.9 + 0.3 * friction)), rel=1e-6)
 
 
 def test_a_face_under_still_water_fails_as_buoyant_sand() -> None:
     sand = soil("Sand", cohesion=0.0, friction_angle="38 deg")
-    [found] = shallow_failures(water_section(sand, water={"table": 12.0}), FemSettings())
+    [result] = shallow_failures(water_section(sand, water={"table": 12.0}), FemSettings())
     ratio = (20e3 - WATER) / 20e3
-    assert found.kh == pytest.approx(ratio * math.tan(math.radians(38.0) - math.atan(0.4)), rel=1e-6)
+    assert result.kh == pytest.approx(ratio * math.tan(math.radians(38.0) - math.atan(0.4)), rel=1e-6)
 
 
 def test_a_face_under_a_load_has_no_shallow_failure() -> None:

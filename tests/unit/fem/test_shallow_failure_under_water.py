@@ -98,12 +98,12 @@ def test_bounds_say_what_they_leave_out_and_are_strict_only_without() -> None:
     rolls before, nothing is strengthened."""
     few = BoundsSettings(gap=0.2, max_cells=800, davis=False)
     section = face_of_sand(water={"table": ALONG})
-    found = kh_bounds(section, FIXED, few)
-    assert min(face.kh for face in found.shallow_failures) == pytest.approx(0.0223, abs=5e-5)
-    assert found.section is not section
-    told = safety_bounds(section, FIXED, few, held=True)
-    assert told.shallow_failure == pytest.approx(1.078, abs=5e-4)
-    assert told.shallow_failure < told.lower
+    bounds = kh_bounds(section, FIXED, few)
+    assert min(face.kh for face in bounds.shallow_failures) == pytest.approx(0.0223, abs=5e-5)
+    assert bounds.section is not section
+    messages = safety_bounds(section, FIXED, few, smooth_sides=True)
+    assert messages.shallow_failure == pytest.approx(1.078, abs=5e-4)
+    assert messages.shallow_failure < messages.lower
 
 
 @pytest.mark.parametrize("ratio", [0.2, 0.35])
@@ -126,9 +126,9 @@ def test_a_drawdown_leaves_the_pressure_that_the_water_took_its_weight_from() ->
 
 def test_pressure_that_shaking_adds_counts_where_the_ground_is_shaken() -> None:
     section = face_of_sand(40.0, water={"table": 25.0}, excess_pore_pressure_ratio=0.3)
-    [shaken] = shallow_failures(section, FIXED)
-    [still] = shallow_failures(section, FIXED, shaken=False)
-    assert shaken.kh == pytest.approx(infinite_slope(40.0, BUOYANT, 0.3 * BUOYANT), rel=1e-9)
+    [seismic] = shallow_failures(section, FIXED)
+    [still] = shallow_failures(section, FIXED, excess_pressure=False)
+    assert seismic.kh == pytest.approx(infinite_slope(40.0, BUOYANT, 0.3 * BUOYANT), rel=1e-9)
     assert still.kh == pytest.approx(infinite_slope(40.0, BUOYANT, 0.0), rel=1e-9)
     assert faces_at(section, FIXED, 0.0) == [still]
 
@@ -169,7 +169,7 @@ def random_face(draw: st.DrawFn) -> Section:
     return face_of_sand(draw(st.floats(28.0, 48.0)), water, **changes)
 
 
-def by_force(section: Section, x: float, depth: float, shaken: bool) -> tuple[float, float, float]:
+def by_force(section: Section, x: float, depth: float, shaking: bool) -> tuple[float, float, float]:
     """Weight less uplift, force of seepage to the left, and mass times g (N/m²) of the column of a thin layer below the
     face: sums over 200 points of its own differences of the pore pressure."""
     water = section.water_pressure
@@ -179,20 +179,20 @@ def by_force(section: Section, x: float, depth: float, shaken: bool) -> tuple[fl
     layer = section.stratum_at(*at.T)
 
     def pressure(points: np.ndarray) -> np.ndarray:
-        found = water.at_rest(points, at, layer)
-        return found + water.shaken(points, at, layer) if shaken else found
+        result = water.at_rest(points, at, layer)
+        return result + water.excess(points, at, layer) if shaking else result
 
     step = 1e-4 * depth
     along, up = step * np.array([1.0, 0.0]), step * np.array([0.0, 1.0])
     rise = [(pressure(at + d) - pressure(at - d)) / (2.0 * step) for d in (along, up)]
-    own = 9.80665 * np.array([section.strata[k].density_ordinary for k in layer])
+    of_face = 9.80665 * np.array([section.strata[k].density_ordinary for k in layer])
     share = depth / 200
-    return float(share * (own + rise[1]).sum()), float(share * rise[0].sum()), float(share * own.sum())
+    return float(share * (of_face + rise[1]).sum()), float(share * rise[0].sum()), float(share * of_face.sum())
 
 
-def told(section: Section, found: list[ShallowFailure], x: float) -> ShallowFailure | None:
+def message(section: Section, outcome: list[ShallowFailure], x: float) -> ShallowFailure | None:
     """The face at x, if it is one."""
-    return next((face for face in found if face.start < x < face.end), None)
+    return next((face for face in outcome if face.start < x < face.end), None)
 
 
 @given(random_face(), st.lists(st.floats(0.05, 49.95), min_size=5, max_size=20))
@@ -200,7 +200,7 @@ def told(section: Section, found: list[ShallowFailure], x: float) -> ShallowFail
 def test_no_face_is_told_to_bear_more_than_its_infinite_slope(section: Section, places: list[float]) -> None:
     """Kh and factor of safety, at any place of the face that no water from outside holds, in a layer of 10 mm."""
     down = FIXED.model_copy(update={"direction": "downhill"})
-    found, still = shallow_failures(section, down), faces_at(section, FIXED, 0.0)
+    result, still = shallow_failures(section, down), faces_at(section, FIXED, 0.0)
     beta, phi = math.atan(SLOPE), section.strata[0].friction_angle
     least = least_rolling_factor(section, still, 0.0, [s.friction_angle for s in section.strata])
     for x in places:
@@ -210,18 +210,18 @@ def test_no_face_is_told_to_bear_more_than_its_infinite_slope(section: Section, 
         stratum = section.stratum_at(*(on - [[0.0, 1e-3]]).T)
         inside = section.water_pressure.at_rest(on, on, stratum)
         if section.water_pressure.on_ground(on, on)[0] > inside[0] + 1.0:
-            assert told(section, found, x) is None
+            assert message(section, result, x) is None
             continue
-        vertical, left, mass = by_force(section, x, 0.01, shaken=True)
+        vertical, left, mass = by_force(section, x, 0.01, shaking=True)
         kh = (vertical * math.tan(phi - beta) - left) / mass
-        face = told(section, found, x)
+        face = message(section, result, x)
         assert face is not None
         assert face.kh <= kh + 1e-6
         deeper = on - [[0.0, FIXED.least_depth]]  # water there counts, and the layer of 10 mm does not reach it
         wet_below = inside[0] <= 0.0 < section.water_pressure.at_rest(deeper, deeper, stratum)[0]
         if not (face.into_water or wet_below):
             assert face.kh == pytest.approx(kh, abs=1e-6)
-        vertical, left, _ = by_force(section, x, 0.01, shaken=False)
+        vertical, left, _ = by_force(section, x, 0.01, shaking=False)
         driven = beta + math.atan2(left, vertical)
         if driven > 0.0:
             assert least is not None
@@ -234,7 +234,7 @@ def test_pore_pressure_is_linear_in_every_triangle(section: Section) -> None:
     """Bounds take it from the corners: where a table bends within a triangle they would be those of other water."""
     ground = section.cut_at_films
     mesh = first_mesh(ground, 2000)
-    for pressure in (ground.water_pressure.at_rest, ground.water_pressure.shaken):
+    for pressure in (ground.water_pressure.at_rest, ground.water_pressure.excess):
         assert_linear(mesh, pressure)
 
 
@@ -267,20 +267,20 @@ def bounds_of_that_bank() -> KhBounds:
 def test_where_two_faces_meet_the_bounds_are_those_of_the_slope_as_a_whole() -> None:
     """Finer triangles find ever smaller mechanisms where the water meets such a face, 0.03 and less; the slope as a
     whole bears 0.0768 to 0.0784 (30 s of work), elements 0.0768 to 0.0776."""
-    found = bounds_of_that_bank()
-    assert [round(face.kh, 3) for face in found.shallow_failures if face.start < 25.0] == [0.036]
-    assert 0.07 < found.lower < 0.0784
-    assert 0.0768 < found.upper < 0.09
-    assert found.shallow is None or found.shallow < 0.0364
+    result = bounds_of_that_bank()
+    assert [round(face.kh, 3) for face in result.shallow_failures if face.start < 25.0] == [0.036]
+    assert 0.07 < result.lower < 0.0784
+    assert 0.0768 < result.upper < 0.09
+    assert result.shallow is None or result.shallow < 0.0364
 
 
 def test_the_work_allowed_is_a_limit_of_all_bounds_together() -> None:
     """A mesh is begun only where its work is likely to fit, and no attempt may take more than is left, but for the few
     iterations that any program is given."""
-    found = bounds_of_that_bank()
-    work = sum(mesh.work for one in found.directions for mesh in one.meshes)
+    result = bounds_of_that_bank()
+    work = sum(mesh.work for direction in result.directions for mesh in direction.meshes)
     assert work < 2.4
-    assert found.ended == "time"
+    assert result.ended == "time"
 
 
 def test_a_sea_floor_level_to_rounding_has_both_bounds() -> None:
@@ -293,8 +293,8 @@ def test_a_sea_floor_level_to_rounding_has_both_bounds() -> None:
         ground = {"surface": [[0.0, 0.0], [30.0, 0.0], [60.0, rise]], "base": {"elevation": -8.0}}
         section = Section.parse({"name": "floor", **ground, "water": {"table": 2.0}, "strata": [sand]})
         assert shallow_failures(section, FIXED) == []
-        found = kh_bounds(section, FIXED, BoundsSettings(gap=0.05, max_cells=1000))
-        assert 0.95 * level < found.lower <= found.upper < 1.1 * level
+        bounds = kh_bounds(section, FIXED, BoundsSettings(gap=0.05, max_cells=1000))
+        assert 0.95 * level < bounds.lower <= bounds.upper < 1.1 * level
 
 
 @pytest.mark.slow
@@ -339,13 +339,13 @@ def test_a_bank_out_of_which_water_flows_has_both_bounds_either_way(
     sand = soil("Sand", cohesion=0.0, friction_angle="34 deg", permeability="1e-4 m/s", bottom={"elevation": -2.0})
     clay = soil("Clay", cohesion="40 kPa", friction_angle="0 deg", permeability="1e-8 m/s")
     water = {"flow": True, "table": [[0, 6], [20, 5], [32, 2], [60, 2]]}
-    for one in (silt, sand, clay):
-        one |= {"density": "1.8 t/m^3", "density_saturated": "2.0 t/m^3"}
+    for item in (silt, sand, clay):
+        item |= {"density": "1.8 t/m^3", "density_saturated": "2.0 t/m^3"}
     section = Section.parse({"name": "bank", **ground, "water": water, "strata": [silt, sand, clay]})
     wish = BoundsSettings(gap=0.1, max_cells=2500, seconds=20.0, davis=False)
-    found = kh_bounds(section, FemSettings(direction=direction), wish)
-    assert 0.9 * lowest < found.lower < highest
-    assert lowest < found.upper < 1.15 * highest
-    washed_out = [face for face in found.shallow_failures if face.kh < 0.0]
+    bounds = kh_bounds(section, FemSettings(direction=direction), wish)
+    assert 0.9 * lowest < bounds.lower < highest
+    assert lowest < bounds.upper < 1.15 * highest
+    washed_out = [face for face in bounds.shallow_failures if face.kh < 0.0]
     assert washed_out[0].start > 31.7
     assert washed_out[-1].end < 32.2

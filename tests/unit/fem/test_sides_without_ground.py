@@ -34,5 +34,5 @@ def test_a_vertical_cut_on_bare_rock_has_the_factor_of_a_vertical_cut() -> None:
     section = Section.parse({"name": "cut", **cut, "strata": [clay]})
     mesh = generate(section, MeshSettings(size=0.25))
     assert not len(mesh.boundaries["right"])
-    found = limit_load_safety_factor(section, mesh, FemSettings(flow="associated"), 0.0, MPI.COMM_SELF)
-    assert found.factor == pytest.approx(3.776 * 20.0 / (18.0 * 4.0), rel=0.04)
+    safety_factor = limit_load_safety_factor(section, mesh, FemSettings(flow="associated"), 0.0, MPI.COMM_SELF)
+    assert safety_factor.factor == pytest.approx(3.776 * 20.0 / (18.0 * 4.0), rel=0.04)

@@ -32,8 +32,8 @@ def test_it_is_the_least_norm_solution_where_equations_depend_on_each_other():
     matrix = draw.normal(size=(6, 15))
     matrix[5] = matrix[0] - 2.0 * matrix[1]
     right = matrix @ draw.normal(size=15)
-    found = smallest_correction(sparse.csr_matrix(matrix), right)
-    np.testing.assert_allclose(found, np.linalg.lstsq(matrix, right, rcond=None)[0], atol=1e-12)
+    values = smallest_correction(sparse.csr_matrix(matrix), right)
+    np.testing.assert_allclose(values, np.linalg.lstsq(matrix, right, rcond=None)[0], atol=1e-12)
 
 
 def test_residuals_that_no_change_can_meet_and_no_numbers_end_it():
@@ -51,7 +51,7 @@ def test_equations_of_thin_layers_are_met_as_quickly_as_any():
     matrix, dead, _ = independent_equations(*equations(problem))
     assert matrix.shape[0] > 30_000
     started = time.process_time()
-    found = smallest_correction(matrix, 1e-9 * dead)
+    values = smallest_correction(matrix, 1e-9 * dead)
     assert time.process_time() - started < 8.0
-    left = 1e-9 * dead - matrix @ found
+    left = 1e-9 * dead - matrix @ values
     assert np.abs(left).max() < 1e-13 * np.abs(dead).max()

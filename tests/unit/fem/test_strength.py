@@ -61,8 +61,8 @@ def test_flow_as_given_keeps_dilation_below_the_reduced_friction():
 
 
 def test_the_flow_is_with_psi_equal_to_phi_unless_a_dilation_angle_below_phi_is_given():
-    def stratum(**given):
-        return Section.parse(slope() | {"strata": [layer("a", friction_angle="30 deg", **given)]}).strata[0]
+    def stratum(**keys):
+        return Section.parse(slope() | {"strata": [layer("a", friction_angle="30 deg", **keys)]}).strata[0]
 
     silent, none, full = stratum(), stratum(dilation_angle="0 deg"), stratum(dilation_angle="30 deg")
     assert flow_of([silent, full], "auto") == "associated"

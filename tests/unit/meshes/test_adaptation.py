@@ -53,8 +53,8 @@ def test_periodic_sides_get_the_same_points() -> None:
     """Where only one side has small cells, too: elements tie the nodes of one side to those of the other."""
     section = Section.parse(slope() | {"base": {"depth": 15.0}})
     first = generate(section, MeshSettings(method="free"))
-    beside_left = np.where(middles(first)[:, 0] < 20.0, 1.0, 1e-6)
-    mesh = adapted(section, MeshSettings(method="free"), first, beside_left, 1500, repeats=True)
+    near_left = np.where(middles(first)[:, 0] < 20.0, 1.0, 1e-6)
+    mesh = adapted(section, MeshSettings(method="free"), first, near_left, 1500, repeats=True)
     left, right = (np.sort(mesh.points[np.unique(mesh.boundaries[side]), 1]) for side in ("left", "right"))
     assert len(left) > 17
     np.testing.assert_allclose(left - 10.0, right, atol=1e-6)

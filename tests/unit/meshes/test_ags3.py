@@ -53,12 +53,12 @@ def test_ags3_with_a_boring_without_its_level(tmp_path: Path) -> None:
     path = tmp_path / "old.ags"
     path.write_text(AGS3, encoding="utf-8")
     read = read_ags4(path)
-    one, two = read.logs
-    assert (one.ground_level, two.ground_level) == (pytest.approx(40 * FOOT), pytest.approx(30 * FOOT))
-    assert [(layer.name, layer.bottom, layer.description) for layer in one.layers] == [
+    item, two = read.logs
+    assert (item.ground_level, two.ground_level) == (pytest.approx(40 * FOOT), pytest.approx(30 * FOOT))
+    assert [(layer.name, layer.bottom, layer.description) for layer in item.layers] == [
         ("MADE GROUND", 4, "Soft to firm"), ("SAND", 10, "")
     ]  # fmt: skip
-    assert one.water_level == pytest.approx(40 * FOOT - 2.5)
-    assert [(sample.depth, sample.N) for sample in one.samples] == [(4.8, 50)]
+    assert item.water_level == pytest.approx(40 * FOOT - 2.5)
+    assert [(sample.depth, sample.N) for sample in item.samples] == [(4.8, 50)]
     assert "old.ags is AGS3, and is read as AGS4: HOLE as LOCA, WSTK as WSTG, STCN as SCPT" in read.notices
     assert any(text.startswith("a boring is left out: boring B3, LOCA_GL is missing") for text in read.notices)

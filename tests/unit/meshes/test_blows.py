@@ -72,9 +72,9 @@ def test_refusals_count_as_the_least_that_n_can_be(count: str | float, blows: fl
 
     The longer ones are written as AGS files of the British Geological Survey have them.
     """
-    found = read_blows(count)
-    assert (float(found), is_refusal(found)) == (pytest.approx(blows), refused)
-    assert read_blows(found.written) == found  # as it stands in a section
+    quantity = read_blows(count)
+    assert (float(quantity), is_refusal(quantity)) == (pytest.approx(blows), refused)
+    assert read_blows(quantity.written) == quantity  # as it stands in a section
 
 
 @pytest.mark.parametrize("count", ["much", ">x", "-3", 501, True, None, "50/", "2,3,4", "12/25", "C", float("nan")])

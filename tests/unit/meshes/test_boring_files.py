@@ -53,7 +53,7 @@ def written(folder: Path, text: str | bytes, name: str) -> Path:
     return path
 
 
-def told(folder: Path, text: str | bytes, name: str) -> list[str]:
+def message(folder: Path, text: str | bytes, name: str) -> list[str]:
     with pytest.raises(InputError) as caught:
         (read_ags4 if name.endswith("ags") else read_csv)(written(folder, text, name))
     return list(caught.value.problems)
@@ -66,13 +66,13 @@ def test_every_heading_of_an_ags4_file_has_its_unit(tmp_path: Path) -> None:
         ("ISPT", "LOCA_ID,ISPT_TOP,ISPT_NVAL", ",ft,", "B1,10,7"),
         ("WSTG", "LOCA_ID,WSTG_DPTH", ",ft", "B1,6"),
     )
-    one, two = read_ags4(written(tmp_path, feet, "feet.ags")).logs
-    assert one.place == (pytest.approx(100 * FOOT), 200.0)
-    assert (one.ground_level, two.ground_level) == (pytest.approx(40 * FOOT), pytest.approx(30 * FOOT))
-    assert one.layers[0].bottom == pytest.approx(1.22)
-    assert one.samples[0].depth == pytest.approx(10 * FOOT + 0.3)
-    assert one.water_level == pytest.approx(34 * FOOT)
-    [bad] = told(tmp_path, feet.replace('"cm"', '"kg"'), "bad.ags")
+    item, two = read_ags4(written(tmp_path, feet, "feet.ags")).logs
+    assert item.place == (pytest.approx(100 * FOOT), 200.0)
+    assert (item.ground_level, two.ground_level) == (pytest.approx(40 * FOOT), pytest.approx(30 * FOOT))
+    assert item.layers[0].bottom == pytest.approx(1.22)
+    assert item.samples[0].depth == pytest.approx(10 * FOOT + 0.3)
+    assert item.water_level == pytest.approx(34 * FOOT)
+    [bad] = message(tmp_path, feet.replace('"cm"', '"kg"'), "bad.ags")
     assert "unit 'kg' of GEOL_BASE: has the wrong dimension" in bad
 
 
@@ -91,14 +91,14 @@ def test_counts_energy_and_water_of_an_ags4_file(tmp_path: Path) -> None:
         ("WSTD", "LOCA_ID,WSTG_DPTH,WSTD_POST", ",m,m", "B1,3,2.5"),
     )
     read = read_ags4(written(tmp_path, text, "b.ags"))
-    one, two = read.logs
-    assert [(s.depth, s.N, s.energy_ratio) for s in one.samples] == [
+    item, two = read.logs
+    assert [(s.depth, s.N, s.energy_ratio) for s in item.samples] == [
         (pytest.approx(3.3), 12, 45),
         (pytest.approx(4.8), 9, 45),
         (6.3, 50, 60),
         (7.3, 50, None),
     ]
-    assert (one.water_level, two.water_level) == (9.5, None)
+    assert (item.water_level, two.water_level) == (9.5, None)
     notices = "\n".join(read.notices)
     assert "B1, SPT at 4.5 m: N = 9 and 14; the smaller one is taken" in notices
     assert "B1, SPT at 8 m: has neither ISPT_NVAL nor ISPT_REP, and is not used" in notices
@@ -147,7 +147,7 @@ def test_borings_without_national_coordinates_take_those_of_all(tmp_path: Path) 
     assert [log.place for log in read.logs] == [(5.0, 6.0), (5.0, 46.0)]
     assert any("not all borings have national coordinates" in text for text in read.notices)
     loca = ("LOCA", "LOCA_ID,LOCA_NATE,LOCA_NATN,LOCA_GL", ",m,m,m", "B1,100,200,12; B2,,200,8")
-    assert told(tmp_path, ags(loca, GEOL), "none.ags")[0].startswith(
+    assert message(tmp_path, ags(loca, GEOL), "none.ags")[0].startswith(
         "boring B2, LOCA_NATE is missing; expected a coord"
     )
 
@@ -158,21 +158,21 @@ def test_dry_borings_and_depths_below_their_end(tmp_path: Path) -> None:
     assert [log.water_level for log in read.logs] == [9.0, None]
     assert 'boring B2: water "dry" is none that was struck' in read.notices
     spt = ("ISPT", "LOCA_ID,ISPT_TOP,ISPT_NVAL", ",m,", "B1,30,12; B1,x,12")
-    assert told(tmp_path, ags(LOCA, GEOL, (*spt[:3], "B1,30,12")), "deep.ags") == [
+    assert message(tmp_path, ags(LOCA, GEOL, (*spt[:3], "B1,30,12")), "deep.ags") == [
         "boring B1: N = 12 at a depth of 30.3 m; the boring ends at 10 m"
     ]
-    assert [text.partition(" = ")[0] for text in told(tmp_path, ags(LOCA, GEOL, spt), "x.ags")] == [
+    assert [text.partition(" = ")[0] for text in message(tmp_path, ags(LOCA, GEOL, spt), "x.ags")] == [
         "boring B1, ISPT_TOP"
     ]
     heads = "boring,x,ground_level,top,bottom,layer,water_level\n"
-    assert told(tmp_path, f"{heads}A,0,12,0,4,Sand,-30\n", "deep.csv") == [
+    assert message(tmp_path, f"{heads}A,0,12,0,4,Sand,-30\n", "deep.csv") == [
         "boring A: water at a depth of 42 m; the boring ends at 4 m"
     ]
 
 
 def test_lines_of_a_boring_that_contradict_each_other(tmp_path: Path) -> None:
     heads = "boring,x,ground_level,top,bottom,layer\n"
-    assert told(tmp_path, f"{heads}A,0,1.200,0,4,Sand\nA,1,12,4,6,Clay\n", "b.csv") == [
+    assert message(tmp_path, f"{heads}A,0,1.200,0,4,Sand\nA,1,12,4,6,Clay\n", "b.csv") == [
         "line 3, x = '1': line 2 says '0' of the same boring A",
         "line 3, ground_level = '12': line 2 says '1.200' of the same boring A",
     ]
@@ -208,11 +208,11 @@ def test_names_in_any_encoding(encoding: str, name: str, tmp_path: Path) -> None
 
 def test_decimal_commas_between_commas_shift_no_cells(tmp_path: Path) -> None:
     table = "boring,x,ground_level,top,bottom,layer\nA,0,5,0,2,5,Sand\n"
-    assert "line 2: has 7 cells where the heading has 6" in told(tmp_path, table, "b.csv")[0]
+    assert "line 2: has 7 cells where the heading has 6" in message(tmp_path, table, "b.csv")[0]
 
 
 def test_a_row_that_is_short_has_the_number_of_its_line(tmp_path: Path) -> None:
-    [text] = told(tmp_path, "\n\n" + ags(LOCA, GEOL) + '"DATA","B1","1"\n', "short.ags")
+    [text] = message(tmp_path, "\n\n" + ags(LOCA, GEOL) + '"DATA","B1","1"\n', "short.ags")
     assert "Line 17 does not have the same number of entries as the HEADING row in GEOL" in text
 
 
@@ -241,7 +241,7 @@ def test_a_blow_count_that_is_not_understood_is_left_out(tmp_path: Path) -> None
     assert text.startswith("b.csv, line 3, N = 'x7': expected the blow count for 30 cm as measured")
     assert text.endswith("; this blow count is left out")
     most = head + "".join(lines).replace(",4\n", ",?\n").replace(",5\n", ",?\n")
-    assert "3 of 4 blow counts are not understood" in told(tmp_path, most, "most.csv")[0]
+    assert "3 of 4 blow counts are not understood" in message(tmp_path, most, "most.csv")[0]
     spt = ("ISPT", "LOCA_ID,ISPT_TOP,ISPT_NVAL", ",m,", "B1,3,12; B1,4.5,twelve; B2,3,7")
     path = written(tmp_path, "\n\n" + ags(LOCA, GEOL, spt), "b.ags")
     where = next(k for k, line in enumerate(path.read_text().splitlines(), start=1) if "twelve" in line)
@@ -253,14 +253,14 @@ def test_a_blow_count_that_is_not_understood_is_left_out(tmp_path: Path) -> None
 
 def test_complaints_of_one_kind_are_told_once(tmp_path: Path) -> None:
     lines = "".join(f"A,0,5,{k},{k + 1},sand,n{k}\n" for k in range(33))
-    [text] = told(tmp_path, "boring,x,ground_level,top,bottom,layer,N\n" + lines, "b.csv")
+    [text] = message(tmp_path, "boring,x,ground_level,top,bottom,layer,N\n" + lines, "b.csv")
     assert text.startswith("line 2, N = 'n0': expected the blow count for 30 cm")
     assert text.endswith("(and 32 more alike: line 3, N; line 4, N; ...)")
-    [text] = told(tmp_path, "boring,x,ground_level (kg),top,bottom,layer,N\nA,0,5,0,1,s,1\nA,0,5,1,2,s,1\n", "b.csv")
+    [text] = message(tmp_path, "boring,x,ground_level (kg),top,bottom,layer,N\nA,0,5,0,1,s,1\nA,0,5,1,2,s,1\n", "b.csv")
     assert text.startswith("column ground_level (kg): has the wrong dimension")
     rows = "; ".join(f"B1,{k / 50:.2f},x{k},1" for k in range(1, 3000))
     cones = ("SCPT", "LOCA_ID,SCPT_DPTH,SCPT_RES,SCPT_FRES", ",m,MPa,kPa", rows)
-    [text] = told(tmp_path, ags(LOCA, GEOL, cones), "b.ags")
+    [text] = message(tmp_path, ags(LOCA, GEOL, cones), "b.ags")
     assert "and 2998 more alike" in text
     assert folded(["line 1, a: x", "line 2, b: x"]) == ["line 1, a: x", "line 2, b: x"]
 
@@ -275,8 +275,8 @@ B2;40;8,0;0;3,5;Sand;>50;18
 @pytest.mark.parametrize(("old", "new"), [("", ""), (";", "\t"), ("boring;", "sep=;\nboring;")])
 def test_semicolons_tabs_and_decimal_commas(old: str, new: str, tmp_path: Path) -> None:
     text = TABLE.replace(old, new) if old else TABLE
-    one, two = read_csv(written(tmp_path, text, "b.csv")).logs
-    assert (one.ground_level, one.layers[0].bottom, one.layers[0].unit_weight) == (12.5, 4.5, "18.5 kN/m3")
+    item, two = read_csv(written(tmp_path, text, "b.csv")).logs
+    assert (item.ground_level, item.layers[0].bottom, item.layers[0].unit_weight) == (12.5, 4.5, "18.5 kN/m3")
     assert (two.samples[0].N, is_refusal(two.samples[0].N)) == (50.0, True)
 
 
@@ -312,7 +312,7 @@ def test_columns_may_be_named_with_their_unit(tmp_path: Path) -> None:
 
 def test_a_grain_size_without_a_unit_is_no_quarter_of_a_metre(tmp_path: Path) -> None:
     head = "boring,x,ground_level,top,bottom,layer,N,d50{},unit_weight\n"
-    [text] = told(tmp_path, head.format("") + "A,0,5,0,2,s,4,0.25,18 kN/m^3\n", "b.csv")
+    [text] = message(tmp_path, head.format("") + "A,0,5,0,2,s,4,0.25,18 kN/m^3\n", "b.csv")
     assert (
         text == 'line 2, d50 = 0.25: 250 mm is beyond what there is (did you mean "0.25 mm"?); expected 1e-05 to 10 mm'
     )
@@ -374,11 +374,11 @@ def test_the_energy_of_a_hammer_counts_where_it_was_measured() -> None:
 
     find = RELATIONS["idriss_boulanger_2008"].find
     shaking = Shaking(0.2, 7.5)
-    own = find(BlowCount(5.0, 12.0, 90.0, 60.0, 5.0, energy_ratio=45.0), shaking, TriggeringSettings())
+    of_boring = find(BlowCount(5.0, 12.0, 90.0, 60.0, 5.0, energy_ratio=45.0), shaking, TriggeringSettings())
     of_all = find(BlowCount(5.0, 12.0, 90.0, 60.0, 5.0), shaking, TriggeringSettings(energy_ratio=45.0))
-    assert own == of_all
-    assert own.normalised < find(BlowCount(5.0, 12.0, 90.0, 60.0, 5.0), shaking, TriggeringSettings()).normalised
-    assert math.isfinite(own.factor)
+    assert of_boring == of_all
+    assert of_boring.normalised < find(BlowCount(5.0, 12.0, 90.0, 60.0, 5.0), shaking, TriggeringSettings()).normalised
+    assert math.isfinite(of_boring.factor)
 
 
 def test_rows_of_borings_that_loca_lacks_and_depths_that_no_boring_has(tmp_path: Path) -> None:
@@ -391,4 +391,4 @@ def test_rows_of_borings_that_loca_lacks_and_depths_that_no_boring_has(tmp_path:
     upper = ags(LOCA, ("GEOL", GEOL[1], ",M,FT,,", "B1,0,13.1234,FILL,1; B1,4,32.8084,SAND,2; B2,0,22.9659,SAND,2"))
     assert read_ags4(written(tmp_path, upper, "b.ags")).logs[0].layers[0].bottom == pytest.approx(4.0, abs=1e-4)
     deep = ags(LOCA, (*GEOL[:3], "B1,0,4000,FILL,1; B2,0,7,SAND,2"))
-    assert "boring B1, depth of its end = 4000: 4000 m is beyond what there is" in told(tmp_path, deep, "c.ags")[0]
+    assert "boring B1, depth of its end = 4000: 4000 m is beyond what there is" in message(tmp_path, deep, "c.ags")[0]

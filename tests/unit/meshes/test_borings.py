@@ -89,28 +89,28 @@ def test_an_earthquake_beside_a_section_from_borings_shakes_its_slides(tmp_path:
 def test_layers_end_half_way_where_the_next_boring_has_none(tmp_path: Path) -> None:
     """Fill is 1.5 m thick at x = 40 m and gone at 70 m; silt begins at 20 m. The gravel below B-3 is that of B-2."""
     logs = read_csv(written(tmp_path, HEAD + "\n" + LINES)).logs
-    given = analysed(tomllib.loads(text_of(connected(logs), "made")))
-    plain = {s.name.split(",")[0]: s for s in given.section.strata}
+    config = analysed(tomllib.loads(text_of(connected(logs), "made")))
+    plain = {s.name.split(",")[0]: s for s in config.section.strata}
     assert list(plain) == ["fill", "silt", "sand", "gravel"]
     x = np.array([0.0, 20.0, 40.0, 70.0, 100.0])
     levels = {}
-    for k, stratum in enumerate(given.section.strata):  # strata are cut at the water
-        levels[stratum.name.split(",")[0]] = given.section.layering.interfaces(x)[:, k + 1]
+    for k, stratum in enumerate(config.section.strata):  # strata are cut at the water
+        levels[stratum.name.split(",")[0]] = config.section.layering.interfaces(x)[:, k + 1]
     np.testing.assert_allclose(levels["fill"], [8.0, 7.25, 6.5, 6.5, 5.0], atol=1e-6)
     np.testing.assert_allclose(levels["silt"], [8.0, 7.25, 5.0, 3.75, 2.5], atol=1e-6)
     np.testing.assert_allclose(levels["sand"], [4.0, 2.5, 1.0, 1.0, -1.0], atol=2.1)
     assert plain["sand"].density_seismic == pytest.approx(18e3 / 9.80665)
-    assert [sample.N for sample in given.triggering.borings[1].spt] == [3.0, 2.0, 9.0, 45.0]
+    assert [sample.N for sample in config.triggering.borings[1].spt] == [3.0, 2.0, 9.0, 45.0]
 
 
 def test_what_lies_below_an_embankment_does_not_rise_into_it(tmp_path: Path) -> None:
     """Fill of 5 m at the crest, clay at the ground of the borings beside it: the clay's top goes straight across."""
     lines = ["boring,x,ground_level,top,bottom,layer", "A,0,10,0,6,clay", "B,20,15,0,5,fill", "B,20,15,5,11,clay"]
     logs = read_csv(written(tmp_path, "\n".join([*lines, "C,50,11,0,7,clay"]))).logs
-    found = connected(logs)
-    assert found.names == ("fill", "clay")
-    np.testing.assert_allclose(found.x, [0.0, 10.0, 20.0, 35.0, 50.0])
-    np.testing.assert_allclose(found.bottoms[0], [10.0, 10.0, 10.0, 10.5, 11.0])
+    result = connected(logs)
+    assert result.names == ("fill", "clay")
+    np.testing.assert_allclose(result.x, [0.0, 10.0, 20.0, 35.0, 50.0])
+    np.testing.assert_allclose(result.bottoms[0], [10.0, 10.0, 10.0, 10.5, 11.0])
 
 
 def test_values_have_units_too(tmp_path: Path) -> None:
@@ -136,10 +136,10 @@ def test_bad_lines_are_named(line: str, expected: str, tmp_path: Path) -> None:
 
 
 def test_bad_columns_are_named(tmp_path: Path) -> None:
-    told = problems(tmp_path, "boring,depth,top,bottom\nA,1,2,3\n")
-    assert "column 'depth': expected one of" in told
-    assert "column layer: missing" in told
-    assert "expected it, or easting and northing" in told
+    messages = problems(tmp_path, "boring,depth,top,bottom\nA,1,2,3\n")
+    assert "column 'depth': expected one of" in messages
+    assert "column layer: missing" in messages
+    assert "expected it, or easting and northing" in messages
 
 
 def log(name: str, place: tuple[float, float], *names: str) -> Log:
@@ -150,25 +150,25 @@ def log(name: str, place: tuple[float, float], *names: str) -> Log:
 def test_borings_are_projected_on_the_line_of_the_section() -> None:
     """From (0, 0) to (30, 40), 50 m; (15, 20) + 5 m across the line stands at 25 m."""
     logs = [log("A", (0.0, 0.0), "a"), log("B", (30.0, 40.0), "a"), log("C", (11.0, 23.0), "a")]
-    assert [(one.log.name, one.x) for one in placed(logs)] == [("A", 0.0), ("C", 25.0), ("B", 50.0)]
-    assert abs(placed(logs)[1].beside) == pytest.approx(5.0)
+    assert [(item.log.name, item.x) for item in placed(logs)] == [("A", 0.0), ("C", 25.0), ("B", 50.0)]
+    assert abs(placed(logs)[1].off_line) == pytest.approx(5.0)
     with pytest.raises(InputError, match=r"boring C: 5.0 m off the line of the section; .*--off allows more than 2 m"):
         placed(logs, 2.0)
 
 
 def test_layers_above_and_below_others_have_numbers() -> None:
     """Clay over sand over clay, and clay over sand beside sand over clay: each part is a stratum of its own."""
-    found = order([log("A", (0.0, 0.0), "a", "c"), log("B", (1.0, 0.0), "b", "c")])
-    assert found is not None
-    assert found[-1] == "c"
-    for one, other, names in (
+    result = order([log("A", (0.0, 0.0), "a", "c"), log("B", (1.0, 0.0), "b", "c")])
+    assert result is not None
+    assert result[-1] == "c"
+    for item, other, names in (
         (("a", "b", "a"), ("a", "b"), ("a 1", "b", "a 2")),
         (("a", "b", "a"), ("b", "a"), ("a 1", "b", "a 2")),
         (("a", "b", "a"), ("a", "c", "b", "a", "d"), ("a 1", "c", "b", "a 2", "d")),
         (("a", "b"), ("b", "a"), ("a 1", "b", "a 2")),
         (("a", "b", "a"), ("a 1", "b"), ("a (1)", "a 1", "b", "a (2)")),
     ):
-        made = connected([log("A", (0.0, math.nan), *one), log("B", (9.0, math.nan), *other)])
+        made = connected([log("A", (0.0, math.nan), *item), log("B", (9.0, math.nan), *other)])
         assert sorted(made.names) == sorted(names)
         assert [name for name in made.names if name.startswith(("a 2", "a (2"))] == [n for n in names if "2" in n]
         assert len(made.notices) == 1
@@ -181,12 +181,12 @@ def test_ags4(tmp_path: Path) -> None:
 
     The groups of the 87 test files that python-ags4 1.2.0 ships read as that package reads them: 94 groups LOCA, GEOL
     and ISPT, compared by hand since none of them may be copied here."""
-    one, two = read_ags4(written(tmp_path, AGS4, "borings.ags")).logs
-    assert [(layer.name, layer.top, layer.bottom) for layer in one.layers] == [
+    item, two = read_ags4(written(tmp_path, AGS4, "borings.ags")).logs
+    assert [(layer.name, layer.top, layer.bottom) for layer in item.layers] == [
         ("MG", 0.0, 1.5), ("AL", 1.5, 6.0), ("RTD", 6.0, 12.0)
     ]  # fmt: skip
     assert [(sample.depth, sample.N) for sample in two.samples] == [(3.3, 9.0)]
-    assert [found.x for found in placed([one, two])] == [0.0, 50.0]
+    assert [result.x for result in placed([item, two])] == [0.0, 50.0]
     for text, expected in (
         (AGS4.replace('"2.00","7"', '"","7"'), "a blow count N = 7 without a depth"),
         (AGS4.replace('"Loose SAND","AL"', '"Loose SAND",""'), "has no GEOL_GEOL, no name"),
@@ -219,8 +219,8 @@ SOUNDED = AGS4.replace('"DATA","TP1",', '"DATA","CPT1","115.00","220.00",""\n"DA
 
 def test_cones_of_an_ags4_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """qt = 1.5 MPa + (1 - 0.8) 50 kPa; a sleeve friction below zero is none; units are those of the file."""
-    one, two, cone = sorted(read_ags4(written(tmp_path, SOUNDED, "cones.ags")).logs, key=lambda log: log.name)
-    assert (one.cones, cone.layers) == ((), ())
+    item, two, cone = sorted(read_ags4(written(tmp_path, SOUNDED, "cones.ags")).logs, key=lambda log: log.name)
+    assert (item.cones, cone.layers) == ((), ())
     assert [(c.depth, c.qc, c.fs) for c in cone.cones] == [
         (2.0, pytest.approx(1.51e6), 12e3),
         (2.02, pytest.approx(1.596e6), 0.0),
@@ -239,17 +239,17 @@ def test_cones_of_an_ags4_file(tmp_path: Path, capsys: pytest.CaptureFixture[str
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    ("line", "message"),
     [
         ('"DATA","CPT1","1","2.06","much","12.0",""', "SCPT_RES = 'much'"),
         ('"DATA","CPT1","1","","2.00","12.0",""', "boring CPT1: a cone resistance without a depth, SCPT_DPTH"),
         ('"DATA","CPT1","1","deep","2.00","12.0",""', "depth"),
     ],
 )
-def test_a_sounding_with_bad_cones_is_left_out(line: str, told: str, tmp_path: Path) -> None:
+def test_a_sounding_with_bad_cones_is_left_out(line: str, message: str, tmp_path: Path) -> None:
     read = read_ags4(written(tmp_path, SOUNDED + line + "\n", "cones.ags"))
     assert [log.name for log in read.logs] == ["BH1", "BH2"]
-    assert any(text.startswith("a boring is left out: ") and told in text for text in read.notices)
+    assert any(text.startswith("a boring is left out: ") and message in text for text in read.notices)
 
 
 def test_a_layer_may_have_a_line_for_each_of_its_tests(tmp_path: Path) -> None:
@@ -257,8 +257,8 @@ def test_a_layer_may_have_a_line_for_each_of_its_tests(tmp_path: Path) -> None:
     lines = "A,0,5,0,2,sand,4\nA,0,5,2,4,sand,6\nA,0,5,4,8,clay,3\nB,40,4,0,3,sand,5\nB,40,4,3,8,clay,2\n"
     path = written(tmp_path, "boring,x,ground_level,top,bottom,layer,N\n" + lines)
     first, _ = read_csv(path).logs
-    assert [(one.name, one.top, one.bottom) for one in first.layers] == [("sand", 0.0, 4.0), ("clay", 4.0, 8.0)]
-    assert [(one.depth, one.N) for one in first.samples] == [(1.0, 4.0), (3.0, 6.0), (6.0, 3.0)]
+    assert [(layer.name, layer.top, layer.bottom) for layer in first.layers] == [("sand", 0.0, 4.0), ("clay", 4.0, 8.0)]
+    assert [(sample.depth, sample.N) for sample in first.samples] == [(1.0, 4.0), (3.0, 6.0), (6.0, 3.0)]
     assert 'beyond = "20 m"' in text_of(connected(read_csv(path).logs), "two")
 
 
@@ -272,9 +272,9 @@ def test_cones_of_a_csv_file(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert command_line.run("section", borings, cones, "-o", tmp_path / "made.toml") == 0
     assert Config.load(tmp_path / "made.toml").triggering.borings[1].cpt == log.cones
     assert "It is sound" in capsys.readouterr().out
-    told = problems(tmp_path, text + "C-1,20,1.05,-1,21\nC-1,20,1.0,2,20\n")
-    assert "line 4, qc = '-1 MPa'" in told
-    assert "sounding C-1: 1 m follows 1.1 m" in told
+    messages = problems(tmp_path, text + "C-1,20,1.05,-1,21\nC-1,20,1.0,2,20\n")
+    assert "line 4, qc = '-1 MPa'" in messages
+    assert "sounding C-1: 1 m follows 1.1 m" in messages
     borings = written(tmp_path, HEAD + "\n" + LINES)
     far = read_csv(written(tmp_path, text.replace("C-1,20", "C-1,120"), "cones.csv")).logs
     with pytest.raises(
@@ -286,10 +286,10 @@ def test_cones_of_a_csv_file(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 def test_what_was_not_measured_has_to_be_given(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path, AGS4, "borings.ags")
     assert command_line.run("section", path, "-o", tmp_path / "made.toml", painted=True) == 0
-    told = capsys.readouterr().out
-    lines = [line for line in told.splitlines() if line.startswith('  - strata 1 "MG"')]
+    out = capsys.readouterr().out
+    lines = [line for line in out.splitlines() if line.startswith('  - strata 1 "MG"')]
     assert lines == ['  - strata 1 "MG": youngs_modulus, poissons_ratio, cohesion, friction_angle, density']
-    assert told.count("density: expected a density or unit weight such as") == 1
+    assert out.count("density: expected a density or unit weight such as") == 1
     assert (tmp_path / "made.png").stat().st_size > 10_000
     assert command_line.run("section", path, "-o", tmp_path / "made.toml") == 2
 
@@ -297,28 +297,28 @@ def test_what_was_not_measured_has_to_be_given(tmp_path: Path, capsys: pytest.Ca
 @pytest.mark.parametrize("name", ["s13", "natural_slope"])
 def test_from_a_section_to_a_drawing_and_back(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Strata in the same order with the same areas, and the same ground; the soils have to be given again."""
-    given = Config.load(SECTIONS / f"{name}.toml")
+    config = Config.load(SECTIONS / f"{name}.toml")
     assert command_line.run("section", SECTIONS / f"{name}.toml", "-o", tmp_path / "drawn.dxf") == 0
     assert command_line.run("section", tmp_path / "drawn.dxf", "-o", tmp_path / "again.toml") == 0
     assert "youngs_modulus: expected a stiffness" in capsys.readouterr().out
     data = tomllib.loads((tmp_path / "again.toml").read_text(encoding="utf-8"))
     data.pop("water", None)
-    soils = {stratum.name: stratum for stratum in given.section.strata}
+    soils = {stratum.name: stratum for stratum in config.section.strata}
     for stratum in data["strata"]:
         soil = soils[stratum["name"]].model_dump(mode="json", exclude={"name", "bottom", "description", "liquefies_in"})
         stratum |= {key: value for key, value in soil.items() if value is not None}
     again = Section.parse(data)
     areas = dict(zip([s.name for s in again.strata], again.layering.areas(), strict=True))
     expected: dict[str, float] = {}
-    for one, area in zip(
-        given.section.strata, given.section.layering.areas(), strict=True
+    for item, area in zip(
+        config.section.strata, config.section.layering.areas(), strict=True
     ):  # water cuts some, drawings do not
-        whole = one.name.removesuffix(BELOW_WATER)
+        whole = item.name.removesuffix(BELOW_WATER)
         expected[whole] = expected.get(whole, 0.0) + area
     assert areas == {key: pytest.approx(value, rel=1e-6) for key, value in expected.items()}
-    x = np.linspace(*given.section.extent, 50)
+    x = np.linspace(*config.section.extent, 50)
     np.testing.assert_allclose(
-        again.layering.interfaces(x)[:, 0], given.section.layering.interfaces(x)[:, 0], atol=1e-6
+        again.layering.interfaces(x)[:, 0], config.section.layering.interfaces(x)[:, 0], atol=1e-6
     )
 
 

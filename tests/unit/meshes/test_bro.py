@@ -46,7 +46,7 @@ def test_a_document_is_a_sounding(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "message"),
     [
         (("r:CPT_O", "r:BHR_O"), "a document with CPT_O, not dispatchDataResponse"),
         (("</g:pos>", ""), "it cannot be read: mismatched tag"),
@@ -56,6 +56,6 @@ def test_a_document_is_a_sounding(tmp_path: Path) -> None:
         (("<r:dis", '<!DOCTYPE a [<!ENTITY b "c">]><r:dis'), "it defines entities"),
     ],
 )
-def test_what_is_no_sounding_is_told(tmp_path: Path, change: tuple[str, str], told: str) -> None:
-    with pytest.raises(InputError, match=told):
+def test_what_is_no_sounding_is_told(tmp_path: Path, change: tuple[str, str], message: str) -> None:
+    with pytest.raises(InputError, match=message):
         read_bro(written(tmp_path, DOCUMENT.replace(*change).replace("{rows}", row(_0=1.0, _3=4.0, _18=0.04))))

@@ -26,8 +26,8 @@ B2,40,12,4,9,Sand,14,5,0.3 mm,9
 def read(folder: Path, text: str, name: str = "borings.csv") -> tuple[list[Log], list[str]]:
     path = folder / name
     path.write_text(text, encoding="utf-8")
-    found = (read_ags4 if name.endswith("ags") else read_csv)(path, {})
-    return found.logs, found.notices
+    result = (read_ags4 if name.endswith("ags") else read_csv)(path, {})
+    return result.logs, result.notices
 
 
 def problems(folder: Path, text: str) -> list[str]:
@@ -70,14 +70,14 @@ def test_shares_of_one_are_no_percent(tmp_path: Path) -> None:
         {"depth": depth, "N": 10.0, "fines": fines, "plasticity": 12.0} for depth, fines in ((1.0, 0.15), (2.0, 0.9))
     ]
     boring = Boring.model_validate({"name": "B-1", "x": 0.0, "spt": tests})
-    [told] = implausible_tests([boring])
-    assert told.startswith("triggering, borings: the fines contents are 0.9 % at most")
+    [messages] = implausible_tests([boring])
+    assert messages.startswith("triggering, borings: the fines contents are 0.9 % at most")
     washed = boring.model_copy(update={"spt": [test.model_copy(update={"fines": 0.0}) for test in boring.spt]})
     assert implausible_tests([washed]) == []
 
 
 @pytest.mark.parametrize(
-    ("qc", "fs", "told"),
+    ("qc", "fs", "message"),
     [
         ("4 MPa", "20 MPa", 'largest fs = "20 MPa": 20000 kPa is beyond what there is (did you mean "20 kPa"?)'),
         ("4 kPa", "20 kPa", 'largest qc = "4 kPa": 0.004 MPa is beyond what there is (did you mean "4 MPa"?)'),
@@ -85,11 +85,11 @@ def test_shares_of_one_are_no_percent(tmp_path: Path) -> None:
         ("4 MPa", "20 kPa", ""),
     ],
 )
-def test_a_sounding_is_doubted_by_its_units(qc: str, fs: str, told: str) -> None:
+def test_a_sounding_is_doubted_by_its_units(qc: str, fs: str, message: str) -> None:
     boring = Boring.model_validate({"name": "C-1", "x": 0.0, "cpt": [{"depth": 1.0, "qc": qc, "fs": fs}]})
-    found = implausible_tests([boring])
-    assert len(found) == bool(told)
-    assert not told or found[0].startswith(f'triggering, borings 1 "C-1", cpt, {told}')
+    messages = implausible_tests([boring])
+    assert len(messages) == bool(message)
+    assert not message or messages[0].startswith(f'triggering, borings 1 "C-1", cpt, {message}')
 
 
 def test_elevations_are_no_depths(tmp_path: Path) -> None:
@@ -100,9 +100,9 @@ def test_elevations_are_no_depths(tmp_path: Path) -> None:
 
 def test_names_that_differ_in_capitals_and_blanks_are_one_stratum(tmp_path: Path) -> None:
     logs, _ = read(tmp_path, f"{HEAD}\n{LINES.replace('B2,40,12,4,9,Sand', 'B2,40,12,4,9,SAND ')}")
-    found = connected(logs)
-    assert found.names == ("Fill", "Sand")
-    assert found.notices == ('"Sand" and "SAND" are taken for one stratum, "Sand"',)
+    result = connected(logs)
+    assert result.names == ("Fill", "Sand")
+    assert result.notices == ('"Sand" and "SAND" are taken for one stratum, "Sand"',)
 
 
 def test_water_above_the_ground_of_a_boring_is_told(tmp_path: Path) -> None:

@@ -57,20 +57,20 @@ def change_law(top: Path) -> None:
 
 @pytest.mark.parametrize("variable", ["XDG_CACHE_HOME", pytest.param("NUMBA_CACHE_DIR", marks=pytest.mark.slow)])
 def test_a_change_of_the_law_changes_the_motion(copy: Path, tmp_path: Path, variable: str) -> None:
-    kept = {"NUMBA_CACHE_DIR": "", variable: str(tmp_path / "cache")}
-    before, hits = fall(copy, **kept)
+    stored = {"NUMBA_CACHE_DIR": "", variable: str(tmp_path / "cache")}
+    before, hits = fall(copy, **stored)
     assert hits == 0
-    assert fall(copy, **kept) == (before, 1)
+    assert fall(copy, **stored) == (before, 1)
     change_law(copy)
-    after, hits = fall(copy, **kept)
+    after, hits = fall(copy, **stored)
     assert after != before
     assert hits == 0
     assert len(list((tmp_path / "cache").rglob(PREFIX + "*"))) == 2
 
 
 def test_a_child_takes_the_folder_of_its_own_sources(copy: Path, tmp_path: Path) -> None:
-    mine = tmp_path / "cache" / (PREFIX + "0123456789abcdef")
-    fall(copy, NUMBA_CACHE_DIR=str(mine))
+    own_part = tmp_path / "cache" / (PREFIX + "0123456789abcdef")
+    fall(copy, NUMBA_CACHE_DIR=str(own_part))
     assert [folder.name for folder in (tmp_path / "cache").iterdir()] == [PREFIX + hash_of_kernels(copy)]
 
 

@@ -127,13 +127,13 @@ def test_lines_move_no_more_than_is_told_and_do_not_cross(
     ground = 3.0 * np.sin(x / rng.uniform(4.0, 9.0)) + rng.normal(0.0, noise, count)
     below = ground - np.clip(depth * np.sin(x / 5.0), 0.0, None)
     lines = {("surface",): np.column_stack([x, ground]), ("below",): np.column_stack([x, below])}
-    found, tolerance = thinned_lines(lines, cell)
+    result, tolerance = thinned_lines(lines, cell)
     at = np.linspace(0.0, 50.0, 3001)
-    top, bottom = (np.interp(at, *found[place].T) for place in lines)
+    top, bottom = (np.interp(at, *result[place].T) for place in lines)
     assert np.all(top - bottom >= -1e-9)
     if tolerance == 0.0:
         return
-    assert len(found[("surface",)]) < count
+    assert len(result[("surface",)]) < count
     smooth = max(4.5 * noise + 0.5 * (0.125 * cell / 4.0) ** 2 * 3.0, 0.02)  # what the running median takes off
     assert np.abs(top - np.interp(at, x, ground)).max() <= tolerance + smooth + 0.05
 
@@ -156,8 +156,13 @@ def test_a_section_drawn_from_right_to_left_is_turned_round_and_told() -> None:
         }
         for way in (1, -1)
     )
-    one, other = Section.parse(there), Section.parse(back)
-    assert (one.surface, one.base, one.water, one.strata) == (other.surface, other.base, other.water, other.strata)
-    (told,) = [text for text in other.notices if "turned round" in text]
-    assert "surface; base, elevation; strata, 1, bottom, elevation; water, table" in told
-    assert not [text for text in one.notices if "turned round" in text]
+    ground, other = Section.parse(there), Section.parse(back)
+    assert (ground.surface, ground.base, ground.water, ground.strata) == (
+        other.surface,
+        other.base,
+        other.water,
+        other.strata,
+    )
+    (messages,) = [text for text in other.notices if "turned round" in text]
+    assert "surface; base, elevation; strata, 1, bottom, elevation; water, table" in messages
+    assert not [text for text in ground.notices if "turned round" in text]

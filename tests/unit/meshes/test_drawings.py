@@ -48,12 +48,12 @@ def outlines(space: Any, **more: list[tuple[float, float]]) -> None:
 
 def test_a_lens_keeps_what_lies_above_it(tmp_path: Path) -> None:
     """A rhombus of 40 m by 2 m in the clay: 40 m²; above it 3 to 4 m of clay, 40 m by 3 m less half of the rhombus."""
-    made, told = section(drawn(tmp_path, lambda s: outlines(s, Lens=[(30, -1), (50, 0), (70, -1), (50, -2)])))
-    found = areas(made)
-    assert found == {"Sand": pytest.approx(600.0), "Clay 1": pytest.approx(100.0), "Lens": pytest.approx(40.0),
+    made, messages = section(drawn(tmp_path, lambda s: outlines(s, Lens=[(30, -1), (50, 0), (70, -1), (50, -2)])))
+    result = areas(made)
+    assert result == {"Sand": pytest.approx(600.0), "Clay 1": pytest.approx(100.0), "Lens": pytest.approx(40.0),
                      "Clay 2": pytest.approx(660.0)}  # fmt: skip
-    assert made.stratum_at(np.array([50.0]), np.array([1.0]))[0] == list(found).index("Clay 1")
-    assert '"Clay" lies above and below others: from the top down it is "Clay 1" and "Clay 2"' in told
+    assert made.stratum_at(np.array([50.0]), np.array([1.0]))[0] == list(result).index("Clay 1")
+    assert '"Clay" lies above and below others: from the top down it is "Clay 1" and "Clay 2"' in messages
 
 
 def test_lenses_in_lenses_and_two_on_one_layer(tmp_path: Path) -> None:
@@ -61,9 +61,9 @@ def test_lenses_in_lenses_and_two_on_one_layer(tmp_path: Path) -> None:
         outlines(space, Lens=[(20, 1), (80, 1), (80, -4), (20, -4)], Core=[(40, 0), (60, 0), (60, -2), (40, -2)])
         space.add_lwpolyline([(5, 0), (15, 0), (15, -1), (5, -1)], close=True, dxfattribs={"layer": "Core"})
 
-    found = areas(section(drawn(tmp_path, draw))[0])
+    result = areas(section(drawn(tmp_path, draw))[0])
     for name, area in (("Lens", 260.0), ("Core", 50.0), ("Clay", 490.0)):
-        assert sum(size for key, size in found.items() if key.startswith(name)) == pytest.approx(area)
+        assert sum(size for key, size in result.items() if key.startswith(name)) == pytest.approx(area)
 
 
 @pytest.mark.parametrize(
@@ -83,9 +83,9 @@ def test_the_unit_of_a_drawing(units: int, unit: float | None, metre: float, tmp
             scaled = [(x * metre, z * metre) for x, z in points]
             space.add_lwpolyline(scaled, close=True, dxfattribs={"layer": layer})
 
-    made, told = section(drawn(tmp_path, draw, units), unit)
+    made, messages = section(drawn(tmp_path, draw, units), unit)
     assert areas(made) == {"Sand": pytest.approx(600.0, rel=1e-6), "Clay": pytest.approx(800.0, rel=1e-6)}
-    assert ("--unit says another" in told) == (unit is None)
+    assert ("--unit says another" in messages) == (unit is None)
 
 
 def test_a_drawing_of_a_size_that_no_section_has_asks_for_its_unit(tmp_path: Path) -> None:
@@ -130,13 +130,13 @@ def test_outlines_of_any_entities(tmp_path: Path) -> None:
         space.add_blockref("PIPE", (90, -2), dxfattribs={"layer": "Pipe"})
         space.add_text("not ground", dxfattribs={"layer": "Words"})
 
-    made, told = section(drawn(tmp_path, draw))
-    found = areas(made)
-    assert found["Sand"] == pytest.approx(600.0)
+    made, messages = section(drawn(tmp_path, draw))
+    result = areas(made)
+    assert result["Sand"] == pytest.approx(600.0)
     for name, area in (("Spline", 4 * np.pi), ("Ellipse", 20 * np.pi), ("Open", 20.0), ("Pipe", np.pi)):
-        assert found[name] == pytest.approx(area, rel=0.02)
-    assert 'the LWPOLYLINE on layer "Open", x = 70 to 80 m, is open: it is closed by a straight line of 2 m' in told
-    assert "not used: 1 TEXT on layer Words" in told
+        assert result[name] == pytest.approx(area, rel=0.02)
+    assert 'the LWPOLYLINE on layer "Open", x = 70 to 80 m, is open: it is closed by a straight line of 2 m' in messages
+    assert "not used: 1 TEXT on layer Words" in messages
 
 
 @pytest.mark.parametrize("axis", [0, 1])
@@ -151,16 +151,17 @@ def test_a_section_that_stands_upright_in_space(axis: int, tmp_path: Path) -> No
 
 def test_gaps_overlaps_and_what_is_covered_are_told(tmp_path: Path) -> None:
     raised = [(x, 3.0 if z == 2 else z) for x, z in SAND]
-    made, told = section(drawn(tmp_path, lambda s: outlines(s, Sand=raised)))
+    made, messages = section(drawn(tmp_path, lambda s: outlines(s, Sand=raised)))
     assert (
-        'between "Sand" and "Clay" nothing is drawn, up to 1 m high from x = 0 to 100 m: it is taken for "Clay"' in told
+        'between "Sand" and "Clay" nothing is drawn, up to 1 m high from x = 0 to 100 m: it is taken for "Clay"'
+        in messages
     )
     assert areas(made) == {"Sand": pytest.approx(500.0), "Clay": pytest.approx(900.0)}
     lowered = [(x, 1.0 if z == 2 else z) for x, z in SAND]
-    made, told = section(drawn(tmp_path, lambda s: outlines(s, Sand=lowered)))
-    assert '"Sand" and "Clay" overlap by 100 m² from x = 0 to 100 m: that is taken for "Sand"' in told
-    made, told = section(drawn(tmp_path, lambda s: outlines(s, Again=SAND)))
-    assert 'the outline on layer "Again" is covered by others, and not used' in told
+    made, messages = section(drawn(tmp_path, lambda s: outlines(s, Sand=lowered)))
+    assert '"Sand" and "Clay" overlap by 100 m² from x = 0 to 100 m: that is taken for "Sand"' in messages
+    made, messages = section(drawn(tmp_path, lambda s: outlines(s, Again=SAND)))
+    assert 'the outline on layer "Again" is covered by others, and not used' in messages
     apart = [(0, 12), (40, 12), (40, -6), (0, -6)]
     with pytest.raises(InputError, match="nothing is drawn from x = 40 to 50 m"):
         section(drawn(tmp_path, lambda s: outlines(s, Sand=apart, Clay=[(50, 2), (100, 2), (100, -6), (50, -6)])))
@@ -171,9 +172,9 @@ def test_lines_alone_are_the_ground_and_bottoms(tmp_path: Path) -> None:
         for layer, points in {"Clay": CLAY[2:], "Ground": SAND[:4], "Sand": CLAY[:2]}.items():
             space.add_lwpolyline(points, dxfattribs={"layer": layer})
 
-    made, told = section(drawn(tmp_path, draw))
+    made, messages = section(drawn(tmp_path, draw))
     assert areas(made) == {"Sand": pytest.approx(600.0), "Clay": pytest.approx(800.0)}
-    assert 'the highest line, on layer "Ground", is the ground' in told
+    assert 'the highest line, on layer "Ground", is the ground' in messages
 
 
 @pytest.mark.parametrize(("layer", "doubted"), [("CLAY_TOP", True), ("Top of clay", True), ("Topsoil", False)])
@@ -182,8 +183,8 @@ def test_a_line_whose_name_says_that_it_is_a_top_is_doubted(layer: str, doubted:
         for name, points in {"Ground": SAND[:4], layer: CLAY[:2], "Base": CLAY[2:]}.items():
             space.add_lwpolyline(points, dxfattribs={"layer": name})
 
-    told = section(drawn(tmp_path, draw))[1]
-    assert (f'the name of layer "{layer}" says top, and its line is taken for a bottom' in told) == doubted
+    messages = section(drawn(tmp_path, draw))[1]
+    assert (f'the name of layer "{layer}" says top, and its line is taken for a bottom' in messages) == doubted
 
 
 def test_the_longest_water_line_counts_and_others_are_told(tmp_path: Path) -> None:
@@ -194,11 +195,11 @@ def test_the_longest_water_line_counts_and_others_are_told(tmp_path: Path) -> No
         space.add_lwpolyline([(0, 1), (50, 1)], dxfattribs={"layer": "water low"})
         space.add_lwpolyline([(0, -1), (50, -1)], dxfattribs={"layer": "Fault"})
 
-    made, told = section(drawn(tmp_path, draw))
+    made, messages = section(drawn(tmp_path, draw))
     assert np.allclose(made.water_points(), [[0, 7], [10, 7], [30, 6], [100, 3]])
-    assert "the water table is drawn from x = 10 to 100 m, and continues level to x = 0 m" in told
-    assert 'not used: a LWPOLYLINE on layer "water low", x = 0 to 50 m, beside the longer water table' in told
-    assert 'not used: a LWPOLYLINE on layer "Fault", x = 0 to 50 m: it closes no outline' in told
+    assert "the water table is drawn from x = 10 to 100 m, and continues level to x = 0 m" in messages
+    assert 'not used: a LWPOLYLINE on layer "water low", x = 0 to 50 m, beside the longer water table' in messages
+    assert 'not used: a LWPOLYLINE on layer "Fault", x = 0 to 50 m: it closes no outline' in messages
 
 
 def test_a_drawing_in_millimetres_that_does_not_say_so_is_doubted(tmp_path: Path) -> None:
@@ -215,32 +216,32 @@ NAMES = ("Sand/silt (1)", "Ton, weich – ü β/γ", "sand", "SAND", "WATER", "0
 
 def test_names_that_a_layer_cannot_have_come_back(tmp_path: Path) -> None:
     strata = [{"name": name, **SOIL, "bottom": {"elevation": 10.0 - k}} for k, name in enumerate(NAMES)]
-    given = Section.parse(
+    ground = Section.parse(
         {"name": "names", "surface": [[0, 12], [30, 11]], "base": {"elevation": 3.0}, "strata": strata}
     )
-    told = write_dxf(given, tmp_path / "names.dxf")
-    assert any('stratum "Sand/silt (1)" is on layer "Sand／silt (1)"' in text for text in told)
+    messages = write_dxf(ground, tmp_path / "names.dxf")
+    assert any('stratum "Sand/silt (1)" is on layer "Sand／silt (1)"' in text for text in messages)
     assert len({name.casefold() for name in layer_names(NAMES)}) == len(NAMES)
     again, _ = section(tmp_path / "names.dxf")
-    assert areas(again) == {key: pytest.approx(value) for key, value in areas(given).items()}
+    assert areas(again) == {key: pytest.approx(value) for key, value in areas(ground).items()}
 
 
 def test_strata_that_water_cuts_are_drawn_as_in_their_file(tmp_path: Path) -> None:
     soil = {**{key: value for key, value in SOIL.items() if not key.startswith("density")}, "density": "18 kN/m^3"}
     sand = {"name": "Sand", **soil, "density_saturated": "20 kN/m^3"}
     clay = {"name": "Clay", **soil, "density_saturated": "19 kN/m^3"}
-    given = Section.parse({
+    ground = Section.parse({
         "name": "cut", "surface": [[0, 12], [40, 12], [60, 4], [100, 4]], "base": {"elevation": -6.0},
         "water": {"table": [[0, 9], [100, 1]]}, "strata": [{**sand, "bottom": {"elevation": 2.0}}, clay],
     })  # fmt: skip
-    assert len(given.strata) == 4
-    assert write_dxf(given, tmp_path / "cut.dxf") == []
-    assert [one["name"] for one in tomllib.loads(read_dxf(tmp_path / "cut.dxf", "made").text)["strata"]] == [
+    assert len(ground.strata) == 4
+    assert write_dxf(ground, tmp_path / "cut.dxf") == []
+    assert [load["name"] for load in tomllib.loads(read_dxf(tmp_path / "cut.dxf", "made").text)["strata"]] == [
         "Sand",
         "Clay",
     ]
     again, _ = section(tmp_path / "cut.dxf")
-    assert areas(again) == {key: pytest.approx(value) for key, value in areas(given).items()}
+    assert areas(again) == {key: pytest.approx(value) for key, value in areas(ground).items()}
     assert np.allclose(again.water_points(), [[0, 9], [100, 1]])
 
 
@@ -279,10 +280,10 @@ def test_lines_with_a_closed_lens_are_strata_with_a_zone(tmp_path: Path) -> None
     data = tomllib.loads(read.text)
     assert [stratum["name"] for stratum in data["strata"]] == ["0 1", "0 2"]
     assert data["zones"] == [{"name": "Lens", "points": [[30, -1], [50, 0], [70, -1], [50, -2]]}]
-    told = "\n".join(read.notices)
-    assert "lines of the drawing go on past its outlines, its zones" in told
-    assert 'layer "0" has several lines or outlines: they are "0 1" and "0 2"' in told
-    assert "not used: 1 upright LINE on layer Side" in told
+    text = "\n".join(read.notices)
+    assert "lines of the drawing go on past its outlines, its zones" in text
+    assert 'layer "0" has several lines or outlines: they are "0 1" and "0 2"' in text
+    assert "not used: 1 upright LINE on layer Side" in text
 
 
 def test_a_line_that_is_drawn_twice_is_one(tmp_path: Path) -> None:
@@ -292,9 +293,9 @@ def test_a_line_that_is_drawn_twice_is_one(tmp_path: Path) -> None:
             space.add_lwpolyline([(0, 2), (100, 2)][::way], dxfattribs={"layer": "Sand"})
         space.add_line((0, -6), (100, -6), dxfattribs={"layer": "Clay"})
 
-    made, told = section(drawn(tmp_path, draw))
+    made, messages = section(drawn(tmp_path, draw))
     assert areas(made) == {"Sand": pytest.approx(600.0), "Clay": pytest.approx(800.0)}
-    assert "not used: 1 LWPOLYLINE on layer Ground that lies on another" in told
+    assert "not used: 1 LWPOLYLINE on layer Ground that lies on another" in messages
 
 
 def test_an_outline_of_groundwater_is_its_table(tmp_path: Path) -> None:
@@ -307,11 +308,11 @@ def test_an_outline_of_groundwater_is_its_table(tmp_path: Path) -> None:
 
 def test_an_outline_of_water_is_no_ground(tmp_path: Path) -> None:
     pond = [(52, 7), (100, 7), (100, 4), (60, 4)]
-    made, told = section(drawn(tmp_path, lambda s: outlines(s, Pond=pond)))
+    made, messages = section(drawn(tmp_path, lambda s: outlines(s, Pond=pond)))
     assert areas(made) == {"Sand": pytest.approx(231.25), "Sand, below water": pytest.approx(368.75),
                            "Clay": pytest.approx(800.0)}  # fmt: skip
     assert np.allclose(made.water_points(), [[0, 7], [100, 7]])
-    assert 'the outline on layer "Pond", x = 52 to 100 m, is water: its upper edge is a water table' in told
+    assert 'the outline on layer "Pond", x = 52 to 100 m, is water: its upper edge is a water table' in messages
 
 
 @pytest.mark.parametrize("name", ["GROUNDWATER", "Piezometric line", "W.T.", "Nivel freático", "水位線"])
@@ -326,9 +327,9 @@ def test_what_water_is_called(name: str, tmp_path: Path) -> None:
 def test_outlines_of_which_one_ends_a_little_short_of_a_side(tmp_path: Path) -> None:
     """Else the ground would fall by 10 m in a slit of 2 cm."""
     short = [(max(x, 0.02), z) for x, z in SAND]
-    made, told = section(drawn(tmp_path, lambda s: outlines(s, Sand=short)))
+    made, messages = section(drawn(tmp_path, lambda s: outlines(s, Sand=short)))
     assert np.allclose(made.surface[0], [0.02, 12.0])
-    assert "outlines end at different x at one side, 0 and 0.02 m" in told
+    assert "outlines end at different x at one side, 0 and 0.02 m" in messages
 
 
 def test_a_lens_in_the_hole_of_a_hatch(tmp_path: Path) -> None:
@@ -340,9 +341,9 @@ def test_a_lens_in_the_hole_of_a_hatch(tmp_path: Path) -> None:
             for ring in rings:
                 hatch.paths.add_polyline_path(ring)
 
-    made, told = section(drawn(tmp_path, draw))
+    made, messages = section(drawn(tmp_path, draw))
     assert areas(made)["Lens"] == pytest.approx(40.0)
-    assert 'the HATCH on layer "Clay" has a hole' in told
+    assert 'the HATCH on layer "Clay" has a hole' in messages
 
 
 def test_outlines_that_are_doubted(tmp_path: Path) -> None:
@@ -357,9 +358,9 @@ def test_outlines_that_are_doubted(tmp_path: Path) -> None:
 
 def test_corners_a_little_beside_a_side_stand_on_it(tmp_path: Path) -> None:
     """Else a stratum would reach up along the side in a slit of half a millimetre."""
-    beside = [(0.0004, 2), (100.0006, 2), (99.9995, -6), (0, -6)]
-    made, told = section(drawn(tmp_path, lambda space: outlines(space, Clay=beside)))
-    assert told == ""
+    neighbour = [(0.0004, 2), (100.0006, 2), (99.9995, -6), (0, -6)]
+    made, messages = section(drawn(tmp_path, lambda space: outlines(space, Clay=neighbour)))
+    assert messages == ""
     assert [stratum.bottom is None for stratum in made.strata] == [False, True]
     assert np.allclose(made.layering.x[[0, -1]], [0.0, 100.0])
     assert areas(made) == {"Sand": pytest.approx(600.0), "Clay": pytest.approx(800.0)}

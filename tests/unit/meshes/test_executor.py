@@ -37,17 +37,17 @@ def two() -> Processes:
 
 @ALL
 def test_results_are_in_order_and_what_tasks_tell_is_heard_here(made: Callable[[], Executor]) -> None:
-    told, done, here = [], [], threading.get_ident()
+    messages, done, here = [], [], threading.get_ident()
 
     def heard(*what: object) -> None:
         assert threading.get_ident() == here
-        told.append(what)
+        messages.append(what)
 
     with made() as executor:
-        found = executor.compute(squared, [1, 2, 3], heard, lambda *each: done.append(each))
+        results = executor.compute(squared, [1, 2, 3], heard, lambda *each: done.append(each))
         assert executor.submit(divmod, 7, 2).result() == (3, 1)
-    assert found == [1, 4, 9]
-    assert sorted(told) == [(0, 1), (1, 2), (2, 3)]
+    assert results == [1, 4, 9]
+    assert sorted(messages) == [(0, 1), (1, 2), (2, 3)]
     assert sorted(done) == [(0, 1), (1, 4), (2, 9)]
 
 
@@ -71,16 +71,16 @@ def test_in_order_ctrl_c_is_heard_at_once() -> None:
 
 
 def test_a_thread_goes_on_beside_this_one_and_leaves_it_what_it_has_not_begun() -> None:
-    met, own = threading.Barrier(2, timeout=60.0), threading.get_ident()
+    met, of_thread = threading.Barrier(2, timeout=60.0), threading.get_ident()
     with OneThread() as executor:
-        begun, waits = executor.submit(met.wait), executor.submit(threading.get_ident)
-        assert waits.result() == own
+        future, waits = executor.submit(met.wait), executor.submit(threading.get_ident)
+        assert waits.result() == of_thread
         met.wait()
-        begun.result()
+        future.result()
 
 
 def test_a_task_that_several_threads_ask_for_is_done_once_and_what_follows_it_is_told() -> None:
-    may_end, done, found = threading.Event(), list[int](), list[int]()
+    may_end, done, result = threading.Event(), list[int](), list[int]()
 
     def counted() -> int:
         done.append(threading.get_ident())
@@ -91,22 +91,22 @@ def test_a_task_that_several_threads_ask_for_is_done_once_and_what_follows_it_is
         executor.submit(may_end.wait, 60.0)
         waits = executor.submit(counted)
         follows = then(waits, lambda known: 10 * known.result())
-        asking = [threading.Thread(target=lambda: found.append(waits.result())) for _ in range(4)]
+        asking = [threading.Thread(target=lambda: result.append(waits.result())) for _ in range(4)]
         for thread in asking:
             thread.start()
         for thread in asking:
             thread.join(60.0)
-        assert found == [1, 1, 1, 1]
+        assert result == [1, 1, 1, 1]
         assert follows.result(60.0) == 10
         may_end.set()
 
 
 def test_nobody_waits_for_a_thread_that_is_left_and_it_ends_at_its_next_look() -> None:
-    begun, may_end = threading.Event(), threading.Event()
+    event, may_end = threading.Event(), threading.Event()
     ended: list[str] = []
 
     def long() -> None:
-        begun.set()
+        event.set()
         may_end.wait(60.0)
         try:
             check_cancelled()
@@ -118,7 +118,7 @@ def test_nobody_waits_for_a_thread_that_is_left_and_it_ends_at_its_next_look() -
     with OneThread() as executor:
         executor.submit(long)
         executor.submit(ended.append, "never")
-        begun.wait(60.0)
+        event.wait(60.0)
     assert is_left_working()  # and nobody has waited for it
     may_end.set()
     while is_left_working() and time.monotonic() < start + 60.0:

@@ -64,7 +64,7 @@ PLAIN = "#COLUMNINFO = 1, m, l, 1\n#COLUMNINFO = 2, MPa, qc, 2\n#COLUMNINFO = 3,
 
 
 @pytest.mark.parametrize(
-    ("columns", "data", "head", "told"),
+    ("columns", "data", "head", "message"),
     [
         (PLAIN, "1 2 0.1\n", HEAD.replace("CPT", "BORE"), "expected a cone penetration test in GEF.*, not GEF-BORE"),
         (PLAIN.replace("fs, 3", "fs, 8"), "1 2 0.1\n", HEAD, r"expected columns of depth .* and sleeve friction \(3\)"),
@@ -76,9 +76,9 @@ PLAIN = "#COLUMNINFO = 1, m, l, 1\n#COLUMNINFO = 2, MPa, qc, 2\n#COLUMNINFO = 3,
     ],
 )
 def test_what_is_no_sounding_is_refused_with_a_sentence(
-    columns: str, data: str, head: str, told: str, tmp_path: Path
+    columns: str, data: str, head: str, message: str, tmp_path: Path
 ) -> None:
-    with pytest.raises(InputError, match=told):
+    with pytest.raises(InputError, match=message):
         read_gef(written(tmp_path, columns, data, head))
 
 

@@ -200,8 +200,8 @@ def test_refined_cells_divide_the_coarse_ones() -> None:
     section = s13()
     coarse, fine = generate(section, grid()), generate(section, grid(refine=3))
     assert len(fine.cells) == 9 * 611
-    found = {tuple(point) for point in fine.points.round(6).tolist()}
-    assert {tuple(point) for point in coarse.points.round(6).tolist()} <= found
+    result = {tuple(point) for point in fine.points.round(6).tolist()}
+    assert {tuple(point) for point in coarse.points.round(6).tolist()} <= result
 
 
 def test_refining_a_free_mesh_halves_its_cells() -> None:

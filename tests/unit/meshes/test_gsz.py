@@ -55,9 +55,9 @@ def written(folder: Path, system: str = "metric", change: tuple[str, str] = ("",
 
 def test_a_slope_is_a_section(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run("section", written(tmp_path), "-o", tmp_path / "slope.toml") == 0
-    told = capsys.readouterr().out
+    out = capsys.readouterr().out
     for text in ("It is sound.", 'analysis "Slope"', "analyses Shaken", "tension crack", "Kh = 0.15", "stiffness"):
-        assert text in told
+        assert text in out
     section = Section.read(tmp_path / "slope.toml")
     fill, _, clay = section.strata
     assert (fill.name, fill.cohesion, clay.name, clay.cohesion, clay.friction_angle) == ("Fill", 5e3, "Clay", 40e3, 0.0)
@@ -68,8 +68,8 @@ def test_a_slope_is_a_section(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 
 
 def test_feet_and_pounds(tmp_path: Path) -> None:
-    found = read_gsz(written(tmp_path, "imperial"), "slope")
-    (tmp_path / "slope.toml").write_text(found.text)
+    imported_section = read_gsz(written(tmp_path, "imperial"), "slope")
+    (tmp_path / "slope.toml").write_text(imported_section.text)
     section = Section.read(tmp_path / "slope.toml")
     assert section.ground[0, 1] == pytest.approx(20 * 0.3048)
     assert section.strata[0].cohesion == pytest.approx(5 * 47.88026)
@@ -96,7 +96,7 @@ def test_bad_models_are_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "message"),
     [
         (("<Name>Clay", "<Name>Fill"), "It is sound."),
         (('ID="Regions-2" Entry="2"', ""), "not taken: region 2, which has no material"),
@@ -104,11 +104,11 @@ def test_bad_models_are_told(tmp_path: Path) -> None:
     ],
 )
 def test_what_a_model_has_otherwise(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], change: tuple[str, str], told: str
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], change: tuple[str, str], message: str
 ) -> None:
     """Materials of one name keep what they have, regions without material and strength by functions are told."""
     assert run("section", written(tmp_path, change=change), "-o", tmp_path / "slope.toml") == 0
-    assert told in capsys.readouterr().out
+    assert message in capsys.readouterr().out
     if change[1] == "<Name>Fill":
         section = Section.read(tmp_path / "slope.toml")
         assert {(s.density_ordinary, s.cohesion) for s in section.strata} == {

@@ -169,7 +169,9 @@ def test_the_border_of_ground_that_steps() -> None:
     assert layers.perimeter() == pytest.approx(14.0, rel=1e-14)
 
 
-@pytest.mark.parametrize(("width", "told"), [(100.0, False), (100e3, True)])
-def test_a_section_that_only_millimetres_make_so_wide_is_told(width: float, told: bool) -> None:
+@pytest.mark.parametrize(("width", "message"), [(100.0, False), (100e3, True)])
+def test_a_section_that_only_millimetres_make_so_wide_is_told(width: float, message: bool) -> None:
     made = section([[0.0, 0.0], [width, 0.1 * width]], {"elevation": -0.1 * width}, None)
-    assert made.notices == (["geometry: the section is 100,000 m wide; plain coordinates are metres"] if told else [])
+    assert made.notices == (
+        ["geometry: the section is 100,000 m wide; plain coordinates are metres"] if message else []
+    )

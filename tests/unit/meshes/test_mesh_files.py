@@ -45,7 +45,7 @@ def test_reading_gives_what_was_written_exactly(tmp_path: Path, writer: str) -> 
         save(mesh, tmp_path / "section.msh")
     again = read(tmp_path / "section.msh")
     assert (again.strata, len(again.cells)) == (mesh.strata, len(mesh.cells))
-    corners, written = (np.sort(one.points[one.cells].mean(axis=1), axis=0) for one in (mesh, again))
+    corners, written = (np.sort(item.points[item.cells].mean(axis=1), axis=0) for item in (mesh, again))
     np.testing.assert_allclose(written, corners, rtol=1e-14, atol=1e-12)
     np.testing.assert_allclose(again.stratum_areas(), mesh.stratum_areas(), rtol=1e-12)
     assert {name: len(ends) for name, ends in again.boundaries.items()} == {
@@ -73,10 +73,10 @@ def test_dolfinx_reads_the_file(tmp_path: Path) -> None:
     generate(s13(), grid(), tmp_path / "section.msh")
     with gmsh_model.session("again"):
         gmsh.merge(str(tmp_path / "section.msh"))
-        found = reader.model_to_mesh(gmsh.model, MPI.COMM_SELF, 0, gdim=2)
+        result = reader.model_to_mesh(gmsh.model, MPI.COMM_SELF, 0, gdim=2)
     # Three things as a tuple until dolfinx 0.9, more and by name later.
-    domain, cell_tags, facet_tags = found[:3] if isinstance(found, tuple) else (
-        found.mesh, found.cell_tags, found.facet_tags
+    domain, cell_tags, facet_tags = result[:3] if isinstance(result, tuple) else (
+        result.mesh, result.cell_tags, result.facet_tags
     )  # fmt: skip
     assert domain.topology.index_map(2).size_local == 611
     assert sorted(set(cell_tags.values.tolist())) == list(range(1, 11))
@@ -154,7 +154,7 @@ def test_of_several_free_meshes_the_best_is_written_and_no_other_file(here: pyte
     assert len(set(angles)) > 1
     assert corner_angles(mesh.points, mesh.cells).min() == max(angles)
     again = read(tmp_path / "section.msh")
-    corners, written = (np.sort(one.points[one.cells].mean(axis=1), axis=0) for one in (mesh, again))
+    corners, written = (np.sort(item.points[item.cells].mean(axis=1), axis=0) for item in (mesh, again))
     np.testing.assert_allclose(written, corners, rtol=1e-14, atol=1e-12)
     assert [file.name for file in tmp_path.iterdir()] == ["section.msh"]
 

@@ -40,21 +40,21 @@ def data(**changes: Any) -> dict[str, Any]:
     ],
 )
 def test_a_slip_of_the_unit_is_told_with_what_was_meant_and_may_be_meant(changes: dict[str, Any], meant: str) -> None:
-    [told] = problems(data(**changes))
-    assert "is beyond what there is" in told
-    assert f'did you mean "{meant}"?' in told if meant else "did you mean" not in told
+    [messages] = problems(data(**changes))
+    assert "is beyond what there is" in messages
+    assert f'did you mean "{meant}"?' in messages if meant else "did you mean" not in messages
     taken = Section.parse({**data(**changes), "unusual": True})
     assert any("is beyond what there is" in notice for notice in taken.notices)
 
 
 def test_what_no_soil_has_is_told_beside_what_cannot_be_read() -> None:
-    told = problems(data(poissons_ratio=0.7, youngs_modulus="15 kPa", density="70 kN/m^3", **BULK))
-    assert [next(part for part in text.split(": ")[0].split(", ") if "=" in part) for text in told] == [
+    messages = problems(data(poissons_ratio=0.7, youngs_modulus="15 kPa", density="70 kN/m^3", **BULK))
+    assert [next(part for part in text.split(": ")[0].split(", ") if "=" in part) for text in messages] == [
         "poissons_ratio = 0.7",
         'density = "70 kN/m^3"',
         'youngs_modulus = "15 kPa"',
     ]
-    assert ["did you mean" in text for text in told] == [False, False, True]
+    assert ["did you mean" in text for text in messages] == [False, False, True]
     nothing = data(density=None, density_saturated=None)
     unread = {
         **nothing,
@@ -64,15 +64,15 @@ def test_what_no_soil_has_is_told_beside_what_cannot_be_read() -> None:
 
 
 def test_water_and_loads_have_their_bounds_too() -> None:
-    told = problems(
+    messages = problems(
         {**data(), "water": {"unit_weight": 9.81}, "surcharges": [{"from": 1, "to": 5, "pressure": "20 MPa"}]}
     )
-    assert ["water, unit_weight" in told[0], "surcharges 1, pressure" in told[1]] == [True, True]
+    assert ["water, unit_weight" in messages[0], "surcharges 1, pressure" in messages[1]] == [True, True]
 
 
 def test_a_unit_weight_is_taken_for_a_density_and_a_density_for_the_weight_of_water() -> None:
-    one, other = (section(soil(density=density, **BULK)).strata[0] for density in ("18 kN/m^3", "1.8354891833 t/m^3"))
-    assert one.density_seismic == pytest.approx(other.density_seismic)
+    item, other = (section(soil(density=density, **BULK)).strata[0] for density in ("18 kN/m^3", "1.8354891833 t/m^3"))
+    assert item.density_seismic == pytest.approx(other.density_seismic)
     assert section(water={"table": 3, "unit_weight": "1.03 t/m^3"}).water.unit_weight == pytest.approx(1030 * 9.80665)
 
 
@@ -121,9 +121,9 @@ def test_steady_seepage_is_no_drawdown() -> None:
 
 
 @pytest.mark.parametrize(
-    ("table", "told"),
+    ("table", "message"),
     [(60.0, "all of the ground lies under it, at most "), (-90.0, "its table lies below the base of the section")],
 )
-def test_water_beside_all_of_the_ground_is_told(table: float, told: str) -> None:
+def test_water_beside_all_of_the_ground_is_told(table: float, message: str) -> None:
     made = Section.parse({**data(), "water": {"table": table}})
-    assert sum(notice.startswith(f"water: {told}") for notice in made.notices) == 1
+    assert sum(notice.startswith(f"water: {message}") for notice in made.notices) == 1

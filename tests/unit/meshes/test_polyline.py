@@ -56,10 +56,10 @@ def test_points_in_feet_and_with_a_vertical_step() -> None:
     np.testing.assert_allclose(points, [(0.0, 3.048), (5.0, 2.0), (5.0, 1.0), (9.0, 1.0)], rtol=1e-14)
 
 
-@pytest.mark.parametrize("given", [{}, {"depth": 1.0, "elevation": 2.0}])
-def test_a_line_is_either_depth_or_elevation(given: dict[str, float]) -> None:
+@pytest.mark.parametrize("inputs", [{}, {"depth": 1.0, "elevation": 2.0}])
+def test_a_line_is_either_depth_or_elevation(inputs: dict[str, float]) -> None:
     with pytest.raises(ValidationError, match="expected either elevation or depth"):
-        Line(**given)
+        Line(**inputs)
 
 
 @pytest.mark.parametrize("depth", [-1.0, [[0.0, 1.0], [5.0, -0.5]]])

@@ -11,8 +11,8 @@ CELL = np.array([[0, 1, 2, 3]])
 
 def test_a_square_is_perfect() -> None:
     points = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
-    found = quality(points, CELL)
-    assert asdict(found) == pytest.approx(
+    result = quality(points, CELL)
+    assert asdict(result) == pytest.approx(
         {
             "quadrilaterals": 1,
             "nodes": 4,
@@ -30,11 +30,11 @@ def test_a_slanted_parallelogram(slant: float) -> None:
     angle = math.radians(slant)
     side = np.array([math.cos(angle), math.sin(angle)])
     points = np.array([[0.0, 0.0], [3.0, 0.0], [3.0 + side[0], side[1]], side])
-    found = quality(points, CELL)
-    assert found.smallest_scaled_jacobian == pytest.approx(math.sin(angle))
-    assert found.smallest_angle == pytest.approx(min(slant, 180.0 - slant))
-    assert found.largest_angle == pytest.approx(max(slant, 180.0 - slant))
-    assert found.largest_aspect_ratio == pytest.approx(3.0 * 8.0 / (4.0 * 3.0 * math.sin(angle)))
+    result = quality(points, CELL)
+    assert result.smallest_scaled_jacobian == pytest.approx(math.sin(angle))
+    assert result.smallest_angle == pytest.approx(min(slant, 180.0 - slant))
+    assert result.largest_angle == pytest.approx(max(slant, 180.0 - slant))
+    assert result.largest_aspect_ratio == pytest.approx(3.0 * 8.0 / (4.0 * 3.0 * math.sin(angle)))
 
 
 @pytest.mark.parametrize(

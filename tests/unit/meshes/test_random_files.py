@@ -149,17 +149,17 @@ def test_random_drawings_come_back(seed: int, tmp_path_factory: pytest.TempPathF
     data["strata"] = [stratum | SOIL for stratum in data["strata"]]
     # Not parsed, which thins dense lines: it says so, and has tests of its own.
     section = Section.model_validate({key: value for key, value in data.items() if key != "water"})
-    found: dict[str, float] = dict.fromkeys(made.areas, 0.0)
+    result: dict[str, float] = dict.fromkeys(made.areas, 0.0)
     for stratum, size in zip(section.strata, section.layering.areas(), strict=True):
-        found[max((name for name in made.areas if stratum.name.startswith(name)), key=len)] += float(size)
+        result[max((name for name in made.areas if stratum.name.startswith(name)), key=len)] += float(size)
     for name, size in made.areas.items():
-        assert found[name] == pytest.approx(size, abs=0.02 * WIDE), (name, read.text)
-    told = "\n".join(read.notices)
-    assert ("TEXT on layer Words" in told) == (made.loose > 0)
-    assert told.count('on layer "Hatching"') == (1 if made.loose else 0)
-    assert ("on layer Hatching that lies on another" in told) == (made.loose == 2)
+        assert result[name] == pytest.approx(size, abs=0.02 * WIDE), (name, read.text)
+    text = "\n".join(read.notices)
+    assert ("TEXT on layer Words" in text) == (made.loose > 0)
+    assert text.count('on layer "Hatching"') == (1 if made.loose else 0)
+    assert ("on layer Hatching that lies on another" in text) == (made.loose == 2)
     assert ("water" in data) == (made.water > 0)
-    assert told.count('on layer "WATER"') == max(made.water - 1, 0)
+    assert text.count('on layer "WATER"') == max(made.water - 1, 0)
 
 
 @given(seed=st.integers(0, 100_000))
@@ -269,22 +269,22 @@ def test_random_borings_come_back(seed: int, tmp_path_factory: pytest.TempPathFa
         assert log.water_level == water
     refused = sum(test[1][2] for boring in made for test in boring["tests"])
     assert any("refusals count as the least" in text for text in read.notices) == (refused > 0)
-    found = connected(read.logs)
-    data = tomllib.loads(text_of(found, "made"))
+    result = connected(read.logs)
+    data = tomllib.loads(text_of(result, "made"))
     Section.parse({**data, "strata": [stratum | SOIL for stratum in data["strata"]]})
     assert ("table" in data["water"]) == any(boring["water"] is not None for boring in made)
     for k, boring in enumerate(made):
-        here = column(found, 2 * k)[: len(boring["names"])]
+        here = column(result, 2 * k)[: len(boring["names"])]
         assert [name for name, _ in here] == boring["names"]
         sizes = np.diff(boring["depths"])
         assert [size for _, size in here[:-1]] == pytest.approx(sizes[:-1], abs=1e-4)
         assert here[-1][1] >= sizes[-1] - 1e-4  # the last layer goes on as deep as other borings have it
-    several = any(name[-1].isdigit() for name in found.names)
-    assert several == bool(found.notices)
+    several = any(name[-1].isdigit() for name in result.names)
+    assert several == bool(result.notices)
 
 
-def column(found: Connected, place: int) -> list[tuple[str, float]]:
+def column(outcome: Connected, place: int) -> list[tuple[str, float]]:
     """What the section has at a boring from the top down: names without numbers, and thickness (m)."""
-    levels = np.concatenate([[found.ground[place]], found.bottoms[:, place]])
-    return [(name.split(" ")[0], float(a - b)) for name, (a, b) in zip(found.names, pairwise(levels), strict=True)
+    levels = np.concatenate([[outcome.ground[place]], outcome.bottoms[:, place]])
+    return [(name.split(" ")[0], float(a - b)) for name, (a, b) in zip(outcome.names, pairwise(levels), strict=True)
             if a - b > 1e-9]  # fmt: skip

@@ -130,10 +130,10 @@ REFUSED: dict[str, tuple[Change, str, str]] = {
 @pytest.mark.parametrize("case", REFUSED)
 def test_bad_input_is_refused_in_words(case: str) -> None:
     change, key_and_value, expected = REFUSED[case]
-    told = problems(spoiled(change))
-    assert len(told) == 1, told
-    assert key_and_value in told[0]
-    assert expected in told[0]
+    messages = problems(spoiled(change))
+    assert len(messages) == 1, messages
+    assert key_and_value in messages[0]
+    assert expected in messages[0]
 
 
 def test_the_stratum_is_named_by_number_and_name() -> None:
@@ -146,16 +146,16 @@ def test_everything_is_told_at_once() -> None:
         data["strata"][1].update(youngs_modulus=math.nan, name="upper")
         data["sureface"] = 1
 
-    told = problems(spoiled(change))
+    messages = problems(spoiled(change))
     for part in ("poissons_ratio", "cohesion", "frction", "youngs_modulus", "sureface", "2 of them", "below the base"):
-        assert sum(part in text for text in told) == 1, (part, told)
-    assert len(told) == 7
+        assert sum(part in text for text in messages) == 1, (part, messages)
+    assert len(messages) == 7
 
 
 def test_a_stratums_own_contradictions_are_told_together() -> None:
-    told = problems(spoiled(upper(dilation_angle="30 deg", density_ordinary="2 t/m^3", liquefies_in=[2, 2])))
-    assert len(told) == 3
-    assert all('strata 1 "upper"' in text for text in told)
+    messages = problems(spoiled(upper(dilation_angle="30 deg", density_ordinary="2 t/m^3", liquefies_in=[2, 2])))
+    assert len(messages) == 3
+    assert all('strata 1 "upper"' in text for text in messages)
 
 
 @pytest.mark.parametrize(
@@ -200,10 +200,10 @@ def test_the_defaults() -> None:
 
 
 def test_sections_can_be_compared_after_their_layers_were_used() -> None:
-    one, same, other = (Section.parse(data) for data in (slope(), slope(), spoiled(whole(title="other"))))
-    assert all(section.layering.areas().sum() == 1500.0 for section in (one, same, other))
-    assert one == same
-    assert one != other
+    item, same, other = (Section.parse(data) for data in (slope(), slope(), spoiled(whole(title="other"))))
+    assert all(section.layering.areas().sum() == 1500.0 for section in (item, same, other))
+    assert item == same
+    assert item != other
 
 
 def test_settings_of_others_are_let_through() -> None:

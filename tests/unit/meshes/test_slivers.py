@@ -38,18 +38,18 @@ def bank(bottom: Any, table: Any, surface: Any = BANK) -> Config:
     ],
 )
 def test_no_cell_is_a_sliver(bottom: Any, table: Any, surface: Any) -> None:
-    given = bank(bottom, table, surface)
-    mesh = generate(given.section, given.mesh)
+    ground = bank(bottom, table, surface)
+    mesh = generate(ground.section, ground.mesh)
     angles = corner_angles(mesh.points, mesh.cells)
     assert np.abs(angles - 90.0).max() < 75.0
 
 
 def test_pockets_that_water_cuts_off_are_of_the_other_half_and_weigh_next_to_nothing() -> None:
     """7 cm of dry clay over 19 m; the water table, and with it every pore pressure, stays where it was."""
-    given = bank([[0, 0.84], [50, 1.21], [100, 0.14]], [[0, 7.77], [33.5, 1.01], [100, 1.56]])
-    assert [stratum.name for stratum in given.section.strata] == ["Sand", "Sand, below water", "Clay"]
-    assert given.section.strata[2].density_seismic == pytest.approx(20e3 / 9.80665)
-    assert given.section.water_points()[1].tolist() == [33.5, 1.01]
+    ground = bank([[0, 0.84], [50, 1.21], [100, 0.14]], [[0, 7.77], [33.5, 1.01], [100, 1.56]])
+    assert [stratum.name for stratum in ground.section.strata] == ["Sand", "Sand, below water", "Clay"]
+    assert ground.section.strata[2].density_seismic == pytest.approx(20e3 / 9.80665)
+    assert ground.section.water_points()[1].tolist() == [33.5, 1.01]
     thin = bank([[0, 2.0], [100, 2.0]], [[0, 11.85], [40, 11.85], [60, 3.85], [100, 3.85]])  # 15 cm all over stay dry
     assert [stratum.name for stratum in thin.section.strata][:2] == ["Sand", "Sand, below water"]
 

@@ -105,10 +105,10 @@ def test_a_dike_is_a_section(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     """Above water the dike has c and φ, below it S σ'v OCR^m: at (10, 1) σ'v is 2 x 18 + 19 - 9.81 + 0.3 x 13 = 49.09
     kPa with the least consolidated share of the load, and the yield stress there 80 kPa."""
     assert run("section", written(tmp_path, model()), "-o", tmp_path / "dike.toml") == 0
-    told = capsys.readouterr().out
-    assert "It is sound." in told
+    out = capsys.readouterr().out
+    assert "It is sound." in out
     for text in ("line loads, 1", "earthquake, Kh = 0.1", "nails, 2", "consolidation that differ", "stiffness"):
-        assert text in told
+        assert text in out
     section = Section.read(tmp_path / "dike.toml")
     assert [s.name for s in section.strata] == ["Dike", "Dike, wet", "Clay", "Clay, below water", "Sand"]
     np.testing.assert_allclose(section.layering.areas()[[0, 1, 4]], [16.0 + 8.0 / 3.0, 32.0 - 8.0 / 3.0, 240.0])
@@ -186,19 +186,19 @@ def test_layers_of_one_soil_keep_their_states(tmp_path: Path, capsys: pytest.Cap
     stress = [{"StateType": "YieldStress", "YieldStress": value} for value in (150.0, 250.0)]
     places = (("12", -10.0, stress[0]), ("14", 35.0, stress[1]), ("14", 30.0, stress[0]))
     data["states/state"]["StatePoints"] = [
-        {"LayerId": layer, "Point": {"X": x, "Z": -5.0}, "Stress": given} for layer, x, given in places
+        {"LayerId": layer, "Point": {"X": x, "Z": -5.0}, "Stress": place} for layer, x, place in places
     ]
     data["soils"]["Soils"][0]["ShearStrengthModelTypeAbovePhreaticLevel"] = "SigmaTauTable"
     data["soils"]["Soils"][0]["Name"] = "Sand"
     assert run("section", written(tmp_path, data), "-o", tmp_path / "dike.toml") == 0
-    told = capsys.readouterr().out
+    out = capsys.readouterr().out
     for text in (
         'preconsolidation that changes within "Clay"',
         'strength of "Sand" by SigmaTauTable',
         "cohesion: expected a cohesion",
     ):
-        assert text in told
+        assert text in out
     strata = tomllib.loads((tmp_path / "dike.toml").read_text())["strata"]
-    given = {one["name"].split(",")[0]: one.get("pre_overburden_pressure") for one in strata}
-    assert (given["Clay"], given["Clay 2"]) == ("115.2 kPa", "215.2 kPa")
-    assert {one["density"] for one in strata if one["name"].startswith("Sand")} == {"18 kN/m^3", "19 kN/m^3"}
+    config = {item["name"].split(",")[0]: item.get("pre_overburden_pressure") for item in strata}
+    assert (config["Clay"], config["Clay 2"]) == ("115.2 kPa", "215.2 kPa")
+    assert {entry["density"] for entry in strata if entry["name"].startswith("Sand")} == {"18 kN/m^3", "19 kN/m^3"}

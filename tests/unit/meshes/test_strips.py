@@ -41,11 +41,11 @@ def test_only_the_strip_of_the_mechanism_is_cut():
     indicator[cell] = 1.0
     finer, strips = with_finer_strips(MESH, indicator, len(MESH.cells) + 1), strips_of(MESH)
     new = finer.points[len(MESH.points) :]
-    own = {int(strip) for strip in strips.of_edge[strips.of_cell[cell]]}
+    of_cell = {int(strip) for strip in strips.of_edge[strips.of_cell[cell]]}
     middles = MESH.points[strips.edges].mean(axis=1)
     cut = {int(strips.of_edge[np.argmin(np.hypot(*(middles - point).T))]) for point in new}
     assert len(cut) == 1
-    assert cut <= own
+    assert cut <= of_cell
 
 
 def length(mesh, edges):

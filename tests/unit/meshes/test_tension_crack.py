@@ -15,7 +15,7 @@ SLOPE: dict[str, Any] = {
 
 
 @pytest.mark.parametrize(
-    ("bottom", "told"),
+    ("bottom", "message"),
     [
         ({"depth": 6.5}, "cracks are 6.5 m deep, and the ground rises by 6 m"),
         ({"elevation": [[0.0, 2.0], [30.0, 2.0], [40.0, 7.0]]}, "cracks are 8 m deep"),
@@ -23,10 +23,10 @@ SLOPE: dict[str, Any] = {
         ({"elevation": 8.0}, ""),
     ],
 )
-def test_cracks_deeper_than_the_slope_is_high_are_told(bottom: dict[str, Any], told: str) -> None:
+def test_cracks_deeper_than_the_slope_is_high_are_told(bottom: dict[str, Any], message: str) -> None:
     notices = [t for t in analysed({**SLOPE, "tension_crack": {"bottom": bottom}}).notices if "below the toe" in t]
-    assert len(notices) == bool(told)
-    assert not told or told in notices[0]
+    assert len(notices) == bool(message)
+    assert not message or message in notices[0]
 
 
 def test_level_ground_has_no_slope_that_a_crack_could_be_deeper_than() -> None:

@@ -23,14 +23,14 @@ def above_an_aquifer(level: float, thickness: float = 4.0, **changes: Any) -> Se
 def test_clay_above_an_aquifer_lifts_off_where_its_water_would_rise_too_far() -> None:
     """4 m of clay weigh 72 kPa, as much as 7.34 m of water: with a level 4.5 m above ground the factor is 0.864."""
     assert above_an_aquifer(18.0 * 4.0e3 / WATER - 4.0).uplift is None
-    found = above_an_aquifer(4.5).uplift
-    assert found is not None
-    assert (found.stratum, found.elevation, found.weight) == ("Sand", -4.0, pytest.approx(72e3, rel=1e-9))
-    assert found.pressure == pytest.approx(8.5 * WATER, rel=1e-9)
-    assert found.factor == pytest.approx(72e3 / (8.5 * WATER), rel=1e-9)
-    assert (found.start, found.end) == (0.0, 40.0)
-    assert not found.bare
-    assert "83.4 kPa under a total vertical stress of 72.0 kPa (factor against uplift 0.86)" in found.words
+    uplift = above_an_aquifer(4.5).uplift
+    assert uplift is not None
+    assert (uplift.stratum, uplift.elevation, uplift.weight) == ("Sand", -4.0, pytest.approx(72e3, rel=1e-9))
+    assert uplift.pressure == pytest.approx(8.5 * WATER, rel=1e-9)
+    assert uplift.factor == pytest.approx(72e3 / (8.5 * WATER), rel=1e-9)
+    assert (uplift.start, uplift.end) == (0.0, 40.0)
+    assert not uplift.bare
+    assert "83.4 kPa under a total vertical stress of 72.0 kPa (factor against uplift 0.86)" in uplift.words
     assert any("factor against uplift 0.86" in notice for notice in above_an_aquifer(4.5).notices)
 
 
@@ -50,19 +50,19 @@ def test_an_excavation_above_a_lens_blows_out_where_its_floor_is_too_thin() -> N
     clay = soil("Clay", bottom={"elevation": -6.0}, density="18 kN/m^3", density_saturated=None)
     sand = soil("Sand", piezometric_level=0.0, density_saturated=None)
     pit = {"surface": [[-20.0, -4.0], [10.0, -4.0], [22.0, 2.0], [40.0, 2.0]], "base": {"elevation": -12.0}}
-    found = section(clay, sand, **pit).uplift
-    assert found is not None
-    assert found.weight == pytest.approx(36e3, rel=1e-9)
-    assert (found.start, found.end) == (-20.0, pytest.approx(10.0 + 2.0 * (6.0 * WATER / 18e3 - 2.0), rel=1e-6))
+    uplift = section(clay, sand, **pit).uplift
+    assert uplift is not None
+    assert uplift.weight == pytest.approx(36e3, rel=1e-9)
+    assert (uplift.start, uplift.end) == (-20.0, pytest.approx(10.0 + 2.0 * (6.0 * WATER / 18e3 - 2.0), rel=1e-6))
 
 
 @pytest.mark.parametrize(("ratio", "lifts"), [(0.9, False), (1.0, False), (1.1, True)])
 def test_a_pore_pressure_ratio_above_one_lifts_all_of_it(ratio: float, lifts: bool) -> None:
-    found = section(soil(pore_pressure_ratio=ratio, density_saturated=None), unusual=True).uplift
-    assert (found is not None) == lifts
-    if found is not None:
-        assert found.factor == pytest.approx(1.0 / 1.1, rel=1e-9)
-        assert found.elevation == -5.0
+    uplift = section(soil(pore_pressure_ratio=ratio, density_saturated=None), unusual=True).uplift
+    assert (uplift is not None) == lifts
+    if uplift is not None:
+        assert uplift.factor == pytest.approx(1.0 / 1.1, rel=1e-9)
+        assert uplift.elevation == -5.0
 
 
 def test_a_drawdown_takes_the_water_off_that_held_the_ground_down() -> None:
@@ -73,9 +73,9 @@ def test_a_drawdown_takes_the_water_off_that_held_the_ground_down() -> None:
 
 def test_sand_whose_water_would_rise_above_the_ground_is_bare() -> None:
     sand = soil("Sand", cohesion=0.0, piezometric_level=[[0.0, 10.0], [20.0, 10.0], [40.0, 3.0], [60.0, 3.0]])
-    found = section(sand).uplift
-    assert found is not None
-    assert found.bare
+    uplift = section(sand).uplift
+    assert uplift is not None
+    assert uplift.bare
     cohesive = section({**sand, "cohesion": "5 kPa"}).uplift
     assert cohesive is not None
     assert not cohesive.bare
@@ -113,8 +113,8 @@ def test_water_that_rises_behind_a_wall_lifts_sand_above_the_critical_gradient(h
     table = [[-20.0, head], [0.0, head], [0.0, 0.0], [20.0, 0.0]]
     water = {"flow": True, "table": table, "cutoffs": [{"x": 0.0, "bottom": -2.0}]}
     ground = {"surface": [[-20.0, 0.0], [20.0, 0.0]], "base": {"elevation": -15.0}}
-    found = section(sand, water=water, **ground).uplift
-    assert (found is not None) == lifts
-    if found is not None:
-        assert 0.0 <= found.start <= found.x < found.end < 2.0
-        assert -4.0 < found.elevation < 0.0
+    uplift = section(sand, water=water, **ground).uplift
+    assert (uplift is not None) == lifts
+    if uplift is not None:
+        assert 0.0 <= uplift.start <= uplift.x < uplift.end < 2.0
+        assert -4.0 < uplift.elevation < 0.0

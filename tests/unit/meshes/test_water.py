@@ -105,11 +105,11 @@ def test_shaking_adds_its_share_of_the_vertical_effective_stress() -> None:
     bank = section(soil(excess_pore_pressure_ratio=0.4), water={"table": 12.0})
     at = np.array([[50.0, -3.0]])
     effective = 5.0 * (20e3 - WATER)
-    added = bank.water_pressure.shaken(at, at, bank.stratum_at(*at.T))
+    added = bank.water_pressure.excess(at, at, bank.stratum_at(*at.T))
     np.testing.assert_allclose(added, 0.4 * effective)
     # of the paper's densities the ordinary one is effective already
     pair = section(soil(density_ordinary=1000.0, density_seismic=2000.0, excess_pore_pressure_ratio=0.4, **PAIR))
-    np.testing.assert_allclose(pair.water_pressure.shaken(at, at, np.zeros(1, int)), 0.4 * 5.0 * 1000.0 * GRAVITY)
+    np.testing.assert_allclose(pair.water_pressure.excess(at, at, np.zeros(1, int)), 0.4 * 5.0 * 1000.0 * GRAVITY)
 
 
 def test_after_a_drawdown_ground_that_does_not_drain_keeps_its_pressure_less_the_water_taken_off() -> None:
@@ -131,7 +131,7 @@ def test_a_surcharge_is_linear_between_its_ends_and_nothing_beside_them() -> Non
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "message"),
     [
         ({"water": {"table": [[0, 5], [30, 5], [30, 3], [60, 3]]}}, "water, table: a step at x = 30 m"),
         ({"water": {"table": [[0, 5], [50, 3]]}}, "water, table: expected a line across the whole section"),
@@ -152,14 +152,14 @@ def test_a_surcharge_is_linear_between_its_ends_and_nothing_beside_them() -> Non
         ),
     ],
 )
-def test_what_is_wrong_is_told(changes: dict[str, Any], told: str) -> None:
+def test_what_is_wrong_is_told(changes: dict[str, Any], message: str) -> None:
     said = problems({"name": "bank", **BANK, "strata": [soil()], **changes})
-    assert any(told in text for text in said), said
+    assert any(message in text for text in said), said
 
 
 def test_soil_that_lies_below_water_as_a_whole_needs_its_saturated_density_alone() -> None:
-    one, both = (section(soil(density=density), water={"table": 12.0}) for density in (None, "20 kN/m^3"))
-    for weighed in (one.strata[0], both.strata[0]):
+    item, both = (section(soil(density=density), water={"table": 12.0}) for density in (None, "20 kN/m^3"))
+    for weighed in (item.strata[0], both.strata[0]):
         assert weighed.density_ordinary == weighed.density_seismic == pytest.approx(20e3 / GRAVITY)
 
 

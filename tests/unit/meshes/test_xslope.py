@@ -39,10 +39,10 @@ def workbook(
     """A workbook of metres and kN, laid out as the template of xslope."""
     book = openpyxl.Workbook()
     sheets = {name: book.create_sheet(name) for name in ("main", "profile", "mat", "piezo", "dloads", "reinforce")}
-    given = {"Unit weight of water:": 9.81, "Tension crack depth:": 0.0, "Seismic coefficient (k):": 0.0} | dict(
+    config = {"Unit weight of water:": 9.81, "Tension crack depth:": 0.0, "Seismic coefficient (k):": 0.0} | dict(
         main or {}
     )
-    for row, (words, value) in enumerate(given.items(), start=19):
+    for row, (words, value) in enumerate(config.items(), start=19):
         sheets["main"].cell(row, 3, words)
         sheets["main"].cell(row, 4, value)
     sheets["profile"].append(["Max Depth:", -10.0])
@@ -106,20 +106,20 @@ def test_a_line_inside_another_is_ground_of_its_own_and_a_step_stays_one(tmp_pat
 def test_loads_of_free_water_are_the_water_and_others_are_surcharges(tmp_path: Path) -> None:
     pond = [(-40.0, 0.0, 9.81 * 12.0), (0.0, 0.0, 9.81 * 12.0), (24.0, 12.0, 0.0)]
     road = [(41.0, 20.0, 10.0), (49.0, 20.0, 20.0)]
-    found = read_xslope(workbook(tmp_path / "dam.xlsx", loads=[pond, road]), "read")
-    assert any("those of free water are left to the piezometric line" in text for text in found.notices)
-    assert found.text.count("[[surcharges]]") == 1
-    assert 'pressure = [\n    "10 kPa",\n    "20 kPa",\n]' in found.text
+    imported_section = read_xslope(workbook(tmp_path / "dam.xlsx", loads=[pond, road]), "read")
+    assert any("those of free water are left to the piezometric line" in text for text in imported_section.notices)
+    assert imported_section.text.count("[[surcharges]]") == 1
+    assert 'pressure = [\n    "10 kPa",\n    "20 kPa",\n]' in imported_section.text
 
 
 def test_what_is_not_taken_is_told(tmp_path: Path) -> None:
     soils = [*SOILS[:2], ["Sand", 19, "mc", 0, 35, "", "", 10, 20, "seep"]]
     main = {"Tension crack depth:": 2.0, "Seismic coefficient (k):": 0.15}
-    told = " ".join(read_xslope(workbook(tmp_path / "dam.xlsx", soils=soils, main=main), "read").notices)
-    assert "a tension crack 2 deep; see [tension_crack]" in told
-    assert "a seismic coefficient of 0.15; fem.safety_factor_at = [0.15]" in told
-    assert 'the seepage solution of "Sand"' in told
-    assert 'the undrained strength of "Sand" after drawdown' in told
+    text = " ".join(read_xslope(workbook(tmp_path / "dam.xlsx", soils=soils, main=main), "read").notices)
+    assert "a tension crack 2 deep; see [tension_crack]" in text
+    assert "a seismic coefficient of 0.15; fem.safety_factor_at = [0.15]" in text
+    assert 'the seepage solution of "Sand"' in text
+    assert 'the undrained strength of "Sand" after drawdown' in text
 
 
 def test_feet_and_pounds(tmp_path: Path) -> None:
@@ -132,12 +132,12 @@ def test_feet_and_pounds(tmp_path: Path) -> None:
 def test_bad_workbooks(tmp_path: Path) -> None:
     """A sentence with the file, what is wrong with it and what is expected; exit code 2."""
     wrong = [["Fill", 20, "power", 5, 32], *SOILS[1:]]
-    for path, told in (
+    for path, item in (
         (workbook(tmp_path / "a.xlsx", soils=wrong), 'material "Fill" has the strength option "power", of mc, cp'),
         (workbook(tmp_path / "b.xlsx", soils=SOILS[:2]), "3 profile lines and 2 materials; expected one for each line"),
         (workbook(tmp_path / "c.xlsx", lines=[]), "0 profile lines"),
     ):
-        with pytest.raises(InputError, match=told):
+        with pytest.raises(InputError, match=item):
             read_xslope(path, "read")
     (tmp_path / "d.xlsx").write_text("no zip")
     with pytest.raises(InputError, match="expected a workbook of xslope"):

@@ -29,7 +29,7 @@ def with_zones(*zones: dict[str, Any], **changes: Any) -> dict[str, Any]:
 def test_a_lens_parts_the_stratum_that_it_lies_in() -> None:
     """A rhombus of 40 by 4 m in the lower layer, of 1100 m²: 80 m² less, above and below it."""
     section = Section.parse(with_zones(zone(cohesion="3 kPa")))
-    areas = dict(zip([one.name for one in section.strata], section.layering.areas(), strict=True))
+    areas = dict(zip([item.name for item in section.strata], section.layering.areas(), strict=True))
     assert list(areas) == ["upper", "lower", "lens", "lower, part 2"]
     assert areas["upper"] == pytest.approx(400.0)
     assert areas["lens"] == pytest.approx(80.0)
@@ -45,9 +45,9 @@ def test_outlines_with_overhangs_and_holes_in_between() -> None:
     core = [[27.0, 6.0], [37.0, 6.0], [37.0, 7.0], [27.0, 7.0]]
     section = Section.parse(with_zones(zone("C", c), zone("core", core, cohesion="1 kPa")))
     areas = section.layering.areas()
-    own = sum(area for area, one in zip(areas, section.strata, strict=True) if one.name.split(",")[0] == "C")
-    assert own == pytest.approx(135.0)
-    assert areas[[one.name for one in section.strata].index("core")] == pytest.approx(10.0)
+    area_of_soil = sum(area for area, item in zip(areas, section.strata, strict=True) if item.name.split(",")[0] == "C")
+    assert area_of_soil == pytest.approx(135.0)
+    assert areas[[entry.name for entry in section.strata].index("core")] == pytest.approx(10.0)
     assert areas.sum() == pytest.approx(1500.0)
     assert_conforming(generate(section, settings := MeshSettings(method="free", size=2.0)), section, settings)
 
@@ -61,7 +61,7 @@ def test_a_zone_of_the_soil_around_it_changes_nothing() -> None:
     """With the name of its stratum as its material it is that stratum."""
     plain = Section.parse(slope())
     section = Section.parse(with_zones(zone(material="lower")))
-    assert [one.name for one in section.strata] == ["upper", "lower"]
+    assert [item.name for item in section.strata] == ["upper", "lower"]
     assert section.layering.areas() == pytest.approx(plain.layering.areas())
 
 
@@ -70,9 +70,9 @@ def test_a_berm_raises_the_ground_and_leaves_depths_where_they_were() -> None:
     does the depth from which the cohesion of the ground below it grows."""
     berm = [[39.0, 16.1], [40.0, 19.0], [50.0, 19.0], [61.0, 13.9]]
     data = with_zones(zone("berm", berm), base={"depth": 20.0}, water={"table": {"depth": 2.0}})
-    for one in data["strata"]:
-        one["density_saturated"] = "2.1 t/m^3"
-        one |= {"cohesion_increase": "2 kPa/m", "cohesion_from": {"depth": 0}}
+    for item in data["strata"]:
+        item["density_saturated"] = "2.1 t/m^3"
+        item |= {"cohesion_increase": "2 kPa/m", "cohesion_from": {"depth": 0}}
     section = Section.parse(data)
     before = Section.parse({key: value for key, value in data.items() if key != "zones"})
     x = np.array([20.0, 40.0, 45.0, 80.0])
@@ -83,8 +83,8 @@ def test_a_berm_raises_the_ground_and_leaves_depths_where_they_were() -> None:
     assert was is not None
     np.testing.assert_allclose(np.interp(x, *points.T), np.interp(x, *was.T))
     below = np.array([[45.0, 8.0]])
-    found, known = (one.cohesion_field.at(below, below, one.stratum_at(*below.T)) for one in (section, before))
-    np.testing.assert_allclose(found, known)
+    result, known = (entry.cohesion_field.at(below, below, entry.stratum_at(*below.T)) for entry in (section, before))
+    np.testing.assert_allclose(result, known)
     assert any("raise the ground by up to 4 m" in text for text in section.notices)
 
 
@@ -109,10 +109,10 @@ def test_a_cut_in_a_zone_that_holds_the_whole_mechanism() -> None:
     data = {"name": "cut", "surface": [[-30.0, 0.0], [0.0, 0.0], [0.0, 4.0], [30.0, 4.0]], "base": {"elevation": -8.0}}
     section = Section.parse({**data, "strata": [rock], "zones": [clay]})
     assert section.ground[:, 1].max() == 5.0
-    found = safety_bounds(section, FemSettings(sides="fixed"), BoundsSettings(gap=0.2, max_cells=500))
+    bounds = safety_bounds(section, FemSettings(sides="fixed"), BoundsSettings(gap=0.2, max_cells=500))
     exact = 3.7764 * 10e3 / (1000.0 * 9.80665 * 4.0)
-    assert 0.9 * exact < found.lower <= 1.001 * exact
-    assert 0.999 * exact <= found.upper < 1.1 * exact
+    assert 0.9 * exact < bounds.lower <= 1.001 * exact
+    assert 0.999 * exact <= bounds.upper < 1.1 * exact
 
 
 BAD = {
@@ -138,10 +138,10 @@ BAD = {
 
 @pytest.mark.parametrize("fault", BAD)
 def test_bad_zones(fault: str) -> None:
-    zones, told = BAD[fault]
-    found = problems(with_zones(*zones))
-    assert len([text for text in found if told in text]) == 1
-    assert fault == "no soil" or len(found) == 1
+    zones, messages = BAD[fault]
+    result = problems(with_zones(*zones))
+    assert len([text for text in result if messages in text]) == 1
+    assert fault == "no soil" or len(result) == 1
 
 
 def test_what_lies_past_the_sides_is_left_out_and_told() -> None:

@@ -27,9 +27,9 @@ def sequence(*values: float, limit: float) -> FemAnswer:
 def test_a_sequence_that_still_falls_is_not_told_to_leave_nothing_open() -> None:
     """The levee: 0.0549, 0.0388, 0.0367, tending to 0.0324. It was told that nothing is open in these digits."""
     answer = sequence(0.0549, 0.0388, 0.0367, limit=0.0324)
-    told = " ".join(findings(results(RUN, fem=answer)))
-    assert "leaves nothing open" not in told
-    assert "error of the critical Kh is below 0.005, by the sequence of meshes, which tends to 0.032." in told
+    text = " ".join(findings(results(RUN, fem=answer)))
+    assert "leaves nothing open" not in text
+    assert "error of the critical Kh is below 0.005, by the sequence of meshes, which tends to 0.032." in text
 
 
 def test_a_sequence_that_does_not_converge_has_a_wider_interval() -> None:
@@ -38,7 +38,7 @@ def test_a_sequence_that_does_not_converge_has_a_wider_interval() -> None:
         sequence(0.100, 0.095, 0.085, limit=0.075),
         sequence(0.100, 0.090, 0.094, limit=0.098),
     )
-    coarse, falls_faster, rises = (found for each in sequences if (found := of_meshes(each)) is not None)
+    coarse, falls_faster, rises = (result for each in sequences if (result := of_meshes(each)) is not None)
     assert (coarse.sure, falls_faster.sure, rises.sure) == (False, False, False)
     assert (coarse.low, coarse.high) == pytest.approx((0.0388 - 2 * 0.0161, 0.0388))
     assert (falls_faster.low, falls_faster.high) == pytest.approx((0.085 - 2 * 0.01, 0.085))
@@ -51,10 +51,10 @@ def test_a_sequence_that_does_not_converge_has_a_wider_interval() -> None:
 def test_strict_bounds_of_the_same_flow_close_the_interval() -> None:
     """Of S-13 with psi = phi: 0.2844 beside 0.2799 to 0.2815; the bounds of another flow or other sides are silent."""
     answer = sequence(0.2844, 0.2826, limit=0.2820)
-    found = accuracy(results(RUN, fem=answer, bounds=bounds(RUN, 0.2799, 0.2815)), answer)
-    assert found == Accuracy(0.2799, 0.2815, "by strict bounds", True)
+    result = accuracy(results(RUN, fem=answer, bounds=bounds(RUN, 0.2799, 0.2815)), answer)
+    assert result == Accuracy(0.2799, 0.2815, "by strict bounds", True)
     assert (
-        numerical_error(found, answer.kc) == "The numerical error of the critical Kh is below 0.003, by strict bounds."
+        numerical_error(result, answer.kc) == "The numerical error of the critical Kh is below 0.003, by strict bounds."
     )
     inside = accuracy(results(RUN, fem=answer, bounds=bounds(RUN, 0.27, 0.30)), answer)
     assert inside is not None
@@ -68,8 +68,8 @@ def test_the_first_page_names_all_that_its_interval_follows_from() -> None:
     answer, wide = sequence(0.2844, 0.2826, limit=0.2820), bounds(RUN, 0.27, 0.30)
     face = ShallowBoundPart(stratum="Sand", start=1.0, end=5.0, kh=0.1)
     deeper = wide.model_copy(update={"shallow_failures": (face,)})
-    found = [headlines(results(RUN, fem=answer, bounds=one), Texts())[0].interval for one in (wide, deeper, None)]
-    assert found == [
+    values = [headlines(results(RUN, fem=answer, bounds=item), Texts())[0].interval for item in (wide, deeper, None)]
+    assert values == [
         "0.282 to 0.283 by strict bounds and the sequence of meshes",
         "0.282 to 0.283 by bounds of deeper failures and the sequence of meshes",
         "0.282 to 0.283 by the sequence of meshes",
@@ -80,16 +80,16 @@ def test_a_single_mesh_is_judged_by_halved_cells_where_these_were_looked_at() ->
     """S-13 by Davis's estimate on 611 and 2,444 cells: a third of the difference is left."""
     answer = fem(RUN, 0.2370).model_copy(update={"kc_upper": 0.2370})
     finer = VariantsAnswer(variants=(variant("mesh", "cells of half the size", 0.2357),))
-    found = accuracy(results(RUN, fem=answer, variants=finer), answer)
-    assert found is not None
-    assert found.low == pytest.approx(0.2357 - 0.0013 / 3.0)
+    result = accuracy(results(RUN, fem=answer, variants=finer), answer)
+    assert result is not None
+    assert result.low == pytest.approx(0.2357 - 0.0013 / 3.0)
     assert accuracy(results(RUN, fem=answer), answer) is None
     assert "is not known" in numerical_error(None, 0.2370)
 
 
 @given(st.floats(1e-6, 10.0))
 def test_an_error_is_rounded_up_to_one_digit(value: float) -> None:
-    told = rounded_up(value)
-    assert value <= told * (1 + 1e-5)
-    assert told <= max(0.001, 2.0 * value)
-    assert len(f"{told:g}".strip("0.").rstrip("0") or "1") == 1
+    messages = rounded_up(value)
+    assert value <= messages * (1 + 1e-5)
+    assert messages <= max(0.001, 2.0 * value)
+    assert len(f"{messages:g}".strip("0.").rstrip("0") or "1") == 1

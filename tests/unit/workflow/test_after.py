@@ -52,12 +52,12 @@ def test_elements_below_the_strict_bounds_say_why() -> None:
 def test_a_case_is_called_by_its_name_and_ground_that_rises_does_not_settle() -> None:
     data = slope()
     data["strata"][0]["liquefies_in"] = [1]
-    given = analysed({**data, "slide": {"cases": [{"name": "loose", "stiffness": 0.1}]}})
+    config = analysed({**data, "slide": {"cases": [{"name": "loose", "stiffness": 0.1}]}})
     for settlement, said in ((0.25, "settles 0.25 m uphill"), (-0.25, "rises 0.25 m uphill")):
         case = dem_fixture.case(0.1, 3.0).model_copy(update={"settlement_uphill_m": settlement})
-        told = list(slide_sentences(given, CasesAnswer(sets={"calibrated": {1: case}}, random=None)))
-        assert told[0].endswith("case 1, loose, upper: stiffness 0.1, damping 0.316, friction 0, cohesion 0.")
-        assert said in told[1]
+        messages = list(slide_sentences(config, CasesAnswer(sets={"calibrated": {1: case}}, random=None)))
+        assert messages[0].endswith("case 1, loose, upper: stiffness 0.1, damping 0.316, friction 0, cohesion 0.")
+        assert said in messages[1]
 
 
 def test_ground_that_hardly_moved_did_not_flow_and_the_report_says_what_that_means() -> None:
@@ -65,19 +65,19 @@ def test_ground_that_hardly_moved_did_not_flow_and_the_report_says_what_that_mea
     data = slope()
     data["strata"][0]["liquefies_in"] = [1, 2]
     for far, said in (("0.2 m", True), ("3 m", False)):
-        given = analysed({**data, "report": {"observed": [{"name": "SI-5", "displacement": far}]}})
+        config = analysed({**data, "report": {"observed": [{"name": "SI-5", "displacement": far}]}})
         cases = (after_liquefaction(1, 4.0, 0.8), after_liquefaction(2, 9.0, 1.3))
-        found = LiquefiedAnswer(section=SectionLabel.of(given.section), sides="free-field", cases=cases)
-        told = "\n".join(findings(results(given, liquefied=found)))
+        liquefied_answer = LiquefiedAnswer(section=SectionLabel.of(config.section), sides="free-field", cases=cases)
+        text = "\n".join(findings(results(config, liquefied=liquefied_answer)))
         assert (
             'To stand without shaking the ground needs about 6 kPa in "upper" (0.15 of its mean effective stress).'
-            in told
+            in text
         )
         assert (
-            "At most 0.2 m were measured, on 10 m of height, where a flow failure would have moved further." in told
+            "At most 0.2 m were measured, on 10 m of height, where a flow failure would have moved further." in text
         ) == said
-        assert ("at least 1.24 times as much" in told) == said
-        assert ("With what was measured case 2 (case with 9 kPa) agrees." in told) == said
+        assert ("at least 1.24 times as much" in text) == said
+        assert ("With what was measured case 2 (case with 9 kPa) agrees." in text) == said
 
 
 def test_discs_that_slide_where_the_continuum_stands_are_told() -> None:
@@ -85,17 +85,17 @@ def test_discs_that_slide_where_the_continuum_stands_are_told() -> None:
     data = slope()
     data["strata"][0]["liquefies_in"] = [1]
     for kh, far, said in ((0.0, 3.0, True), (0.0, 0.5, False), (0.1, 3.0, False)):
-        given = analysed({**data, "slide": {"kh": kh}})
-        found = LiquefiedAnswer(
-            section=SectionLabel.of(given.section), sides="free-field", cases=(after_liquefaction(1, 9.0, 1.3),)
+        config = analysed({**data, "slide": {"kh": kh}})
+        liquefied_answer = LiquefiedAnswer(
+            section=SectionLabel.of(config.section), sides="free-field", cases=(after_liquefaction(1, 9.0, 1.3),)
         )
         slides = CasesAnswer(sets={"calibrated": {1: dem_fixture.case(0.1, far)}}, random=None)
-        told = "\n".join(findings(results(given, liquefied=found, cases=slides)))
-        assert ("The discs contradict that: they slide 3.0 m by their weight alone." in told) == said
+        text = "\n".join(findings(results(config, liquefied=liquefied_answer, cases=slides)))
+        assert ("The discs contradict that: they slide 3.0 m by their weight alone." in text) == said
 
 
 @pytest.mark.parametrize(
-    ("kept", "friction", "said"),
+    ("remaining", "friction", "said"),
     [
         ({"residual": 0.1}, "33 deg", True),
         ({"residual": 0.1, "strain_potential": 0.3}, "33 deg", False),
@@ -103,19 +103,19 @@ def test_discs_that_slide_where_the_continuum_stands_are_told() -> None:
     ],
 )
 def test_sand_that_holds_its_residual_strength_at_once_is_warned_of(
-    kept: dict[str, object], friction: str, said: bool
+    remaining: dict[str, object], friction: str, said: bool
 ) -> None:
     """Spreads of the field come out several times too short without a strain potential (page of known slides)."""
     data = slope()
     data["strata"][0] |= {"liquefies_in": [1], "friction_angle": friction}
-    given = analysed({**data, "slide": {"cases": [kept]}})
+    config = analysed({**data, "slide": {"cases": [remaining]}})
     slides = CasesAnswer(sets={"calibrated": {1: dem_fixture.case(0.1, 0.5)}}, random=None)
-    told = [
-        one
-        for one in warned(results(given, cases=slides))
-        if "has its residual strength without any strain in case 1" in one
+    messages = [
+        item
+        for item in warned(results(config, cases=slides))
+        if "has its residual strength without any strain in case 1" in item
     ]
-    assert bool(told) == said
+    assert bool(messages) == said
 
 
 @pytest.mark.parametrize(("kh", "said"), [(0.052, True), (0.08, False)])
@@ -123,9 +123,11 @@ def test_a_kh_that_is_held_at_the_limit_of_liquefied_ground_is_warned_of(kh: flo
     """The ground of the case stands up to Kh = 0.05: a rigid block under 0.052 slides for ever, under 0.048 never."""
     data = slope()
     data["strata"][0]["liquefies_in"] = [1]
-    given = analysed({**data, "slide": {"kh": kh, "cases": [{"residual": 0.1}]}})
-    found = LiquefiedAnswer(
-        section=SectionLabel.of(given.section), sides="free-field", cases=(after_liquefaction(1, 9.0, 1.3),)
+    config = analysed({**data, "slide": {"kh": kh, "cases": [{"residual": 0.1}]}})
+    liquefied_answer = LiquefiedAnswer(
+        section=SectionLabel.of(config.section), sides="free-field", cases=(after_liquefaction(1, 9.0, 1.3),)
     )
-    told = [one for one in warned(results(given, liquefied=found)) if "just stands under Kh = 0.05" in one]
-    assert bool(told) == said
+    messages = [
+        item for item in warned(results(config, liquefied=liquefied_answer)) if "just stands under Kh = 0.05" in item
+    ]
+    assert bool(messages) == said

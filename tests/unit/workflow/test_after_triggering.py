@@ -29,7 +29,7 @@ def test_reading_a_config_calls_no_analysis(tmp_path: Path, monkeypatch: pytest.
         raise AssertionError("an analysis")
 
     with monkeypatch.context() as patched:
-        for name in ("assess", "left", "pore_pressures", "column_of", "push_of_slides"):
+        for name in ("assess", "left", "pore_pressures", "column_of", "loading_of_slides"):
             patched.setattr(after_triggering, name, refuse)
         for place in ("assessment.assess", "consequences.left", "consequences.pore_pressures"):
             patched.setattr(f"workflow.earthquake.triggering.{place}", refuse)
@@ -40,8 +40,8 @@ def test_reading_a_config_calls_no_analysis(tmp_path: Path, monkeypatch: pytest.
             after_triggering.config_after_triggering(config)
     assert [tuple(stratum.liquefies_in) for stratum in config.section.strata] == [(), ()]
     assert (config.cases, config.left_open) == ((), {"kh": "k_max"})
-    found = after_triggering.config_after_triggering(config)
-    assert [tuple(stratum.liquefies_in) for stratum in found.section.strata] == [(1,), ()]
-    assert [case.name for case in found.cases] == ["median"]
-    assert 0.0 < found.slide.kh != 0.1
-    assert after_triggering.config_after_triggering(found) == found
+    result = after_triggering.config_after_triggering(config)
+    assert [tuple(stratum.liquefies_in) for stratum in result.section.strata] == [(1,), ()]
+    assert [case.name for case in result.cases] == ["median"]
+    assert 0.0 < result.slide.kh != 0.1
+    assert after_triggering.config_after_triggering(result) == result

@@ -29,8 +29,8 @@ def store(tmp_path: Path) -> Store:
 
 
 def cases(count: int = 3) -> CasesAnswer:
-    found = {number: dem_fixture.case(0.1, 0.1 * number) for number in range(count, 0, -1)}
-    return CasesAnswer(sets={"table2": found, "calibrated": found}, random=None)
+    values = {number: dem_fixture.case(0.1, 0.1 * number) for number in range(count, 0, -1)}
+    return CasesAnswer(sets={"table2": values, "calibrated": values}, random=None)
 
 
 def test_an_answer_is_read_as_it_was_written(store: Store) -> None:
@@ -86,8 +86,8 @@ def test_no_file_and_no_json_are_told_as_such(store: Store) -> None:
 def test_cases_come_in_the_order_of_their_numbers(store: Store) -> None:
     """As text 10 would come before 2."""
     cases(11).write(store)
-    found = [(name, number) for name, number, _ in CasesAnswer.read(store).each()]
-    assert found == [(name, number) for name in ("table2", "calibrated") for number in range(1, 12)]
+    values = [(name, number) for name, number, _ in CasesAnswer.read(store).each()]
+    assert values == [(name, number) for name in ("table2", "calibrated") for number in range(1, 12)]
 
 
 def row(time: float, cracked: int) -> Row:
@@ -108,13 +108,13 @@ def test_histories(store: Store) -> None:
 def test_the_journal_gives_back_the_searches_it_was_given(store: Store) -> None:
     """A line that was half written is none; an elastic displacement that is not known is infinite again."""
     probe = Trial(0.02, "stands", "at rest", 1e-5, 1e-9, 0.01, math.inf, 3.0)
-    found = Search(0.2, 0.21, "bracketed", "it fails", 0.5, [probe], [(0.02, 0.01)])
+    search = Search(0.2, 0.21, "bracketed", "it fails", 0.5, [probe], [(0.02, 0.01)])
     journal = Journal(store, "dem/trials.jsonl")
-    journal.add("stiffness", 0.5, found)
+    journal.add("stiffness", 0.5, search)
     with journal.path.open("a") as file:
         file.write('\n{"parameter": "stiffness", "fac')
-    journal.add("", 1.0, found)
-    assert journal.known() == {("stiffness", 0.5): found, ("", 1.0): found}
+    journal.add("", 1.0, search)
+    assert journal.known() == {("stiffness", 0.5): search, ("", 1.0): search}
 
 
 def test_a_path_that_ends_before_kc_is_taken_to_go_on() -> None:

@@ -27,17 +27,17 @@ class Threads(Executor):
     count = 2
 
     def __init__(self) -> None:
-        self.begun, self.pool = 0, ThreadPoolExecutor(2)
+        self.started, self.pool = 0, ThreadPoolExecutor(2)
 
     def begin(self, work: Callable[[Tell], A], heard: Tell | None = None) -> "Future[A]":
-        self.begun += 1
+        self.started += 1
         return self.pool.submit(work, heard or (lambda _: None))
 
 
 @pytest.fixture
 def more(toys: Toys) -> Toys:
     """The toys, with one that may run beside others once there is a mesh."""
-    bounds = stage("bounds", reads=("bounds",), beside=("mesh",))
+    bounds = stage("bounds", reads=("bounds",), concurrent_after=("mesh",))
     report = replace(toys["report"], needs=("mesh", "fem", "slide", "bounds"))
     return Toys({**{name: toys[name] for name in ("mesh", "fem", "slide")}, "bounds": bounds, "report": report})
 
@@ -51,21 +51,21 @@ def go(toys: Toys, folder: Path, choice: Choice | None = None) -> Heard:
 
 def test_it_begins_once_what_it_waits_for_has_ended_and_is_kept_while_others_run(more: Toys, tmp_path: Path) -> None:
     def slide(job: Job) -> None:
-        assert kept.wait(10.0)
+        assert event.wait(10.0)
         entry = Record(Store(tmp_path))["bounds"]  # on disk, though this stage goes on
         assert entry is not None
         assert entry.outcome == "done"
         assert entry.files == {"bounds.txt": 6}
         job.store.write_text("slide.txt", "result")
 
-    kept = Event()
+    event = Event()
     more.change("slide", work=slide)
 
     class Listening(Heard):
         def end(self, decision: Any, entry: Any) -> None:
             super().end(decision, entry)
             if decision.stage.name == "bounds":
-                kept.set()
+                event.set()
 
     heard = Listening()
     pipeline.execute(replace(more.job(tmp_path), executor=Threads()), more.choose(), heard, "test")
@@ -79,7 +79,7 @@ def test_nothing_runs_beside_where_nothing_else_runs(more: Toys, tmp_path: Path)
     go(more, tmp_path)
     job = replace(more.job(tmp_path), executor=Threads())
     pipeline.execute(job, more.choose(only=("bounds", "report"), force=True), Heard(), "test")
-    assert job.executor.begun == 0  # type: ignore[attr-defined]
+    assert job.executor.started == 0  # type: ignore[attr-defined]
 
 
 def test_the_report_tells_of_one_without_an_answer(more: Toys, tmp_path: Path) -> None:
@@ -107,10 +107,10 @@ def test_an_error_beside_ends_the_run(error: Exception, more: Toys, tmp_path: Pa
 
 
 def test_ctrl_c_in_one_stage_leaves_what_runs_beside(more: Toys, tmp_path: Path) -> None:
-    begun, may_end = Event(), Event()
+    event, may_end = Event(), Event()
 
     def bounds(job: Job) -> None:
-        begun.set()
+        event.set()
         assert may_end.wait(10.0)
 
     class Left(Threads):
@@ -118,7 +118,7 @@ def test_ctrl_c_in_one_stage_leaves_what_runs_beside(more: Toys, tmp_path: Path)
             shut.set()
 
     def fem(job: Job) -> None:
-        assert begun.wait(10.0)
+        assert event.wait(10.0)
         raise KeyboardInterrupt
 
     shut = Event()

@@ -10,7 +10,7 @@ from fem.settings import BoundsSettings
 from workflow.stages.bounds import bracket_part, in_words
 
 
-class Found(DirectionBounds):
+class ComputedBounds(DirectionBounds):
     """Bounds without the fields that prove them."""
 
     lower, upper = -0.0733, 0.0608
@@ -22,11 +22,11 @@ class Smaller(SmallerKhBounds):
     gap = 2.0
 
 
-def found(ended, leaves=()):
+def result(ended, leaves=()):
     notes = ("lower bound: the solver ended early (NumericalError)",)
     meshes = [MeshBounds(900, -0.0733, 0.0608, notes, 1.0, ("lower",))]
-    one = Found(None, None, meshes, None, ended, (1.0, 2.0), leaves=leaves)
-    return Smaller(None, None, meshes, None, ended, (1.0, 2.0), directions=(one,))
+    item = ComputedBounds(None, None, meshes, None, ended, (1.0, 2.0), leaves=leaves)
+    return Smaller(None, None, meshes, None, ended, (1.0, 2.0), directions=(item,))
 
 
 REASONS = (*get_args(OpenEnd), "gap", "enough")
@@ -39,7 +39,7 @@ def test_all_reasons_are_looked_at():
 @pytest.mark.parametrize("ended", [*REASONS, None])
 def test_every_reason_has_its_words(ended):
     """Without "enough" this was KeyError, after 90 s, on a face of sand after drawdown."""
-    part = bracket_part(found(ended), BoundsSettings())
+    part = bracket_part(result(ended), BoundsSettings())
     words = {
         "gap": "is within the required 0.0020 in Kh",
         "enough": "fails under its own weight: its Kh is at most 0.0608",
@@ -57,12 +57,12 @@ def test_every_reason_has_its_words(ended):
 def test_the_words_name_the_side_at_which_the_ground_slides_out_in_the_direction_that_counts():
     """Until now only the other direction had it; free-field sides give 0.049 where an endless slope has 0.067."""
     out = ", where the ground slides out at the left side"
-    assert bracket_part(found("triangles", ("left",)), BoundsSettings()).words.endswith(f"900 triangles{out}")
-    assert out not in bracket_part(found("triangles"), BoundsSettings()).words
+    assert bracket_part(result("triangles", ("left",)), BoundsSettings()).words.endswith(f"900 triangles{out}")
+    assert out not in bracket_part(result("triangles"), BoundsSettings()).words
 
 
 def test_notes_of_the_last_mesh_are_sentences():
-    reason = bracket_part(found("time"), BoundsSettings()).reason
+    reason = bracket_part(result("time"), BoundsSettings()).reason
     assert reason.endswith(". Lower bound: the solver ended early (NumericalError).")
 
 
@@ -72,6 +72,6 @@ def test_ground_that_no_force_could_hold_has_no_kh():
     class Sinking(SmallerKhBounds):
         upper = -9799.7651
 
-    meshes = found("triangles").meshes
-    sinking = Sinking(None, object(), meshes, None, directions=(Found(None, None, meshes, None),))
+    meshes = result("triangles").meshes
+    sinking = Sinking(None, object(), meshes, None, directions=(ComputedBounds(None, None, meshes, None),))
     assert in_words(sinking) == "it fails under its own weight, 900 triangles"

@@ -46,17 +46,17 @@ TEXTS = {
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_a_record_comes_back(name: str) -> None:
-    found = read_text(TEXTS[name])
-    assert found.remarks == ()
-    np.testing.assert_allclose(found.time, TIME, atol=1e-9)
-    np.testing.assert_allclose(found.acceleration, VALUES, atol=1e-5)
+    text = read_text(TEXTS[name])
+    assert text.remarks == ()
+    np.testing.assert_allclose(text.time, TIME, atol=1e-9)
+    np.testing.assert_allclose(text.acceleration, VALUES, atol=1e-5)
 
 
 def test_clock_times_are_counted_from_the_first_one() -> None:
     text = "Timestamp,acc (m/s2)\n" + rows("2011-03-11 14:46:%05.2f,%.6f", TIME, VALUES)
-    found = read_text(text)
-    np.testing.assert_allclose(found.time, TIME, atol=1e-6)
-    assert found.remarks == ("its times begin at 53160 s, and are counted from there",)
+    result = read_text(text)
+    np.testing.assert_allclose(result.time, TIME, atol=1e-6)
+    assert result.remarks == ("its times begin at 53160 s, and are counted from there",)
 
 
 def test_number_and_step_of_deepsoil_are_no_sample() -> None:
@@ -71,7 +71,7 @@ def test_the_components_have_the_names_above_their_units() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("No,acc (gal)\n" + rows("%d,%.4f", np.arange(COUNT), VALUES), 'its first column, "No", is no time'),
         ("time (s),acc (g)\n" + rows("%.1f,%.6f", TIME, VALUES), "times are equal to the time before, such as 0"),
@@ -82,5 +82,5 @@ def test_the_components_have_the_names_above_their_units() -> None:
         ("\0\0\x01binary", "is a binary file"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_read_has_its_reason(text: str, told: str) -> None:
-    assert told in refused(text)
+def test_what_cannot_be_read_has_its_reason(text: str, message: str) -> None:
+    assert message in refused(text)

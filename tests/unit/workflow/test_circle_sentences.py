@@ -32,12 +32,12 @@ def test_slip_circles_above_a_strict_upper_bound_are_told(run: Config) -> None:
     """A slope on a seam: 1.06 by circles, which cannot follow it, and 0.713 to 0.721 by bounds."""
 
     def circles(factor: float, kc: float) -> SlicesAnswer:
-        one = [
+        item = [
             CirclePart.model_construct(towards="right", bishop=value, spencer=None, surface_m=((0.0, 0.0), (9.0, 0.0)))
             for value in (factor, kc)
         ]
-        factors = (FactorCircles.model_construct(kh=0.0, circles=(one[0],)),)
-        return SlicesAnswer.model_construct(factors=factors, critical=(one[1],), faces=(), reason="")
+        factors = (FactorCircles.model_construct(kh=0.0, circles=(item[0],)),)
+        return SlicesAnswer.model_construct(factors=factors, critical=(item[1],), faces=(), reason="")
 
     strict = bounds(run, 0.22, 0.26).model_copy(
         update={"safety": (SafetyPart(kh=0.0, lower=1.7, upper=1.72, cells=9),)}
@@ -63,36 +63,36 @@ def test_slip_circles_below_a_strict_lower_bound_are_told_with_the_ground_that_t
     surface = ((20.0, 0.0), (38.0, -10.0), (56.0, -2.0), (58.7, 5.2))
 
     def circles(kc: float, surface: tuple[tuple[float, float], ...] = surface) -> SlicesAnswer:
-        one = CirclePart.model_construct(towards="left", bishop=kc, spencer=None, surface_m=surface)
-        return SlicesAnswer.model_construct(factors=(), critical=(one,), faces=(), reason="")
+        item = CirclePart.model_construct(towards="left", bishop=kc, spencer=None, surface_m=surface)
+        return SlicesAnswer.model_construct(factors=(), critical=(item,), faces=(), reason="")
 
     both = run.with_settings("fem", direction="both").model_copy(update={"section": ground})
     strict = bounds(run, 0.043, 0.046)
-    (told,) = of_circles(results(both, slices=circles(0.031), bounds=strict))
-    assert told.startswith("slip circles have a critical Kh of 0.031, below the strict lower bound of 0.043")
-    assert 'cut steeply through "Fill"' in told
+    (messages,) = of_circles(results(both, slices=circles(0.031), bounds=strict))
+    assert messages.startswith("slip circles have a critical Kh of 0.031, below the strict lower bound of 0.043")
+    assert 'cut steeply through "Fill"' in messages
     assert list(of_circles(results(both, slices=circles(0.042), bounds=strict))) == []
-    (told,) = of_circles(results(both, slices=circles(0.031, surface[:3]), bounds=strict))
-    assert "no ground with friction explains it" in told
+    (messages,) = of_circles(results(both, slices=circles(0.031, surface[:3]), bounds=strict))
+    assert "no ground with friction explains it" in messages
 
 
 def test_level_ground_that_slides_out_at_a_side_explains_circles_above_the_bounds(run: Config) -> None:
-    one = CirclePart.model_construct(towards="left", bishop=0.19, spencer=None, surface_m=((0.0, 0.0), (9.0, 0.0)))
-    circles = SlicesAnswer.model_construct(factors=(), critical=(one,), faces=(), reason="")
+    item = CirclePart.model_construct(towards="left", bishop=0.19, spencer=None, surface_m=((0.0, 0.0), (9.0, 0.0)))
+    circles = SlicesAnswer.model_construct(factors=(), critical=(item,), faces=(), reason="")
     strict = bounds(run, 0.13, 0.14)
     first = DirectionPart(direction="downhill", towards="left", lower=0.13, upper=0.14, leaves=("right",), history=())
     strict = strict.model_copy(update={"directions": (first,), "sides": "free-field"})
-    (told,) = of_circles(results(run.with_settings("fem", direction="both"), slices=circles, bounds=strict))
-    assert "slides out at the right side" in told
+    (messages,) = of_circles(results(run.with_settings("fem", direction="both"), slices=circles, bounds=strict))
+    assert "slides out at the right side" in messages
 
 
 def test_a_circle_that_a_side_cuts_off_is_told_with_the_length_that_is_missing() -> None:
     longer = LongerCircle(side="left", past_m=12.2, beyond_m=60.0, bishop=0.0975)
-    one = CirclePart.model_construct(towards="left", bishop=0.111, longer=longer)
-    (told,) = of_longer_sections((one,))
-    assert "0.098 instead of 0.111" in told
-    assert 'beyond = "15 m"' in told
-    alike = one.model_copy(update={"longer": longer.model_copy(update={"bishop": 0.110})})
+    item = CirclePart.model_construct(towards="left", bishop=0.111, longer=longer)
+    (messages,) = of_longer_sections((item,))
+    assert "0.098 instead of 0.111" in messages
+    assert 'beyond = "15 m"' in messages
+    alike = item.model_copy(update={"longer": longer.model_copy(update={"bishop": 0.110})})
     assert list(of_longer_sections((alike,))) == []
     weaker = CirclePart.model_construct(towards="right", bishop=0.05, longer=None)
-    assert list(of_longer_sections((one, weaker))) == [], "the other direction fails at half of that"
+    assert list(of_longer_sections((item, weaker))) == [], "the other direction fails at half of that"

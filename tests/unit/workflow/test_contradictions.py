@@ -56,37 +56,37 @@ def with_cases(run: Config, *cases: dict[str, Any]) -> Config:
 def test_low_strength_that_slides_less_than_median_is_found(run: Config) -> None:
     """The levee: 48 m with the median strength, 45 m with the low one."""
     levee = with_cases(run, *LEVEE)
-    [told] = warned(results(levee, cases=slides(levee, 48.0, 45.0)))
-    assert told.startswith(
+    [warnings] = warned(results(levee, cases=slides(levee, 48.0, 45.0)))
+    assert warnings.startswith(
         "Case 2 (low strength) leaves less strength than case 1 (median) and slides less by discs, 45 m and 48 m"
     )
-    assert "ake a longer section (beyond) if a side stops them, more packings (slide.seeds) if not" in told
+    assert "ake a longer section (beyond) if a side stops them, more packings (slide.seeds) if not" in warnings
     assert warned(results(levee, cases=slides(levee, 45.0, 48.0))) == []
     assert warned(results(levee, cases=slides(levee, 48.0, 47.9))) == [], "what packings differ by is no contradiction"
 
 
 def test_the_order_of_cases_goes_by_the_mean_of_packings_where_there_are_several(run: Config) -> None:
-    def one(*values: float) -> RandomCase:
+    def single(*values: float) -> RandomCase:
         spread = Spread.of(values)
         return RandomCase(slide_max_m=spread, settlement_uphill_m=spread, settlement_middle_m=spread)
 
     levee = with_cases(run, *LEVEE)
-    several = RandomPackings(seeds=(), cases={1: one(3.0, 4.0), 2: one(5.0, 6.0)})
-    found = slides(levee, 3.4, 3.0).model_copy(update={"random": several})
-    assert warned(results(levee, cases=found)) == []
+    several = RandomPackings(seeds=(), cases={1: single(3.0, 4.0), 2: single(5.0, 6.0)})
+    result = slides(levee, 3.4, 3.0).model_copy(update={"random": several})
+    assert warned(results(levee, cases=result)) == []
 
 
 @given(st.lists(st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)), min_size=2, max_size=4), st.data())
 def test_no_order_is_found_where_more_strength_slides_less(
-    kept: list[tuple[float, float]], data: st.DataObject
+    remaining: list[tuple[float, float]], data: st.DataObject
 ) -> None:
     """Slides that fall with strength contradict nothing, however the cases stand; and of two cases one is weaker."""
-    cases = {k: Case(stiffness=0.1, residual=r, friction=f) for k, (r, f) in enumerate(kept)}
-    lengths = {k: 10.0 - 4.0 * r - 4.0 * f for k, (r, f) in enumerate(kept)}
+    cases = {k: Case(stiffness=0.1, residual=r, friction=f) for k, (r, f) in enumerate(remaining)}
+    lengths = {k: 10.0 - 4.0 * r - 4.0 * f for k, (r, f) in enumerate(remaining)}
     assert list(of_order(cases, lengths, {key: ["upper"] for key in cases})) == []
-    one, other = (data.draw(st.sampled_from(sorted(cases))) for _ in range(2))
+    item, other = (data.draw(st.sampled_from(sorted(cases))) for _ in range(2))
     here = ["upper"], ["upper"]
-    assert not (is_weaker(cases[one], cases[other], *here) and is_weaker(cases[other], cases[one], *here))
+    assert not (is_weaker(cases[item], cases[other], *here) and is_weaker(cases[other], cases[item], *here))
 
 
 def test_a_ratio_and_a_strength_are_not_compared() -> None:
@@ -107,18 +107,18 @@ def test_a_case_in_which_more_strata_liquefy_is_the_weaker_one(run: Config) -> N
     data["strata"][0]["liquefies_in"], data["strata"][1]["liquefies_in"] = [1, 2], [2]
     data["slide"] = {"cases": [{"residual_strength": "9 kPa", "strain_potential": 0.3}] * 2}
     both = analysed(data)
-    [told] = warned(results(both, cases=slides(both, 5.0, 2.0)))
-    assert told.startswith("Case 2 leaves less strength than case 1 and slides less by discs, 2.0 m and 5.0 m")
+    [warnings] = warned(results(both, cases=slides(both, 5.0, 2.0)))
+    assert warnings.startswith("Case 2 leaves less strength than case 1 and slides less by discs, 2.0 m and 5.0 m")
     assert warned(results(both, cases=slides(both, 2.0, 5.0))) == []
 
 
 def test_a_side_of_the_box_that_stops_a_slide_is_no_rest(run: Config) -> None:
-    held = slides(run, 48.0, 45.0, stopped_by="right")
-    [told] = of_sides(held.sets["calibrated"])
-    assert told.startswith("the right side of the disc model stopped cases 1 and 2: 45 to 48 m is")
-    assert told.endswith("take a longer section (beyond)")
+    fixed = slides(run, 48.0, 45.0, stopped_by="right")
+    [messages] = of_sides(fixed.sets["calibrated"])
+    assert messages.startswith("the right side of the disc model stopped cases 1 and 2: 45 to 48 m is")
+    assert messages.endswith("take a longer section (beyond)")
     assert list(of_sides(slides(run, 3.0).sets["calibrated"])) == []
-    assert any("side of the disc model stopped" in one for one in warned(results(run, cases=held)))
+    assert any("side of the disc model stopped" in item for item in warned(results(run, cases=fixed)))
 
 
 def test_a_crest_that_falls_much_further_than_the_uphill_third_settles_is_told(run: Config) -> None:
@@ -128,18 +128,22 @@ def test_a_crest_that_falls_much_further_than_the_uphill_third_settles_is_told(r
     lost = {"surface_before": before, "surface_after": after, "settlement_uphill_m": 0.24}
     case = dem_fixture.case(0.1, 20.0).model_copy(update=lost)
     assert case.largest_fall == (5.0, 50.0)
-    [told] = of_settlement({1: (case, 0.24)})
-    assert "the surface falls by 5.0 m at x = 50 m in case 1, far more than the mean settlement of any third" in told
+    [messages] = of_settlement({1: (case, 0.24)})
+    assert (
+        "the surface falls by 5.0 m at x = 50 m in case 1, far more than the mean settlement of any third" in messages
+    )
     answer = CasesAnswer(sets={"calibrated": {1: case}}, random=None)
-    assert any("the surface falls by 5.0 m at x = 50 m" in one for one in slide_sentences(run, answer))
+    assert any(
+        "the surface falls by 5.0 m at x = 50 m" in slide_sentence for slide_sentence in slide_sentences(run, answer)
+    )
     assert list(of_settlement({1: (case, 4.0)})) == []
     at_side = {
         "surface_before": ((0.0, 2.0), (2.0, 2.0), *before[1:]),
         "surface_after": ((0.0, 2.0), (4.0, 0.0), *before[1:]),
     }
     hollow = case.model_copy(update=at_side)
-    [told] = of_settlement({1: (hollow, 0.24)})
-    assert "falls by 2.0 m at x = 4 m in case 1, where it slides away from the left side of the model" in told
+    [messages] = of_settlement({1: (hollow, 0.24)})
+    assert "falls by 2.0 m at x = 4 m in case 1, where it slides away from the left side of the model" in messages
     assert list(of_settlement({1: (case.model_copy(update={"surface_after": ()}), 0.24)})) == []
 
 
@@ -153,7 +157,7 @@ def test_a_disc_that_is_missing_beside_the_side_of_the_box_is_no_settlement(run:
     assert 3.9 <= x <= 4.0
 
 
-def pushed(run: Config, kc: float, *curve: tuple[float, float]) -> DiscsAnswer:
+def displaced(run: Config, kc: float, *curve: tuple[float, float]) -> DiscsAnswer:
     """Soil discs whose push took these Kh at these displacements (m)."""
     answer = dem_fixture.critical(run, kc)
     trials = tuple(answer.after.trials[0].model_copy(update={"displacement_m": u, "kh": kh}) for u, kh in curve)
@@ -164,17 +168,17 @@ def pushed(run: Config, kc: float, *curve: tuple[float, float]) -> DiscsAnswer:
 
 def test_a_critical_kh_behind_a_fall_of_the_curve_is_told(run: Config) -> None:
     """0.148 told, of discs that bore 0.13 before and fell to 0.08."""
-    falls = pushed(run, 0.148, (0.0, 0.0), (0.02, 0.13), (0.03, 0.08), (0.05, 0.15), (0.07, 0.02))
+    falls = displaced(run, 0.148, (0.0, 0.0), (0.02, 0.13), (0.03, 0.08), (0.05, 0.15), (0.07, 0.02))
     assert deepest_fall(falls.after, soil=True) == (0.13, 0.08)
-    [told] = of_curve(falls)
-    assert "the Kh of the discs falls from 0.130 to 0.080 before it reaches the critical 0.148" in told
-    assert "dem.elements" in told
-    rises = pushed(run, 0.148, (0.0, 0.0), (0.02, 0.10), (0.03, 0.09), (0.05, 0.15), (0.07, 0.02))
+    [messages] = of_curve(falls)
+    assert "the Kh of the discs falls from 0.130 to 0.080 before it reaches the critical 0.148" in messages
+    assert "dem.elements" in messages
+    rises = displaced(run, 0.148, (0.0, 0.0), (0.02, 0.10), (0.03, 0.09), (0.05, 0.15), (0.07, 0.02))
     assert list(of_curve(rises)) == [], "what grains do, and what comes after the critical Kh, is none"
-    assert any("falls from 0.130 to 0.080" in one for one in warned(results(run, dem=falls)))
+    assert any("falls from 0.130 to 0.080" in item for item in warned(results(run, dem=falls)))
 
 
-def told_by_bounds(run: Config, **more: Any) -> list[str]:
+def messages_by_bounds(run: Config, **more: Any) -> list[str]:
     """What bounds of 0.2799 to 0.2815 (S-13, psi = phi) say to a critical Kh of 0.237 by Davis's estimate and more."""
     other = OtherWay(kc=0.2844, kc_upper=0.2844, verdict="plateau", reason="", direction="downhill", at_sides=())
     answer = fem(run, 0.237).model_copy(update={"flow": "davis", "associated": other, **more.pop("fem", {})})
@@ -184,18 +188,18 @@ def told_by_bounds(run: Config, **more: Any) -> list[str]:
 
 def test_elements_with_psi_equal_to_phi_above_a_strict_upper_bound_are_told(run: Config) -> None:
     """S-13: 0.2844 beside 0.2815; found for other sides or the other direction, too."""
-    [told] = told_by_bounds(run)
-    assert told.startswith("The critical Kh with ψ = φ of 0.284 lies 1 % above the strict upper bound, 0.281.")
-    assert told.endswith("take 0.281 as an upper limit and refine the mesh")
-    assert len(told_by_bounds(run, sides="fixed")) == 1, "held sides bear no less"
-    assert told_by_bounds(run, direction="uphill") == []
+    [messages] = messages_by_bounds(run)
+    assert messages.startswith("The critical Kh with ψ = φ of 0.284 lies 1 % above the strict upper bound, 0.281.")
+    assert messages.endswith("take 0.281 as an upper limit and refine the mesh")
+    assert len(messages_by_bounds(run, sides="fixed")) == 1, "held sides bear no less"
+    assert messages_by_bounds(run, direction="uphill") == []
     opposite = OtherWay(kc=0.31, kc_upper=0.31, verdict="plateau", reason="", direction="uphill", at_sides=())
-    [uphill] = told_by_bounds(run, direction="uphill", fem={"opposite": opposite})
+    [uphill] = messages_by_bounds(run, direction="uphill", fem={"opposite": opposite})
     assert uphill.startswith("The critical Kh uphill of 0.310 lies 10 % above the strict upper bound")
     near = results(run, fem=fem(run, 0.2844), bounds=bounds(run, 0.2799, 0.2815))
     far = results(run, fem=fem(run, 0.2904), bounds=bounds(run, 0.2799, 0.2815))
-    assert [one.contradiction for one in (*near.warnings, *far.warnings)] == [False, True], "1 and 3.2 % above it"
-    assert any("Take 0.281 as an upper limit" in one for one in warned(
+    assert [item.contradiction for item in (*near.warnings, *far.warnings)] == [False, True], "1 and 3.2 % above it"
+    assert any("Take 0.281 as an upper limit" in entry for entry in warned(
         results(run, fem=fem(run, 0.2844), bounds=bounds(run, 0.2799, 0.2815))
     ))  # fmt: skip
 
@@ -205,8 +209,10 @@ def test_the_console_has_the_interval_of_strict_bounds_and_what_they_contradict(
     0.0875 to 0.0890, and `noshiro fem` printed the one beside the other without a word.
     """
     answer = fem(run, 0.0899)
-    told = list(fem_sentences(answer, run.section, False, results(run, fem=answer, bounds=bounds(run, 0.0875, 0.089))))
-    assert told[0].endswith(
+    messages = list(
+        fem_sentences(answer, run.section, False, results(run, fem=answer, bounds=bounds(run, 0.0875, 0.089)))
+    )
+    assert messages[0].endswith(
         "Range by strict bounds: 0.087 to 0.089. The elements lie 1.0 % above it: use its upper end."
     )
     far = results(run, fem=answer, bounds=bounds(run, 0.078, 0.08))
@@ -219,8 +225,8 @@ def test_level_ground_has_no_factor_of_safety_but_one_above_where_the_search_end
     factor = FactorOfSafety(
         kh=0.0, factor=20.007, upper=33.6, verdict="no failure", reason="", curve=(), shallow_failure=None
     )
-    told = safety_sentence(factor, fem(run))
-    assert told == "Factor of safety at Kh = 0: above 20, where the search ended."
+    text = safety_sentence(factor, fem(run))
+    assert text == "Factor of safety at Kh = 0: above 20, where the search ended."
 
 
 def test_a_slip_surface_of_no_length_is_told_as_a_place(run: Config) -> None:
@@ -228,11 +234,11 @@ def test_a_slip_surface_of_no_length_is_told_as_a_place(run: Config) -> None:
     factor = FactorOfSafety(
         kh=0.0, factor=1.338, upper=1.338, verdict="plateau", reason="", curve=(), shallow_failure=None
     )
-    for line, told in (
+    for line, item in (
         (((41.62, -4.0), (41.64, -4.0)), "It fails first in a few cells at x = 41.6 m, z = -4.0 m."),
         (((30.0, 0.0), (42.0, -4.0)), "It slips from x = 30.0 to 42.0 m, down to z = -4.0 m."),
     ):
-        assert safety_sentence(factor.model_copy(update={"slip_surface": line}), fem(run)).endswith(told)
+        assert safety_sentence(factor.model_copy(update={"slip_surface": line}), fem(run)).endswith(item)
 
 
 def test_a_factor_of_safety_above_its_strict_upper_bound_is_told(run: Config) -> None:
@@ -274,21 +280,21 @@ def with_points(run: Config, *cases: PointCase, sides: str = "fixed") -> list[st
 def test_material_points_of_low_strength_that_slide_less_than_those_of_median_are_found(run: Config) -> None:
     levee = with_cases(run, *LEVEE)
     long, short = (point_slide([(0.0, 0.0), (40.0, far), (80.0, 0.0)]) for far in (48.0, 45.0))
-    [told] = with_points(levee, long, short)
-    assert told.startswith(
+    [messages] = with_points(levee, long, short)
+    assert messages.startswith(
         "Case 2 (low strength) leaves less strength than case 1 (median) and slides less by material"
     )
-    assert "finer cells (slide.mpm_cells) if not" in told
+    assert "finer cells (slide.mpm_cells) if not" in messages
     assert with_points(levee, short, long) == []
 
 
 def test_material_points_that_a_side_stopped_are_not_at_rest(run: Config) -> None:
     """They lie still at the wall: the slide is a least value, told as one, and no interval ends there."""
-    held = point_slide([(0.0, 0.0), (40.0, 20.0)], stopped_by="right")
+    point_case = point_slide([(0.0, 0.0), (40.0, 20.0)], stopped_by="right")
     for sides, end in (("fixed", "reach the fixed side of"), ("smooth", "leave")):
-        [warning] = ends_of({1: held}, sides)
+        [warning] = ends_of({1: point_case}, sides)
         assert warning.startswith(f"material points {end} the section in case 1: 20")
-    assert not at_rest(held)
+    assert not at_rest(point_case)
     assert at_rest(point_slide([(0.0, 0.0), (40.0, 20.0)]))
     stands = dem_fixture.case(0.1, 20.0).model_copy(update={"settled": False, "moved_lately_m": 0.0})
     assert at_rest(stands), "as good as still"
@@ -300,8 +306,8 @@ def test_a_levee_whose_crest_material_points_lower_more_than_the_highest_point_i
     before = ((0.0, 9.0), (40.0, 2.0), (50.0, 7.0), (60.0, 2.0), (100.0, 2.0))
     after = ((0.0, 9.0), (40.0, 2.0), (50.0, 2.0), (60.0, 2.5), (100.0, 2.1))
     slid = point_slide([(0.0, 0.0), (50.0, 20.0)], surface_before=before, surface_after=after)
-    [told] = with_points(run, slid)
-    assert told.startswith("The surface of material points falls by 5.0 m at x = 50 m in case 1, far more than the")
+    [messages] = with_points(run, slid)
+    assert messages.startswith("The surface of material points falls by 5.0 m at x = 50 m in case 1, far more than the")
 
 
 def test_points_that_leave_the_section_or_take_its_uphill_end_along_are_found() -> None:

@@ -15,18 +15,18 @@ SIZES = [0.8 * share for share in RADII]
     order=st.floats(0.55, 2.9), limit=st.floats(0.5, 5.0), slope=st.floats(-2.0, 2.0).filter(lambda s: abs(s) > 1e-3)
 )
 def test_order_and_limit_are_found(order: float, limit: float, slope: float) -> None:
-    found = fit(SIZES, [limit + slope * size**order for size in SIZES])
-    assert found.order == pytest.approx(order, rel=1e-4)
-    assert found.limit == pytest.approx(limit, abs=1e-5)
-    assert found.left == pytest.approx(abs(slope) * SIZES[-1] ** order / limit, rel=1e-3)
+    result = fit(SIZES, [limit + slope * size**order for size in SIZES])
+    assert result.order == pytest.approx(order, rel=1e-4)
+    assert result.limit == pytest.approx(limit, abs=1e-5)
+    assert result.left == pytest.approx(abs(slope) * SIZES[-1] ** order / limit, rel=1e-3)
 
 
 def test_values_that_jump_about_have_no_order_and_are_no_better_than_they_jump() -> None:
-    found = fit(SIZES, [3.0, 3.4, 3.1])
-    assert found.order is None
-    assert found.left > 0.05
-    assert not found.converged(0.05)
-    assert found.verdict(0.05).startswith("not converged")
+    result = fit(SIZES, [3.0, 3.4, 3.1])
+    assert result.order is None
+    assert result.left > 0.05
+    assert not result.converged(0.05)
+    assert result.verdict(0.05).startswith("not converged")
 
 
 def test_scatter_of_packings_counts() -> None:

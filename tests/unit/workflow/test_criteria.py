@@ -36,24 +36,30 @@ def test_several_verdicts() -> None:
 
 
 def test_published_criteria_follow_the_peak_acceleration() -> None:
-    told = CriteriaSettings(preset="hynes_griffin_franklin_1984").resolved(0.25)
-    assert told.factor_of_safety is not None
-    assert told.displacement is not None
-    assert (told.factor_of_safety.limit, told.factor_of_safety.kh, told.displacement.limit) == (1.0, 0.125, 1.0)
-    own = FactorCriterion(limit=1.3)
-    told = CriteriaSettings(preset="nchrp_611", factor_of_safety=own).resolved(0.4)
-    assert told.factor_of_safety == own
-    assert told.displacement is not None
-    assert told.displacement.limit == pytest.approx(0.0508, abs=0.001)
-    told = CriteriaSettings(preset="nchrp_611", factor_of_safety=own).resolved(None)  # its displacement needs no peak
-    assert told.factor_of_safety == own
-    assert told.displacement is not None
+    messages = CriteriaSettings(preset="hynes_griffin_franklin_1984").resolved(0.25)
+    assert messages.factor_of_safety is not None
+    assert messages.displacement is not None
+    assert (messages.factor_of_safety.limit, messages.factor_of_safety.kh, messages.displacement.limit) == (
+        1.0,
+        0.125,
+        1.0,
+    )
+    criterion = FactorCriterion(limit=1.3)
+    messages = CriteriaSettings(preset="nchrp_611", factor_of_safety=criterion).resolved(0.4)
+    assert messages.factor_of_safety == criterion
+    assert messages.displacement is not None
+    assert messages.displacement.limit == pytest.approx(0.0508, abs=0.001)
+    messages = CriteriaSettings(preset="nchrp_611", factor_of_safety=criterion).resolved(
+        None
+    )  # its displacement needs no peak
+    assert messages.factor_of_safety == criterion
+    assert messages.displacement is not None
 
 
 def test_structures_that_do_not_fit() -> None:
     names = [("a", 10.0, 5.0), ("b", 10.0, 200.0), ("a", 1.0, 2.0)]
-    told = structure_problems([Structure(name=n, start=s, end=e) for n, s, e in names], (0.0, 140.0))
-    assert told == [
+    messages = structure_problems([Structure(name=n, start=s, end=e) for n, s, e in names], (0.0, 140.0))
+    assert messages == [
         'structures 1 "a", from = 10 m, to = 5 m: expected the left foot, then the right one',
         'structures 2 "b", from = 10 m, to = 200 m: lies off the section, which reaches from 0 to 140 m',
         'structures: 2 of them are called "a"; expected every name once',
@@ -104,7 +110,7 @@ def test_a_preset_needs_a_peak_acceleration() -> None:
     assert tuple(caught.value.problems) == (
         'criteria, preset = "nchrp_611": expected peak_acceleration, or magnitude and distance, in [earthquake]',
     )
-    found = Config.parse({**section, "earthquake": {"peak_acceleration": "0.3 g"}})
-    assert found.criteria.factor_of_safety is not None
-    assert found.criteria.factor_of_safety.kh == pytest.approx(0.15)
-    assert Config.parse(tomllib.loads(found.to_toml())).criteria == found.criteria
+    config = Config.parse({**section, "earthquake": {"peak_acceleration": "0.3 g"}})
+    assert config.criteria.factor_of_safety is not None
+    assert config.criteria.factor_of_safety.kh == pytest.approx(0.15)
+    assert Config.parse(tomllib.loads(config.to_toml())).criteria == config.criteria

@@ -109,15 +109,15 @@ def test_the_foot_of_a_case_says_what_liquefaction_leaves() -> None:
     assert left_by(Case(stiffness=0.1, residual=0.2)).endswith("and 0.2 of their vertical effective stress as strength")
     assert left_by(Case(residual_strength=8e3)).endswith("and a strength of 8 kPa")
     assert left_by(Case(residual={"Sand": 0.2})).endswith("and a residual strength of their own")
-    some = Case(stiffness=0.1, friction=0.15, residual=0.2)
-    assert left_by(some).startswith("0.1 of their stiffness, 0.15 of their friction and 0.2 of their vertical")
+    first_case = Case(stiffness=0.1, friction=0.15, residual=0.2)
+    assert left_by(first_case).startswith("0.1 of their stiffness, 0.15 of their friction and 0.2 of their vertical")
 
 
 def test_a_picture_of_material_points_shows_the_ground_and_not_the_base_beyond_the_section() -> None:
     """A levee of 140 m whose base reaches from -44 to 184 m; its toe ran to -2 m, which later states show."""
-    x, one = np.array([-44.0, 0.0, 140.0, 184.0]), np.ones(4)
+    x, item = np.array([-44.0, 0.0, 140.0, 184.0]), np.ones(4)
     stratum = np.array([-1, 0, 0, -1])
-    first = Frame(x, 10.0 * one, 0.5 * one, stratum, 0.0 * one, 0.0)
+    first = Frame(x, 10.0 * item, 0.5 * item, stratum, 0.0 * item, 0.0)
     last = replace(first, x=np.array([-44.0, -2.0, 141.0, 184.0]))
     window = shown_window([first, last], "mpm")
     assert -5.5 < window.left < -2.5

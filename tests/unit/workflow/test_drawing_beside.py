@@ -39,9 +39,9 @@ def run(toys: Toys, folder: Path, draw: Callable[[Job], None], several: bool = T
 
 @pytest.mark.parametrize("several", [True, False])
 def test_it_draws_beside_what_comes_next_or_this_process_does(toys: Toys, tmp_path: Path, several: bool) -> None:
-    own = str(os.getpid())
+    of_process = str(os.getpid())
     run(toys, tmp_path, draws, several)
-    assert ((tmp_path / "mesh_1.png").read_text() != own) == several
+    assert ((tmp_path / "mesh_1.png").read_text() != of_process) == several
     assert Record(toys.job(tmp_path).store).entries["mesh"].pictures == ["mesh_1.png"]
 
 
@@ -89,5 +89,5 @@ def test_what_was_stopped_before_it_was_drawn_is_drawn_without_computing(toys: T
         run(toys, tmp_path, dies)
     toys.change("mesh", draw=draws)
     decisions = plan(toys.job(tmp_path), Record(toys.job(tmp_path).store), toys.choose())
-    told = {each.stage.name: (each.action, each.why) for each in decisions}
-    assert told["mesh"] == ("redraw", "it was stopped before its pictures were drawn")
+    messages = {each.stage.name: (each.action, each.why) for each in decisions}
+    assert messages["mesh"] == ("redraw", "it was stopped before its pictures were drawn")

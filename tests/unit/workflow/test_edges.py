@@ -1,7 +1,7 @@
 """A narrow edge of a layer without cohesion is no shallow failure of a face."""
 
 from fem.settings import FemSettings
-from workflow.report.console import beside_sentences, bounds_sentences
+from workflow.report.console import bounds_sentences, comparison_sentences
 from workflow.results.bounds import BoundsAnswer, ShallowBoundPart
 from workflow.results.continuum import FemAnswer, ShallowFailurePart
 
@@ -12,8 +12,8 @@ def elements(width: float) -> str:
     answer = FemAnswer.model_construct(
         associated=None, opposite=None, shallow_failures=(face,), kc=0.115, settings=settings
     )
-    [told] = beside_sentences(answer)
-    return told
+    [messages] = comparison_sentences(answer)
+    return messages
 
 
 def bounds(width: float) -> str:

@@ -37,17 +37,17 @@ def test_equal_tasks_are_computed_once(tmp_path: Path) -> None:
 
 
 def test_a_failed_task_is_a_row_with_its_reason(tmp_path: Path) -> None:
-    given = Numbers(values=(-1.0,), folder=str(tmp_path))
-    told: list[tuple[int, int, int]] = []
-    tasks = [Task(total, given), Task(breaks, given), Task(total, Numbers(values=(1.0,)))]
-    rows = Ensemble(tmp_path, 1).rows(tasks, lambda *counts: told.append(counts))
+    numbers = Numbers(values=(-1.0,), folder=str(tmp_path))
+    messages: list[tuple[int, int, int]] = []
+    tasks = [Task(total, numbers), Task(breaks, numbers), Task(total, Numbers(values=(1.0,)))]
+    rows = Ensemble(tmp_path, 1).rows(tasks, lambda *counts: messages.append(counts))
     assert [row.reason for row in rows] == [
         "a number is negative; take its absolute value",
         "ZeroDivisionError: what no one expected",
         "",
     ]
-    assert told[0] == (0, 0, 3)
-    assert told[-1] == (3, 2, 3)
+    assert messages[0] == (0, 0, 3)
+    assert messages[-1] == (3, 2, 3)
     # what may be mended is tried again, what has no answer is not
     assert [row.reused for row in Ensemble(tmp_path, 1).rows(tasks)] == [True, False, True]
 
@@ -71,10 +71,10 @@ def test_a_worker_that_dies_costs_its_task_a_second_try_and_no_third(tmp_path: P
 
 def test_a_half_written_or_foreign_file_is_no_answer(tmp_path: Path) -> None:
     task = totals(1)[0]
-    kept = ResultCache(tmp_path)
-    kept.write(task.fingerprint, Outcome(task=task.name, given={}, answer={"value": 7.0}))
+    result_cache = ResultCache(tmp_path)
+    result_cache.write(task.fingerprint, Outcome(task=task.name, given={}, answer={"value": 7.0}))
     assert Ensemble(tmp_path, 1).rows([task]) == [Row(Number(value=7.0), reused=True)]
-    kept.path(task.fingerprint).write_text('{"task": "tests.supp')
+    result_cache.path(task.fingerprint).write_text('{"task": "tests.supp')
     assert Ensemble(tmp_path, 1).rows([task])[0].answer == Number(value=0.2)
 
 
@@ -101,20 +101,20 @@ def started(tmp_path: Path) -> "subprocess.Popen[str]":
     )  # fmt: skip
 
 
-def begun(tmp_path: Path) -> dict[str, int]:
+def start_event(tmp_path: Path) -> dict[str, int]:
     return {path.name: len(path.read_text().splitlines()) for path in tmp_path.glob("(*)")}
 
 
 def test_two_studies_of_one_folder_compute_every_task_once(tmp_path: Path) -> None:
     both = [started(tmp_path) for _ in range(2)]
-    assert [one.communicate(timeout=120)[0].strip() for one in both] == [str([float(k) for k in range(60)])] * 2
-    assert begun(tmp_path) == {f"({float(k)},)": 1 for k in range(60)}
+    assert [item.communicate(timeout=120)[0].strip() for item in both] == [str([float(k) for k in range(60)])] * 2
+    assert start_event(tmp_path) == {f"({float(k)},)": 1 for k in range(60)}
 
 
 def test_a_killed_study_goes_on(tmp_path: Path) -> None:
     killed = started(tmp_path)
     until = time.monotonic() + 60.0
-    while len(begun(tmp_path)) < 20 and time.monotonic() < until:
+    while len(start_event(tmp_path)) < 20 and time.monotonic() < until:
         time.sleep(0.01)
     killed.send_signal(signal.SIGKILL)
     killed.communicate()
@@ -123,7 +123,7 @@ def test_a_killed_study_goes_on(tmp_path: Path) -> None:
     again = started(tmp_path)
     assert again.communicate(timeout=120)[0].strip() == str([float(k) for k in range(60)])
     # those in hand when it was killed, one for each of two workers, may have been begun twice
-    assert sum(begun(tmp_path).values()) <= 60 + 2 * 2
+    assert sum(start_event(tmp_path).values()) <= 60 + 2 * 2
 
 
 def test_a_scheduler_that_exists_is_used_and_one_that_does_not_is_told(tmp_path: Path) -> None:

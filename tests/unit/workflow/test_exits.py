@@ -32,7 +32,7 @@ def faulty() -> None:
 
 
 @pytest.mark.parametrize(
-    ("call", "code", "told"),
+    ("call", "code", "message"),
     [
         (interrupted_by_itself, STOPPED, "Stopped.\n"),
         (interrupted_as_compiled_code_returns, STOPPED, "Stopped.\n"),
@@ -41,11 +41,11 @@ def faulty() -> None:
     ],
 )
 def test_ends_with_the_code_and_a_sentence(
-    call: Callable[[], None], code: int, told: str, capsys: pytest.CaptureFixture[str]
+    call: Callable[[], None], code: int, message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit) as stop:
         ended(call)
     assert stop.value.code == code
     said = capsys.readouterr().err
-    assert told in said
-    assert (said == told) == (code == STOPPED)
+    assert message in said
+    assert (said == message) == (code == STOPPED)

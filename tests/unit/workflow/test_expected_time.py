@@ -13,9 +13,9 @@ from workflow.run.plan import Action, Decision
 from workflow.stages.expected_time import SECONDS, announcement
 
 
-def told(monkeypatch: pytest.MonkeyPatch, section: str = "s13", action: Action = "run", **given: Any) -> str:
+def message(monkeypatch: pytest.MonkeyPatch, section: str = "s13", action: Action = "run", **tables: Any) -> str:
     monkeypatch.setattr("os.cpu_count", lambda: 2)
-    config = load_config(SECTIONS / f"{section}.toml", given)
+    config = load_config(SECTIONS / f"{section}.toml", tables)
     return announcement([Decision(stage, action, "") for stage in stages.STAGES], config)
 
 
@@ -25,21 +25,23 @@ def test_every_stage_has_its_seconds() -> None:
 
 def test_a_run_of_s13_takes_some_minutes(monkeypatch: pytest.MonkeyPatch) -> None:
     """In full it takes 532 s of processors."""
-    words = told(monkeypatch)
+    words = message(monkeypatch)
     assert re.match(r"This takes about [45] min on 2 free processors, or half or twice that; longest: ", words)
     assert words.index("calibrate") < words.index("bounds")
     assert "slices" not in words
 
 
 def test_what_is_reused_takes_no_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert told(monkeypatch, action="reuse") == ""
+    assert message(monkeypatch, action="reuse") == ""
 
 
 def test_finer_discs_and_cells_take_longer(monkeypatch: pytest.MonkeyPatch) -> None:
-    fine = told(monkeypatch, "river_bank", dem={"elements": 40_000}, slide={"mpm_cells": 12_000})
+    fine = message(monkeypatch, "river_bank", dem={"elements": 40_000}, slide={"mpm_cells": 12_000})
     assert "h on 2 free processors" in fine
-    one = told(monkeypatch, "river_bank", dem={"workers": 1, "elements": 200}, slide={"mpm_cells": 200, "seeds": []})
-    assert "min on a free processor" in one
+    messages = message(
+        monkeypatch, "river_bank", dem={"workers": 1, "elements": 200}, slide={"mpm_cells": 200, "seeds": []}
+    )
+    assert "min on a free processor" in messages
 
 
 def test_elements_take_as_long_as_they_do_on_the_sections_of_the_benchmark() -> None:

@@ -30,9 +30,9 @@ def run() -> Config:
     return analysed(data)
 
 
-def text(found: Results) -> str:
-    numbers = [one.conclusion for one in headlines(found, Texts())]
-    return "\n".join([*numbers, *conclusions(found, Texts()), *findings(found)])
+def text(outcome: Results) -> str:
+    numbers = [headline.conclusion for headline in headlines(outcome, Texts())]
+    return "\n".join([*numbers, *conclusions(outcome, Texts()), *findings(outcome)])
 
 
 def moving(slide: float) -> CaseAnswer:
@@ -40,15 +40,15 @@ def moving(slide: float) -> CaseAnswer:
 
 
 def test_before_anything_was_computed_all_is_open(run: Config) -> None:
-    told = text(results(run))
-    assert "No critical Kh: the finite element analysis was not run." in told
-    assert "The slide after liquefaction is not known: the slides were not computed." in told
+    messages = text(results(run))
+    assert "No critical Kh: the finite element analysis was not run." in messages
+    assert "The slide after liquefaction is not known: the slides were not computed." in messages
 
 
 def test_ground_that_is_not_said_to_liquefy_is_not_asked_how_far_it_slides() -> None:
-    told = text(results(analysed(slope())))
-    assert "No layer of the section liquefies, so no slide was computed." in told
-    assert "The slide after liquefaction" not in told
+    messages = text(results(analysed(slope())))
+    assert "No layer of the section liquefies, so no slide was computed." in messages
+    assert "The slide after liquefaction" not in messages
 
 
 def test_a_critical_kh_with_what_it_hangs_on(run: Config) -> None:
@@ -59,14 +59,14 @@ def test_a_critical_kh_with_what_it_hangs_on(run: Config) -> None:
             variant("dilation", "ψ = φ instead of ψ as given", None),
         )
     )
-    found = results(run, fem=fem(run, 0.2345), variants=variants, bounds=bounds(run, 0.2293, 0.2349))
-    told = text(found)
-    assert "The section fails downslope, to the right, at Kh = 0.234 (2.3 m/s²), with free-field sides, ass" in told
-    assert headlines(found, Texts())[0].interval == "0.229 to 0.235 by strict bounds"
-    assert "The numerical error of the critical Kh is below 0.006, by strict bounds." in told
-    assert "The assumptions matter more: kc = 0.338 with sides fixed instead of free-field." in told
-    assert "instead of ψ as given" not in told  # that one came to nothing
-    [sides] = [one for one in warned(found) if one.startswith("With sides")]
+    result = results(run, fem=fem(run, 0.2345), variants=variants, bounds=bounds(run, 0.2293, 0.2349))
+    messages = text(result)
+    assert "The section fails downslope, to the right, at Kh = 0.234 (2.3 m/s²), with free-field sides, ass" in messages
+    assert headlines(result, Texts())[0].interval == "0.229 to 0.235 by strict bounds"
+    assert "The numerical error of the critical Kh is below 0.006, by strict bounds." in messages
+    assert "The assumptions matter more: kc = 0.338 with sides fixed instead of free-field." in messages
+    assert "instead of ψ as given" not in messages  # that one came to nothing
+    [sides] = [item for item in warned(result) if item.startswith("With sides")]
     assert sides.startswith("With sides fixed instead of free-field the critical Kh is 0.338 instead of 0.234, so that")
     assert sides.endswith('Move the sides away by beyond = "50 m".')
 
@@ -75,19 +75,19 @@ def test_another_flow_that_bears_more_than_strict_bounds_allow_is_left_out(run: 
     """No smaller ψ bears more than ψ = φ (Radenkovic 1961): a path above that was followed on too coarse a mesh."""
     more = variant("dilation", "the non-associated path with the given ψ instead of ψ = φ", 0.30)
     less = variant("dilation", "the path with less", 0.235)
-    found = results(run, fem=fem(run), variants=VariantsAnswer(variants=(more, less)), bounds=bounds(run, 0.27, 0.28))
-    assert "kc = 0.235 with the path with less." in text(found)
-    assert "ψ as given instead" not in text(found)
+    result = results(run, fem=fem(run), variants=VariantsAnswer(variants=(more, less)), bounds=bounds(run, 0.27, 0.28))
+    assert "kc = 0.235 with the path with less." in text(result)
+    assert "ψ as given instead" not in text(result)
 
 
 def test_one_mesh_without_bounds_leaves_the_numerical_error_open(run: Config) -> None:
     same = variant("sides", "sides fixed instead of free-field", 0.2331)
     answer = fem(run, 0.2345).model_copy(update={"kc_upper": 0.2346})
-    found = results(run, fem=answer, variants=VariantsAnswer(variants=(same,)))
-    told = text(found)
-    assert not warned(found)
-    assert "The numerical error of the critical Kh is not known, since there is one mesh" in told
-    assert "With other assumptions: kc = 0.233 with sides fixed instead of free-field." in told
+    result = results(run, fem=answer, variants=VariantsAnswer(variants=(same,)))
+    messages = text(result)
+    assert not warned(result)
+    assert "The numerical error of the critical Kh is not known, since there is one mesh" in messages
+    assert "With other assumptions: kc = 0.233 with sides fixed instead of free-field." in messages
 
 
 def test_what_stands_beside_the_critical_kh(run: Config) -> None:
@@ -103,9 +103,9 @@ def test_what_stands_beside_the_critical_kh(run: Config) -> None:
         "shallow_failures": (face,),
     }
     answer = fem(run).model_copy(update={**more, "warnings": (warning, known)})
-    told = text(results(run, fem=answer, bounds=bounds(run, 0.30, 0.31)))
-    assert "With ψ = φ the ground slides out of the section at the left side." in told
-    assert "At Kh = 0.050 already, the cohesionless face of upper from x = 20 to 44 m fails as an infinite" in told
+    messages = text(results(run, fem=answer, bounds=bounds(run, 0.30, 0.31)))
+    assert "With ψ = φ the ground slides out of the section at the left side." in messages
+    assert "At Kh = 0.050 already, the cohesionless face of upper from x = 20 to 44 m fails as an infinite" in messages
     rows = {(row.value, row.conditions) for row in stability_rows(results(run, fem=answer), Texts())}
     assert ("0.306", "free-field sides, associated flow, ψ = φ") in rows
     assert ("0.173", "seismic force upslope; slides out at the side of the section") in rows
@@ -133,14 +133,16 @@ def test_slides_that_end_and_slides_that_do_not(run: Config) -> None:
         "calibrated": {1: dem_fixture.case(0.1, 0.02), 2: dem_fixture.case(0.02, 3.23), 3: moving(39.5)},
         "table2": {1: dem_fixture.case(0.1, 0.33)},
     }
-    told = text(results(run, fem=fem(run), cases=CasesAnswer(sets=sets, random=None)))
-    assert "In case 1 the surface moves less than 0.1 m." in told
-    assert "In case 2 the surface slides 3.2 m and comes to rest." in told
-    assert "In case 3 the surface had slid 40 m after 60 s and was still moving: these are not final values." in told
-    assert "One packing of discs was computed, so no interval is known" in told
+    messages = text(results(run, fem=fem(run), cases=CasesAnswer(sets=sets, random=None)))
+    assert "In case 1 the surface moves less than 0.1 m." in messages
+    assert "In case 2 the surface slides 3.2 m and comes to rest." in messages
+    assert (
+        "In case 3 the surface had slid 40 m after 60 s and was still moving: these are not final values." in messages
+    )
+    assert "One packing of discs was computed, so no interval is known" in messages
     assert (
         "For comparison, discs with the springs of the paper's Table 2 as printed: In case 1 the surface slides 0.33 m"
-        in told
+        in messages
     )
 
 
@@ -151,15 +153,17 @@ def test_a_slide_that_a_side_of_the_box_stopped_is_told_so(run: Config) -> None:
     second = first.model_copy(update={"settled": False, "moved_lately_m": 0.036, "slide_by_weight_m": 12.7})
     third = dem_fixture.case(0.01, 3.0)
     cases = CasesAnswer(sets={"calibrated": {1: first, 2: second, 3: third}}, random=None)
-    told = text(results(run, fem=fem(run), cases=cases))
-    assert "In case 1 the surface slides 47 m, where the right side of the disc model stops it." in told
-    assert "In case 3 the surface slides 3.0 m and comes to rest." in told
+    messages = text(results(run, fem=fem(run), cases=cases))
+    assert "In case 1 the surface slides 47 m, where the right side of the disc model stops it." in messages
+    assert "In case 3 the surface slides 3.0 m and comes to rest." in messages
     assert (
         "In case 2 the surface slides 47 m, where the right side of the disc model stops it; it moved 4 cm in the last "
-        "10 s." in told
+        "10 s." in messages
     )
-    assert "in a longer section the slide would be longer" in told
-    assert "In cases 1 and 2 this is a flow failure: without shaking the surface slides 9.9 and 13 m in 20 s." in told
+    assert "in a longer section the slide would be longer" in messages
+    assert (
+        "In cases 1 and 2 this is a flow failure: without shaking the surface slides 9.9 and 13 m in 20 s." in messages
+    )
 
 
 def test_an_interval_where_there_are_several_packings(run: Config) -> None:
@@ -167,13 +171,13 @@ def test_an_interval_where_there_are_several_packings(run: Config) -> None:
     case = RandomCase(slide_max_m=spread, settlement_uphill_m=spread, settlement_middle_m=spread)
     random = RandomPackings(seeds=(), cases={2: case})
     sets = {"calibrated": {2: dem_fixture.case(0.02, 3.0)}}
-    told = text(results(run, fem=fem(run), cases=CasesAnswer(sets=sets, random=random)))
+    messages = text(results(run, fem=fem(run), cases=CasesAnswer(sets=sets, random=random)))
     # mean 3.3 m, standard deviation 1.37 m, Student's t of two degrees of freedom 4.303: 3.3 -/+ 3.41 m
     assert spread.mean_ci95 == pytest.approx((-0.114, 6.714), abs=2e-3)
     assert spread.from_zero.mean_ci95 == pytest.approx((0.0, 6.714), abs=2e-3)
     assert (
         "On 3 random packings calibrated to the same critical Kh the largest slide is 3.3 m (2.1 to 4.8 m; mean of all "
-        "packings 0 to 6.7 m with 95 %) in case 2." in told
+        "packings 0 to 6.7 m with 95 %) in case 2." in messages
     )
 
 
@@ -190,19 +194,21 @@ def test_where_the_continuum_leaves_its_kh_open_the_packings_are_told_to_lie_wit
 
 
 def test_the_order_of_cases_goes_by_packings() -> None:
-    def one(*values: float) -> RandomCase:
+    def entry(*values: float) -> RandomCase:
         return RandomCase(
             slide_max_m=Spread.of(values), settlement_uphill_m=Spread.of(values), settlement_middle_m=Spread.of(values)
         )
 
-    random = RandomPackings(seeds=(), cases={1: one(1.0, 2.0, 3.0), 2: one(1.5, 1.9, 3.1)})
+    random = RandomPackings(seeds=(), cases={1: entry(1.0, 2.0, 3.0), 2: entry(1.5, 1.9, 3.1)})
     assert random.rising == 2
-    assert RandomPackings(seeds=(), cases={1: one(1.0, 2.0), 2: one(1.0, 2.0)}).rising == 0, "cases that slide alike"
-    assert RandomPackings(seeds=(), cases={1: one(1.0, 2.0)}).rising is None
+    assert RandomPackings(seeds=(), cases={1: entry(1.0, 2.0), 2: entry(1.0, 2.0)}).rising == 0, (
+        "cases that slide alike"
+    )
+    assert RandomPackings(seeds=(), cases={1: entry(1.0, 2.0)}).rising is None
 
 
 @pytest.mark.parametrize(
-    ("cases", "told"),
+    ("cases", "message"),
     [
         ([{"residual": 0.2}, {"residual": 0.15}, {"residual": 0.13}], True),
         ([{"stiffness": k, "residual": 0.2} for k in (0.1, 0.02, 0.01)], True),
@@ -212,7 +218,7 @@ def test_the_order_of_cases_goes_by_packings() -> None:
     ],
 )
 def test_the_order_of_cases_is_told_where_each_leaves_less(
-    run: Config, cases: list[dict[str, object]], told: bool
+    run: Config, cases: list[dict[str, object]], message: bool
 ) -> None:
     def rising(first: float) -> RandomCase:
         spread = Spread.of([first, first + 0.1, first + 0.2])
@@ -220,9 +226,9 @@ def test_the_order_of_cases_is_told_where_each_leaves_less(
 
     random = RandomPackings(seeds=(), cases={k: rising(float(k)) for k in range(1, len(cases) + 1)})
     sets = {"calibrated": {k: dem_fixture.case(0.1, float(k)) for k in random.cases}}
-    given = run.model_copy(update={"slide": SlideSettings.model_validate({"cases": cases})})
-    words = text(results(given, fem=fem(given), cases=CasesAnswer(sets=sets, random=random)))
-    assert ("Each case slides further than the case before" in words) is told
+    config = run.model_copy(update={"slide": SlideSettings.model_validate({"cases": cases})})
+    words = text(results(config, fem=fem(config), cases=CasesAnswer(sets=sets, random=random)))
+    assert ("Each case slides further than the case before" in words) is message
 
 
 def test_methods_that_disagree_are_told_to(run: Config) -> None:
@@ -232,8 +238,8 @@ def test_methods_that_disagree_are_told_to(run: Config) -> None:
     assert "rigid block on the slip surface 0 m." in far
     assert "check the stiffness and strength of the liquefied layers" in far
     near = CasesAnswer(sets={"calibrated": {2: dem_fixture.case(0.02, 3.0)}}, random=None)
-    told = text(results(run, cases=near))  # without a critical Kh there is no block
-    assert "differ by" not in told
+    messages = text(results(run, cases=near))  # without a critical Kh there is no block
+    assert "differ by" not in messages
 
 
 def test_what_was_measured_stands_beside_the_discs() -> None:
@@ -242,13 +248,13 @@ def test_what_was_measured_stands_beside_the_discs() -> None:
     data["slide"] = {"kh": 0}
     places = ({"name": "SI-5", "displacement": "0.2 m", "x": 35.0}, {"name": "SI-2", "displacement": "0.45 m"})
     measured = analysed({**data, "report": {"observed": list(places)}})
-    told = text(results(measured))
-    assert "The measured displacement" not in told  # stands beside slides alone, and there are none yet
+    messages = text(results(measured))
+    assert "The measured displacement" not in messages  # stands beside slides alone, and there are none yet
     along = ((30.0, 0.1), (40.0, 0.5))
     slides = {number: moving(far).model_copy(update={"slide_along": along}) for number, far in ((1, 0.6), (2, 0.9))}
-    told = text(results(measured, cases=CasesAnswer(sets={"calibrated": slides}, random=None)))
-    assert "0.2 m (SI-5); the discs slide there, at x = 35 m, 0.30 m in cases 1 and 2." in told
-    assert "0.45 m (SI-2); the discs slide at most 0.60 m and 0.90 m in cases 1 and 2." in told
+    messages = text(results(measured, cases=CasesAnswer(sets={"calibrated": slides}, random=None)))
+    assert "0.2 m (SI-5); the discs slide there, at x = 35 m, 0.30 m in cases 1 and 2." in messages
+    assert "0.45 m (SI-2); the discs slide at most 0.60 m and 0.90 m in cases 1 and 2." in messages
 
 
 def test_what_must_be_known_to_believe_a_case_is_told_with_the_discs_own_prediction(run: Config) -> None:
@@ -256,20 +262,20 @@ def test_what_must_be_known_to_believe_a_case_is_told_with_the_discs_own_predict
     cases = CasesAnswer(sets={"calibrated": {**noted, 2: dem_fixture.case(0.1, 3.0)}}, random=None)
     predicted = {"predicted_kc": 0.213, "predicted_ratio": 0.86}
     calibration = dem_fixture.calibration(0.24, True).model_copy(update=predicted)
-    found = results(run, fem=fem(run), calibration=calibration, cases=cases)
-    assert "Discs overlap (cases 1 and 3)." in warned(found)
-    told = text(found)
-    assert "Uncalibrated, the discs fail at Kh = 0.213, 0.86 times the critical Kh of the finite elements" in told
+    result = results(run, fem=fem(run), calibration=calibration, cases=cases)
+    assert "Discs overlap (cases 1 and 3)." in warned(result)
+    messages = text(result)
+    assert "Uncalibrated, the discs fail at Kh = 0.213, 0.86 times the critical Kh of the finite elements" in messages
 
 
 def test_what_is_doubtful_is_told(run: Config) -> None:
     guessed = analysed({**slope(), "reconstruction": True, "reconstruction_note": "drawn from memory"})
     calibration = dem_fixture.calibration(0.24, True)
     discs = dem_fixture.critical(guessed, 0.24)
-    told = warned(results(guessed, dem=discs, calibration=calibration))
-    assert told[0] == "The ground is a reconstruction. Confirm the depths of the layers by borings."
-    assert "only with the stiffness of the contacts multiplied by 0.0075." in told[1]
-    assert told[-1].startswith("The discs are in rows, which must climb over each other to slide.")
+    warnings = warned(results(guessed, dem=discs, calibration=calibration))
+    assert warnings[0] == "The ground is a reconstruction. Confirm the depths of the layers by borings."
+    assert "only with the stiffness of the contacts multiplied by 0.0075." in warnings[1]
+    assert warnings[-1].startswith("The discs are in rows, which must climb over each other to slide.")
     model = discs.model.model_copy(update={"packing": "random"})
     loose = warned(results(guessed, dem=discs.model_copy(update={"model": model}), calibration=calibration))
     assert "rows" not in " ".join(loose)
@@ -281,7 +287,7 @@ def test_what_is_doubtful_is_told(run: Config) -> None:
     assert "discs whose calibration failed, with the critical Kh nearest to that of the finite elements" in text(
         out_of_reach
     )
-    [failed] = [one for one in warned(out_of_reach) if one.startswith("Calibration")]
+    [failed] = [item for item in warned(out_of_reach) if item.startswith("Calibration")]
     assert failed.startswith("Calibration failed, since no factor on the strength of the discs gives the critical Kh")
 
 
@@ -312,26 +318,28 @@ def test_a_target_of_the_discs_that_is_not_sharp_is_told(run: Config) -> None:
         at_rest=False, balanced=True,
     )  # fmt: skip
     like = DemCounterpart.of(fem(run, 0.16).model_copy(update={"curve": (step,)}))
-    found = results(run, dem=dem_fixture.critical(run, 0.16), dem_counterpart=like)
-    assert not any("boundary conditions of the discs" in told for told in warned(found))
+    result = results(run, dem=dem_fixture.critical(run, 0.16), dem_counterpart=like)
+    assert not any("boundary conditions of the discs" in item for item in warned(result))
     wide = like.model_copy(update={"kc_upper": 0.226, "flow": "section"})
-    told = warned(results(run, dem=dem_fixture.critical(run, 0.16), dem_counterpart=wide))
-    assert "of the discs (free-field sides, ψ as given) fail between Kh = 0.160 and 0.226. Discs that fail" in told[0]
+    warnings = warned(results(run, dem=dem_fixture.critical(run, 0.16), dem_counterpart=wide))
+    assert (
+        "of the discs (free-field sides, ψ as given) fail between Kh = 0.160 and 0.226. Discs that fail" in warnings[0]
+    )
 
 
 def test_discs_that_fail_elsewhere_than_the_continuum_are_told(run: Config) -> None:
     discs = dem_fixture.critical(run, 0.16)
 
-    def told(**slip: object) -> list[str]:
+    def message(**slip: object) -> list[str]:
         surfaces = discs.slip_surface.model_copy(update=slip)
         return warned(results(run, dem=discs.model_copy(update={"slip_surface": surfaces})))
 
     height = float(run.section.outline()[:, 1].max() - run.section.outline()[:, 1].min())
-    assert any("m apart on average" in warning for warning in told(mean_distance_m=0.3 * height))
-    assert not any("m apart on average" in warning for warning in told(mean_distance_m=0.2 * height))
-    beside = told(mean_distance_m=None, dem=((0.0, 1.0), (9.0, 1.0)), fem=((20.0, 1.0), (31.0, 1.0)))
-    assert any("from x = 0 to 9 m, the finite elements from 20 to 31 m" in warning for warning in beside)
-    assert not any("Discs fail from" in warning for warning in told(mean_distance_m=None, fem=()))
+    assert any("m apart on average" in warning for warning in message(mean_distance_m=0.3 * height))
+    assert not any("m apart on average" in warning for warning in message(mean_distance_m=0.2 * height))
+    messages = message(mean_distance_m=None, dem=((0.0, 1.0), (9.0, 1.0)), fem=((20.0, 1.0), (31.0, 1.0)))
+    assert any("from x = 0 to 9 m, the finite elements from 20 to 31 m" in warning for warning in messages)
+    assert not any("Discs fail from" in warning for warning in message(mean_distance_m=None, fem=()))
 
 
 def test_discs_that_fail_below_their_critical_kh_where_it_is_held_are_told(run: Config) -> None:
@@ -340,7 +348,7 @@ def test_discs_that_fail_below_their_critical_kh_where_it_is_held_are_told(run: 
         "calibrated discs fail under a constant Kh = 0.3, below their critical Kh of 0.360 under prescribed"
         in " ".join(warned(results(run, dem=dem_fixture.critical(run, 0.36))))
     )
-    assert not any("constant Kh" in told for told in warned(results(run, dem=dem_fixture.critical(run, 0.24))))
+    assert not any("constant Kh" in item for item in warned(results(run, dem=dem_fixture.critical(run, 0.24))))
 
 
 @pytest.mark.parametrize(
@@ -397,7 +405,7 @@ def test_what_is_said_of_a_packing_is_of_its_kind(run: Config) -> None:
     assert "their common results with the discs in rows are not due to the order of the rows" in rows["Random packing"]
     off = {"packing": "random", "surface_off_mean_m": 0.104, "surface_off_worst_m": 0.273}
     loose = discs.model_copy(update={"model": discs.model.model_copy(update=off)})
-    told = dict(sources_of_uncertainty(results(run, dem=loose, cases=cases)))
-    assert "the discs lies 0.10 m from the section's on average, and 0.27 m at the worst place." in told["Packing"]
-    assert "Another seed gives another packing." in told["Packing"]  # and two have been tried
-    assert not any(word in told["Packing"] + told["Random packing"] for word in ("lattice", "rows", "order"))
+    messages = dict(sources_of_uncertainty(results(run, dem=loose, cases=cases)))
+    assert "the discs lies 0.10 m from the section's on average, and 0.27 m at the worst place." in messages["Packing"]
+    assert "Another seed gives another packing." in messages["Packing"]  # and two have been tried
+    assert not any(word in messages["Packing"] + messages["Random packing"] for word in ("lattice", "rows", "order"))

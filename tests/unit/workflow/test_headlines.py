@@ -26,22 +26,22 @@ def test_a_factor_of_safety_is_in_the_headline_only_with_its_error() -> None:
     alone = headlines(results(run, fem=answer), Texts())[1]
     assert (alone.value, alone.interval) == ("–", "numerical error not known: one mesh, no strict bounds")
     assert "with a factor of safety of 8.84" in alone.conclusion
-    told = headlines(results(run, fem=answer, bounds=bounds(run, 0.2293, 0.2349)), Texts())[1]
-    assert told.value == "8.84"
-    assert told.interval == "found on one mesh, whose critical Kh is off by at most 3 % by strict bounds"
+    messages = headlines(results(run, fem=answer, bounds=bounds(run, 0.2293, 0.2349)), Texts())[1]
+    assert messages.value == "8.84"
+    assert messages.interval == "found on one mesh, whose critical Kh is off by at most 3 % by strict bounds"
     meshes = answer.model_copy(update={"safety_factors": (factor.model_copy(update={"rest": 0.01}),)})
     assert headlines(results(run, fem=meshes), Texts())[1].interval == "8.75 to 8.84 by the sequence of meshes"
 
 
 @pytest.mark.parametrize(
-    ("middle", "told"),
+    ("middle", "message"),
     [
         (1.6, "0.3 to 3 m by the error of material points: they predicted 20 of 28 known slides within a factor of 3"),
         (9.0, "uncertain by a factor of 5: 20 of 30 known slides were predicted within it by discs, half of them "),
     ],
 )
 def test_the_interval_of_a_slide_is_that_of_the_method_nearer_to_known_slides(
-    middle: float, told: str, monkeypatch: pytest.MonkeyPatch
+    middle: float, message: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Discs slide 0.2 m, material points 1 m: of the two the one whose known slides lie closer counts alone."""
     errors = {
@@ -53,7 +53,7 @@ def test_the_interval_of_a_slide_is_that_of_the_method_nearer_to_known_slides(
     slides = CasesAnswer(sets={"calibrated": {1: case(1.0, 0.2)}}, random=None)
     point = SimpleNamespace(slide_max_m=1.0, settled=True, reason="", stopped_by=None)
     both = results(run, cases=slides, mpm=cast(Any, SimpleNamespace(cases={1: point})))
-    assert headlines(both, Texts())[2].interval.startswith(told)
+    assert headlines(both, Texts())[2].interval.startswith(message)
 
 
 def test_where_nothing_liquefies_the_third_number_is_that_of_a_rigid_block_in_the_earthquake() -> None:

@@ -12,7 +12,7 @@ from docs.verify.slides.record import SlideAnswer
 from docs.verify.slides.shaking import shaking_of_slope
 from docs.verify.slides.verdict import bias, judge, right
 from meshes.errors import InputError
-from tests.support.newmark import G, newmark_shaken, newmark_slide
+from tests.support.newmark import G, newmark_slide, newmark_slide_speed
 from tests.support.published import slides
 from workflow.estimates.slide_error import SlideError, error_of
 from workflow.report import model_error
@@ -34,10 +34,10 @@ def test_slides_of_endless_slopes_are_newmarks(name: str) -> None:
     problem = CASES[name].known.problem
     assert isinstance(problem, UniformSlope)
     if problem.seconds is None:
-        shaken = newmark_shaken(
+        value = newmark_slide_speed(
             problem.angle, problem.left.residual_of("liquefies"), *shaking_of_slope(problem, CASES[name].folder)
         )
-        assert CASES[name].measured[1] == pytest.approx(shaken, rel=2e-3)
+        assert CASES[name].measured[1] == pytest.approx(value, rel=2e-3)
         return
     left, sine, cosine = problem.left, np.sin(problem.angle), np.cos(problem.angle)
     if left.residual:
@@ -85,7 +85,7 @@ def test_verdicts() -> None:
     endless = CASES["whiskey_springs_1983_slope_n461"]
     assert judge(endless, SlideAnswer(endless.name, (1600.0,), (0.0,), (False,))).word == "flows"
     assert judge(endless, SlideAnswer(endless.name, (1.0,), (0.0,), (True,))).word == "within 1.5"
-    verdicts = [judge(case, answered(one)) for one in (1.3, 0.6, 0.1)] + [judge(stands, answered(0.0))]
+    verdicts = [judge(case, answered(item)) for item in (1.3, 0.6, 0.1)] + [judge(stands, answered(0.0))]
     assert right(verdicts, 1.5) == 2
     assert right(verdicts, 3.0) == 3
     assert bias(verdicts) == pytest.approx(0.6 / middle)
@@ -143,15 +143,15 @@ def test_the_report_says_how_far_off_the_model_was_and_no_more_digits_than_that(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(model_error, "slide_error", lambda flows, method: SlideError("flow failures", 3.0, 6, 9, 2.0))
-    told = model_error.error_sentence([1.234, 2.345], True)
-    assert told == (
+    messages = model_error.error_sentence([1.234, 2.345], True)
+    assert messages == (
         "Flow failures of the collection were predicted within a factor of 3 in 6 of 9 cases; with that the largest "
         "slide is 0.4 to 7 m."
     )
     assert model_error.error_sentence([0.0], True) == ""
     monkeypatch.setattr(model_error, "slide_error", lambda flows, method: SlideError("flow failures", 10.0, 7, 9, 2.9))
-    told = model_error.error_sentence([4.0, 10.0], True)  # by a factor of 10: 0.4 to 100 m, which nobody can use
-    assert told.endswith(
+    messages = model_error.error_sentence([4.0, 10.0], True)  # by a factor of 10: 0.4 to 100 m, which nobody can use
+    assert messages.endswith(
         "in 7 of 9 cases, half of them within a factor of 2.9: use the slide as an order of magnitude."
     )
     monkeypatch.setattr(

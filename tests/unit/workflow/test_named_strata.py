@@ -54,27 +54,27 @@ def test_a_part_of_a_soil_wholly_below_water_is_shown_as_what_water_cut_off() ->
 
 @pytest.mark.parametrize("key", ["residual", "residual_strength"])
 def test_what_a_case_leaves_of_a_stratum_holds_below_water(key: str) -> None:
-    kept = {"residual": 0.1, "residual_strength": "4 kPa"}[key]
-    (case,) = cut(slide={"cases": [{key: {"sand": kept}}]}).slide.cases
-    found = Case.residual_of if key == "residual" else Case.strength_of
-    assert found(case, "sand, below water") == {"residual": 0.1, "residual_strength": 4000.0}[key]
+    stored = {"residual": 0.1, "residual_strength": "4 kPa"}[key]
+    (case,) = cut(slide={"cases": [{key: {"sand": stored}}]}).slide.cases
+    result = Case.residual_of if key == "residual" else Case.strength_of
+    assert result(case, "sand, below water") == {"residual": 0.1, "residual_strength": 4000.0}[key]
     with pytest.raises(InputError, match=f'slide, cases 1, {key}: there is no "sadn"; expected one of sand, clay'):
-        cut(slide={"cases": [{key: {"sadn": kept}}]})
+        cut(slide={"cases": [{key: {"sadn": stored}}]})
 
 
 def test_sizes_of_cells_hold_on_both_sides_of_the_water() -> None:
-    given = cut(mesh={"size": 3.0, "sizes": {"sand": 1.0}, "towards": {"sand": 0.5}})
-    assert given.mesh.sizes_in(given.section) == {"sand": 1.0, "sand, below water": 1.0}
-    assert given.mesh.towards_in(given.section) == {
+    packing = cut(mesh={"size": 3.0, "sizes": {"sand": 1.0}, "towards": {"sand": 0.5}})
+    assert packing.mesh.sizes_in(packing.section) == {"sand": 1.0, "sand, below water": 1.0}
+    assert packing.mesh.towards_in(packing.section) == {
         "sand, below water": 0.5
     }  # the water table is no interface of the soil
 
 
 def test_measured_velocities_hold_below_water() -> None:
-    given = cut(site_response={"velocities": {"sand": 150.0, "clay": 200.0}, "plasticity": {"sand": 10.0}})
-    layers, strata = _layers(given.section, given.site_response, 20.0)
-    found = {(name, layer.velocity, layer.plasticity) for name, layer in zip(strata, layers, strict=True)}
-    assert found == {("sand", 150.0, 10.0), ("sand, below water", 150.0, 10.0), ("clay", 200.0, 0.0)}
+    packing = cut(site_response={"velocities": {"sand": 150.0, "clay": 200.0}, "plasticity": {"sand": 10.0}})
+    layers, strata = _layers(packing.section, packing.site_response, 20.0)
+    result = {(name, layer.velocity, layer.plasticity) for name, layer in zip(strata, layers, strict=True)}
+    assert result == {("sand", 150.0, 10.0), ("sand, below water", 150.0, 10.0), ("clay", 200.0, 0.0)}
 
 
 def test_notices_name_strata_as_the_file_does() -> None:
@@ -85,27 +85,27 @@ def test_notices_name_strata_as_the_file_does() -> None:
     ]
     for stratum in strata:
         del stratum["density_ordinary"], stratum["density_seismic"]
-    given = Config.parse({
+    config = Config.parse({
         "name": "cut", "surface": [[0.0, 0.0], [40.0, 0.0]], "base": {"elevation": -12.0}, "mesh": {"method": "free"},
         "water": {"table": {"elevation": -2.0}}, "strata": strata,
     })  # fmt: skip
-    assert len(given.section.strata) == 4
-    told = " ".join(given.notices)
-    assert 'strata 2 "clay" below water: its cohesion varies' in told
-    assert 'stratum "sand" below water thins out' in told
-    assert ", below water" not in told
-    assert "strata 3" not in told
+    assert len(config.section.strata) == 4
+    text = " ".join(config.notices)
+    assert 'strata 2 "clay" below water: its cohesion varies' in text
+    assert 'stratum "sand" below water thins out' in text
+    assert ", below water" not in text
+    assert "strata 3" not in text
 
 
 def test_cases_are_told_by_what_they_change() -> None:
     """A stiffness that stays and dashpots that follow it are no news, and no case leaves "None of its damping"."""
-    (told,) = _cases_are(cut(slide={"cases": [{"residual_strength": {"sand": "4 kPa"}}]}))
-    assert told == (
+    (messages,) = _cases_are(cut(slide={"cases": [{"residual_strength": {"sand": "4 kPa"}}]}))
+    assert messages == (
         "In case 1 liquefaction leaves sand below water with a residual strength of 4 kPa, and none of its friction "
         "and cohesion."
     )
-    (told,) = _cases_are(cut(slide={"cases": [{"stiffness": 0.25}]}))
-    assert "0.25 of its stiffness and 0.5 of its damping" in told
+    (messages,) = _cases_are(cut(slide={"cases": [{"stiffness": 0.25}]}))
+    assert "0.25 of its stiffness and 0.5 of its damping" in messages
 
 
 def test_the_part_of_a_stratum_above_water_is_named_so() -> None:
@@ -114,9 +114,9 @@ def test_the_part_of_a_stratum_above_water_is_named_so() -> None:
     strata = [layer("sand", bottom={"elevation": -8.0}, **soil), layer("clay", **soil)]
     for stratum in strata:
         del stratum["density_ordinary"], stratum["density_seismic"]
-    given = Config.parse({
+    config = Config.parse({
         "name": "cut", "surface": [[0.0, 4.0], [40.0, 0.0]], "base": {"elevation": -12.0}, "mesh": {"method": "free"},
         "water": {"table": {"elevation": 2.0}}, "strata": strata,
     })  # fmt: skip
-    [told] = [text for text in given.notices if "thins out" in text]
-    assert told.startswith('mesh: stratum "sand" above water thins out to nothing at x = 20 m')
+    [messages] = [text for text in config.notices if "thins out" in text]
+    assert messages.startswith('mesh: stratum "sand" above water thins out to nothing at x = 20 m')

@@ -25,8 +25,8 @@ from workflow.results.slices import FacePart, FactorCircles, SlicesAnswer
 from workflow.results.summary import Summary
 
 
-def html(found: Results) -> str:
-    return page(found, summary(found, 0.0))
+def html(outcome: Results) -> str:
+    return page(outcome, summary(outcome, 0.0))
 
 
 def whole(run: Config) -> Results:
@@ -105,9 +105,9 @@ def test_cases_that_slide_alike_are_shown_once(s13: Config) -> None:
     first = dem_fixture.case(0.1, 2.0)
     cases = {1: first, 2: dem_fixture.case(0.1, 3.0), 3: first.model_copy(update={"stiffness": 0.01})}
     assert {numbers: case.slide_max_m for numbers, case in alike(cases).items()} == {(1, 3): 2.0, (2,): 3.0}
-    found = results(s13, cases=CasesAnswer(sets={"calibrated": cases}, random=None))
-    assert re.findall(r"<tr><td>([\d, ]+)</td><td class=\"n\"><b>", html(found)) == ["1, 3", "2"]
-    assert [row.words for row in slides(found)][:2] == ["discs, cases 1, 3", "discs, case 2"]
+    result = results(s13, cases=CasesAnswer(sets={"calibrated": cases}, random=None))
+    assert re.findall(r"<tr><td>([\d, ]+)</td><td class=\"n\"><b>", html(result)) == ["1, 3", "2"]
+    assert [row.words for row in slides(result)][:2] == ["discs, cases 1, 3", "discs, case 2"]
 
 
 def test_the_input_is_a_table_strata_first(s13: Config) -> None:
@@ -158,16 +158,16 @@ def test_a_summary_with_warnings_as_sentences_is_still_read(s13: Config) -> None
         "doubtful": ["The base is near."]
     }
     read = Summary.model_validate(old)
-    assert [(one.weight, one.what) for one in read.warnings] == [(2, "The base is near.")]
+    assert [(warning.weight, warning.what) for warning in read.warnings] == [(2, "The base is near.")]
     assert read.in_short == today.in_short
 
 
 def test_a_run_is_told_in_twelve_lines(s13: Config) -> None:
     """With the line of the report and that of the folder."""
-    found = summary(whole(s13), 0.0)
-    lines = run_lines(found)
+    result = summary(whole(s13), 0.0)
+    lines = run_lines(result)
     assert len(lines) <= 10
     assert lines[0].startswith("critical Kh: 0.2")
-    many = found.model_copy(update={"warnings": found.warnings * 10})
+    many = result.model_copy(update={"warnings": result.warnings * 10})
     assert len(run_lines(many)) <= 10
     assert run_lines(many)[-1].endswith("more warnings stand in the report.")

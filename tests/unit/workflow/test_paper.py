@@ -24,8 +24,8 @@ from workflow.stages import sliding
 S13 = SECTIONS / "s13.toml"
 
 
-def table(found: Results) -> dict[str, PaperRow]:
-    return {row.quantity: row for row in rows(found)}
+def table(outcome: Results) -> dict[str, PaperRow]:
+    return {row.quantity: row for row in rows(outcome)}
 
 
 @pytest.fixture(scope="module")
@@ -41,9 +41,9 @@ def test_only_the_papers_section_is_compared(s13: Config) -> None:
 
 
 def test_before_anything_is_computed_only_the_smooth_block_agrees(s13: Config) -> None:
-    found = table(results(s13))
-    assert {row.agrees for name, row in found.items() if "smooth" not in name} == {None}
-    assert found["block on a smooth plane of 2.6°"].agrees is True
+    result = table(results(s13))
+    assert {row.agrees for name, row in result.items() if "smooth" not in name} == {None}
+    assert result["block on a smooth plane of 2.6°"].agrees is True
 
 
 def test_what_agrees_says_no_more_and_what_does_not_says_why(s13: Config) -> None:
@@ -54,10 +54,10 @@ def test_what_agrees_says_no_more_and_what_does_not_says_why(s13: Config) -> Non
 
 
 def test_the_continuum(s13: Config) -> None:
-    found = table(results(s13, fem=fem(s13)))
-    assert found["FEM: stands at Kh = 0.2, Asd layers below water at failure"].agrees is True
-    assert found["FEM: failure surface in the Asd layers"].ours == "100 % of its length"
-    assert found["FEM: Kh = 0.3 is past equilibrium, failure zone from Asd to the surface"].agrees is True
+    result = table(results(s13, fem=fem(s13)))
+    assert result["FEM: stands at Kh = 0.2, Asd layers below water at failure"].agrees is True
+    assert result["FEM: failure surface in the Asd layers"].ours == "100 % of its length"
+    assert result["FEM: Kh = 0.3 is past equilibrium, failure zone from Asd to the surface"].agrees is True
     strong = table(results(s13, fem=fem(s13, 0.35)))
     row = strong["FEM: Kh = 0.3 is past equilibrium, failure zone from Asd to the surface"]
     assert row.agrees is False
@@ -65,38 +65,38 @@ def test_the_continuum(s13: Config) -> None:
 
 
 def test_an_undecided_path_is_no_critical_kh(s13: Config) -> None:
-    found = results(s13, fem=fem(s13, verdict="undecided"))
-    assert found.kc is None
-    assert table(found)["FEM: critical Kh"].agrees is None
+    result = results(s13, fem=fem(s13, verdict="undecided"))
+    assert result.kc is None
+    assert table(result)["FEM: critical Kh"].agrees is None
 
 
 def test_slides_and_settlements_within_thirty_percent(s13: Config) -> None:
     """The hand-made cases: settlements 0.1, 0.5, 1.0 m; slides 0.6, 3.0, 4.8 m, over 10, 51, 81 % of the surface."""
     cases = CasesAnswer(sets={"calibrated": dem_fixture.CASES}, random=None)
-    found = table(results(s13, fem=fem(s13), cases=cases))
+    result = table(results(s13, fem=fem(s13), cases=cases))
     springs = ", calibrated springs"
     for number in "123":
-        assert found[f"settlement uphill, case {number}{springs}"].agrees is True
-    assert found[f"largest slide, case 2{springs}"].agrees is True  # 3.0 for 3.3
-    assert found[f"largest slide, case 3{springs}"].agrees is True  # 4.8 for 4.9
-    assert found[f"slide, case 1{springs}"].agrees is True
-    assert found[f"slide, case 3{springs}"].agrees is True
-    assert found["slide measured in the field"].ours == "3.0 to 4.8 m in cases 2 and 3"
+        assert result[f"settlement uphill, case {number}{springs}"].agrees is True
+    assert result[f"largest slide, case 2{springs}"].agrees is True  # 3.0 for 3.3
+    assert result[f"largest slide, case 3{springs}"].agrees is True  # 4.8 for 4.9
+    assert result[f"slide, case 1{springs}"].agrees is True
+    assert result[f"slide, case 3{springs}"].agrees is True
+    assert result["slide measured in the field"].ours == "3.0 to 4.8 m in cases 2 and 3"
     wrong = {**dem_fixture.CASES, 2: dem_fixture.case(0.02, 2.3)}  # 30 % less than 3.3 is 2.31
-    found = table(results(s13, fem=fem(s13), cases=CasesAnswer(sets={"calibrated": wrong}, random=None)))
-    assert found[f"largest slide, case 2{springs}"].agrees is False
-    assert "docs/theory/paper.md" in found[f"largest slide, case 2{springs}"].why
+    result = table(results(s13, fem=fem(s13), cases=CasesAnswer(sets={"calibrated": wrong}, random=None)))
+    assert result[f"largest slide, case 2{springs}"].agrees is False
+    assert "docs/theory/paper.md" in result[f"largest slide, case 2{springs}"].why
 
 
 def test_states_of_the_discs(s13: Config) -> None:
     critical = dem_fixture.critical(s13, 0.24)
-    found = table(results(s13, fem=fem(s13), dem=critical))
+    result = table(results(s13, fem=fem(s13), dem=critical))
     for springs in (", before calibration", ", calibrated"):
-        assert found[f"DEM: stands at Kh = 0.2{springs}"].agrees is True
-        assert found[f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}"].agrees is True
+        assert result[f"DEM: stands at Kh = 0.2{springs}"].agrees is True
+        assert result[f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}"].agrees is True
     critical = dem_fixture.critical(s13, 0.24, {"8 As1": 0.9})
-    found = table(results(s13, fem=fem(s13), dem=critical))
-    row = found["DEM: pore springs broken along the Asd layers at Kh = 0.3, calibrated"]
+    result = table(results(s13, fem=fem(s13), dem=critical))
+    row = result["DEM: pore springs broken along the Asd layers at Kh = 0.3, calibrated"]
     assert row.agrees is False
     assert "90 % of 8 As1" in row.why
 
@@ -118,15 +118,15 @@ def test_upper_bounds_judge_every_smaller_dilation_and_lower_ones_their_own(
     """The critical Kh is 0.24; the bounds are those of ψ = φ."""
     run = Config.parse({**slope(), "fem": {"flow": flow}})
     answer = fem(run).model_copy(update={"flow": flow})
-    told = dict(sources_of_uncertainty(results(run, fem=answer, bounds=bounds(run, lower, upper))))
-    assert words in told["Strict bounds"]
+    messages = dict(sources_of_uncertainty(results(run, fem=answer, bounds=bounds(run, lower, upper))))
+    assert words in messages["Strict bounds"]
 
 
 def test_variants_stand_beside_what_they_show(s13: Config) -> None:
     change = "sides fixed instead of free-field"
-    found = Variant(name="sides", change=change, kc=0.3, kc_upper=0.31, verdict="plateau", reason="", seconds=1.0)
-    told = dict(sources_of_uncertainty(results(s13, fem=fem(s13), variants=VariantsAnswer(variants=(found,)))))
-    assert "sides fixed instead of free-field: critical Kh = 0.300 (+25.0 %)" in told["Side condition"]
+    variant = Variant(name="sides", change=change, kc=0.3, kc_upper=0.31, verdict="plateau", reason="", seconds=1.0)
+    messages = dict(sources_of_uncertainty(results(s13, fem=fem(s13), variants=VariantsAnswer(variants=(variant,)))))
+    assert "sides fixed instead of free-field: critical Kh = 0.300 (+25.0 %)" in messages["Side condition"]
     none = Variant(name="sides", change=change, kc=None, kc_upper=None, verdict="undecided", reason="slow", seconds=1.0)
     silent = dict(sources_of_uncertainty(results(s13, fem=fem(s13), variants=VariantsAnswer(variants=(none,)))))
     assert "undecided, slow" in silent["Side condition"]
@@ -134,8 +134,8 @@ def test_variants_stand_beside_what_they_show(s13: Config) -> None:
 
 def test_no_answer_is_told_as_such(s13: Config) -> None:
     ended = Entry({}, "no answer", reason="it fails under its own weight")
-    found = Results(s13, Store("nowhere"), {"fem": ended}, {})
-    assert table(found)["FEM: critical Kh"].ours == "no answer: it fails under its own weight"
+    result = Results(s13, Store("nowhere"), {"fem": ended}, {})
+    assert table(result)["FEM: critical Kh"].ours == "no answer: it fails under its own weight"
 
 
 @pytest.mark.parametrize(("springs", "kh", "cycles"), [("table2", 0.1, None), ("calibrated", 0.166, 17.5)])
@@ -143,13 +143,13 @@ def test_the_papers_own_discs_keep_its_kh_beside_an_earthquake(
     s13: Config, springs: str, kh: float, cycles: float | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Kh = 0.1 for ever (Sec. 4(3)); discs of soil have 0.65 of 250 gal in the cycles of M 7.7."""
-    pushed: list[Any] = []
+    loaded: list[Any] = []
 
     class StoppedError(Exception):
         pass
 
     def slider(*arguments: Any) -> None:
-        pushed.extend(arguments)
+        loaded.extend(arguments)
         raise StoppedError
 
     monkeypatch.setattr(sliding, "Slider", slider)
@@ -157,6 +157,6 @@ def test_the_papers_own_discs_keep_its_kh_beside_an_earthquake(
     planned = sliding.PlannedSlide(springs, 2, None, None, [3, 5], config.cases[1])  # type: ignore[arg-type]
     with pytest.raises(StoppedError):
         sliding.slid(sliding.SlideTask(config, Store(tmp_path), planned), lambda _: None)
-    settings, shaking = pushed[4], pushed[6]
+    settings, shaking = loaded[4], loaded[6]
     assert (settings.kh, settings.kh_cycles) == (pytest.approx(kh, abs=5e-4), cycles)
     assert (shaking is None) == (cycles is None)

@@ -109,7 +109,7 @@ def test_force_from_and_only(toys: Toys, tmp_path: Path) -> None:
 
 
 def test_what_is_asked_for_by_name_runs_in_whatever_order_it_is_named(toys: Toys, tmp_path: Path) -> None:
-    toys.change("slide", unwanted=lambda given: "not asked for")
+    toys.change("slide", unwanted=lambda config: "not asked for")
     for number, options in enumerate(
         ({"only": ("slide", "report")}, {"only": ("report", "slide")}, {"start": "slide"})
     ):

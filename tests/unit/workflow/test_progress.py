@@ -26,13 +26,13 @@ def test_the_start_of_a_stage_is_not_taken_for_its_speed() -> None:
 
 @given(st.lists(st.tuples(st.floats(0.1, 100.0), st.floats(0.0, 0.2)), min_size=1, max_size=40))
 def test_time_left_never_rises(steps: list[tuple[float, float]]) -> None:
-    left, now, share, told = TimeLeft(0.0), 0.0, 0.0, math.inf
+    left, now, share, inf = TimeLeft(0.0), 0.0, 0.0, math.inf
     for seconds, more in steps:
         now, share = now + seconds, min(1.0, share + more)
-        found = left.seconds(now, share)
-        if found is not None:
-            assert 0.0 <= found <= told
-            told = found
+        value = left.seconds(now, share)
+        if value is not None:
+            assert 0.0 <= value <= inf
+            inf = value
 
 
 def test_time_left_counts_down_while_a_piece_lasts_and_holds_where_it_takes_too_long() -> None:
@@ -47,10 +47,10 @@ def test_time_left_counts_down_while_a_piece_lasts_and_holds_where_it_takes_too_
 
 def test_trials_tell_how_far_searches_are() -> None:
     """Three searches of eight, four and two trials: the share never falls, and is whole at the end of each."""
-    share, told = SearchShare(3), [0.0]
+    share, messages = SearchShare(3), [0.0]
     for done, trials in enumerate((8, 4, 2)):
-        told += [share.after_trial(done) for _ in range(trials)]
-    assert told == sorted(told)
-    assert told[1] == pytest.approx(1 / 24)
-    assert told[9] > 1 / 3
-    assert told[-1] < 1.0
+        messages += [share.after_trial(done) for _ in range(trials)]
+    assert messages == sorted(messages)
+    assert messages[1] == pytest.approx(1 / 24)
+    assert messages[9] > 1 / 3
+    assert messages[-1] < 1.0

@@ -82,8 +82,8 @@ def test_a_published_value_that_is_excluded_is_told():
 
 def test_what_is_far_off_for_a_reason_is_explained():
     """The dam's published values are of one face, the other one fails at tan 45° / tan 30.9° = 1.669."""
-    found = Answer("acads_2a", lower=1.65, upper=1.68, associated=1.68, davis=1.67)
-    assert judge(cases()["acads_2a"], found).word == "explained"
+    result = Answer("acads_2a", lower=1.65, upper=1.68, associated=1.68, davis=1.67)
+    assert judge(cases()["acads_2a"], result).word == "explained"
 
 
 def test_cases_that_were_not_run_are_not_judged():
@@ -91,14 +91,14 @@ def test_cases_that_were_not_run_are_not_judged():
 
 
 def test_a_part_without_an_answer_is_told_and_the_others_are_found(monkeypatch):
-    def gives_up(*given):
+    def gives_up(*options):
         raise NoAnswerError("no factor of safety was found", "use another mesh")
 
     monkeypatch.setattr(answer, "_elements", gives_up)
-    monkeypatch.setattr(answer, "_bounds", lambda *given: {"lower": 1.0, "upper": 1.1, "shallow_failure": None})
-    found = answer.answer(cases()["taylor_60_10"], ("bounds", "associated"))
-    assert (found.lower, found.upper, found.associated) == (1.0, 1.1, None)
-    assert found.failures == ("associated: no factor of safety was found; use another mesh",)
+    monkeypatch.setattr(answer, "_bounds", lambda *options: {"lower": 1.0, "upper": 1.1, "shallow_failure": None})
+    random_packings = answer.answer(cases()["taylor_60_10"], ("bounds", "associated"))
+    assert (random_packings.lower, random_packings.upper, random_packings.associated) == (1.0, 1.1, None)
+    assert random_packings.failures == ("associated: no factor of safety was found; use another mesh",)
 
 
 def test_problems_of_a_case_are_told_at_once(tmp_path: Path):
@@ -123,17 +123,17 @@ def test_names_may_be_written_with_capitals():
 
 
 def test_the_page_says_which_versions_its_numbers_are_of():
-    def told(*commits: str) -> str:
+    def message(*commits: str) -> str:
         answers = {
             name: replace(GOOD, name=name, commit=commit) for name, commit in zip(cases(), commits, strict=False)
         }
         return text(PUBLISHED, list(cases().values()), answers)
 
-    assert "All numbers are of one version of the program, commit 1a2b." in told("1a2b", "1a2b")
-    assert "of several versions of the program, by their commits: 1a2b (2), an unknown one (1)." in told(
+    assert "All numbers are of one version of the program, commit 1a2b." in message("1a2b", "1a2b")
+    assert "of several versions of the program, by their commits: 1a2b (2), an unknown one (1)." in message(
         "1a2b", "1a2b", ""
     )
-    assert "commit" not in told("", "")
+    assert "commit" not in message("", "")
 
 
 def test_the_version_is_the_commit_of_a_checkout(tmp_path: Path):

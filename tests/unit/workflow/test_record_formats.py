@@ -20,11 +20,11 @@ STEPS = st.sampled_from([0.005, 0.01, 0.02])
 @given(seed=st.integers(0, 10**6), count=st.integers(60, 400), step=STEPS)
 def test_a_record_comes_back_from_every_format(name: str, seed: int, count: int, step: float) -> None:
     values = motion(seed, count, step)
-    found = read_text(WRITERS[name](values, step))
-    assert found.remarks == ()
-    np.testing.assert_allclose(found.time, step * np.arange(count), rtol=1e-9, atol=1e-9)
+    text = read_text(WRITERS[name](values, step))
+    assert text.remarks == ()
+    np.testing.assert_allclose(text.time, step * np.arange(count), rtol=1e-9, atol=1e-9)
     # K-NET's counts are 0.0006 gal, COSMOS's and CSMIP's columns 1e-5 cm/s² or g
-    np.testing.assert_allclose(found.acceleration, values, atol=1.2e-4)
+    np.testing.assert_allclose(text.acceleration, values, atol=1.2e-4)
 
 
 @pytest.mark.parametrize(("write", "names"), [(geonet, ["N28W", "S62W", "Up"]), (bhrc, ["L", "T", "V"])])
@@ -32,10 +32,10 @@ def test_one_of_the_components_of_a_national_network(write: Any, names: list[str
     """The three stand one behind the other; of GeoNet's with velocity and displacement between them."""
     values = dict(zip(names, records.three(5, 407, 0.02).values(), strict=True))
     scale = 1e3 if write is geonet else 1.0 / GRAVITY
-    text = write({name: scale * one for name, one in values.items()}, 0.02)
+    text = write({name: scale * entry for name, entry in values.items()}, 0.02)
     assert "holds 3 components" in refused(text)
-    for name, one in values.items():
-        np.testing.assert_allclose(read_text(text, component=name).acceleration, one, atol=1.2e-4)
+    for name, item in values.items():
+        np.testing.assert_allclose(read_text(text, component=name).acceleration, item, atol=1.2e-4)
 
 
 def film(values: np.ndarray, step: float, channel: str) -> str:
@@ -59,9 +59,9 @@ def test_digitised_film_has_a_time_beside_each_acceleration() -> None:
     values = motion(7, 203, 0.005)
     text = film(values, 0.005, "L") + film(0.5 * values, 0.005, "T")
     assert '"1: L", "1: T"' in refused(text)
-    found = read_text(text, component="T")
-    np.testing.assert_allclose(found.time, 0.005 * np.arange(203), atol=1e-9)
-    np.testing.assert_allclose(found.acceleration, 0.5 * values, atol=1e-3 * GRAVITY)
+    result = read_text(text, component="T")
+    np.testing.assert_allclose(result.time, 0.005 * np.arange(203), atol=1e-9)
+    np.testing.assert_allclose(result.acceleration, 0.5 * values, atol=1e-3 * GRAVITY)
 
 
 def test_a_heading_of_words_and_numbers_is_no_table() -> None:
@@ -71,8 +71,8 @@ def test_a_heading_of_words_and_numbers_is_no_table() -> None:
 
 def test_samples_that_were_not_recorded_are_left_out() -> None:
     values = 1e3 * motion(3, 200, 0.01)
-    found = read_text(geonet({"Up": np.r_[[999999.9] * 3, values, 999999.9]}, 0.01))
-    assert len(found.time) == 200
+    text = read_text(geonet({"Up": np.r_[[999999.9] * 3, values, 999999.9]}, 0.01))
+    assert len(text.time) == 200
     values[100] = 999999.9
     assert "samples are missing within the record" in refused(geonet({"Up": values}, 0.01))
 
@@ -88,9 +88,9 @@ def test_spectra_are_no_record() -> None:
     ids=["shorter last row", "no times", "words at the end"],
 )
 def test_a_format_that_is_not_known_is_told_with_those_that_are_read(rows: str) -> None:
-    told = refused("\n".join(f"Heading of a network nobody knows, line {k}" for k in range(12)) + "\n" + rows)
-    assert "GeoNet V1 and V2, BHRC V1, COSMOS V1 and V2" in told
-    assert len(told.splitlines()) == 1
+    none = refused("\n".join(f"Heading of a network nobody knows, line {k}" for k in range(12)) + "\n" + rows)
+    assert "GeoNet V1 and V2, BHRC V1, COSMOS V1 and V2" in none
+    assert len(none.splitlines()) == 1
 
 
 @pytest.mark.parametrize("name", ["K-NET", "PEER in g", "COSMOS in cm/sec2", "ESM"])
@@ -126,11 +126,11 @@ def test_units_of_other_quantities_are_known_as_such() -> None:
     assert {motion_unit(word).motion for word in ("cm", "mm", "in", "m")} == {"displacement"}  # type: ignore[union-attr]
     assert [motion_unit(word) for word in ("counts", "V", "ms", "gal(m/s/s)", "")] == [None] * 5
     assert [time_unit(word) for word in ("s", "SEC", "ms", "msec", "h")] == [1.0, 1.0, 1e-3, 1e-3, None]
-    for written, told in (
+    for written, item in (
         ("25 cm/s", "unit of velocity"), ("25 parsec", "not understood as a unit"), ("25", "has no unit"),
         ("60 m/s^2", "out of range"), ("a lot", "not understood as a number"),
     ):  # fmt: skip
-        with pytest.raises(ValueError, match=told):
+        with pytest.raises(ValueError, match=item):
             acceleration(written)
 
 
@@ -149,9 +149,9 @@ def test_velocity_and_displacement_are_differentiated_and_told(step: float) -> N
         (records.esm(CM * speed, step, "cm/s", "VELOCITY"), "velocity"),
         (columns(time, CM * speed, "time (s),v (cm/s)"), "velocity"),
     ):
-        found = read_text(text)
-        assert f"holds {word}" in found.remarks[0]
-        np.testing.assert_allclose(found.acceleration, felt, atol=0.01 * np.abs(felt).max())
+        result = read_text(text)
+        assert f"holds {word}" in result.remarks[0]
+        np.testing.assert_allclose(result.acceleration, felt, atol=0.01 * np.abs(felt).max())
 
 
 def test_a_velocity_file_is_no_acceleration() -> None:
@@ -159,8 +159,8 @@ def test_a_velocity_file_is_no_acceleration() -> None:
     time = 0.01 * np.arange(2000)
     speed = 20.67 * np.exp(-(((time - 8.0) / 3.0) ** 2)) * np.sin(2.0 * np.pi * time)
     assert 1.0 < read_text(records.peer(speed, 0.01, "CM/S", "VELOCITY")).peak < 1.5
-    told = refused(records.peer(speed, 0.01, "G", "VELOCITY"))
-    assert "says velocity, in G, a unit of acceleration" in told
+    none = refused(records.peer(speed, 0.01, "G", "VELOCITY"))
+    assert "says velocity, in G, a unit of acceleration" in none
     assert 'g with the unit "G"; no recorded ground motion' in refused(records.peer(speed, 0.01, "G"))
     assert "says velocity, in g, a unit of acceleration" in refused(columns(time, speed, "time (s),velocity (g)"))
 
@@ -175,8 +175,8 @@ def test_acceleration_is_taken_before_what_follows_from_it() -> None:
     values = motion(3, 300, 0.01)
     time = 0.01 * np.arange(300)
     rows = "\n".join(f"{t:.3f},{v:.6f},{0.1 * v:.6f}" for t, v in zip(time, values, strict=True))
-    found = read_text(f"time (s),velocity (cm/s),acc (g)\n{rows}\n")
-    np.testing.assert_allclose(found.acceleration, GRAVITY * 0.1 * values, atol=1e-5)
+    text = read_text(f"time (s),velocity (cm/s),acc (g)\n{rows}\n")
+    np.testing.assert_allclose(text.acceleration, GRAVITY * 0.1 * values, atol=1e-5)
 
 
 def test_one_of_several_components_is_asked_for() -> None:
@@ -198,7 +198,7 @@ def test_one_of_several_components_is_asked_for() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("t,a\n0.00,0.1\n0.01,0.2\n0.02,-0.3\n", "its heading names no unit"),
         ("t (s),a (counts)\n0.00,0.1\n0.01,0.2\n", "its heading names no unit"),
@@ -216,8 +216,8 @@ def test_one_of_several_components_is_asked_for() -> None:
         (records.knet(np.ones(8), 0.01).replace("Scale Factor      3920", "Scale Factor "), "has no \"Scale Factor\""),
     ],
 )  # fmt: skip
-def test_what_is_missing_is_asked_for(text: str, told: str) -> None:
-    assert told in refused(text)
+def test_what_is_missing_is_asked_for(text: str, message: str) -> None:
+    assert message in refused(text)
 
 
 def test_the_unit_given_must_be_that_of_the_heading() -> None:
@@ -243,21 +243,21 @@ def test_an_offset_is_taken_off_and_told(seed: int, offset: float, sign: float) 
     """A record with quiet ends that is shifted by a share of its peak."""
     values = np.concatenate([np.zeros(150), motion(seed, 300, 0.01), np.zeros(150)])
     shifted = values + sign * offset * np.abs(values).max()
-    found = read_text(WRITERS["PEER in g"](shifted, 0.01))
+    text = read_text(WRITERS["PEER in g"](shifted, 0.01))
     if abs(shifted.mean()) > 0.0105 * np.abs(shifted).max():
-        assert len(found.remarks) == 1
-        assert "its mean" in found.remarks[0]
-    if "taken off" in "".join(found.remarks):
-        assert np.abs(found.acceleration - values).max() < 0.01 * np.abs(values).max()
+        assert len(text.remarks) == 1
+        assert "its mean" in text.remarks[0]
+    if "taken off" in "".join(text.remarks):
+        assert np.abs(text.acceleration - values).max() < 0.01 * np.abs(values).max()
 
 
 def test_a_pulse_keeps_its_mean_and_says_so() -> None:
     """Half a sine at 5 s of 40 s: the ground does not end at rest, but the record is not shifted."""
     time = 0.01 * np.arange(4000)
     pulse = np.where((time > 5.0) & (time < 7.0), np.sin(0.5 * np.pi * (time - 5.0)), 0.0)
-    found = read_text(columns(time, pulse, "time (s),a (m/s^2)"))
-    np.testing.assert_allclose(found.acceleration, pulse, atol=1e-7)
-    assert "does not end at rest; it is not corrected" in found.remarks[0]
+    text = read_text(columns(time, pulse, "time (s),a (m/s^2)"))
+    np.testing.assert_allclose(text.acceleration, pulse, atol=1e-7)
+    assert "does not end at rest; it is not corrected" in text.remarks[0]
 
 
 @pytest.mark.parametrize(("written", "point"), [("0,25 g", "0.25 g"), ("245,2 gal", "245.2 gal")])

@@ -41,8 +41,8 @@ def test_old_values_are_replaced_where_the_setting_stands_and_nowhere_else() -> 
 
 
 def test_each_old_word_is_told_once() -> None:
-    told = notices(tomllib.loads(OLD))
-    assert [line.split(";")[0] for line in told] == [
+    messages = notices(tomllib.loads(OLD))
+    assert [line.split(";")[0] for line in messages] == [
         'fem.sides = "roller" is now fem.sides = "free-field"',
         'fem.sides = "tied" is now fem.sides = "periodic"',
     ]
@@ -91,9 +91,9 @@ def test_old_words_in_file_and_on_the_command_line_are_read_with_a_notice(tmp_pa
     assert invocation.config.fem.sides == "free-field"
     assert len(invocation.notices) == 1
     assert '"free-field"' in invocation.config.to_toml()
-    asked = Invocation.of(SECTIONS / "slope_2to1.toml", tmp_path, {"fem": {"sides": "roller"}}, None)
-    assert asked.config.fem.sides == "free-field"
-    assert len(asked.notices) == 1
+    values = Invocation.of(SECTIONS / "slope_2to1.toml", tmp_path, {"fem": {"sides": "roller"}}, None)
+    assert values.config.fem.sides == "free-field"
+    assert len(values.notices) == 1
     assert Invocation.of(SECTIONS / "slope_2to1.toml", tmp_path, {}, ["fem.sides=smooth"]).notices == []
     assert Config.load(path).fem.sides == "free-field"
 

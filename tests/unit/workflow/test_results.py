@@ -26,19 +26,19 @@ def job(folder: Path, kh: float = 0.1) -> Job:
 
 def slid(folder: Path, outcome: Outcome) -> None:
     """As if the stage slide had run on the folder, or on some of its cases."""
-    mine = job(folder)
-    CasesAnswer(sets={"calibrated": {1: dem_fixture.CASES[1]}}, random=None).write(mine.store)
-    record = Record(mine.store)
-    files = sizes(mine.store, [CasesAnswer.FILE])
-    record.put("slide", Entry(made_from(SLIDE, mine, record), outcome, files=files))
+    own_part = job(folder)
+    CasesAnswer(sets={"calibrated": {1: dem_fixture.CASES[1]}}, random=None).write(own_part.store)
+    record = Record(own_part.store)
+    files = sizes(own_part.store, [CasesAnswer.FILE])
+    record.put("slide", Entry(made_from(SLIDE, own_part, record), outcome, files=files))
 
 
 @pytest.mark.parametrize("outcome", ["done", "part"])
 def test_results_are_those_of_the_same_input(outcome: Outcome, tmp_path: Path) -> None:
     slid(tmp_path, outcome)
-    found = Results.of(job(tmp_path))
-    assert found.cases is not None
-    assert found.case_set() == ("calibrated", {1: dem_fixture.CASES[1]})
+    values = Results.of(job(tmp_path))
+    assert values.cases is not None
+    assert values.case_set() == ("calibrated", {1: dem_fixture.CASES[1]})
     other = Results.of(job(tmp_path, kh=0.2))
     assert other.cases is None
     assert other.missing["slide"] == "changed: [slide]"
@@ -46,16 +46,16 @@ def test_results_are_those_of_the_same_input(outcome: Outcome, tmp_path: Path) -
 
 def test_a_file_of_another_version_is_computed_anew(tmp_path: Path) -> None:
     slid(tmp_path, "done")
-    mine = job(tmp_path)
-    plans = [step for step in plan(mine, Record(mine.store), Choice(())) if step.stage is SLIDE]
+    own_part = job(tmp_path)
+    plans = [step for step in plan(own_part, Record(own_part.store), Choice(())) if step.stage is SLIDE]
     assert [step.action for step in plans] == ["reuse"]
     text = (tmp_path / CasesAnswer.FILE).read_text()
-    mine.store.write_text(CasesAnswer.FILE, text.replace('"escaped"', '"got_out"'))  # of the same size
-    found = Results.of(mine)
-    assert found.cases is None
-    assert found.missing["slide"] == "another version of noshiro made it"
-    record = Record(mine.store)
-    assert changes(SLIDE, made_from(SLIDE, mine, record), record) == "another version of noshiro made it"
+    own_part.store.write_text(CasesAnswer.FILE, text.replace('"escaped"', '"got_out"'))  # of the same size
+    values = Results.of(own_part)
+    assert values.cases is None
+    assert values.missing["slide"] == "another version of noshiro made it"
+    record = Record(own_part.store)
+    assert changes(SLIDE, made_from(SLIDE, own_part, record), record) == "another version of noshiro made it"
 
 
 def test_answers_of_another_version_of_the_program_are_told_as_such(
@@ -64,8 +64,8 @@ def test_answers_of_another_version_of_the_program_are_told_as_such(
     """They are of the same input; what is computed anew, or of another input, leaves what hangs on it untold."""
     toys.go(tmp_path)
     monkeypatch.setattr("workflow.run.fingerprint.program", lambda: "another")
-    found = Results.of(toys.job(tmp_path))
-    assert (sorted(found.ends), found.older) == (["fem", "mesh", "slide"], ("mesh", "fem", "slide"))
+    values = Results.of(toys.job(tmp_path))
+    assert (sorted(values.ends), values.older) == (["fem", "mesh", "slide"], ("mesh", "fem", "slide"))
     other = Results.of(toys.job(tmp_path, fem={"sides": "fixed"}))
     assert (sorted(other.ends), other.older) == (["mesh"], ("mesh",))
     record = Record(Store(tmp_path))

@@ -63,14 +63,14 @@ def residual(folder: Path) -> dict[str, Any]:
     return {**data, "slide": {"cases": [{"stiffness": 0.1}]}}
 
 
-def shaken(folder: Path) -> dict[str, Any]:
+def shaking(folder: Path) -> dict[str, Any]:
     data, file = water(folder), record(folder)
     data["earthquake"] = {"magnitude": 7.5, "record": file}
     data["site_response"] = {"record": file, "slip_depth": 5.0}
     return {**data, "slide": {"kh": "k_max"}, "sliding_block": {"accelerogram": file}}
 
 
-KINDS = (plain, water, cones, residual, shaken)
+KINDS = (plain, water, cones, residual, shaking)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -79,17 +79,17 @@ def test_a_sample_is_the_same_input_where_it_is_computed(kind: Any, part: Any, t
     read = analysed({**kind(tmp_path), "uncertain": FRICTION, "study": {"samples": 4}})
     for drawn in samples(read.uncertain, read.study, read.reach):
         sample = config_after_triggering(read.with_drawn(drawn))
-        there = analysed(task_of(sample, part, Store(tmp_path)).given.data)
+        there = analysed(task_of(sample, part, Store(tmp_path)).argument.data)
         assert kind is plain or any(stratum.liquefiable for stratum in sample.section.strata)
         if part.name == "slide":
             assert there.cases == sample.cases
-            assert [one.liquefies_in for one in there.section.strata] == [
-                one.liquefies_in for one in sample.section.strata
+            assert [item.liquefies_in for item in there.section.strata] == [
+                entry.liquefies_in for entry in sample.section.strata
             ]
             assert there.slide.kh == sample.slide.kh
-        for here, own in zip(there.section.strata, sample.section.strata, strict=True):
+        for here, of_sample in zip(there.section.strata, sample.section.strata, strict=True):
             loose = {"liquefies_in": sample.section.strata[0].liquefies_in}
-            assert here.model_copy(update=loose) == own.model_copy(update=loose)
+            assert here.model_copy(update=loose) == of_sample.model_copy(update=loose)
 
 
 def test_a_part_that_reads_no_borings_is_not_computed_again_for_others(tmp_path: Path) -> None:
@@ -104,7 +104,7 @@ def test_a_part_that_reads_no_borings_is_not_computed_again_for_others(tmp_path:
 
 def test_the_mean_acceleration_of_a_sample_is_that_of_its_own_ground(tmp_path: Path) -> None:
     stiffness = {"strata.*.youngs_modulus": {"uniform": [0.5, 2.0], "does": "factor"}}
-    read = analysed({**shaken(tmp_path), "uncertain": stiffness})
+    read = analysed({**shaking(tmp_path), "uncertain": stiffness})
     soft, stiff = (
         config_after_triggering(read.with_drawn({"strata.*.youngs_modulus": factor})) for factor in (0.5, 2.0)
     )
@@ -117,7 +117,7 @@ def test_a_normal_strength_is_cut_off_at_zero_and_a_person_hears_how_much_of_it(
         **slope(), "uncertain": {"strata.upper.cohesion": {"normal": [f"{mean} kPa", f"{deviation} kPa"]}},
         "study": {"samples": 64},
     })  # fmt: skip
-    drawn = [one["strata.upper.cohesion"] for one in samples(read.uncertain, read.study, read.reach)]
+    drawn = [sample["strata.upper.cohesion"] for sample in samples(read.uncertain, read.study, read.reach)]
     exact = stats.truncnorm(-mean / deviation, math.inf, mean, deviation)
     assert min(drawn) >= 0.0
     assert stats.kstest(drawn, exact.cdf).statistic < 0.04
@@ -195,7 +195,9 @@ def test_a_part_without_any_answer_is_told_with_its_reason_once() -> None:
     ]
     answer = answer_of(rows, ("fem", "slide"))
     assert answer.without == ("slide",)
-    assert [(one.samples, one.reason) for one in answer.failures] == [(3, "slide: the discs fail at 0.1234")]
+    assert [(failure.samples, failure.reason) for failure in answer.failures] == [
+        (3, "slide: the discs fail at 0.1234")
+    ]
     with pytest.raises(NoAnswerError, match="slide: none of 3 samples has an answer; 3 of them: slide: the discs fail"):
         Study(Table({"strata.upper.cohesion": "kPa"}, rows), answer).refuse_parts_without_answer()
     answer = answer_of([*rows, SampleRow(drawn, Numbers(numbers={}), "", ("fem", "slide"))], ("fem", "slide"))

@@ -110,7 +110,7 @@ def test_the_commented_settings_of_the_example_exist() -> None:
 
 @pytest.mark.parametrize("table", ["fem", "dem"])
 @pytest.mark.parametrize(
-    ("kh", "told"),
+    ("kh", "message"),
     [
         ([0.2, 0.2], "kh: [0.2, 0.2]: expected every seismic coefficient once"),
         ([0.2, 0.3, 0.2004], "two that are equal to 3 decimals would have the same picture"),
@@ -118,16 +118,16 @@ def test_the_commented_settings_of_the_example_exist() -> None:
         ([15.0], "kh 1 = 15.0: input should be less than or equal to 5"),
     ],
 )
-def test_a_kh_that_is_kept_twice_or_points_uphill_is_refused(table: str, kh: list[float], told: str) -> None:
+def test_a_kh_that_is_kept_twice_or_points_uphill_is_refused(table: str, kh: list[float], message: str) -> None:
     with pytest.raises(InputError) as caught:
         Config.parse({**slope(), table: {"kh": kh}})
     assert f"{table}, kh" in str(caught.value)
-    assert told in str(caught.value)
+    assert message in str(caught.value)
     assert Config.parse({**slope(), table: {"kh": [0.2, 0.3, 0.255]}})
 
 
 @pytest.mark.parametrize(
-    ("case", "told"),
+    ("case", "message"),
     [
         ({"residual_strength": "-3 kPa"}, ["residual_strength = '-3 kPa': out of range; expected a stress of"]),
         ({"residual_strength": 12}, ['= 12: 0.012 kPa is no residual strength of soil (did you mean "12 kPa"?)']),
@@ -140,12 +140,12 @@ def test_a_kh_that_is_kept_twice_or_points_uphill_is_refused(table: str, kh: lis
         ({"residual": "much"}, ["residual = 'much': expected a number, residual strength"]),
     ],
 )  # fmt: skip
-def test_a_key_of_several_kinds_has_one_sentence_for_what_was_meant(case: dict[str, Any], told: list[str]) -> None:
+def test_a_key_of_several_kinds_has_one_sentence_for_what_was_meant(case: dict[str, Any], message: list[str]) -> None:
     with pytest.raises(InputError) as caught:
         Config.parse({**slope(), "slide": {"cases": [case]}})
     problems = caught.value.problems
-    assert len(problems) == len(told)
-    for problem, part in zip(problems, told, strict=True):
+    assert len(problems) == len(message)
+    for problem, part in zip(problems, message, strict=True):
         assert problem.startswith("slide, cases 1, residual")
         assert part in problem
         assert "[" not in problem.split(";")[0]
@@ -171,8 +171,8 @@ def test_a_case_that_there_is_not_is_refused_before_anything_is_computed(tmp_pat
 
 def test_cases_are_called_by_number_and_name() -> None:
     data = {**slope(), "slide": {"cases": [{"stiffness": 0.1}, {"stiffness": 0.1, "name": "low strength"}]}}
-    given = Config.parse(data)
-    assert [given.called(number) for number in (1, 2)] == ["case 1", "case 2, low strength"]
+    config = Config.parse(data)
+    assert [config.called(number) for number in (1, 2)] == ["case 1", "case 2, low strength"]
 
 
 def test_tied_sides_that_differ_are_told_before_anything_runs(tmp_path: Path) -> None:

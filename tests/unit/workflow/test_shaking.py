@@ -14,7 +14,7 @@ from workflow.run.store import Store
 from workflow.stages.shaking import shaking_of
 
 
-def shaken(tmp_path: Path, **settings: Any) -> Config:
+def with_shaking(tmp_path: Path, **settings: Any) -> Config:
     time = np.linspace(0.0, 10.0, 101)
     lines = "\n".join(f"{t:.2f}, {-0.3 * t / 10.0:.5f}" for t in time)
     (tmp_path / "record.csv").write_text(f"time (s), a (g)\n{lines}\n")
@@ -22,11 +22,11 @@ def shaken(tmp_path: Path, **settings: Any) -> Config:
 
 
 def test_at_a_time_or_at_the_peak_where_nothing_says_f_l(tmp_path: Path) -> None:
-    at_once = shaking_of(shaken(tmp_path, liquefies_at=4.0), [0, 1])
+    at_once = shaking_of(with_shaking(tmp_path, liquefies_at=4.0), [0, 1])
     assert at_once is not None
     assert at_once.onsets == {0: 4.0, 1: 4.0}
-    assert np.abs(at_once.push).max() == pytest.approx(0.3 * 9.80665)
-    peak = shaking_of(shaken(tmp_path), [1])
+    assert np.abs(at_once.acceleration).max() == pytest.approx(0.3 * 9.80665)
+    peak = shaking_of(with_shaking(tmp_path), [1])
     assert peak is not None
     assert peak.onsets == {1: pytest.approx(10.0)}
 
@@ -34,8 +34,8 @@ def test_at_a_time_or_at_the_peak_where_nothing_says_f_l(tmp_path: Path) -> None
 def test_as_f_l_says(tmp_path: Path) -> None:
     """A record that grows evenly to its peak at 10 s reaches the share F_L of it after 10 F_L seconds."""
     spt = [{"depth": 2.0, "N": 4, "fines": 5}, {"depth": 6.0, "N": 8, "fines": 5}]
-    given = shaken(tmp_path)
-    data = given.to_data(set(Config.tables()) - {"uncertain", "study"})
+    config = with_shaking(tmp_path)
+    data = config.to_data(set(Config.tables()) - {"uncertain", "study"})
     data["water"] = {"table": {"depth": 0.5}}
     for stratum in data["strata"]:
         for key in ("density_ordinary", "density_seismic"):
@@ -44,21 +44,21 @@ def test_as_f_l_says(tmp_path: Path) -> None:
     data["earthquake"] = {"magnitude": 7.5, "peak_acceleration": "300 gal"}
     data["triggering"] = {"borings": [{"name": "B-1", "x": 50.0, "spt": spt}]}
     read = analysed(data)
-    lowest = [one.lowest for one in assessment(read).strata]
-    found = shaking_of(read, range(len(lowest)))  # the water table cuts the upper one in two
-    assert found is not None
+    lowest = [item.lowest for item in assessment(read).strata]
+    shaking = shaking_of(read, range(len(lowest)))  # the water table cuts the upper one in two
+    assert shaking is not None
     assert any(factor is not None and factor < 0.9 for factor in lowest)
     for k, factor in enumerate(lowest):  # without a test a stratum waits for the peak
-        assert found.onsets[k] == pytest.approx(10.0 * min(1.0, factor or 1.0), abs=0.1001)
+        assert shaking.onsets[k] == pytest.approx(10.0 * min(1.0, factor or 1.0), abs=0.1001)
 
 
 def test_kh_that_is_held_has_no_record_and_a_missing_one_is_told(tmp_path: Path) -> None:
     assert shaking_of(analysed({**slope(), "slide": {"kh": 0.1}}), [0]) is None
     (tmp_path / "record.csv").unlink(missing_ok=True)
-    given = shaken(tmp_path)
+    config = with_shaking(tmp_path)
     (tmp_path / "record.csv").unlink()
     with pytest.raises(InputError, match="no such accelerogram"):
-        shaking_of(given, [0])
+        shaking_of(config, [0])
 
 
 def test_the_average_above_the_slip_surface_in_time(tmp_path: Path) -> None:
@@ -69,22 +69,22 @@ def test_the_average_above_the_slip_surface_in_time(tmp_path: Path) -> None:
     (tmp_path / "rock.csv").write_text(f"time (s), a (g)\n{lines}\n")
     response = {"record": str(tmp_path / "rock.csv"), "slip_depth": "6 m", "x": 10.0}
     data = {**slope(), "site_response": response}
-    given = analysed({**data, "slide": {"accelerogram": "average", "liquefies_at": 3.0}})
-    found = shaking_of(given, [0])
-    assert found is not None
+    config = analysed({**data, "slide": {"accelerogram": "average", "liquefies_at": 3.0}})
+    shaking = shaking_of(config, [0])
+    assert shaking is not None
     largest = analysed({**data, "slide": {"kh": "k_max"}}).slide.kh
-    assert np.abs(found.push).max() / 9.80665 == pytest.approx(largest, abs=1e-4)
-    assert len(found.push) == len(time)
-    assert found.onsets == {0: 3.0}
-    assert given.files() == {"site_response, record": tmp_path / "rock.csv"}
-    assert given.slide.shaking == "the average acceleration above the slip surface"
+    assert np.abs(shaking.acceleration).max() / 9.80665 == pytest.approx(largest, abs=1e-4)
+    assert len(shaking.acceleration) == len(time)
+    assert shaking.onsets == {0: 3.0}
+    assert config.files() == {"site_response, record": tmp_path / "rock.csv"}
+    assert config.slide.shaking == "the average acceleration above the slip surface"
     twice = analysed({**data, "slide": {"accelerogram": "average", "scale": -2.0}})
-    pushed = shaking_of(twice, [0])
-    assert pushed is not None
-    np.testing.assert_allclose(pushed.push, -2.0 * found.push)
+    loaded = shaking_of(twice, [0])
+    assert loaded is not None
+    np.testing.assert_allclose(loaded.acceleration, -2.0 * shaking.acceleration)
     del response["slip_depth"]
-    told = problems({**data, "slide": {"accelerogram": "average"}}, Config)
-    assert 'slide, accelerogram = "average": expected record and slip_depth in [site_response]' in "\n".join(told)
+    messages = problems({**data, "slide": {"accelerogram": "average"}}, Config)
+    assert 'slide, accelerogram = "average": expected record and slip_depth in [site_response]' in "\n".join(messages)
 
 
 def test_two_records_of_one_name_are_both_left_with_the_input(tmp_path: Path) -> None:
@@ -95,6 +95,6 @@ def test_two_records_of_one_name_are_both_left_with_the_input(tmp_path: Path) ->
     data["slide"] = {"accelerogram": str(tmp_path / "ground/record.csv")}
     leave_input(analysed(data), Store(tmp_path / "out"))
     again = Config.load(tmp_path / "out/section.toml")
-    found = {name: path.read_text() for name, path in again.files().items()}
-    assert "0.1" in found["site_response, record"]
-    assert "0.2" in found["slide, accelerogram"]
+    values = {name: path.read_text() for name, path in again.files().items()}
+    assert "0.1" in values["site_response, record"]
+    assert "0.2" in values["slide, accelerogram"]

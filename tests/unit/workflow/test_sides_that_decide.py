@@ -13,8 +13,8 @@ def warned_of_sides(kc_fixed: float | None) -> list[str]:
     """The warnings of a slope whose mechanism (kc 0.2345) ends at the right side, with kc between fixed sides."""
     run = Config.parse(slope())
     answer = fem(run, 0.2345).model_copy(update={"at_sides": ("right",)})
-    held = VariantsAnswer(variants=(variant("sides", "sides fixed instead of free-field", kc_fixed),))
-    return [text for text in warned(results(run, fem=answer, variants=held)) if "side" in text]
+    variants_answer = VariantsAnswer(variants=(variant("sides", "sides fixed instead of free-field", kc_fixed),))
+    return [text for text in warned(results(run, fem=answer, variants=variants_answer)) if "side" in text]
 
 
 def test_sides_are_held_where_level_ground_slides_out_at_one() -> None:

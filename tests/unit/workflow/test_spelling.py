@@ -77,12 +77,12 @@ def section(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("place", PLACES, ids=lambda place: place.get("PYTHONIOENCODING", "plain C"))
 def test_commands_answer_wherever_they_are_asked(place: dict[str, str], section: Path, tmp_path: Path) -> None:
     encoding = place.get("PYTHONIOENCODING", "ascii")
-    asked = [["check", str(section), "--json"], ["check" if encoding == "ascii" else "liquefaction", str(section)]]
-    for arguments in asked:
-        code, told = said([*arguments, "--out", str(tmp_path)], place)
-        assert code == 0, told.decode(encoding, "replace")
-        assert b"Traceback" not in told
+    requested = [["check", str(section), "--json"], ["check" if encoding == "ascii" else "liquefaction", str(section)]]
+    for arguments in requested:
+        code, messages = said([*arguments, "--out", str(tmp_path)], place)
+        assert code == 0, messages.decode(encoding, "replace")
+        assert b"Traceback" not in messages
         if "--json" in arguments:
-            assert json.loads(told.decode(encoding))["section"]["title"] == "Böschung é, 堤防"
-    code, told = said(["check", str(section.parent / "ψ.toml")], place)
-    assert (code, b"there is no such file" in told) == (2, True)
+            assert json.loads(messages.decode(encoding))["section"]["title"] == "Böschung é, 堤防"
+    code, messages = said(["check", str(section.parent / "ψ.toml")], place)
+    assert (code, b"there is no such file" in messages) == (2, True)

@@ -26,9 +26,9 @@ def test_every_declared_stage_is_in_the_list_after_what_it_needs() -> None:
 
 
 def test_stages_name_tables_and_settings_that_there_are() -> None:
-    given = Config.parse(slope())
+    config = Config.parse(slope())
     for stage in STAGES:
-        for name in (*stage.reads, *stage.ignores(given)):
+        for name in (*stage.reads, *stage.ignores(config)):
             table, _, key = name.partition(".")
             assert table in Config.tables()
             assert not key or key in type(Config.model_fields[table].default).model_fields
@@ -66,10 +66,10 @@ def test_a_setting_makes_those_stages_stale_that_read_it_and_no_others(
     """The report is of all stages, and is written anew whatever changes."""
     data = slope()
     data["strata"][0]["liquefies_in"] = [1]
-    given = Config.parse(data)
+    settings_in = Config.parse(data)
     table, _, name = key.partition(".")
     before, after = (
         {stage.name: inputs(stage, Job(config, Store(tmp_path), STAGES)) for stage in STAGES}
-        for config in (given, given.with_settings(table, **{name: value}))
+        for config in (settings_in, settings_in.with_settings(table, **{name: value}))
     )
     assert {name for name in before if before[name] != after[name]} - {"report"} == stale

@@ -36,11 +36,11 @@ COHESION, FRICTION = Distribution(lognormal=(12.0, 4.0)), Distribution(normal=(3
 def exact(kh: float) -> float:
     """P(kc < kh) of the infinite slope: for every φ the chance that c is too small, integrated."""
     sigma = math.sqrt(math.log(1.0 + (4.0 / 12.0) ** 2))
-    slope, held = math.tan(math.radians(20.0)), 18.0 * 5.0 * math.cos(math.radians(20.0)) ** 2
+    slope, fixed = math.tan(math.radians(20.0)), 18.0 * 5.0 * math.cos(math.radians(20.0)) ** 2
 
     def chance(friction: float) -> float:
         strength = math.tan(math.radians(friction))
-        needed = (kh * (1.0 + slope * strength) - strength + slope) * held
+        needed = (kh * (1.0 + slope * strength) - strength + slope) * fixed
         return float(stats.lognorm.cdf(needed, sigma, scale=12.0 * math.exp(-0.5 * sigma**2)))
 
     return float(quad(lambda f: chance(f) * stats.norm.pdf(f, 30.0, 3.0), 12.0, 48.0, limit=200)[0])
@@ -69,15 +69,17 @@ def test_sobol_indices_of_the_ishigami_function() -> None:
     rows = []
     for point in points:
         values = tuple(float(value) for value in point)
-        found = task.Numbers(numbers={"y": ishigami(Numbers(values=values)).value})
-        rows.append(SampleRow(dict(zip(("x1", "x2", "x3"), values, strict=True)), found))
-    found = {one.path: one for one in effects(Table({"x1": "", "x2": "", "x3": ""}, rows), "y", (), indices=True)}
-    assert [found[x].first for x in ("x1", "x2", "x3")] == pytest.approx([0.3139, 0.4424, 0.0], abs=0.01)
-    assert [found[x].total for x in ("x1", "x2", "x3")] == pytest.approx([0.5576, 0.4424, 0.2437], abs=0.01)
-    for one in found.values():
-        assert one.total_ci95 is not None
-        assert one.total is not None
-        assert one.total_ci95[0] < one.total < one.total_ci95[1]
+        result = task.Numbers(numbers={"y": ishigami(Numbers(values=values)).value})
+        rows.append(SampleRow(dict(zip(("x1", "x2", "x3"), values, strict=True)), result))
+    result = {
+        effect.path: effect for effect in effects(Table({"x1": "", "x2": "", "x3": ""}, rows), "y", (), indices=True)
+    }
+    assert [result[x].first for x in ("x1", "x2", "x3")] == pytest.approx([0.3139, 0.4424, 0.0], abs=0.01)
+    assert [result[x].total for x in ("x1", "x2", "x3")] == pytest.approx([0.5576, 0.4424, 0.2437], abs=0.01)
+    for item in result.values():
+        assert item.total_ci95 is not None
+        assert item.total is not None
+        assert item.total_ci95[0] < item.total < item.total_ci95[1]
 
 
 def table_of(values: list[float | None], **drawn: list[object]) -> Table:
@@ -92,10 +94,10 @@ def table_of(values: list[float | None], **drawn: list[object]) -> Table:
 def test_rank_correlation_and_words() -> None:
     x, sides = [1.0, 2.0, 3.0, 4.0, 9.0], ["free-field", "fixed", "free-field", "fixed", "free-field"]
     table = table_of([1.0, 4.0, 9.0, 16.0, None], x=x, sides=sides)
-    found = {one.path: one.correlation for one in effects(table, "kc", ["sides"], indices=False)}
-    assert found["x"] == pytest.approx(1.0)
+    values = {effect.path: effect.correlation for effect in effects(table, "kc", ["sides"], indices=False)}
+    assert values["x"] == pytest.approx(1.0)
     # between groups: means 5 and 10 of values 1, 9 and 4, 16
-    assert found["sides"] == pytest.approx(np.std([5.0, 10.0, 5.0, 10.0]) / np.std([1.0, 4.0, 9.0, 16.0]))
+    assert values["sides"] == pytest.approx(np.std([5.0, 10.0, 5.0, 10.0]) / np.std([1.0, 4.0, 9.0, 16.0]))
     assert table.failed == 1
 
 
@@ -112,11 +114,11 @@ def test_a_table_keeps_all_digits_and_the_order_of_samples() -> None:
 def test_intervals_of_a_probability_hold_it_19_times_in_20(n: int) -> None:
     truth = np.array([0.1, 0.5, 0.9])
     drawn = np.random.default_rng(0).random((400, n))
-    held = 0
-    for one in drawn:
-        curve = probability("p", truth, one[:, None] < truth)
-        held += int(np.sum((np.array(curve.low) <= truth) & (truth <= np.array(curve.high))))
-    assert held / (3 * 400) == pytest.approx(0.95, abs=0.02)
+    fixed = 0
+    for item in drawn:
+        curve = probability("p", truth, item[:, None] < truth)
+        fixed += int(np.sum((np.array(curve.low) <= truth) & (truth <= np.array(curve.high))))
+    assert fixed / (3 * 400) == pytest.approx(0.95, abs=0.02)
 
 
 def test_the_fit_over_kh_finds_the_fragility_that_samples_were_drawn_from() -> None:
@@ -124,13 +126,13 @@ def test_the_fit_over_kh_finds_the_fragility_that_samples_were_drawn_from() -> N
     rng = np.random.default_rng(3)
     theta, beta, levels = 0.15, 0.4, rng.uniform(0.02, 0.5, 4000)
     happens = rng.uniform(size=4000) < stats.norm.cdf(np.log(levels / theta) / beta)
-    found = fit(levels, happens)
-    assert found == (pytest.approx(theta, rel=0.03), pytest.approx(beta, rel=0.08))
-    told = curve("discs", levels[:200], happens[:200])
-    assert told is not None
-    truth = stats.norm.cdf(np.log(np.array(told.over) / theta) / beta)
-    assert np.mean((np.array(told.low) <= truth) & (truth <= np.array(told.high))) > 0.9
-    assert np.all(np.diff(told.chance) >= 0.0)
+    result = fit(levels, happens)
+    assert result == (pytest.approx(theta, rel=0.03), pytest.approx(beta, rel=0.08))
+    count = curve("discs", levels[:200], happens[:200])
+    assert count is not None
+    truth = stats.norm.cdf(np.log(np.array(count.over) / theta) / beta)
+    assert np.mean((np.array(count.low) <= truth) & (truth <= np.array(count.high))) > 0.9
+    assert np.all(np.diff(count.chance) >= 0.0)
     assert curve("discs", levels, np.zeros(4000, bool)) is None
     assert curve("discs", levels, np.ones(4000, bool)) is None
 
@@ -139,16 +141,16 @@ def test_the_fit_over_kh_finds_the_fragility_that_samples_were_drawn_from() -> N
 def test_a_path_without_equilibrium_is_no_answer_and_not_a_critical_kh_of_0(
     error: type[NoAnswerError], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def ended(*given: Any) -> None:
+    def ended(*paths: Any) -> None:
         raise error("it ended")
 
     monkeypatch.setattr(continuum, "_critical", ended)
-    given = task.Sample(data={**slope(), "mesh": {"size": 10}})
+    sample = task.Sample(data={**slope(), "mesh": {"size": 10}})
     if error is UnstableError:
-        assert continuum.continuum(given).numbers == {"kc": 0.0}
+        assert continuum.continuum(sample).numbers == {"kc": 0.0}
     else:
         with pytest.raises(NoEquilibriumError):
-            continuum.continuum(given)
+            continuum.continuum(sample)
 
 
 @pytest.mark.parametrize("samples", [8, 30])
@@ -159,11 +161,11 @@ def test_what_a_result_depends_on_is_rarely_named_by_chance(samples: int) -> Non
     named = 0
     for _ in range(400):
         drawn, values = rng.normal(size=(3, samples)), rng.normal(size=samples)
-        found = [Effect(path=str(k), correlation=float(stats.spearmanr(one, values).statistic))
-                 for k, one in enumerate(drawn)]  # fmt: skip
-        found.sort(key=lambda one: -abs(one.correlation or 0.0))
+        computed = [Effect(path=str(k), correlation=float(stats.spearmanr(item, values).statistic))
+                 for k, item in enumerate(drawn)]  # fmt: skip
+        computed.sort(key=lambda entry: -abs(entry.correlation or 0.0))
         spread = Spread.of(values.tolist())
-        result = Result(name="kc", samples=samples, spread=spread, effects=tuple(found), groups=())
+        result = Result(name="kc", samples=samples, spread=spread, effects=tuple(computed), groups=())
         named += "depends most on" in strongest(result)
     assert named <= 400 * 0.072
 
@@ -171,12 +173,12 @@ def test_what_a_result_depends_on_is_rarely_named_by_chance(samples: int) -> Non
 def test_samples_that_fail_under_their_own_weight_are_told_to_do_so() -> None:
     """It was "Critical Kh: half of the samples are below 0.000"."""
     config = Config.parse(slope())
-    for values, told in (([0.0] * 4, "All samples fail"), ([0.0, 0.0, 0.0, 0.1], "Half or more of the samples fail")):
+    for values, item in (([0.0] * 4, "All samples fail"), ([0.0, 0.0, 0.0, 0.1], "Half or more of the samples fail")):
         result = Result(name="kc", samples=4, spread=Spread.of(values), effects=(), groups=())
         answer = StudyAnswer.model_construct(
             samples=4, method="sobol", seed=0, failed=0, results=(result,), failures=(), section=None
         )
-        assert [line for line in sentences(config, answer) if line.startswith(told)]
+        assert [line for line in sentences(config, answer) if line.startswith(item)]
 
 
 def test_four_samples_tell_no_more_than_their_median() -> None:

@@ -71,7 +71,7 @@ def warnings_of_report() -> Iterator[str]:
             text = node.value if isinstance(node, ast.Yield) and text is None else text
             if isinstance(text, ast.JoinedStr):
                 parts = [part.value if isinstance(part, ast.Constant) else "{}" for part in text.values]
-                yield from (one for one in split("".join(map(str, parts))) if re.search("[a-z]{4}", one))
+                yield from (item for item in split("".join(map(str, parts))) if re.search("[a-z]{4}", item))
             elif isinstance(text, ast.Constant):
                 yield from split(str(text.value))
 
@@ -96,17 +96,17 @@ def test_every_warning_has_its_japanese() -> None:
 
 
 def test_a_warning_is_translated_with_its_numbers() -> None:
-    told = (
+    text = (
         "The surface falls by 6.1 to 6.9 m at x = 66 to 70 m in cases 1 and 2, far more than the mean settlement of "
         "any third of the section."
     )
-    assert Texts("ja").sentence(told) == (
+    assert Texts("ja").sentence(text) == (
         "ケース1、2で地表がx = 66~70 mにおいて6.1~6.9 m沈下し、1/3区間の平均沈下量を大きく上回る。"
     )
     mixed = "In cases 1 and 2 the layers keep 0.1 of the stiffness, and what nobody has translated."
     assert Texts("ja").page(f"<p>{mixed}</p>") == f"<p>{mixed}</p>"
     assert Texts("ja").sentence("What nobody has translated.") == "What nobody has translated."
-    assert Texts().sentence(told) == told
+    assert Texts().sentence(text) == text
 
 
 @pytest.mark.parametrize("factor", [2.0, 5.0, 10.0])
@@ -115,8 +115,8 @@ def test_a_warning_is_translated_with_its_numbers() -> None:
 def test_the_error_on_known_slides_has_its_japanese(
     monkeypatch: pytest.MonkeyPatch, factor: float, kind: str, method: SlideMethod
 ) -> None:
-    held = 3 if factor == 10.0 else 8
-    error = SlideError(kind, factor, held, 9, 1.9, method)
+    fixed = 3 if factor == 10.0 else 8
+    error = SlideError(kind, factor, fixed, 9, 1.9, method)
     monkeypatch.setattr(model_error, "slide_error", lambda flows, method: error)
     sentence = Texts("ja").sentence(model_error.error_sentence([1.0, 2.0], None, method))
     assert sentence.endswith("。")
@@ -135,14 +135,14 @@ def test_no_text_is_left_over() -> None:
 
 @pytest.mark.parametrize("text", sorted(catalogue("ja")))
 def test_a_translation_has_the_same_values(text: str) -> None:
-    found = [sorted(re.findall(r"{\w*}|<[^>]+>", one)) for one in (text, catalogue("ja")[text])]
-    assert found[0] == found[1]
+    values = [sorted(re.findall(r"{\w*}|<[^>]+>", item)) for item in (text, catalogue("ja")[text])]
+    assert values[0] == values[1]
 
 
 def test_a_report_in_japanese_says_the_same_numbers() -> None:
     run = analysed(slope())
-    found = results(run, fem=fem(run, 0.2345), bounds=bounds(run, 0.2293, 0.2349))
-    english, japanese = headlines(found, Texts())[0], headlines(found, Texts("ja"))[0]
+    result = results(run, fem=fem(run, 0.2345), bounds=bounds(run, 0.2293, 0.2349))
+    english, japanese = headlines(result, Texts())[0], headlines(result, Texts("ja"))[0]
     assert japanese.value == english.value
     assert japanese.interval == "厳密な上下界で 0.229~0.235"
     assert re.findall(r"\d+\.\d+", japanese.conclusion) == re.findall(r"\d+\.\d+", english.conclusion)
@@ -169,9 +169,9 @@ def test_sentences_between_japanese_ones_and_notes_of_tables_are_japanese(html: 
 def test_settings_that_texts_ask_for_are_settings() -> None:
     """ "fem.safety_factors = [0] asks for one" was told of a key that no file may have."""
     named = re.compile(rf"(?<![\w./])({'|'.join(Config.tables())})\.([a-z_]+) = ")
-    asked = [match for text in catalogue("ja") for match in named.finditer(text)]
-    assert asked
-    for match in asked:
+    requested = [match for text in catalogue("ja") for match in named.finditer(text)]
+    assert requested
+    for match in requested:
         table = Config.model_fields[match[1]].annotation
         assert issubclass(table, BaseModel)
         assert match[2] in table.model_fields, match[0]

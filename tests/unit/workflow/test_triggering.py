@@ -16,7 +16,7 @@ from tests.support.sections import analysed, assessment, problems
 from workflow.config import Config
 
 
-def told(change: Any) -> str:
+def message(change: Any) -> str:
     data = bored()
     change(data)
     return "\n".join(problems(data, Config))
@@ -25,10 +25,10 @@ def told(change: Any) -> str:
 def test_stresses_before_the_earthquake() -> None:
     """5 m of 1.9 t/m³ weigh 93.163 kPa, 4 m of water carry 39.227 kPa."""
     section = analysed(bored())
-    found = overburden(section.section, 50.0, 5.0)
-    assert found.total == pytest.approx(1900.0 * GRAVITY * 5.0)
-    assert found.effective == pytest.approx(1900.0 * GRAVITY * 5.0 - 1000.0 * GRAVITY * 4.0)
-    assert found.stratum == 0
+    result = overburden(section.section, 50.0, 5.0)
+    assert result.total == pytest.approx(1900.0 * GRAVITY * 5.0)
+    assert result.effective == pytest.approx(1900.0 * GRAVITY * 5.0 - 1000.0 * GRAVITY * 4.0)
+    assert result.stratum == 0
     assert not overburden(section.section, 50.0, 0.5).below_water
 
 
@@ -41,9 +41,9 @@ def test_density_and_saturated_density_and_water_on_the_ground() -> None:
         stratum.pop("density_seismic")
         stratum |= {"density": "1.7 t/m^3", "density_saturated": "2.0 t/m^3"}
     data.pop("water_table")
-    found = overburden(analysed({**data, "water": {"table": -1.0}}).section, 50.0, 5.0)
-    assert found.total == pytest.approx(GRAVITY * 9700.0)
-    assert found.effective == pytest.approx(GRAVITY * 5700.0)
+    result = overburden(analysed({**data, "water": {"table": -1.0}}).section, 50.0, 5.0)
+    assert result.total == pytest.approx(GRAVITY * 9700.0)
+    assert result.effective == pytest.approx(GRAVITY * 5700.0)
     cut = analysed({**data, "water": {"table": -1.0}})  # the loose sand above the water is a stratum of its own
     assert len(cut.section.strata) == 3
     assert cut.section.strata[0].liquefies_in == ()
@@ -63,35 +63,35 @@ def test_water_under_pressure_saturates_ground_above_the_table() -> None:
     data.pop("water_table")
     for water in ({"water": {"table": -1.0}}, {}):
         section = analysed({**data, **water})
-        found = overburden(section.section, 50.0, 0.5)
-        assert found.below_water
-        assert found.effective == pytest.approx(GRAVITY * (0.5 * 2000.0 - 0.7 * 1000.0))
-        assert all(one.reason != "above the water table" for one in assessment(section).tests)
+        result = overburden(section.section, 50.0, 0.5)
+        assert result.below_water
+        assert result.effective == pytest.approx(GRAVITY * (0.5 * 2000.0 - 0.7 * 1000.0))
+        assert all(item.reason != "above the water table" for item in assessment(section).tests)
 
 
 def test_what_tests_stand_for() -> None:
     """B-1 has loose sand from the water, at 1 m, to 6 m; B-2 as much of dense sand: half of it liquefies."""
-    found = assessment(analysed(bored()))
-    loose, dense = found.strata
-    pieces = np.array([(t.top, t.bottom) for t in found.tests[:4]])
+    result = assessment(analysed(bored()))
+    loose, dense = result.strata
+    pieces = np.array([(t.top, t.bottom) for t in result.tests[:4]])
     np.testing.assert_allclose(pieces, [(0.0, 1.75), (1.75, 4.0), (4.0, 6.0), (6.0, 20.0)])
-    assert found.tests[0].reason == "above the water table"
+    assert result.tests[0].reason == "above the water table"
     assert loose.share == pytest.approx((6.0 - 1.75) / (6.0 + 5.0))
     assert (dense.share, dense.liquefies) == (0.0, False)
     assert (loose.judged, loose.tests - loose.judged, loose.reason) == (3, 1, "above the water table")
-    assert found.potentials["B-2"] == 0.0
-    assert found.potentials["B-1"] > 5.0
+    assert result.potentials["B-2"] == 0.0
+    assert result.potentials["B-1"] > 5.0
 
 
 def test_a_stratum_that_is_triggered_liquefies_in_all_cases_or_in_none() -> None:
     data = bored()
     assert [stratum.liquefies_in for stratum in analysed(data).section.strata] == [(), ()]
     data["triggering"]["share"] = 0.3
-    given = analysed(data)
-    assert [tuple(stratum.liquefies_in) for stratum in given.section.strata] == [(1, 2, 3), ()]
-    again = analysed({**data, "strata": given.to_data()["strata"]})
-    assert 'liquefies_in = "triggered"' in given.to_toml()
-    assert again.section.strata == given.section.strata
+    config = analysed(data)
+    assert [tuple(stratum.liquefies_in) for stratum in config.section.strata] == [(1, 2, 3), ()]
+    again = analysed({**data, "strata": config.to_data()["strata"]})
+    assert 'liquefies_in = "triggered"' in config.to_toml()
+    assert again.section.strata == config.section.strata
 
 
 def test_clay_is_not_judged_by_its_blow_counts() -> None:
@@ -111,11 +111,11 @@ def test_clay_is_not_judged_by_its_blow_counts() -> None:
 
 
 def test_what_is_not_known_is_named() -> None:
-    assert "earthquake: expected peak_acceleration" in told(lambda data: data["earthquake"].pop("peak_acceleration"))
-    assert "earthquake, magnitude: missing" in told(lambda data: data["earthquake"].pop("magnitude"))
-    assert "water, table: missing" in told(lambda data: data.pop("water_table"))
-    assert "triggering, borings: missing" in told(lambda data: data.pop("triggering"))
-    assert "outside the range of Idriss" in told(lambda data: data["earthquake"].update(magnitude=9.0))
+    assert "earthquake: expected peak_acceleration" in message(lambda data: data["earthquake"].pop("peak_acceleration"))
+    assert "earthquake, magnitude: missing" in message(lambda data: data["earthquake"].pop("magnitude"))
+    assert "water, table: missing" in message(lambda data: data.pop("water_table"))
+    assert "triggering, borings: missing" in message(lambda data: data.pop("triggering"))
+    assert "outside the range of Idriss" in message(lambda data: data["earthquake"].update(magnitude=9.0))
 
 
 @pytest.mark.parametrize(
@@ -131,14 +131,14 @@ def test_what_is_not_known_is_named() -> None:
     ],
 )
 def test_bad_borings(boring: dict[str, Any], expected: str) -> None:
-    assert expected in told(lambda data: data["triggering"]["borings"].append({"name": "B-3", **boring}))
+    assert expected in message(lambda data: data["triggering"]["borings"].append({"name": "B-3", **boring}))
 
 
 def test_a_stratum_without_a_blow_count_cannot_be_triggered() -> None:
     def shallow(data: dict[str, Any]) -> None:
         data["triggering"]["borings"] = [{"name": "B-1", "x": 20.0, "spt": [test(3.0, 5)]}]
 
-    assert 'strata 2 "dense", liquefies_in = "triggered": no boring has a blow count in it' in told(shallow)
+    assert 'strata 2 "dense", liquefies_in = "triggered": no boring has a blow count in it' in message(shallow)
 
 
 def test_a_record_of_the_surface_says_the_peak(tmp_path: Path) -> None:
@@ -148,12 +148,12 @@ def test_a_record_of_the_surface_says_the_peak(tmp_path: Path) -> None:
     data["earthquake"] = {"magnitude": 7.5, "distance": "20 km", "record": "surface.csv", "scale": 1.25}
     path = tmp_path / "bored.toml"
     path.write_text(tomli_w.dumps(data))
-    given = Config.load(path)
-    motion = assessment(given).motion
+    config = Config.load(path)
+    motion = assessment(config).motion
     assert motion.median == pytest.approx(0.25 * GRAVITY)
     assert motion.relation == "the peak of surface.csv"
-    assert given.files("earthquake") == {"earthquake, record": tmp_path / "surface.csv"}
-    assert given.files("slide") == {}
+    assert config.files("earthquake") == {"earthquake, record": tmp_path / "surface.csv"}
+    assert config.files("slide") == {}
     data["earthquake"] |= {"peak_acceleration": "0.1 g"}
     assert analysed(data).earthquake.motion().median == pytest.approx(0.1 * GRAVITY)
     data["earthquake"] = {"magnitude": 7.5, "record": str(tmp_path / "none.csv")}
@@ -193,9 +193,9 @@ def test_a_cone_is_judged_drawn_and_reported(tmp_path: Path, capsys: pytest.Capt
         "method": "boulanger_idriss_2014", "cases": ["median"], "borings": [{"name": "C-1", "x": 50.0, "cpt": cone}]
     }  # fmt: skip
     data["report"] = {"appendix": True}  # which has every depth of the cone
-    given = analysed(data)
-    assert [bool(stratum.liquefies_in) for stratum in given.section.strata] == [True, False]
-    assert 1e3 < given.cases[0].strength_of("loose") < 10e3
+    config = analysed(data)
+    assert [bool(stratum.liquefies_in) for stratum in config.section.strata] == [True, False]
+    assert 1e3 < config.cases[0].strength_of("loose") < 10e3
     path = tmp_path / "cone.toml"
     path.write_text(tomli_w.dumps(data))
     assert command_line.run("liquefaction", path, "--out", tmp_path / "run") == 0
@@ -213,18 +213,18 @@ def test_pore_pressure_of_what_does_not_liquefy_goes_into_the_analysis() -> None
     data["triggering"] |= {"share": 0.3, "pore_pressure": True}
     data["triggering"]["borings"] = [{"name": "B-1", "x": 50.0, "spt": [test(3.0, 5), test(8.0, 26), test(14.0, 30)]}]
     data["earthquake"]["peak_acceleration"] = "200 gal"
-    given = analysed(data)
-    loose, dense = given.section.strata
-    tests = [one for one in assessment(given).tests if one.where.stratum == 1]
-    each = [2.0 / np.pi * np.arcsin(one.factor ** (-1.0 / 0.476)) for one in tests]
-    assert all(1.0 < one.factor < 2.0 for one in tests)
-    areas = [one.area for one in tests]
+    config = analysed(data)
+    loose, dense = config.section.strata
+    tests = [item for item in assessment(config).tests if item.where.stratum == 1]
+    each = [2.0 / np.pi * np.arcsin(entry.factor ** (-1.0 / 0.476)) for entry in tests]
+    assert all(1.0 < entry.factor < 2.0 for entry in tests)
+    areas = [element.area for element in tests]
     assert loose.excess_pore_pressure_ratio == 0.0
     assert dense.excess_pore_pressure_ratio == pytest.approx(np.average(each, weights=areas))
     at = np.array([[50.0, -10.0]])
-    assert given.section.water_pressure.shaken(at, at, np.array([1]))[0] > 0.0
-    again = analysed({**data, "strata": given.to_data()["strata"]})
-    assert again.section.strata == given.section.strata
+    assert config.section.water_pressure.excess(at, at, np.array([1]))[0] > 0.0
+    again = analysed({**data, "strata": config.to_data()["strata"]})
+    assert again.section.strata == config.section.strata
     data["strata"][1]["excess_pore_pressure_ratio"] = 0.77
     assert analysed(data).section.strata[1].excess_pore_pressure_ratio == 0.77
 
@@ -233,7 +233,7 @@ def test_what_a_relation_misses_is_told_though_nothing_is_triggered() -> None:
     """`noshiro check` did not miss vs30, nor a magnitude out of range, where no stratum is left to the blow counts."""
     data = bored()
     data.pop("triggering")
-    data["strata"] = [{key: value for key, value in one.items() if key != "liquefies_in"} for one in data["strata"]]
+    data["strata"] = [{key: value for key, value in item.items() if key != "liquefies_in"} for item in data["strata"]]
     data["earthquake"] = {"magnitude": 9.0, "distance": "20 km", "relation": "boore"}
     data["triggering"] = {"borings": [{"name": "B-1", "x": 400.0, "spt": [test(3.0, 5)]}]}
     said = "\n".join(problems(data, Config))
@@ -264,15 +264,15 @@ def test_cases_by_name_follow_those_of_the_slide() -> None:
     data["triggering"] |= {"share": 0.3, "cases": ["median", "low strength", "high strength"]}
     assert [case.name for case in analysed(data).cases] == data["triggering"]["cases"]  # not the paper's as well
     data["slide"] = {"cases": [{"stiffness": 0.1}, {"stiffness": 0.02}, {"stiffness": 0.01}]}
-    given = analysed(data)
-    assert tuple(given.section.strata[0].liquefies_in) == (1, 2, 3, 4, 5, 6)
-    median, low, high = given.cases[3:]
-    assert [case.name for case in given.cases] == ["", "", "", "median", "low strength", "high strength"]
+    config = analysed(data)
+    assert tuple(config.section.strata[0].liquefies_in) == (1, 2, 3, 4, 5, 6)
+    median, low, high = config.cases[3:]
+    assert [case.name for case in config.cases] == ["", "", "", "median", "low strength", "high strength"]
     strengths = [case.strength_of("loose") for case in (low, median, high)]
     assert 1e3 < strengths[0] < strengths[1] < strengths[2] < 10e3
     assert median.strength_of("dense") == median.residual_of("loose") == 0.0
     assert 0.01 < median.volumetric_strain < 0.06
-    assert analysed(given.to_data()).cases == given.cases
+    assert analysed(config.to_data()).cases == config.cases
     data["triggering"] |= {"residual": "ratio"}
     ratios = [case.residual_of("loose") for case in analysed(data).cases[3:]]
     assert 0.02 < ratios[1] < ratios[0] < ratios[2] < 0.2
@@ -284,11 +284,11 @@ def test_sand_denser_than_all_cases_of_the_relations_counts_as_their_densest() -
     data = bored()
     data["earthquake"]["peak_acceleration"] = "20 m/s^2"
     data["triggering"]["cases"] = ["median"]
-    kept = []
+    stored = []
     for count in (8, 16, 22):
         data["triggering"]["borings"] = [{"name": "B-1", "x": 20.0, "spt": [test(3.0, count), test(8.0, 60)]}]
-        kept.append(analysed(data).cases[0].strength_of("loose"))
-    assert kept[0] < kept[1] == pytest.approx(kept[2])
+        stored.append(analysed(data).cases[0].strength_of("loose"))
+    assert stored[0] < stored[1] == pytest.approx(stored[2])
 
 
 @pytest.mark.parametrize(
@@ -341,10 +341,10 @@ def test_a_load_beside_the_boring_is_told_and_lowers_the_factor() -> None:
         name: analysed({**data, "surcharges": [{"from": ends[0], "to": ends[1], "pressure": "40 kPa"}]})
         for name, ends in loads.items()
     }
-    told = {
+    messages = {
         name: [text for text in config.notices_of_slides if "as on an elastic half-plane" in text]
         for name, config in configs.items()
     }
-    assert (len(told["below"]), told["far"]) == (1, [])
+    assert (len(messages["below"]), messages["far"]) == (1, [])
     lowest = {name: min(s.lowest for s in assessment(c).strata if s.lowest) for name, c in configs.items()}
     assert lowest["below"] < 0.9 * lowest["far"]

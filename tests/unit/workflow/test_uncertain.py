@@ -33,8 +33,8 @@ def test_quantiles_are_those_of_the_textbooks() -> None:
         ({"normal": (35.0, 2.0), "between": (32.0, 36.0)}, stats.truncnorm(-1.5, 0.5, 35.0, 2.0)),
     ]
     for parameters, exact in known:
-        found = [Distribution.model_validate(parameters).at(chance) for chance in CHANCES]
-        np.testing.assert_allclose(found, exact.ppf(CHANCES), rtol=1e-9)
+        values = [Distribution.model_validate(parameters).at(chance) for chance in CHANCES]
+        np.testing.assert_allclose(values, exact.ppf(CHANCES), rtol=1e-9)
     # the parameters of a lognormal number are its own mean and standard deviation
     assert stats.lognorm(sigma, scale=10.0 / math.sqrt(1.09)).stats() == pytest.approx((10.0, 9.0))
 
@@ -106,21 +106,21 @@ def test_all_that_is_wrong_is_told_at_once() -> None:
             "fem.sidez": {"list": ["free-field"]},
             "surface": {"uniform": [0.0, 1.0]},
         })  # fmt: skip
-    told = "\n".join(caught.value.problems)
+    text = "\n".join(caught.value.problems)
     for words in (
         '"strata.uper.cohesion": "uper.cohesion" is unknown; expected one of upper, lower, 1, 2',
         "has the wrong dimension",
         'did you mean "sides"',
         'surface": holds more than one number',
     ):
-        assert words in told
+        assert words in text
     with pytest.raises(InputError) as caught:
         with_paths({
             "a": {"normal": [1.0, 0.0]}, "b": {}, "c": {"uniform": [2.0, 1.0]}, "d": {"normal": ["1 m", "2 deg"]},
             "e": {"list": [1, 2], "chances": [1.0]}, "f": {"normal": ["1 m", "1 m"], "does": "factor"},
             "correlated": [{"of": ["a", "z"], "coefficient": 0.5}],
         })  # fmt: skip
-    told = "\n".join(caught.value.problems)
+    text = "\n".join(caught.value.problems)
     for words in (
         "above 0",
         "expected one of normal",
@@ -129,7 +129,7 @@ def test_all_that_is_wrong_is_told_at_once() -> None:
         "one of 0 or more",
         "no unit",
     ):
-        assert words in told
+        assert words in text
 
 
 def test_numbers_that_cannot_go_together() -> None:
@@ -176,7 +176,7 @@ def test_samples_have_what_was_drawn_by_path(tmp_path: Path) -> None:
     read = Config.load(file)
     drawn = samples(read.uncertain, read.study)
     assert len(drawn) == 8
-    assert sorted(one["fem.sides"] for one in drawn) == ["fixed"] * 4 + ["free-field"] * 4
+    assert sorted(item["fem.sides"] for item in drawn) == ["fixed"] * 4 + ["free-field"] * 4
     assert drawn == samples(read.uncertain, StudySettings(samples=16))[:8]
 
 
@@ -198,7 +198,7 @@ def test_paths_lead_into_the_file_although_water_cuts_its_strata() -> None:
 
 
 @pytest.mark.parametrize(
-    ("table", "told"),
+    ("table", "message"),
     [
         (
             {"strata": {"Sand": {"cohesion": {"normal": ["2 kPa", "1 kPa"]}}}},
@@ -208,7 +208,7 @@ def test_paths_lead_into_the_file_although_water_cuts_its_strata() -> None:
         ({"strata.*.cohesion": {"mean": "2 kPa"}}, "mean: unknown key; expected one of normal, lognormal, uniform"),
     ],
 )
-def test_paths_without_quotation_marks_and_unknown_kinds_are_told(table: dict[str, Any], told: str) -> None:
+def test_paths_without_quotation_marks_and_unknown_kinds_are_told(table: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError) as caught:
         Config.parse({**slope(), "uncertain": table})
-    assert told in str(caught.value)
+    assert message in str(caught.value)

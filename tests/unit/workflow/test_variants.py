@@ -38,12 +38,12 @@ from workflow.stages.variants import PATH_CELLS, changed, on_a_mesh
 )
 def test_one_thing_is_changed(settings: dict[str, object], name: str, words: str) -> None:
     run = Config.parse({**slope(), **settings})
-    found = changed(run, name, "quadratic")
-    assert found is not None
-    assert found[:2] == (name, words)
-    tables = [table for table in ("mesh", "fem") if getattr(found[2], table) != getattr(run, table)]
+    layer_springss = changed(run, name, "quadratic")
+    assert layer_springss is not None
+    assert layer_springss[:2] == (name, words)
+    tables = [table for table in ("mesh", "fem") if getattr(layer_springss[2], table) != getattr(run, table)]
     assert tables == ["mesh" if name == "mesh" else "fem"]
-    before, after = (getattr(one, tables[0]).model_dump() for one in (run, found[2]))
+    before, after = (getattr(item, tables[0]).model_dump() for item in (run, layer_springss[2]))
     assert len([key for key in before if before[key] != after[key]]) == 1
 
 
@@ -77,9 +77,9 @@ def test_a_path_is_followed_on_the_first_mesh_where_the_last_has_many_cells(
     def of(name: str, element: str = "reduced") -> tuple[object, float | None]:
         change = changed(run, name, element)
         assert change is not None
-        found = on_a_mesh(change, run, Store("nowhere"), answer, cast(QuadMesh, "the last mesh"))
-        assert found.words.endswith("the first mesh of 600 cells") == (found.kc_without is not None)
-        return found.mesh, found.kc_without
+        result = on_a_mesh(change, run, Store("nowhere"), answer, cast(QuadMesh, "the last mesh"))
+        assert result.words.endswith("the first mesh of 600 cells") == (result.kc_without is not None)
+        return result.mesh, result.kc_without
 
     expected = ("the last mesh" if first is None else "the first mesh", first)
     assert of("element") == of("dilation") == expected

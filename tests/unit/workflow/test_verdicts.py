@@ -74,8 +74,8 @@ def test_the_crest_of_the_levee_after_a_slide() -> None:
     assert part.settlement_m == pytest.approx(0.5)
     assert part.reconsolidation_m == pytest.approx(0.19, abs=0.005)  # within the slide, whose discs shrink
     assert (part.water_m, part.freeboard_m) == (pytest.approx(9.8), pytest.approx(4.7))
-    told = " ".join(slide_sentences(config, slid(sunk(config, 0.5))))
-    assert "it settles 0.50 m, 0.19 m of it by reconsolidation; freeboard 4.7 m is left." in told
+    text = " ".join(slide_sentences(config, slid(sunk(config, 0.5))))
+    assert "it settles 0.50 m, 0.19 m of it by reconsolidation; freeboard 4.7 m is left." in text
 
 
 def test_reconsolidation_is_added_to_slides_that_lose_no_volume() -> None:
@@ -87,17 +87,17 @@ def test_reconsolidation_is_added_to_slides_that_lose_no_volume() -> None:
 
 def _triggering() -> dict[str, Any]:
     data = tomllib.loads((TOP / "tests/support/levee/levee.toml").read_text(encoding="utf-8"))
-    found: dict[str, Any] = data["triggering"]
-    return found
+    result: dict[str, Any] = data["triggering"]
+    return result
 
 
 def test_faces_the_smallest_and_failures_elsewhere() -> None:
     config = levee()
     rows = face_rows(config, by_slices(config))
     assert [(row.kc, row.counts) for row in rows] == [(0.144, True), (0.266, False)]
-    told = list(structure_sentences(config, by_slices(config)))
-    assert told[2] == "The smallest counts: embankment at x = 69 m, towards the left."
-    assert told[3:] == [
+    messages = list(structure_sentences(config, by_slices(config)))
+    assert messages[2] == "The smallest counts: embankment at x = 69 m, towards the left."
+    assert messages[3:] == [
         "Elsewhere, from x = 40 to 46 m towards the left, factor of safety at Kh = 0 is 1.20: no crest slides with it.",
         "Elsewhere, from x = 40 to 46 m towards the left, critical Kh is 0.039: no crest slides with it.",
     ]
@@ -126,16 +126,16 @@ def test_criteria_are_satisfied_or_not_or_not_decided() -> None:
     }
     config = levee(criteria=limits)
     cases = slid(sunk(config, 0.5, far=0.2))
-    found = verdicts(results(config, slices=by_slices(config), cases=cases))
-    told = {(part.criterion, part.of.split(", ", 1)[1]): part.verdict for part in found}
-    assert told["factor of safety", "towards the left, by slices"] == "satisfied"
-    assert told["critical Kh", "towards the left, by slices"] == "not decided"  # 0.144 by Bishop, 0.154 by Spencer
-    assert told["critical Kh", "towards the right, by slices"] == "satisfied"
-    assert told["displacement", "discs, case 1, median"] == "satisfied"
-    assert told["crest settlement", "discs, case 1, median"] == "not satisfied"
-    assert told["freeboard", "discs, case 1, median"] == "satisfied"
-    assert told["freeboard", "case 2, low strength"] == "not decided"  # of which no slide was computed
-    (paragraph,) = verdict_paragraph(found)
+    result = verdicts(results(config, slices=by_slices(config), cases=cases))
+    messages = {(part.criterion, part.of.split(", ", 1)[1]): part.verdict for part in result}
+    assert messages["factor of safety", "towards the left, by slices"] == "satisfied"
+    assert messages["critical Kh", "towards the left, by slices"] == "not decided"  # 0.144 by Bishop, 0.154 by Spencer
+    assert messages["critical Kh", "towards the right, by slices"] == "satisfied"
+    assert messages["displacement", "discs, case 1, median"] == "satisfied"
+    assert messages["crest settlement", "discs, case 1, median"] == "not satisfied"
+    assert messages["freeboard", "discs, case 1, median"] == "satisfied"
+    assert messages["freeboard", "case 2, low strength"] == "not decided"  # of which no slide was computed
+    (paragraph,) = verdict_paragraph(result)
     assert "factor of safety of the faces of structures at least 1.30 at Kh = 0 [design brief]: satisfied;" in paragraph
     assert "crest settlement at most 0.40 m: not satisfied (" in paragraph
 
@@ -147,10 +147,10 @@ def test_finite_elements_are_held_against_a_criterion_where_a_crest_slides_with_
     for surface, verdict in ((((40.0, 6.0), (46.0, 9.0)), "satisfied"), (((40.0, 6.0), (70.0, 15.0)), "not satisfied")):
         states = tuple(state.model_copy(update={"slip_surface": surface}) for state in elements.states)
         answer = elements.model_copy(update={"states": states})
-        found = results(config, fem=answer, slices=by_slices(config))
-        (paragraph,) = verdict_paragraph(verdicts(found))
+        result = results(config, fem=answer, slices=by_slices(config))
+        (paragraph,) = verdict_paragraph(verdicts(result))
         assert f"0.100: {verdict}" in paragraph
-        apart = "from x = 40 to 46 m, and no crest slides with it" in headlines(found, shown)[0].conclusion
+        apart = "from x = 40 to 46 m, and no crest slides with it" in headlines(result, shown)[0].conclusion
         assert apart == ("of the faces of structures" in paragraph) == (verdict == "satisfied")
 
 
@@ -158,16 +158,16 @@ def test_a_face_that_slides_without_shaking_keeps_no_displacement() -> None:
     config = levee(criteria={"displacement": {"limit": "0.3 m"}})
     stands = by_slices(config)
     falls = stands.faces[0].model_copy(update={"critical": circle("left", -0.02)})
-    told = verdicts(results(config, slices=stands.model_copy(update={"faces": (falls, stands.faces[1])})))
-    (part,) = [one for one in told if one.of.startswith(f"{falls.structure}, towards the left")]
+    messages = verdicts(results(config, slices=stands.model_copy(update={"faces": (falls, stands.faces[1])})))
+    (part,) = [item for item in messages if item.of.startswith(f"{falls.structure}, towards the left")]
     assert (part.verdict, part.reason) == ("not decided", "it slides without any shaking")
 
 
 def test_what_still_moves_or_was_not_computed_is_not_decided() -> None:
     config = levee(criteria={"crest_settlement": {"limit": "0.4 m"}, "freeboard": {"limit": "1 m"}})
     moving = verdicts(results(config, cases=slid(sunk(config, 0.1, settled=False))))
-    told = [(part.verdict, part.reason) for part in moving if "case 1" in part.of]
-    assert told == [("not decided", "the slide is not at rest")] * 2
+    messages = [(part.verdict, part.reason) for part in moving if "case 1" in part.of]
+    assert messages == [("not decided", "the slide is not at rest")] * 2
     too_far = verdicts(results(config, cases=slid(sunk(config, 0.5, settled=False))))
     assert too_far[0].verdict == "not satisfied"
     nothing = verdicts(results(config))

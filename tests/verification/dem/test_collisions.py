@@ -31,9 +31,9 @@ def collide(zeta: float, steps: int, pulls: bool) -> tuple[float, float, float]:
         end = last + 1.0 + overlap[last] / (overlap[last] - overlap[last + 1])
     else:
         # the push falls to nothing between two steps: where its last two values point to
-        push = np.diff(seen[:, 1])
-        last = np.flatnonzero(push > 1e-9 * push.max())[-2]
-        end = last + 1.0 + push[last] / (push[last - 1] - push[last])
+        acceleration = np.diff(seen[:, 1])
+        last = np.flatnonzero(acceleration > 1e-9 * acceleration.max())[-2]
+        end = last + 1.0 + acceleration[last] / (acceleration[last - 1] - acceleration[last])
     k = np.argmax(overlap)
     rise, fall = overlap[k] - overlap[k - 1], overlap[k] - overlap[k + 1]
     peak = overlap[k] + (rise - fall) ** 2 / (8.0 * (rise + fall))

@@ -11,14 +11,14 @@ from dem.engine.engine import Engine, largest_step
 from dem.ground import ground_of
 from dem.laboratory.soil_contacts import soil_contacts
 from dem.model import DiscModel
-from dem.search.equilibrium import calm_down
+from dem.search.equilibrium import damp_to_rest
 from docs.verify.slides.uniform_slope import UniformSlope
 from meshes.section.quantity import GRAVITY
 from tests.support import SECTIONS
 from workflow.config import Config
 
 HEIGHT, RADIUS, DENSITY, LENGTH = 10.0, 0.25, 1900.0, 4.0  # m, m, kg/m3, m
-PUSH, CYCLES, RISES = 0.05, 12, 2  # m/s2; cycles, and those in which they come on
+SHAKING, CYCLES, RISES = 0.05, 12, 2  # m/s2; cycles, and those in which they come on
 LOOK = 0.005  # s
 
 
@@ -56,11 +56,11 @@ def column() -> Column:
 
     slope = UniformSlope(0.0, (HEIGHT,), RADIUS, layers, length=LENGTH)
     model = slope.model
-    calm_down(model, slope.ground, "under its weight")
+    damp_to_rest(model, slope.ground, "under its weight")
     top = ~model.fixed & (model.z > model.z.max() - 1.0)
-    pushed, begin = model.copy(), model.time
-    pushed.acceleration = Acceleration(begin + np.array([0.0, 1e-3]), np.array([0.0, PUSH]), np.zeros(2))
-    time, place, _, _ = watched(pushed, top, 3.0).T
+    disc_model, begin = model.copy(), model.time
+    disc_model.acceleration = Acceleration(begin + np.array([0.0, 1e-3]), np.array([0.0, SHAKING]), np.zeros(2))
+    time, place, _, _ = watched(disc_model, top, 3.0).T
 
     def swing(t, size, omega, phase, damping, middle):
         return size * np.exp(-damping * omega * t) * np.cos(omega * t + phase) + middle
@@ -80,21 +80,21 @@ def test_resonance_is_that_of_a_layer_on_a_half_space(column: Column, ratio: flo
     model.base_impedance = column.impedance / ratio
     begin, omega = model.time, 2.0 * np.pi / period
     time = np.arange(0.0, CYCLES * period, 0.002)
-    push = PUSH * np.sin(omega * time) * np.minimum(1.0, time / (RISES * period))
-    model.acceleration = Acceleration(begin + time, push, np.zeros(len(time)))
+    acceleration = SHAKING * np.sin(omega * time) * np.minimum(1.0, time / (RISES * period))
+    model.acceleration = Acceleration(begin + time, acceleration, np.zeros(len(time)))
     t, _, speed, base = watched(model, column.top, float(time[-1])).T
-    moved = np.gradient(speed, t) + base - PUSH * np.sin(omega * (t - begin))  # the outcrop moves against the push
+    moved = np.gradient(speed, t) + base - SHAKING * np.sin(omega * (t - begin))  # the outcrop moves against the push
     late = t > begin + time[-1] - 3.0 * period
     phase = omega * (t[late] - begin)
     waves = np.column_stack([np.sin(phase), np.cos(phase), np.ones(late.sum())])
     sine, cosine, _ = np.linalg.lstsq(waves, moved[late], rcond=None)[0]
-    assert np.hypot(sine, cosine) / PUSH == pytest.approx(1.0 / ratio, rel=0.15)
+    assert np.hypot(sine, cosine) / SHAKING == pytest.approx(1.0 / ratio, rel=0.15)
 
 
 def test_a_checkpoint_keeps_how_the_base_moves(column: Column, tmp_path) -> None:
     model = column.model.copy()
     model.base_impedance = column.impedance
-    model.acceleration = Acceleration(model.time + np.array([0.0, 0.3]), np.array([0.0, PUSH]), np.zeros(2))
+    model.acceleration = Acceleration(model.time + np.array([0.0, 0.3]), np.array([0.0, SHAKING]), np.zeros(2))
     engine = Engine(dt=0.5 * largest_step(model).seconds)
     engine.run(model, 0.3)
     model.save(tmp_path / "base.npz")
@@ -110,9 +110,9 @@ def test_a_constant_push_moves_the_base_at_a_constant_speed(column: Column) -> N
     """v = F / (ρ V_s L): the discs no longer feel the base."""
     model = column.model.copy()
     model.base_impedance = column.impedance
-    model.acceleration = Acceleration(model.time + np.array([0.0, 1.0]), np.array([0.0, PUSH]), np.zeros(2))
+    model.acceleration = Acceleration(model.time + np.array([0.0, 1.0]), np.array([0.0, SHAKING]), np.zeros(2))
     Engine(dt=0.5 * largest_step(model).seconds).run(model, 6.0)
-    force = PUSH * model.mass[~model.fixed].sum()
+    force = SHAKING * model.mass[~model.fixed].sum()
     assert model.base_velocity == pytest.approx(force / column.impedance, rel=0.1)
 
 

@@ -40,20 +40,20 @@ def test_a_block_slides_where_friction_says(mu: float, tilt_deg: float) -> None:
     """A block on a plane that dips by beta slides at Kh = tan(phi - beta), from tan(beta + atan Kh) = mu."""
     soil = replace(SOIL, friction=mu, kpn=0.0, kps=0.0)
     ground, model = blocks([soil], np.radians(tilt_deg))
-    found = critical_kh(model, ground, SETTINGS)
+    search = critical_kh(model, ground, SETTINGS)
     kc = np.tan(np.arctan(mu) - np.radians(tilt_deg))
-    assert found.verdict == "bracketed"
-    assert found.kc_lower <= kc <= found.kc_upper
-    assert found.kc_upper - found.kc_lower <= 0.005 * (1.0 + 1e-9)
-    assert {t.verdict for t in found.trials} == {"stands", "fails"}
+    assert search.verdict == "bracketed"
+    assert search.kc_lower <= kc <= search.kc_upper
+    assert search.kc_upper - search.kc_lower <= 0.005 * (1.0 + 1e-9)
+    assert {t.verdict for t in search.trials} == {"stands", "fails"}
 
 
 def test_elastic_displacement_is_that_of_the_spring() -> None:
     """Under Kh a block gives way by Kh m g / ks, the answer that `flexibility` is."""
     soil = replace(SOIL, friction=MU, kpn=0.0, kps=0.0)
     ground, model = blocks([soil])
-    found = critical_kh(model, ground, SETTINGS)
-    assert found.flexibility_m == pytest.approx(model.mass[0] * 9.80665 / soil.ks, rel=2e-2)
+    search = critical_kh(model, ground, SETTINGS)
+    assert search.flexibility_m == pytest.approx(model.mass[0] * 9.80665 / soil.ks, rel=2e-2)
 
 
 def test_the_answer_does_not_depend_on_threads_or_on_the_way() -> None:
@@ -62,8 +62,8 @@ def test_the_answer_does_not_depend_on_threads_or_on_the_way() -> None:
     ground = Ground(packing, "box", RADIUS, 4, 0.0, (0.0, 0.0), 1)
     model = settle(ground, [soil], SETTINGS)
     before = model.x.copy()
-    one, two = (critical_kh(model, ground, DemSettings(model="paper", kh_limit=0.6), threads=n) for n in (1, 2))
-    assert one == two
+    item, two = (critical_kh(model, ground, DemSettings(model="paper", kh_limit=0.6), threads=n) for n in (1, 2))
+    assert item == two
     assert np.array_equal(model.x, before)
 
 
@@ -85,9 +85,9 @@ def test_what_stands_and_what_fails_says_why() -> None:
 def test_ground_that_slides_at_the_first_kh_stood_under_its_own_weight() -> None:
     """Friction of 0.01 holds blocks on a level floor, and gives way at Kh = 0.01, before the first that is tried."""
     ground, model = blocks([replace(SOIL, friction=0.01, ks=1.0, kpn=0.0, kps=0.0)])
-    found = critical_kh(model, ground, SETTINGS)
-    assert (found.verdict, found.kc_lower, found.kc_upper, found.kc) == ("undecided", 0.0, 0.02, None)
-    assert found.reason.startswith("the discs stand at rest, but not at Kh = 0.02")
+    search = critical_kh(model, ground, SETTINGS)
+    assert (search.verdict, search.kc_lower, search.kc_upper, search.kc) == ("undecided", 0.0, 0.02, None)
+    assert search.reason.startswith("the discs stand at rest, but not at Kh = 0.02")
 
 
 def test_ground_that_does_not_fail_stands_to_the_limit() -> None:
@@ -119,14 +119,14 @@ def test_calibration_finds_the_friction_that_the_block_needs() -> None:
     heard: list[tuple[str, float]] = []
     settings = SETTINGS.model_copy(update={"parameter": "friction"})
     calibrator = OnBlocks(ground, [soil], model, settings, on_search=lambda p, f, _: heard.append((p, f)))
-    found = calibrate(calibrator, 0.4 * MU, "friction", [("", 1.0, calibrator.search("", 1.0))])
-    assert found.verdict == "calibrated"
-    assert found.value == pytest.approx(0.4, abs=0.03)
-    assert found.search.kc == pytest.approx(0.4 * MU, abs=settings.tolerance)
+    calibration = calibrate(calibrator, 0.4 * MU, "friction", [("", 1.0, calibrator.search("", 1.0))])
+    assert calibration.verdict == "calibrated"
+    assert calibration.value == pytest.approx(0.4, abs=0.03)
+    assert calibration.search.kc == pytest.approx(0.4 * MU, abs=settings.tolerance)
     assert len(heard) == len(set(heard)) <= 8
 
     again = OnBlocks(ground, [soil], model, settings, known=calibrator.searches)
-    assert calibrate(again, 0.4 * MU, "friction", [("", 1.0, again.search("", 1.0))]).value == found.value
+    assert calibrate(again, 0.4 * MU, "friction", [("", 1.0, again.search("", 1.0))]).value == calibration.value
 
     table = sensitivities(calibrator)
     moved = {p: s.kc for p, f, s in table if f == 2.0}

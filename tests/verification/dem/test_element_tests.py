@@ -46,17 +46,17 @@ def test_stiffness_of_the_lattice(ratio: float, pores: bool) -> None:
     if pores:
         patch.model.set_pore_springs()
         kn, ks = 1.3 * KN, ks + 0.1 * KN
-    found, skewness = probe(patch, 1e-4 * KN)
+    result, skewness = probe(patch, 1e-4 * KN)
     root = np.sqrt(3.0)
-    assert pytest.approx(root / 4.0 * (3.0 * kn + ks), rel=1e-3) == found.M
-    assert pytest.approx(root / 4.0 * (kn + ks), rel=1e-3) == found.G
-    assert found.E_2d == pytest.approx(2.0 * root * kn * (kn + ks) / (3.0 * kn + ks), rel=1e-3)
-    assert found.nu_2d == pytest.approx((kn - ks) / (3.0 * kn + ks), abs=1e-3)
+    assert pytest.approx(root / 4.0 * (3.0 * kn + ks), rel=1e-3) == result.M
+    assert pytest.approx(root / 4.0 * (kn + ks), rel=1e-3) == result.G
+    assert result.E_2d == pytest.approx(2.0 * root * kn * (kn + ks) / (3.0 * kn + ks), rel=1e-3)
+    assert result.nu_2d == pytest.approx((kn - ks) / (3.0 * kn + ks), abs=1e-3)
     # the same in all directions, as the lattice is
     assert abs(skewness) < 1e-5
-    assert abs(2.0 * found.G / (found.M - found.lame) - 1.0) < 1e-3
+    assert abs(2.0 * result.G / (result.M - result.lame) - 1.0) < 1e-3
     reference = lattice_elastic(patch.model.springs.layers[0], pores)
-    assert (found.E, found.nu) == pytest.approx((reference.E, reference.nu), rel=2e-3, abs=1e-3)
+    assert (result.E, result.nu) == pytest.approx((reference.E, reference.nu), rel=2e-3, abs=1e-3)
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.2, 0.4, 0.7])
@@ -133,11 +133,11 @@ def test_random_discs_without_pore_springs() -> None:
 def test_cohesion_of_pore_springs_is_cohesion_of_the_patch() -> None:
     """... as long as they fail in shear: once they snap at 1.02 of their length first, more of it adds nothing."""
     soil = replace(SOIL, friction=0.2)
-    found = [
+    values = [
         element_test(Sample(replace(soil, cohesion=c), "random", RADIUS, size=SMALL), [1e5, 2e5], strain=0.04)
         for c in (0.0, 1e5, 3e5, 1e8, 1e9)
     ]
-    biaxial, shear = [t.c for t in found], [t.c_shear for t in found]
+    biaxial, shear = [t.c for t in values], [t.c_shear for t in values]
     assert biaxial[0] < 0.5 * biaxial[1] < 0.45 * biaxial[2]
     assert shear[0] < 0.5 * shear[1] < 0.45 * shear[2]
     assert (biaxial[3], shear[3]) == (biaxial[4], shear[4])
@@ -149,11 +149,11 @@ def test_half_the_rate_gives_the_same_strength() -> None:
     sample = Sample(soil, "random", RADIUS, size=SMALL)
     fast, slow = (element_test(sample, [1e6, 2e6], strain=0.15, rate=rate) for rate in (2e-4, 1e-4))
     assert fast.E == slow.E
-    pairs = [(one.biaxial_strength.major, other.biaxial_strength.major)
-             for one, other in zip(fast.tests, slow.tests, strict=True)]  # fmt: skip
-    pairs += [(one.shear_strength.shear, other.shear_strength.shear)
-              for one, other in zip(fast.tests, slow.tests, strict=True)]  # fmt: skip
-    ratios = np.array([one / other for one, other in pairs])
+    pairs = [(test.biaxial_strength.major, other.biaxial_strength.major)
+             for test, other in zip(fast.tests, slow.tests, strict=True)]  # fmt: skip
+    pairs += [(item.shear_strength.shear, other.shear_strength.shear)
+              for item, other in zip(fast.tests, slow.tests, strict=True)]  # fmt: skip
+    ratios = np.array([pair / other for pair, other in pairs])
     assert ratios == pytest.approx(1.0, abs=0.05)
     assert ratios.mean() == pytest.approx(1.0, abs=0.02)
     assert fast.quality["inertial_number_largest"] == pytest.approx(2.0 * slow.quality["inertial_number_largest"])
@@ -168,8 +168,8 @@ def test_stiff_sand_is_stronger_than_soft() -> None:
         layer = soil_discs(
             "sand", kappa * pressure, Strength(0.35, 0.0, ROLLING), 2000.0, 2000.0, RADIUS, 0.0, allowed_overlap=1.0
         )
-        found = [compress(Sample(layer, "random", RADIUS, seed, law="soil"), pressure).after for seed in seeds]
-        return float(np.mean(found)) / pressure
+        values = [compress(Sample(layer, "random", RADIUS, seed, law="soil"), pressure).after for seed in seeds]
+        return float(np.mean(values)) / pressure
 
     soft, stiff = strength(200.0), strength(6000.0)
     assert soft == pytest.approx(0.986, rel=0.03)

@@ -39,19 +39,19 @@ def test_elastic_constants(ratio: float) -> None:
     kn, ks = KN, ratio * KN
     size = 1e-8
     strains = {"M": (1.0, 0.0, 0.0), "G": (0.0, 0.0, 1.0), "E": (1.0, -(kn - ks) / (3.0 * kn + ks), 0.0)}
-    found = {}
+    values = {}
     for name, (exx, ezz, gxz) in strains.items():
         model, middle = patch(ks)
         before = stress(model, contact_forces(model), np.sqrt(0.75) * SPACING**2, middle)
         displace(model, size * (exx * model.x + gxz * model.z), size * ezz * model.z, -0.5 * size * gxz)
         after = stress(model, contact_forces(model), np.sqrt(0.75) * SPACING**2, middle)
-        found[name] = (after - before) / size
+        values[name] = (after - before) / size
     root = np.sqrt(3.0)
-    assert found["M"][0, 0] == pytest.approx(root / 4.0 * (3.0 * kn + ks), rel=1e-5)
-    assert found["G"][0, 1] == pytest.approx(root / 4.0 * (kn + ks), rel=1e-5)
-    assert found["G"][1, 0] == pytest.approx(found["G"][0, 1], rel=1e-5)
-    assert found["E"][0, 0] == pytest.approx(2.0 * root * kn * (kn + ks) / (3.0 * kn + ks), rel=1e-5)
-    assert abs(found["E"][1, 1]) < 1e-5 * kn
+    assert values["M"][0, 0] == pytest.approx(root / 4.0 * (3.0 * kn + ks), rel=1e-5)
+    assert values["G"][0, 1] == pytest.approx(root / 4.0 * (kn + ks), rel=1e-5)
+    assert values["G"][1, 0] == pytest.approx(values["G"][0, 1], rel=1e-5)
+    assert values["E"][0, 0] == pytest.approx(2.0 * root * kn * (kn + ks) / (3.0 * kn + ks), rel=1e-5)
+    assert abs(values["E"][1, 1]) < 1e-5 * kn
 
 
 @pytest.mark.parametrize("direction", [0.0, 0.3, 1.0])
@@ -74,7 +74,7 @@ def test_long_waves(kind: str, direction: float) -> None:
     assert speed == pytest.approx(RADIUS * np.sqrt(1.5 * stiffness / MASS), rel=3e-4)
 
 
-def held(ks: float, cn: float = 0.0) -> DiscModel:
+def constant(ks: float, cn: float = 0.0) -> DiscModel:
     """A lattice inside a frame of fixed discs, everything touching, with a little random motion."""
     soil = replace(BARE, ks=ks, friction=1e12, cn=cn, ct=cn)
     x, z = lattice(14, 14, SPACING)
@@ -96,7 +96,7 @@ def bustle(model: DiscModel) -> float:
 def test_stable_step(ks: float, damping: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Motion stays small up to the step the engine allows, and grows without end beyond what the closed form allows."""
     cn = damping * np.sqrt(MASS * KN)
-    model = held(ks * KN, cn)
+    model = constant(ks * KN, cn)
     allowed = largest_step(model).seconds
     square = max(6.0 + 2.0 * ks, 24.0 * ks) * KN / MASS
     rate = (max(6.0 + 2.0, 24.0) if ks > 3.0 / 11.0 else 8.0) * cn / MASS
@@ -107,7 +107,7 @@ def test_stable_step(ks: float, damping: float, monkeypatch: pytest.MonkeyPatch)
     before = bustle(model)
     Engine(dt=0.99 * allowed, balance=np.inf).run(model, steps=3000)
     assert bustle(model) < 30.0 * before
-    model = held(ks * KN, cn)
+    model = constant(ks * KN, cn)
     monkeypatch.setattr(Engine, "_refuse", lambda *_: None)
     Engine(dt=1.03 * closed_form, energies=False).run(model, steps=1500)
     assert not bustle(model) < 1e3 * before
@@ -121,10 +121,10 @@ def test_column_settles_under_its_weight() -> None:
         DiscGeometry(np.zeros(count), z, RADIUS), DiscMaterials([soil]), DiscBoundary(FLOOR), gravity=(0.0, -GRAVITY)
     )
     Engine(dt="auto").run(model, 20.0)
-    one = MASS * GRAVITY / KN
+    item = MASS * GRAVITY / KN
     above = np.arange(count, 0, -1)  # discs that each contact carries
-    assert z - model.z == pytest.approx(np.cumsum(above) * one, rel=1e-6)
-    assert (z - model.z)[-1] == pytest.approx(count * (count + 1) / 2 * one, rel=1e-6)
+    assert z - model.z == pytest.approx(np.cumsum(above) * item, rel=1e-6)
+    assert (z - model.z)[-1] == pytest.approx(count * (count + 1) / 2 * item, rel=1e-6)
     assert contact_forces(model).line_fz == pytest.approx([count * MASS * GRAVITY], rel=1e-6)
 
 

@@ -45,8 +45,8 @@ def test_block_on_a_plane(strength: Strength | None, friction: float) -> None:
 def test_cohesion_of_a_line_holds_what_it_says() -> None:
     """A disc of mass m on a slope of angle b slides with g sin b - C/m."""
     tilt, mass = np.radians(20.0), float(np.pi * 0.25 * SAND.density)
-    held = 0.4 * mass * G * np.sin(tilt)
-    assert sliding(Strength(0.0, held), tilt).vx[0] == pytest.approx(0.6 * G * np.sin(tilt), abs=1e-3 * G)
+    fixed = 0.4 * mass * G * np.sin(tilt)
+    assert sliding(Strength(0.0, fixed), tilt).vx[0] == pytest.approx(0.6 * G * np.sin(tilt), abs=1e-3 * G)
 
 
 def two_lines(strengths: tuple[Strength | None, Strength | None]) -> DiscModel:
@@ -75,9 +75,9 @@ def test_other_springs_and_checkpoints_keep_what_lines_hold(tmp_path: Path) -> N
     model.set_springs([replace(SAND, friction=0.4)])
     model.save(tmp_path / "state.npz")
     again = DiscModel.load(tmp_path / "state.npz")
-    for one in (model, again):
-        one.set_velocity(5.0, 0.0)
-        Engine(dt=1e-4).run(one, 1.0)
+    for item in (model, again):
+        item.set_velocity(5.0, 0.0)
+        Engine(dt=1e-4).run(item, 1.0)
     assert again.vx.tobytes() == model.vx.tobytes()
     assert model.vx[0] == pytest.approx(5.0, abs=1e-6)
     assert model.vx[1] == pytest.approx(5.0 - 0.4 * G, abs=2e-2)

@@ -62,7 +62,7 @@ def test_discs_continue_across_the_sides(on_firm_ground: tuple[Config, Deposit])
     assert (model.z[model.fixed] < base[model.fixed]).all()
 
 
-def held_by(config: Config, at_rest: Deposit) -> float:
+def fixed_by(config: Config, at_rest: Deposit) -> float:
     """Newmark's block: a = (drive - strength) / mass, with the layer as part of the block, since it slips at its base.
     Returns the strength (Pa).
     """
@@ -81,10 +81,10 @@ def test_a_layer_on_firm_ground_holds_the_residual_strength_asked_for(on_firm_gr
     """1.05 to 1.10 of it in four packings, and 1.20 to 1.32 where the strength of bonds could not fall below half of
     what was asked for.
     """
-    assert held_by(*on_firm_ground) == pytest.approx(STRENGTH, rel=0.15)
+    assert fixed_by(*on_firm_ground) == pytest.approx(STRENGTH, rel=0.15)
 
 
 def test_a_layer_on_the_base_holds_the_residual_strength_asked_for() -> None:
     """0.99 to 1.06 of it in four packings, and 1.12 to 1.22 where bonds to the base were not adjusted."""
     config = endless_on(0.0)
-    assert held_by(config, resting(config)) == pytest.approx(STRENGTH, rel=0.1)
+    assert fixed_by(config, resting(config)) == pytest.approx(STRENGTH, rel=0.1)

@@ -70,8 +70,8 @@ def test_snaps_in_shear_at_mohr_coulombs_limit(squeeze: float, crack_by: str) ->
     seen = trace(model, DT, 750, watch, crack_by=crack_by)
     distance = np.concatenate([[LENGTH - squeeze * 2.0 * RADIUS], seen[:-1, 0]])
     # slip of the rims: the path across the line of centres
-    turned = np.arctan2(0.05 * DT * np.arange(751), LENGTH - squeeze * 2.0 * RADIUS)
-    middle = 0.05 * DT * np.cos(turned[1:])
+    rotated = np.arctan2(0.05 * DT * np.arange(751), LENGTH - squeeze * 2.0 * RADIUS)
+    middle = 0.05 * DT * np.cos(rotated[1:])
     shear = soil.kps * np.concatenate([[0.0], np.cumsum(middle)])[:-1]
     normal = soil.kpn * (LENGTH - distance)
     if crack_by == "contact":
@@ -121,8 +121,10 @@ def test_cracked_spring_pushes_again_after_the_discs_were_far_apart() -> None:
     model.set_velocity(np.array([0.0, -0.3]), 0.0)
     seen = trace(model, DT, 200, watch)
     assert seen[-1, 0] < LENGTH - 0.1
-    push = np.maximum(LENGTH - seen[:, 0], 0.0) * HEAVY.kpn + np.maximum(2.0 * RADIUS - seen[:, 0], 0.0) * HEAVY.kn
-    assert seen[:, 3] == pytest.approx(push, rel=1e-6, abs=1.0)
+    acceleration = (
+        np.maximum(LENGTH - seen[:, 0], 0.0) * HEAVY.kpn + np.maximum(2.0 * RADIUS - seen[:, 0], 0.0) * HEAVY.kn
+    )
+    assert seen[:, 3] == pytest.approx(acceleration, rel=1e-6, abs=1.0)
 
 
 def test_cracked_spring_shears_only_while_compressed_and_up_to_friction() -> None:

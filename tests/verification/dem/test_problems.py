@@ -37,9 +37,9 @@ def test_a_uniform_slope_carries_its_weight() -> None:
         on_it = ~model.fixed & (model.layer >= layer)
         weight = float((model.mass * model.weight)[on_it].sum()) * G * np.cos(np.radians(4.0))
         assert weight / model.period[0] == pytest.approx(expected, rel=0.05)
-    push = slope.push(0.2, 2.0, later=10.0)
-    assert push.rest.rested
-    assert abs(push.slide[-1]) < 0.05
+    slope_response = slope.shake_constant(0.2, 2.0, later=10.0)
+    assert slope_response.rest.rested
+    assert abs(slope_response.slide[-1]) < 0.05
 
 
 @pytest.mark.parametrize("ratio", [3.0, 3.5])
@@ -79,5 +79,5 @@ def test_a_liquefied_layer_between_dry_ones_holds_what_was_asked() -> None:
     )  # fmt: skip
     slope.liquefy([1], dem.Case(residual=ratio))
     critical = (ratio - np.tan(angle)) / (1.0 + ratio * np.tan(angle))
-    push = slope.push(2.0 * critical, 6.0, layer=1, later=1.0)
-    assert push.strength()[0] == pytest.approx(ratio, rel=0.15)
+    slope_response = slope.shake_constant(2.0 * critical, 6.0, layer=1, later=1.0)
+    assert slope_response.strength()[0] == pytest.approx(ratio, rel=0.15)

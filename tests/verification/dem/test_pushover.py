@@ -39,7 +39,7 @@ def block(soil: LayerSprings, tilt: float = 0.0) -> tuple[Ground, DiscModel, Con
 
 
 @cache
-def pushed_block() -> tuple[Search, DiscModel]:
+def sliding_block() -> tuple[Search, DiscModel]:
     """The push of a block of MU on a level plane, and its discs at the end."""
     ground, model, continuum = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
     return pushover_critical_kh(model, ground, SETTINGS, continuum)
@@ -50,10 +50,10 @@ def test_a_block_is_pushed_over_where_friction_says(mu: float, tilt_deg: float) 
     """A block on a plane that dips by beta slides at Kh = tan(phi - beta)."""
     tilt = np.radians(tilt_deg)
     ground, model, continuum = block(replace(SOIL, friction=mu, kpn=0.0, kps=0.0), tilt)
-    found = pushover_critical_kh(model, ground, SETTINGS, continuum)[0]
-    assert found.verdict == "bracketed"
-    assert found.kc == pytest.approx(np.tan(np.arctan(mu) - tilt), rel=0.02)
-    assert found.kc_lower <= found.kc <= found.kc_upper
+    result = pushover_critical_kh(model, ground, SETTINGS, continuum)[0]
+    assert result.verdict == "bracketed"
+    assert result.kc == pytest.approx(np.tan(np.arctan(mu) - tilt), rel=0.02)
+    assert result.kc_lower <= result.kc <= result.kc_upper
 
 
 def test_an_error_after_the_curve_leaves_the_discs_of_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -61,83 +61,83 @@ def test_an_error_after_the_curve_leaves_the_discs_of_its_end(monkeypatch: pytes
     ground, model, continuum = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
     points = pushover._points
 
-    def lost(discs: DiscModel, *given: Any) -> Iterator[Trial | str | None]:
-        for trial in points(discs, *given):
+    def lost(discs: DiscModel, *options: Any) -> Iterator[Trial | str | None]:
+        for trial in points(discs, *options):
             yield trial
             if trial is None:
                 discs.x[:] = np.nan
                 raise NotFiniteError("a disc is nowhere")
 
-    whole = pushed_block()[0]
+    whole = sliding_block()[0]
     monkeypatch.setattr(pushover, "_points", lost)
-    found, pushed = pushover_critical_kh(model, ground, SETTINGS, continuum)
-    assert (found.verdict, found.kc, found.curve) == (whole.verdict, whole.kc, whole.curve)
-    assert found.reason.endswith("pushed on until NotFiniteError: a disc is nowhere")
-    assert np.isfinite(pushed.x).all()
-    assert (pushed.x - model.x).mean() == pytest.approx(found.trials[-1].displacement_m, rel=0.05)
+    result, loaded = pushover_critical_kh(model, ground, SETTINGS, continuum)
+    assert (result.verdict, result.kc, result.curve) == (whole.verdict, whole.kc, whole.curve)
+    assert result.reason.endswith("pushed on until NotFiniteError: a disc is nowhere")
+    assert np.isfinite(loaded.x).all()
+    assert (loaded.x - model.x).mean() == pytest.approx(result.trials[-1].displacement_m, rel=0.05)
 
 
 def test_a_push_tells_where_and_why_it_ends() -> None:
     """A block whose reach is short moves by eight of them, one whose reach is long by eight radii."""
     ground, model, short = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
     long = short._replace(yielding=2.0 * RADIUS / SETTINGS.ductility)
-    for (found, pushed), way, why in (
-        (pushed_block(), FURTHEST * SETTINGS.ductility * short.yielding, "as far as discs are pushed"),
+    for (item, loaded), way, why in (
+        (sliding_block(), FURTHEST * SETTINGS.ductility * short.yielding, "as far as discs are pushed"),
         (pushover_critical_kh(model, ground, SETTINGS, long), FORMED * RADIUS, "a band of shear has formed"),
     ):
-        assert found.reason.endswith(why)
-        assert f"pushed on to {(pushed.x - model.x).mean():.2g} m" in found.reason
-        assert (pushed.x - model.x).mean() == pytest.approx(way, rel=0.05)
+        assert item.reason.endswith(why)
+        assert f"pushed on to {(loaded.x - model.x).mean():.2g} m" in item.reason
+        assert (loaded.x - model.x).mean() == pytest.approx(way, rel=0.05)
 
 
 def test_the_critical_kh_is_known_before_the_discs_have_failed() -> None:
     """A push that ends with its curve has the same curve to the last bit; its block is a little past the reach."""
     ground, model, continuum = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
-    found, pushed = pushover_critical_kh(model, ground, SETTINGS, continuum, until_failed=False)
-    until_failed, furthest = pushed_block()
-    assert (found.kc_lower, found.kc_upper, found.curve) == (
+    result, loaded = pushover_critical_kh(model, ground, SETTINGS, continuum, until_failed=False)
+    until_failed, furthest = sliding_block()
+    assert (result.kc_lower, result.kc_upper, result.curve) == (
         until_failed.kc_lower, until_failed.kc_upper, until_failed.curve
     )  # fmt: skip
-    assert found.verdict == "bracketed"
-    assert found.reason.endswith("times the yield displacement of the finite elements")
+    assert result.verdict == "bracketed"
+    assert result.reason.endswith("times the yield displacement of the finite elements")
     reach = SETTINGS.ductility * continuum.yielding
-    assert reach < (pushed.x - model.x).mean() < 1.3 * reach < (furthest.x - model.x).mean()
+    assert reach < (loaded.x - model.x).mean() < 1.3 * reach < (furthest.x - model.x).mean()
 
 
 def test_ground_of_which_a_part_comes_apart_is_pushed_no_further() -> None:
     """One disc of four is twenty times as far as the others."""
     ground, model, _ = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
-    ahead = model.copy()
-    ahead.x += 0.1 * RADIUS
+    disc_model = model.copy()
+    disc_model.x += 0.1 * RADIUS
     machine = pushover.DisplacementControl(RADIUS, 1.0)
-    assert not pushover._failed(ahead, model, ground, machine, 0.1 * RADIUS)
-    ahead.x[-1] += 2.0 * RADIUS
-    assert "a part has separated from the rest" in pushover._failed(ahead, model, ground, machine, 0.1 * RADIUS)
+    assert not pushover._failed(disc_model, model, ground, machine, 0.1 * RADIUS)
+    disc_model.x[-1] += 2.0 * RADIUS
+    assert "a part has separated from the rest" in pushover._failed(disc_model, model, ground, machine, 0.1 * RADIUS)
 
 
 def test_the_curve_is_elastic_and_then_level() -> None:
     """Up to mu a block gives way by Kh m g / ks, beyond it slides at that Kh."""
     continuum = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))[2]
-    found = pushed_block()[0]
-    assert found.kc == pytest.approx(MU, rel=0.02)
-    assert found.kc_lower <= found.kc <= found.kc_upper
-    kh, moved = np.array(found.curve).T
+    result = sliding_block()[0]
+    assert result.kc == pytest.approx(MU, rel=0.02)
+    assert result.kc_lower <= result.kc <= result.kc_upper
+    kh, moved = np.array(result.curve).T
     yielding = continuum.yielding
     elastic = moved < 0.8 * yielding
     assert elastic.sum() >= 3
     assert kh[elastic] == pytest.approx(moved[elastic] * MU / yielding, rel=0.05)
     assert kh[moved > 1.3 * yielding] == pytest.approx(MU, rel=0.05)
-    assert found.trials[-1].displacement_m <= BEYOND * SETTINGS.ductility * yielding
+    assert result.trials[-1].displacement_m <= BEYOND * SETTINGS.ductility * yielding
 
 
 @pytest.mark.slow
 def test_the_ground_does_not_swing_on_the_machine() -> None:
     """On a stiff one, which a small reach makes, Kh is as smooth: no point is far from those beside it."""
     ground, model = heap()
-    found = pushover_critical_kh(model, ground, SETTINGS, Continuum(0.3, 2e-4))[0]
-    kh = np.array([trial.kh for trial in found.trials])
+    result = pushover_critical_kh(model, ground, SETTINGS, Continuum(0.3, 2e-4))[0]
+    kh = np.array([trial.kh for trial in result.trials])
     assert np.abs(np.diff(kh, 2)).max() < 0.1 * kh.max()
-    assert max(trial.kinetic_ratio for trial in found.trials) < 1e-3
+    assert max(trial.kinetic_ratio for trial in result.trials) < 1e-3
 
 
 @cache
@@ -150,8 +150,8 @@ def heap() -> tuple[Ground, DiscModel]:
 def test_the_answer_does_not_depend_on_threads_and_the_discs_stay_as_they_were() -> None:
     ground, model = heap()
     before = model.x.copy()
-    one, two = (pushover_critical_kh(model, ground, SETTINGS, Continuum(0.3, 0.01), threads=n)[0] for n in (1, 2))
-    assert one == two
+    item, two = (pushover_critical_kh(model, ground, SETTINGS, Continuum(0.3, 0.01), threads=n)[0] for n in (1, 2))
+    assert item == two
     assert np.array_equal(model.x, before)
 
 
@@ -164,9 +164,9 @@ def test_stronger_discs_bear_more() -> None:
     assert weak is not None
     assert strong is not None
     assert weak < strong
-    found = calibrate(calibrator, 0.5 * (weak + strong), "strength", [])
-    assert found.verdict == "calibrated"
-    assert 0.8 < found.value < 1.3
+    calibration = calibrate(calibrator, 0.5 * (weak + strong), "strength", [])
+    assert calibration.verdict == "calibrated"
+    assert 0.8 < calibration.value < 1.3
 
 
 def test_a_push_wants_a_displacement() -> None:

@@ -13,8 +13,8 @@ SLOW = 0.046  # 1/s: an inertial number of 0.004 under 300 kPa
 def test_a_sheared_box_holds_what_was_asked(ratio: float, seed: int) -> None:
     """Every window of 5 % of strain from 5 % on, within a tenth."""
     box = ShearedBox.of(seed, ratio * 3e5)
-    held = box.shear(0.5, SLOW)[:, 0]
-    windows = np.convolve(held, np.ones(5) / 5.0, "valid")[5:]
+    shear = box.shear(0.5, SLOW)[:, 0]
+    windows = np.convolve(shear, np.ones(5) / 5.0, "valid")[5:]
     assert windows.min() > 0.9
     assert windows.max() < 1.1
 
@@ -22,8 +22,8 @@ def test_a_sheared_box_holds_what_was_asked(ratio: float, seed: int) -> None:
 def test_pore_pressure_alone_has_no_strength() -> None:
     """With no residual strength a sheared box holds less than a two-hundredth of its pressure."""
     box = ShearedBox.of(0, 1e-3)
-    held, pressure = box.shear(0.5, SLOW, balance=5e-3)[10:].T
-    assert np.abs(held * 1e-3 / pressure).mean() < 0.005
+    fixed, pressure = box.shear(0.5, SLOW, balance=5e-3)[10:].T
+    assert np.abs(fixed * 1e-3 / pressure).mean() < 0.005
 
 
 @pytest.mark.slow
@@ -35,8 +35,8 @@ def test_an_endless_slope_slides_as_newmarks_block(seed: int) -> None:
     slope = LayeredSlope(seed, ratio)
     assert abs(slope.speed()) < 2e-3
     critical = ratio - np.tan(slope.ANGLE)
-    assert slope.push(0.8 * critical, seconds)[0] < 0.5
-    slid, speed = slope.push(2.0 * critical, seconds)
+    assert slope.apply_kh(0.8 * critical, seconds)[0] < 0.5
+    slid, speed = slope.apply_kh(2.0 * critical, seconds)
     assert slid == pytest.approx(newmark_slide(slope.ANGLE, ratio, 2.0 * critical, seconds), rel=0.25)
     rate = np.polyfit(np.arange(4, 20) * 0.5, speed[3:19], 1)[0] / GRAVITY
     sine, cosine = np.sin(slope.ANGLE), np.cos(slope.ANGLE)

@@ -81,13 +81,13 @@ def test_slides_of_table_2(slides: list[Slide]) -> None:
     """Largest slide 3.3 and 4.9 m in cases 2 and 3, case 1 only uphill; settlement 1.0 m in case 3 (Sec. 4(3))."""
     alone, *cases = slides
     assert all(slide.escaped == 0 for slide in cases)
-    one, two, three = (slide.as_json(alone) for slide in cases)
+    item, two, three = (slide.as_json(alone) for slide in cases)
     assert two["slide_max_m"] == pytest.approx(3.3, rel=WITHIN)
     assert three["slide_max_m"] == pytest.approx(4.9, rel=WITHIN)
-    assert one["slide_max_m"] < 0.5
-    assert one["slides_over_share_uphill"] > 2.0 * one["slides_over_share_downhill"]
+    assert item["slide_max_m"] < 0.5
+    assert item["slides_over_share_uphill"] > 2.0 * item["slides_over_share_downhill"]
     assert three["settlement_uphill_m"] == pytest.approx(1.0, rel=WITHIN)
-    drops = [case["settlement_uphill_m"] for case in (one, two, three)]
+    drops = [case["settlement_uphill_m"] for case in (item, two, three)]
     assert drops == sorted(drops)
     assert three["slides_over_share"] > 0.8
 
@@ -97,6 +97,6 @@ def test_the_chain_has_the_same_bits_twice(run: Config, ground: Ground, settled:
     assert (again.x == settled.x).all()
     settings = SlideSettings(duration=5.0)
     case = run.slide.cases[2]
-    one = Slider(settled, ground, [3, 5], case, settings).run(threads=1)
+    iterate = Slider(settled, ground, [3, 5], case, settings).run(threads=1)
     two = Slider(again, ground, [3, 5], case, settings).run(threads=2)
-    assert one == two
+    assert iterate == two

@@ -24,8 +24,8 @@ def column(beta: float = 0.0) -> DiscModel:
     """
     height, heights = 0.0, [0.0]
     for row in range(1, ROWS + 1):
-        carried = MASS * GRAVITY * (ROWS + 1 - row)
-        length = 2.0 * RADIUS - carried / (2.0 * np.sqrt(1.0 - 0.25 * (SPACING / (2.0 * RADIUS)) ** 2)) / KN
+        supported = MASS * GRAVITY * (ROWS + 1 - row)
+        length = 2.0 * RADIUS - supported / (2.0 * np.sqrt(1.0 - 0.25 * (SPACING / (2.0 * RADIUS)) ** 2)) / KN
         height += float(np.sqrt(length**2 - 0.25 * SPACING**2))
         heights.append(height)
     row, place = np.repeat(np.arange(ROWS + 1), COLUMNS), np.tile(np.arange(COLUMNS), ROWS + 1)

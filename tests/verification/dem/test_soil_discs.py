@@ -77,7 +77,7 @@ def test_rolling_moments_of_two_discs_are_opposite() -> None:
     heavy = replace(BARE, ks=0.5 * KN, density=1e12, effective_density=1e12, friction=0.0, rolling_friction=0.2)
     reduced = radius.prod() / radius.sum()
     spin = np.array([0.02, -0.05])
-    push = 0.01 * KN
+    force = 0.01 * KN
     model = DiscModel.create(DiscGeometry([0.0, 1.49], [0.0, 0.0], radius), DiscMaterials([heavy], law="soil"))
     model.set_velocity(0.0, 0.0, spin)
     seen = []
@@ -91,7 +91,7 @@ def test_rolling_moments_of_two_discs_are_opposite() -> None:
     trace(model, 1e-3, 400, watch)
     time, on_first, on_second = np.array(seen).T
     moment = heavy.ks * reduced**2 * (spin[1] - spin[0]) * time
-    limit = 0.2 * reduced * push
+    limit = 0.2 * reduced * force
     assert np.abs(moment[-1]) > 2.0 * limit
     assert on_first == pytest.approx(np.clip(moment, -limit, limit), rel=1e-4)
     assert on_second == pytest.approx(-on_first, rel=1e-12)
@@ -155,22 +155,22 @@ def test_of_two_materials_the_one_that_attracts_less_counts() -> None:
     sand = replace(BARE, name="sand", friction=0.5)
     loam = replace(clay, name="loam", kn=3.0 * KN, contact_cohesion=2e4)
     gap = pair_table([clay, sand, loam], law="soil").pairs[GAP].reshape(4, 4)
-    kept = np.array([1e5, 0.0, 4e4])
-    assert np.diag(gap)[:3] == pytest.approx(kept / [KN, KN, 3.0 * KN])
+    stored = np.array([1e5, 0.0, 4e4])
+    assert np.diag(gap)[:3] == pytest.approx(stored / [KN, KN, 3.0 * KN])
     assert gap[0, 1] == gap[1, 2] == 0.0
     assert gap[0, 2] == gap[2, 0] == pytest.approx(4e4 / (2.0 * KN))
     assert gap[:3, 3] == pytest.approx(np.diag(gap)[:3])  # the boundary attracts as what touches it does
     assert np.all(pair_table([replace(clay, contact_cohesion=0.0)], law="soil").pairs[GAP] == 0.0)
 
 
-@pytest.mark.parametrize(("push", "due"), [(5e4, 0.7 * 5e4), (2e5, 6e4 + 0.1 * 2e5)])
-def test_two_materials_are_as_strong_as_the_weaker(push: float, due: float) -> None:
+@pytest.mark.parametrize(("loading", "due"), [(5e4, 0.7 * 5e4), (2e5, 6e4 + 0.1 * 2e5)])
+def test_two_materials_are_as_strong_as_the_weaker(loading: float, due: float) -> None:
     """Sand (mu 0.7) governs at little normal force, clay (C = 60 kN, mu 0.1) at much."""
     sand = replace(BARE, ks=0.5 * KN, density=1e9, effective_density=1e9, friction=0.7)
     clay = replace(sand, name="clay", friction=0.1, contact_cohesion=6e4)
     for layers in ([0, 1], [1, 0]):
         model = DiscModel.create(
-            DiscGeometry([0.0, 2.0 * RADIUS - push / KN], [0.0, 0.0], RADIUS, layers),
+            DiscGeometry([0.0, 2.0 * RADIUS - loading / KN], [0.0, 0.0], RADIUS, layers),
             DiscMaterials([sand, clay], law="soil", turns=False),
         )
         model.set_velocity(0.0, np.array([0.0, 0.02]))
@@ -286,7 +286,7 @@ def test_settled_heap_is_in_equilibrium_moments_included() -> None:
     Engine(balance=np.inf).run(model, 12.0)
     forces = contact_forces(model)
     fx, fz, moment = resultants(model, forces)
-    carried = np.hypot(forces.fx, forces.fz).max()
-    assert np.hypot(fx, fz).max() < 1e-3 * carried
-    assert np.abs(moment).max() < 1e-3 * carried * RADIUS
-    assert np.abs(forces.rim_i - forces.rim).max() > 1e-2 * carried
+    supported = np.hypot(forces.fx, forces.fz).max()
+    assert np.hypot(fx, fz).max() < 1e-3 * supported
+    assert np.abs(moment).max() < 1e-3 * supported * RADIUS
+    assert np.abs(forces.rim_i - forces.rim).max() > 1e-2 * supported

@@ -53,26 +53,26 @@ def ground(run: Config, layers: list[SoilLayer]) -> Deposit:
 @pytest.fixture(scope="module")
 def checks(run: Config, layers: list[SoilLayer]) -> dict[str, LayerCheck]:
     programme = ElementTestProgramme(layers, run.dem.mean_radius(run.section))
-    found = programme.checks(SERIAL.compute(compressed, programme.tasks))
-    return {check.stratum: check for check in found}
+    layer_checks = programme.checks(SERIAL.compute(compressed, programme.tasks))
+    return {check.stratum: check for check in layer_checks}
 
 
 @pytest.fixture(scope="module")
-def pushed(run: Config, ground: Deposit) -> tuple[Search, DiscModel]:
+def displaced(run: Config, ground: Deposit) -> tuple[Search, DiscModel]:
     return pushover_critical_kh(ground.settled, ground.ground, run.dem, Continuum(KC, YIELDING), threads=2)
 
 
 @pytest.fixture(scope="module")
-def shaken() -> Config:
+def with_shaking() -> Config:
     """S-13 in the cycles of its earthquake. A Kh of 0.1, held for ever, is its limit load after liquefaction."""
     return load_config(SECTIONS / "s13.toml")
 
 
 @pytest.fixture(scope="module")
-def slides(shaken: Config, ground: Deposit) -> list[Slide]:
-    start, cases = ground.settled, shaken.slide.cases[::2]
-    shaking = shaking_of(shaken, LIQUEFIED)
-    sliders = [Slider(start, ground.ground, LIQUEFIED, case, shaken.slide, shaking=shaking) for case in cases]
+def slides(with_shaking: Config, ground: Deposit) -> list[Slide]:
+    start, cases = ground.settled, with_shaking.slide.cases[::2]
+    shaking = shaking_of(with_shaking, LIQUEFIED)
+    sliders = [Slider(start, ground.ground, LIQUEFIED, case, with_shaking.slide, shaking=shaking) for case in cases]
     with ThreadPoolExecutor(2) as pool:
         return list(pool.map(Slider.run, sliders))
 
@@ -114,28 +114,28 @@ def test_the_ground_is_the_sections(run: Config, ground: Deposit) -> None:
     assert abs(missing) < 0.01 * run.section.layering.areas().sum()
 
 
-def test_the_critical_kh_is_predicted(pushed: tuple[Search, DiscModel]) -> None:
-    kc = pushed[0].kc
+def test_the_critical_kh_is_predicted(displaced: tuple[Search, DiscModel]) -> None:
+    kc = displaced[0].kc
     assert kc is not None
     assert 0.85 <= kc / KC <= 1.15
 
 
 def test_discs_fail_where_the_continuum_does(
-    run: Config, layers: list[SoilLayer], ground: Deposit, pushed: tuple[Search, DiscModel]
+    run: Config, layers: list[SoilLayer], ground: Deposit, displaced: tuple[Search, DiscModel]
 ) -> None:
     """With fixed sides and psi as given. Three packings: 3.1, 3.0 and 1.8 m; from the slip surface of Davis's
     substitute, which weakens sand and leaves clay alone, 7.7, 8.6 and 6.2 m."""
     wish = run.fem.changed(direction="downhill", sides="fixed")
     continuum = non_associated_path(run.section, generate(run.section, run.mesh), wish, MPI.COMM_SELF)
     assert continuum.kc == pytest.approx(KC, abs=0.002)
-    surfaces = [slip_surface(pushed[1], ground.settled, ground.ground)]
+    surfaces = [slip_surface(displaced[1], ground.settled, ground.ground)]
     for seed in (1, 2):
         settings = run.dem.model_copy(update={"seed": seed})
         other = deposit(run.section, settings, layers)
         failed = pushover_critical_kh(other.settled, other.ground, settings, Continuum(KC, YIELDING), threads=2)[1]
         surfaces.append(slip_surface(failed, other.settled, other.ground))
     apart = [compare(run.section, surface, continuum.slip_surface) for surface in surfaces]
-    assert np.mean([found.mean_distance_m for found in apart if found is not None]) < 3.0
+    assert np.mean([item.mean_distance_m for item in apart if item is not None]) < 3.0
     assert None not in apart
 
 
@@ -154,20 +154,24 @@ def test_slides_come_to_rest_where_one_can_believe_it(slides: list[Slide]) -> No
     assert 0.25 < first.settlement_uphill_m < 0.5
 
 
-def test_ground_that_does_not_liquefy_hardly_moves(shaken: Config, ground: Deposit) -> None:
+def test_ground_that_does_not_liquefy_hardly_moves(with_shaking: Config, ground: Deposit) -> None:
     """Cycles of Kh = 0.17 are half the critical Kh: 0.1 to 0.3 m where most, 0.4 to 0.8 m on a rigid base."""
-    slide = Slider(ground.settled, ground.ground, [], None, shaken.slide, shaking=shaking_of(shaken, [])).run()
+    slide = Slider(
+        ground.settled, ground.ground, [], None, with_shaking.slide, shaking=shaking_of(with_shaking, [])
+    ).run()
     assert slide.rows[-1].slide_max_m < 0.35
     assert slide.rows[-1].slide_middle_m < 0.15
 
 
 def test_discs_of_half_the_radius_slide_as_far(
-    run: Config, shaken: Config, layers: list[SoilLayer], slides: list[Slide]
+    run: Config, with_shaking: Config, layers: list[SoilLayer], slides: list[Slide]
 ) -> None:
     dem = run.dem.model_copy(update={"radius": 0.5 * run.dem.mean_radius(run.section)})
     fine = deposit(run.section, dem, layers)
-    shaking = shaking_of(shaken, LIQUEFIED)
-    slider = Slider(fine.settled, fine.ground, LIQUEFIED, shaken.slide.cases[0], shaken.slide, shaking=shaking)
+    shaking = shaking_of(with_shaking, LIQUEFIED)
+    slider = Slider(
+        fine.settled, fine.ground, LIQUEFIED, with_shaking.slide.cases[0], with_shaking.slide, shaking=shaking
+    )
     slide = slider.run(threads=2)
     assert slide.settled
     assert slide.rows[-1].slide_max_m == pytest.approx(slides[0].rows[-1].slide_max_m, rel=0.3)

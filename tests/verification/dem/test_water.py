@@ -28,16 +28,16 @@ FRICTION = 0.8
 PAIR = {"density": None, "density_saturated": None}
 
 
-def discs(given):
+def discs(inputs):
     """The discs of a section before they settle."""
-    layers = [layer.springs(0.5, 0.25) for layer in soil_layers(given)]
-    return ground_of(given, DISCS).model(layers, DISCS)
+    layers = [layer.springs(0.5, 0.25) for layer in soil_layers(inputs)]
+    return ground_of(inputs, DISCS).model(layers, DISCS)
 
 
 def test_discs_under_still_water_feel_what_discs_of_buoyant_weight_feel():
     under, buoyant = (
-        discs(given)
-        for given in (
+        discs(config)
+        for config in (
             section(water={"table": 12.0}),
             section(soil(density_ordinary=20e3 / GRAVITY - 1000.0, density_seismic=20e3 / GRAVITY, **PAIR)),
         )
@@ -45,8 +45,8 @@ def test_discs_under_still_water_feel_what_discs_of_buoyant_weight_feel():
     free = ~under.fixed
     assert np.array_equal(under.x, buoyant.x)
     np.testing.assert_allclose(under.mass, buoyant.mass, rtol=1e-12)
-    for one, other in zip(under.pull, buoyant.pull, strict=True):
-        np.testing.assert_allclose(one[free], other[free], atol=1e-6 * GRAVITY)
+    for item, other in zip(under.pull, buoyant.pull, strict=True):
+        np.testing.assert_allclose(item[free], other[free], atol=1e-6 * GRAVITY)
 
 
 def test_a_surcharge_and_a_jump_of_pore_pressure_reach_the_discs_whole():
@@ -58,22 +58,22 @@ def test_a_surcharge_and_a_jump_of_pore_pressure_reach_the_discs_whole():
     model = discs(artesian)
     below = model.layer == 1
     lifted = np.sum((model.mass * model.pore_acceleration_z)[~below & ~model.fixed])
-    pushed = np.sum((model.mass * model.pore_acceleration_z)[below])
+    displaced = np.sum((model.mass * model.pore_acceleration_z)[below])
     # the jump of 7 m of head between clay and sand, and 60 m wide, less what Archimedes gives the sand below
-    assert lifted + pushed == pytest.approx(60.0 * (7.0 + 6.0) * WATER, rel=0.05)
+    assert lifted + displaced == pytest.approx(60.0 * (7.0 + 6.0) * WATER, rel=0.05)
 
 
 def test_discs_that_move_through_the_water_table_are_buoyed_by_their_part_below_it():
     """Archimedes, with the part of a square as high and wide as the disc: nothing above, γw / ρ of the soil below."""
-    given = section(surface=[[0.0, 10.0], [60.0, 10.0]], water={"table": 6.0})
-    ground = ground_of(given, DISCS)
-    model = ground.model([layer.springs(0.5, 0.25) for layer in soil_layers(given)], DISCS)
+    config = section(surface=[[0.0, 10.0], [60.0, 10.0]], water={"table": 6.0})
+    ground = ground_of(config, DISCS)
+    model = ground.model([layer.springs(0.5, 0.25) for layer in soil_layers(config)], DISCS)
     free = ~model.fixed
     for rise in (0.0, 1.7, -2.4):
         model.z += rise
         below = np.clip(0.5 - (ground.to_section(model.x, model.z)[1] - 6.0) / (2.0 * model.radius), 0.0, 1.0)
         felt = ground.buoyancy(model)
-        density = np.array([s.density_seismic for s in given.strata])[model.layer[free]]
+        density = np.array([s.density_seismic for s in config.strata])[model.layer[free]]
         np.testing.assert_allclose(felt[1][free], below[free] * WATER / density, rtol=1e-9, atol=1e-9)
         np.testing.assert_allclose(felt[0], 0.0, atol=1e-9)
 
@@ -129,7 +129,7 @@ def test_a_row_that_repeats_slides_down_with_seepage_at_its_closed_form(head, ex
     water, at = strip.water_pressure, np.array([[30.0, 4.0]])
 
     def pressure(place):
-        return float((water.at_rest(place, at, [0]) + water.shaken(place, at, [0]))[0])
+        return float((water.at_rest(place, at, [0]) + water.excess(place, at, [0]))[0])
 
     rise = [(pressure(at + d) - pressure(at - d)) / 2e-3 for d in 1e-3 * np.eye(2)]
     pore = WATER * (cosine**2 if head == "normal" else 1.0)
@@ -176,8 +176,8 @@ def test_what_shakes_does_its_work_and_comes_to_the_same_with_any_number_of_thre
     by_weight = float(np.sum(model.mass * (np.array(model.gravity) @ (np.array([model.x, model.z]) - begin))))
     assert energies.weight == pytest.approx(by_weight, rel=1e-6)
     assert energies.external > energies.weight
-    for one, other in zip(*ends, strict=True):
-        assert np.array_equal(one, other)
+    for item, other in zip(*ends, strict=True):
+        assert np.array_equal(item, other)
 
 
 def test_surcharges_and_free_water_push_with_their_inertia():
@@ -196,17 +196,17 @@ def test_surcharges_and_free_water_push_with_their_inertia():
 @pytest.mark.parametrize("ratio", [0.0, 0.4])
 def test_what_carries_the_ground_is_what_excess_pore_pressure_leaves(ratio):
     """Discs at rest under still water press on their box with 1 - r of their buoyant weight."""
-    given = section(
+    ground = section(
         soil(excess_pore_pressure_ratio=ratio), surface=[[0.0, 5.0], [20.0, 5.0]], base={"elevation": 0.0},
         water={"table": 8.0},
     )  # fmt: skip
-    layers = [layer.springs(0.5, 0.25) for layer in soil_layers(given)]
-    model = settle(ground_of(given, SMALL), layers, SMALL)
+    layers = [layer.springs(0.5, 0.25) for layer in soil_layers(ground)]
+    model = settle(ground_of(ground, SMALL), layers, SMALL)
     forces, free = contact_forces(model), ~model.fixed
     buoyant = np.sum(model.mass[free]) * GRAVITY * (20e3 - WATER) / 20e3
     _, up, _ = resultants(model, forces)
-    carried = -np.sum(up[model.fixed]) + np.sum(forces.line_fz)
-    np.testing.assert_allclose(carried, (1.0 - ratio) * buoyant, rtol=1e-3)
+    supported = -np.sum(up[model.fixed]) + np.sum(forces.line_fz)
+    np.testing.assert_allclose(supported, (1.0 - ratio) * buoyant, rtol=1e-3)
 
 
 def test_strength_of_discs_goes_by_effective_stress():

@@ -41,9 +41,9 @@ def test_of_an_embankment_the_steeper_face_counts(tmp_path: Path, capsys: pytest
     assert (first["direction"], first["towards"]) == ("uphill", "right")
     assert (other["direction"], other["towards"]) == ("downhill", "left")
     assert other["lower"] >= answer["upper"]
-    told = " ".join(capsys.readouterr().out.split())
-    assert "force upslope (to the right)" in told
-    assert f"downslope (to the left) it is {other['lower']:.4f} to {other['upper']:.4f}" in told
+    text = " ".join(capsys.readouterr().out.split())
+    assert "force upslope (to the right)" in text
+    assert f"downslope (to the left) it is {other['lower']:.4f} to {other['upper']:.4f}" in text
 
 
 @pytest.mark.parametrize("number", [0, 3, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 2))])
@@ -65,14 +65,14 @@ def test_both_directions_give_the_smaller_of_either_alone(number):
     }
     mirrored = {**data, "surface": np.column_stack([x[-1] - x, z])[::-1].tolist()}
     section, mirror = Section.parse(data), Section.parse(mirrored)
-    one, other = (bounds_of(section, direction) for direction in ("downhill", "uphill"))
-    both, turned = bounds_of(section, "both"), bounds_of(mirror, "both")
-    for found in (both, turned):
-        assert found.gap <= 0.04
-        assert found.lower <= min(one.upper, other.upper)
-        assert found.upper >= min(one.lower, other.lower)
-        assert found.lower == pytest.approx(min(one.lower, other.lower), rel=0.04)
-    assert both.directions[0].towards != turned.directions[0].towards or one.lower == pytest.approx(
+    item, other = (bounds_of(section, direction) for direction in ("downhill", "uphill"))
+    both, rotated = bounds_of(section, "both"), bounds_of(mirror, "both")
+    for result in (both, rotated):
+        assert result.gap <= 0.04
+        assert result.lower <= min(item.upper, other.upper)
+        assert result.upper >= min(item.lower, other.lower)
+        assert result.lower == pytest.approx(min(item.lower, other.lower), rel=0.04)
+    assert both.directions[0].towards != rotated.directions[0].towards or item.lower == pytest.approx(
         other.lower, rel=0.05
     )
 
@@ -82,9 +82,9 @@ def test_a_force_uphill_does_not_count_where_ground_leaves_through_the_side_that
     soil = layer("soil", cohesion="5 kPa", friction_angle="30 deg")
     ground = {"name": "cut", "surface": [[0.0, 10.0], [40.0, 0.0]], "base": {"elevation": -4.0}, "strata": [soil]}
     section = Section.parse(ground)
-    found = kh_bounds(section, FemSettings(sides="free-field"), ROUGHLY)
+    bounds = kh_bounds(section, FemSettings(sides="free-field"), ROUGHLY)
     alone = kh_bounds(section, FemSettings(sides="free-field", direction="uphill"), ROUGHLY)
-    assert found.directions[0].direction == "downhill"
-    by_direction = {one.direction: one for one in found.directions}
+    assert bounds.directions[0].direction == "downhill"
+    by_direction = {direction.direction: direction for direction in bounds.directions}
     assert by_direction["uphill"].leaves == ("left",)
     assert alone.directions[0].leaves == ("left",)

@@ -52,14 +52,14 @@ def log_spiral(phi, slope=90.0):
     return min(minimize(factor, s, method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-9}).fun for s in starts)
 
 
-def contains(found, answer, within):
+def contains(outcome, answer, within):
     """The bracket is strict and holds the answer, and its gap is no more than ``within``."""
-    assert found.stress is not None
-    assert found.mechanism is not None
-    assert found.stress.check.holds
-    assert found.mechanism.check.holds
-    assert found.lower <= answer <= found.upper
-    assert found.gap <= within
+    assert outcome.stress is not None
+    assert outcome.mechanism is not None
+    assert outcome.stress.check.holds
+    assert outcome.mechanism.check.holds
+    assert outcome.lower <= answer <= outcome.upper
+    assert outcome.gap <= within
 
 
 @pytest.mark.parametrize(
@@ -81,10 +81,10 @@ def test_log_spiral_is_the_published_one(phi, slope, published):
 
 def test_vertical_cut_of_clay_holds_the_published_bracket():
     """γH/c 3.7752 to 3.7776 (Kammoun et al. 2010). Measured: 3.7699 to 3.7906 on 2383 cells."""
-    found = vertical_cut(0.0, gap=0.015)
-    contains(found, 3.7764, 0.015)
-    assert found.lower <= 3.7776
-    assert found.upper >= 3.7752
+    result = vertical_cut(0.0, gap=0.015)
+    contains(result, 3.7764, 0.015)
+    assert result.lower <= 3.7776
+    assert result.upper >= 3.7752
 
 
 @pytest.mark.parametrize(
@@ -93,10 +93,10 @@ def test_vertical_cut_of_clay_holds_the_published_bracket():
 def test_log_spirals_do_not_undercut_the_lower_bound_of_vertical_cuts(phi):
     """Measured (gap 1.2 % asked for): 4.536-4.568 (10°), 5.465-5.524 (20°), 6.654-6.700 (30°), 8.258-8.308 (40°); the
     log-spirals 4.583, 5.505, 6.687, 8.288 are at most 1 % above the best there is."""
-    found = vertical_cut(phi, gap=0.03)
-    assert found.gap <= 0.03
-    assert found.lower <= log_spiral(phi)
-    assert found.upper >= 0.99 * log_spiral(phi)
+    result = vertical_cut(phi, gap=0.03)
+    assert result.gap <= 0.03
+    assert result.lower <= log_spiral(phi)
+    assert result.upper >= 0.99 * log_spiral(phi)
 
 
 @pytest.mark.parametrize(
@@ -105,18 +105,18 @@ def test_log_spirals_do_not_undercut_the_lower_bound_of_vertical_cuts(phi):
 def test_slopes_of_45_degrees(phi, lowest):
     """Measured: 9.198-9.254 (10°, log-spiral 9.31: the best mechanism goes below the toe), 16.015-16.140 (20°; 15.93 to
     16.39 by limit analysis elsewhere), 30° in docs/validation."""
-    found = slope_45(phi, gap=0.03)
-    assert found.gap <= 0.03
-    assert lowest <= found.lower <= log_spiral(phi, 45.0)
-    assert found.upper <= 1.04 * log_spiral(phi, 45.0)
+    result = slope_45(phi, gap=0.03)
+    assert result.gap <= 0.03
+    assert lowest <= result.lower <= log_spiral(phi, 45.0)
+    assert result.upper <= 1.04 * log_spiral(phi, 45.0)
 
 
 def test_slope_box():
     """6.619 to 6.687 by limit analysis elsewhere, Chen 6.69. Measured: 6.654 to 6.694 on 3310 cells."""
-    found = slope_box(30.0, gap=0.025)
-    contains(found, 6.68, 0.025)
-    assert found.lower <= 6.687
-    assert found.upper >= 6.619
+    result = slope_box(30.0, gap=0.025)
+    contains(result, 6.68, 0.025)
+    assert result.lower <= 6.687
+    assert result.upper >= 6.619
 
 
 def test_footing_on_clay():
@@ -145,11 +145,11 @@ def test_s13_fixed_within_3_percent_in_less_than_a_minute():
 
     0.356 to 0.366 is the bracket of an earlier reconstruction whose layers 2 and 3 were wedges.
     """
-    found = kh_bounds(S13, FemSettings(sides="fixed"), BoundsSettings(gap=0.03, davis=False))
-    assert sum(mesh.work for one in found.directions for mesh in one.meshes) < 60.0
-    contains(found, 0.3545, 0.03)
-    assert found.lower >= 0.35
-    assert found.upper <= 0.367
+    bounds = kh_bounds(S13, FemSettings(sides="fixed"), BoundsSettings(gap=0.03, davis=False))
+    assert sum(mesh.work for direction in bounds.directions for mesh in direction.meshes) < 60.0
+    contains(bounds, 0.3545, 0.03)
+    assert bounds.lower >= 0.35
+    assert bounds.upper <= 0.367
 
 
 @slow
@@ -161,10 +161,10 @@ def test_s13_free_field():
 @slow
 def test_davis_substitute_of_s13():
     """0.316 to 0.322 by limit analysis of the earlier reconstruction."""
-    found = kh_bounds(S13, FemSettings(sides="fixed", flow="davis"), BoundsSettings(gap=0.02)).substitute
-    assert found is not None
-    assert found.gap <= 0.02
-    assert 0.30 < found.lower < found.upper < 0.325
+    substitute = kh_bounds(S13, FemSettings(sides="fixed", flow="davis"), BoundsSettings(gap=0.02)).substitute
+    assert substitute is not None
+    assert substitute.gap <= 0.02
+    assert 0.30 < substitute.lower < substitute.upper < 0.325
 
 
 @slow
@@ -193,12 +193,12 @@ def test_a_long_flat_layer_cannot_be_pushed_by_less_than_it_takes_to_slide(c, ph
     soil = layer("soil", cohesion=c, friction_angle=f"{phi} deg", bottom={"depth": 2.0})
     rock = layer("rock", cohesion="10 MPa", friction_angle="0 deg")
     data = {"name": "flat", "surface": [[0.0, 0.0], [60.0, 0.0]], "base": {"depth": 3.0}, "strata": [soil, rock]}
-    found = kh_bounds(
+    bounds = kh_bounds(
         Section.parse(data), FemSettings(sides="fixed"), BoundsSettings(gap=0.05, max_cells=2000, davis=False)
     )
     slides = c / (1900.0 * 9.80665 * 2.0) + math.tan(math.radians(phi))
-    assert found.upper >= slides
-    assert found.lower >= 0.97 * slides
+    assert bounds.upper >= slides
+    assert bounds.lower >= 0.97 * slides
 
 
 @pytest.mark.slow
@@ -206,11 +206,11 @@ def test_the_bank_without_cohesion_has_a_shallow_failure_and_a_bracket_of_the_wh
     """A river bank of 8 m at 1:3 of layered ground: the shallow failure of the submerged sand, tan(φ - β) γ/γs =
     0.1231, in closed form; the bank as a whole, deeper than 0.5 m, measured with free-field sides: 0.1618 to 0.1643 on
     5249 triangles."""
-    found = kh_bounds(Section.read(RIVER_BANK), FemSettings(), BoundsSettings(gap=0.05, davis=False))
-    [face] = found.shallow_failures
+    bounds = kh_bounds(Section.read(RIVER_BANK), FemSettings(), BoundsSettings(gap=0.05, davis=False))
+    [face] = bounds.shallow_failures
     assert face.kh == pytest.approx(0.9 / 1.9 * math.tan(math.radians(33.0) - math.atan(1.0 / 3.0)))
-    contains(found, 0.163, 0.05)
-    assert found.lower > face.kh
+    contains(bounds, 0.163, 0.05)
+    assert bounds.lower > face.kh
 
 
 @slow
@@ -218,8 +218,8 @@ def test_thirty_random_sections_have_both_bounds():
     """Gap of 2 % in 60 s of computing for at least 28; measured in `python -m tests.benchmarks.random_sections`."""
     entries = list(bounds_of_all())
     for entry in entries:
-        assert entry.found.lower < entry.found.upper, entry.number
-        assert np.isfinite(entry.found.gap), entry.number
+        assert entry.bounds.lower < entry.bounds.upper, entry.number
+        assert np.isfinite(entry.bounds.gap), entry.number
     assert sum(entry.good for entry in entries) >= 28
 
 
@@ -228,10 +228,10 @@ def test_thirty_random_sections_have_both_bounds():
 def test_lower_is_below_upper_for_every_section(section):
     """Those that fail under their own weight are told so; for some there is no lower bound on so few cells."""
     try:
-        found = kh_bounds(section, FemSettings(sides="fixed"), BoundsSettings(gap=0.3, max_cells=250, davis=False))
+        bounds = kh_bounds(section, FemSettings(sides="fixed"), BoundsSettings(gap=0.3, max_cells=250, davis=False))
     except UnstableError:
         return
-    assert found.lower < found.upper
-    for one in found.meshes:
-        if one.lower is not None and one.upper is not None:
-            assert one.lower < one.upper
+    assert bounds.lower < bounds.upper
+    for meshe in bounds.meshes:
+        if meshe.lower is not None and meshe.upper is not None:
+            assert meshe.lower < meshe.upper

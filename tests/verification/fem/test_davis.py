@@ -40,9 +40,9 @@ def factor(flow, form="B"):
 def test_factor_of_safety_of_one_soil_without_dilation_follows_from_that_of_full_dilation(form):
     full = factor("associated").factor
     exact = full * math.cos(math.radians(PHI)) if form == "A" else math.sqrt(full**2 - math.tan(math.radians(PHI)) ** 2)
-    found = factor("davis", form)
-    assert found.verdict == "plateau"
-    assert found.factor == pytest.approx(exact, rel=0.004)
+    value = factor("davis", form)
+    assert value.verdict == "plateau"
+    assert value.factor == pytest.approx(exact, rel=0.004)
 
 
 def test_slope_of_45_degrees_stands_by_davis_where_the_path_as_given_said_nothing():

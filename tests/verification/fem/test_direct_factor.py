@@ -35,8 +35,8 @@ def test_a_footing_that_presses_with_prandtls_load_has_a_factor_of_one():
     case = cases()["strip_footing_30"]
     wish = case.fem.model_copy(update={"flow": "associated", "max_cells": 2500})
     mesh = generate(case.section, case.mesh)
-    found = AdaptiveSearch(case.section, case.mesh, mesh, MPI.COMM_SELF).safety(wish, 0.0)
-    assert found.result.factor == pytest.approx(1.0, abs=0.003)
+    adaptive_result = AdaptiveSearch(case.section, case.mesh, mesh, MPI.COMM_SELF).safety(wish, 0.0)
+    assert adaptive_result.result.factor == pytest.approx(1.0, abs=0.003)
 
 
 def test_a_loaded_slope_without_weight_has_a_factor_of_one():
@@ -45,28 +45,28 @@ def test_a_loaded_slope_without_weight_has_a_factor_of_one():
     case = cases()["chen_shao_prandtl"]
     wish = case.fem.model_copy(update={"flow": "associated", "max_cells": 2500})
     mesh = generate(case.section, case.mesh)
-    found = AdaptiveSearch(case.section, case.mesh, mesh, MPI.COMM_SELF).safety(wish, 0.0)
-    assert found.result.factor == pytest.approx(1.0, abs=0.003)
+    adaptive_result = AdaptiveSearch(case.section, case.mesh, mesh, MPI.COMM_SELF).safety(wish, 0.0)
+    assert adaptive_result.result.factor == pytest.approx(1.0, abs=0.003)
 
 
 def test_an_embankment_that_spreads_to_both_sides_is_between_its_bounds():
     """Nakamura et al. (2008) on 6 m of soft clay: 1.093 to 1.116 by bounds. Its mechanism is symmetric, so that a push
     does no work, and secants in Kh once ended at 1.236. Measured: 1.111, the same to the left as to the right."""
-    found = factor_of("nakamura_06")
-    assert 1.093 < found.factor < 1.116
-    assert found.mechanism is not None
-    moved = found.mechanism.displacement[:, 0]
+    result = factor_of("nakamura_06")
+    assert 1.093 < result.factor < 1.116
+    assert result.mechanism is not None
+    moved = result.mechanism.displacement[:, 0]
     assert moved.min() == pytest.approx(-moved.max(), rel=0.05)
 
 
 @pytest.mark.parametrize("guess", [0.2, 5.0])
 def test_the_factor_is_the_same_wherever_the_search_begins(guess):
     near = factor_of("taylor_60_10").factor
-    found = factor_of("taylor_60_10", guess)
-    assert found.factor == pytest.approx(near, rel=CLOSE**2)
-    assert found.mechanism is not None
-    shear = found.mechanism.plastic_shear_strain
-    assert np.all(found.mechanism.failed[shear > 0.2 * shear.max()])  # of the strength over the factor
+    result = factor_of("taylor_60_10", guess)
+    assert result.factor == pytest.approx(near, rel=CLOSE**2)
+    assert result.mechanism is not None
+    shear = result.mechanism.plastic_shear_strain
+    assert np.all(result.mechanism.failed[shear > 0.2 * shear.max()])  # of the strength over the factor
 
 
 @pytest.mark.parametrize("tension", [0.0, 15e3])
@@ -80,8 +80,8 @@ def test_ground_that_tears_has_the_same_factor_wherever_the_search_begins(tensio
     near = limit_load_safety_factor(cut, mesh, wish, 0.0, MPI.COMM_SELF, 1.3)
     near = limit_load_safety_factor(cut, mesh, wish, 0.0, MPI.COMM_SELF, near.factor)
     for share in (0.97, 1.03):
-        found = limit_load_safety_factor(cut, mesh, wish, 0.0, MPI.COMM_SELF, share * near.factor)
-        assert found.factor == pytest.approx(near.factor, rel=6e-4)
+        result = limit_load_safety_factor(cut, mesh, wish, 0.0, MPI.COMM_SELF, share * near.factor)
+        assert result.factor == pytest.approx(near.factor, rel=6e-4)
 
 
 def test_the_factor_divides_the_strength_exactly():
@@ -99,8 +99,8 @@ def test_the_factor_divides_the_strength_exactly():
     data["strata"] = [weaker.model_dump(mode="python", exclude_none=True, by_alias=True)]
     weak = Section.parse(data, "weaker")
     wish = case.fem.model_copy(update={"flow": "associated"})
-    found = limit_load_safety_factor(weak, generate(weak, case.mesh), wish, 0.0, MPI.COMM_SELF, 1.3)
-    assert found.factor == pytest.approx(1.0, rel=CLOSE**2)
+    result = limit_load_safety_factor(weak, generate(weak, case.mesh), wish, 0.0, MPI.COMM_SELF, 1.3)
+    assert result.factor == pytest.approx(1.0, rel=CLOSE**2)
 
 
 def test_ground_that_stands_with_a_twentieth_of_its_strength_has_no_factor():
@@ -137,10 +137,10 @@ def test_daviss_factor_begins_where_that_with_full_dilation_ended(monkeypatch):
 
     monkeypatch.setattr(cone_program, "solve_for_elements", counted)
     near = limit_load_safety_factor(case.section, mesh, davis, 0.0, MPI.COMM_SELF, start=base.start)
-    programs, begun = len(iterations), iterations[0]
+    programs, started = len(iterations), iterations[0]
     cold = limit_load_safety_factor(case.section, mesh, davis, 0.0, MPI.COMM_SELF, near.factor)
     assert programs == 1
-    assert begun <= 2 / 3 * iterations[1]
+    assert started <= 2 / 3 * iterations[1]
     assert near.factor == pytest.approx(cold.factor, rel=1e-3)
     assert near.factor < 0.97 * base.factor
     assert base.start is not None

@@ -46,9 +46,9 @@ def test_a_vertical_cut_in_ground_with_c_of_k_z_fails_at_gamma_of_2_k() -> None:
         sides={"surface": Side(), "base": FIXED, "left": Side(), "right": FIXED},
         varying=lambda mesh, above: 1.0 - mesh.points[mesh.cells, 1],
     )
-    found = bracket(triangulate(Section.parse({**body, "unusual": True}), 0.25), ground, Limits(0.02, 4000))
-    assert 1.98 < found.lower <= 2.0 + 1e-9
-    assert 2.0 - 1e-9 <= found.upper < 2.02
+    text = bracket(triangulate(Section.parse({**body, "unusual": True}), 0.25), ground, Limits(0.02, 4000))
+    assert 1.98 < text.lower <= 2.0 + 1e-9
+    assert 2.0 - 1e-9 <= text.upper < 2.02
 
 
 def test_elements_and_bounds_of_a_section_find_the_same() -> None:
@@ -138,14 +138,14 @@ def test_ground_whose_strength_goes_to_zero_at_its_top_is_told() -> None:
     soil = {"cohesion": 0, "friction_angle": 0, "strength_ratio": 0.25, "consolidated_below": 10.0}
     section = {"name": "fill", "surface": [[0, 13], [10, 13], [16, 10], [40, 10]], "base": {"elevation": 0}}
 
-    def told(**more: object) -> list[str]:
+    def message(**more: object) -> list[str]:
         read = Section.parse({**section, "strata": [fill, layer("clay", **soil, **more)]})
         return [text for text in read.notices if "strength is zero" in text]
 
-    [weak] = told()
+    [weak] = message()
     assert "its strength is zero at its top, below other ground, from x = 0.05 to 15.9 m, and it slips there" in weak
-    assert told(cohesion_minimum="5 kPa") == []
-    assert told(pre_overburden_pressure="10 kPa") == []
+    assert message(cohesion_minimum="5 kPa") == []
+    assert message(pre_overburden_pressure="10 kPa") == []
     bare = [text for text in slope(strength_ratio=0.3).notices if "strength is zero" in text]
     assert len(bare) == 2, "above the water and below it"
     assert all("at the ground from" in text for text in bare)
@@ -160,7 +160,7 @@ def test_discs_have_the_cohesion_of_the_middle() -> None:
 
 
 @pytest.mark.parametrize(
-    ("soil", "told"),
+    ("soil", "message"),
     [
         ({"cohesion_from": None}, "cohesion_increase without cohesion_from"),
         ({"ocr": 2.0}, "ocr without strength_ratio"),
@@ -170,7 +170,7 @@ def test_discs_have_the_cohesion_of_the_middle() -> None:
         ({"cohesion_increase": "5 kPa"}, "has the wrong dimension"),
     ],
 )
-def test_bad_growth(soil: dict[str, object], told: str) -> None:
+def test_bad_growth(soil: dict[str, object], message: str) -> None:
     data = cut(**soil)
     data["strata"][0] = {key: value for key, value in data["strata"][0].items() if value is not None}
-    assert told in "\n".join(problems(data))
+    assert message in "\n".join(problems(data))

@@ -76,9 +76,9 @@ def test_bare_sand_after_a_drawdown_does_not_break_down() -> None:
     section = strengthened(section, shallow_failures(section, fem), fem)
     mesh = first_mesh(section, 20_000)
     body = body_of(section, mesh, fem)
-    found, notes, stress = proven_lower_bound(limit_problem(mesh, body, units_of(mesh, body)))
+    result, notes, stress = proven_lower_bound(limit_problem(mesh, body, units_of(mesh, body)))
     assert not notes
-    assert not found.solution.fallback
+    assert not result.solution.fallback
     assert stress is not None
     assert stress.multiplier == pytest.approx(0.02679, rel=1e-3)
 
@@ -88,38 +88,38 @@ def test_equations_that_come_no_nearer_are_left_to_clarabel_soon(monkeypatch):
     monkeypatch.setattr(cone_program, "LEAST_VELOCITIES", 0)
     problem = ground("all clay")
     wanted = lower_bound(problem)
-    direction, asked = interior_point._Method.direction, []
+    direction, requested = interior_point._Method.direction, []
 
     def short(method, *place):
-        asked.append(len(asked))
+        requested.append(len(requested))
         *changes, steps = direction(method, *place)
-        share = 1.0 if len(asked) < 3 else 0.01
+        share = 1.0 if len(requested) < 3 else 0.01
         return *changes, tuple(share * step for step in steps)
 
     monkeypatch.setattr(interior_point._Method, "direction", short)
-    found = lower_bound(problem)
-    assert found.solution.fallback
-    assert len(asked) <= 3 + interior_point.STALLED
-    assert found.multiplier == pytest.approx(wanted.multiplier, rel=5e-4)
+    result = lower_bound(problem)
+    assert result.solution.fallback
+    assert len(requested) <= 3 + interior_point.STALLED
+    assert result.multiplier == pytest.approx(wanted.multiplier, rel=5e-4)
 
 
 def test_what_has_no_answer_is_left_to_clarabel(monkeypatch):
     """A column of one corner that no stress balances, and one whose load does no work, by Clarabel's proofs."""
     monkeypatch.setattr(cone_program, "LEAST_VELOCITIES", 0)
-    one = np.ones(1)
+    item = np.ones(1)
     dead, live = np.array([5.0, 0.0]), np.array([0.0, 1.0])
     strain = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0]])
     from scipy import sparse
 
-    unborne = ConeProgram(sparse.csr_matrix(strain), one, 0.0 * one, one, dead, live)
-    found = cone_program.solve(unborne)
-    assert (found.none, found.fallback) == ("no stress", True)
-    unmoved = ConeProgram(sparse.csr_matrix([[1.0], [1.0], [0.0]]), one, 0.0 * one, one, np.zeros(1), np.ones(1))
-    found = cone_program.solve(unmoved)
-    assert (found.none, found.fallback) == ("no mechanism", True)
-    unloaded = ConeProgram(sparse.csr_matrix(strain), one, 0.0 * one, one, 0.0 * dead, 0.0 * live)
-    found = cone_program.solve(unloaded)  # the method has no place to begin at
-    assert (found.none, found.fallback) == ("no mechanism", True)
+    unborne = ConeProgram(sparse.csr_matrix(strain), item, 0.0 * item, item, dead, live)
+    values = cone_program.solve(unborne)
+    assert (values.none, values.fallback) == ("no stress", True)
+    unmoved = ConeProgram(sparse.csr_matrix([[1.0], [1.0], [0.0]]), item, 0.0 * item, item, np.zeros(1), np.ones(1))
+    values = cone_program.solve(unmoved)
+    assert (values.none, values.fallback) == ("no mechanism", True)
+    unloaded = ConeProgram(sparse.csr_matrix(strain), item, 0.0 * item, item, 0.0 * dead, 0.0 * live)
+    values = cone_program.solve(unloaded)  # the method has no place to begin at
+    assert (values.none, values.fallback) == ("no mechanism", True)
 
 
 def test_a_mesh_that_was_solved_before_takes_half_of_the_iterations(monkeypatch):

@@ -26,7 +26,7 @@ from fem.settings import Sides
 from meshes.section.liquefies import Remains
 from meshes.section.quantity import GRAVITY
 from tests.support import SECTIONS
-from tests.support.material_points import UNIT_WEIGHT, EndlessSlope, lattice, pushed
+from tests.support.material_points import UNIT_WEIGHT, EndlessSlope, displaced, lattice
 from tests.support.sections import layer, slope
 from workflow.config import Config
 from workflow.config.after_triggering import config_after_triggering
@@ -126,13 +126,13 @@ def test_stress_is_that_of_the_return_mapping_without_dilation(
 
 def test_threads_do_not_change_a_bit() -> None:
     slope = EndlessSlope(0.2)
-    one, two, three = (slope.engine(1.0, columns=64, threads=threads) for threads in (1, 2, 3))
-    for engine in (one, two, three):
+    item, two, three = (slope.engine(1.0, columns=64, threads=threads) for threads in (1, 2, 3))
+    for engine in (item, two, three):
         slope.moved(engine, 0.2, 0.5)
     for engine in (two, three):
         for name in ("x", "v", "stress", "state"):
-            assert np.array_equal(getattr(one.points, name), getattr(engine.points, name))
-        assert one.energy == engine.energy
+            assert np.array_equal(getattr(item.points, name), getattr(engine.points, name))
+        assert item.energy == engine.energy
 
 
 def test_cycles_lose_no_energy_between_points_and_grid() -> None:
@@ -181,13 +181,13 @@ def test_endless_slope_moves_as_newmarks_block(times: float, end: float) -> None
 # two thicknesses, two Kh and three of four places on the grid; the others take three times as long
 QUICK = ((6.0, 1.25, 0.6), (2.0, 1.1, 0.0), (2.0, 1.1, 0.85))
 OTHERS = [
-    (*one, place) for one in ((6.0, 1.1), (2.0, 1.1), (6.0, 1.25)) for place in (0.0, 0.2, 0.6, 0.85)
-    if (*one, place) not in QUICK
+    (*setting, place) for setting in ((6.0, 1.1), (2.0, 1.1), (6.0, 1.25)) for place in (0.0, 0.2, 0.6, 0.85)
+    if (*setting, place) not in QUICK
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(
-    ("thickness", "times", "above_node"), [*QUICK, *(pytest.param(*one, marks=pytest.mark.slow) for one in OTHERS)]
+    ("thickness", "times", "above_node"), [*QUICK, *(pytest.param(*item, marks=pytest.mark.slow) for item in OTHERS)]
 )
 def test_a_layer_of_constant_strength_slides_on_its_edge(thickness: float, times: float, above_node: float) -> None:
     """60 kPa in six and two cells: wherever the layer lies on the grid, the block on its lower edge slides as Newmark's
@@ -294,7 +294,7 @@ def test_a_slope_slides_at_the_critical_kh_of_the_finite_elements(
 ) -> None:
     """slope_2to1 (ψ = φ; `noshiro fem --sides`) in cells of 1.5 m: 3 % less Kh moves it by what it yields before, 3 %
     more makes it slide until it lies flatter, or on and on where its sides are free-field."""
-    stands, slides = (pushed("slope_2to1", 400, sides, times * critical, 4.0, 14.0) for times in (0.97, 1.03))
+    stands, slides = (displaced("slope_2to1", 400, sides, times * critical, 4.0, 14.0) for times in (0.97, 1.03))
     assert stands.slide_max < most
     assert _speed(stands) < 0.01
     assert slides.slide_max > least
@@ -329,7 +329,7 @@ def test_sections_slide_at_the_critical_kh_of_the_finite_elements(
     """Within 3 % of that on a path with ψ = 0 (`noshiro fem --sides ... --set fem.flow=section`). The face of bare sand
     of the river bank, which that path leaves out, fails at 0.123 in closed form and may slide before. Kh comes within
     8 s: in 4 s S-13, which swings with a period of 2 s, overshoots."""
-    stands, slides = (pushed(name, cells, sides, kh, 8.0, 22.0) for kh in (0.97 * least, 1.03 * critical))
+    stands, slides = (displaced(name, cells, sides, kh, 8.0, 22.0) for kh in (0.97 * least, 1.03 * critical))
     assert _speed(stands) < 0.01
     assert _speed(slides) > 0.05
 
@@ -352,9 +352,9 @@ def test_ground_between_smooth_sides_settles_alike_everywhere() -> None:
     slider.engine.gravity = 0.0, -2.0 * GRAVITY
     slider.engine.run(3.0, damping=DAMPING)
     points = slider.ground.points
-    sunk, mine = -points.displacement[:, 1], points.stratum == 0
+    sunk, own_part = -points.displacement[:, 1], points.stratum == 0
     across = np.round(points.start[:, 0], 3)
-    columns = [sunk[mine & (across == x)] for x in np.unique(across[mine])]
+    columns = [sunk[own_part & (across == x)] for x in np.unique(across[own_part])]
     modulus = young * (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
     expected = DENSITY * GRAVITY * 10.0**2 / (2.0 * modulus)
     for column_of_points in columns:  # the highest and the lowest point lie a quarter of a cell from the ends

@@ -168,7 +168,7 @@ def path(table, stress, strain, steps=40):
     return stress[0]
 
 
-def held(table, stress, driven, prescribed, steps=20):
+def fixed(table, stress, driven, prescribed, steps=20):
     """Stress after strain `prescribed` of the component `driven`; the other normal stress and the shear stay.
 
     Newton's method on the two strains that are free, with the consistent tangent; zz does not strain.
@@ -214,16 +214,16 @@ def test_plane_strain_compression_ends_at_the_passive_stress(driven, dilation):
     cohesion, friction, pressure = 0.5, 0.5, 2.0
     table = mc.table(YOUNG, 0.3, cohesion, friction, dilation)
     passive = (1 + math.sin(friction)) / (1 - math.sin(friction))
-    stress = held(table, [-pressure, -pressure, -pressure, 0], driven, -0.2)
+    stress = fixed(table, [-pressure, -pressure, -pressure, 0], driven, -0.2)
     assert stress[driven] == pytest.approx(-(pressure * passive + 2 * cohesion * math.sqrt(passive)), rel=1e-12)
 
 
 def test_unconfined_plane_strain_compression_of_a_tresca_material():
     """Elastic slope E/(1 - nu^2), then the limit 2c."""
     table = mc.table(YOUNG, 0.3, 1.0, 0, 0)
-    elastic = held(table, [0, 0, 0, 0], 1, -1e-3)
+    elastic = fixed(table, [0, 0, 0, 0], 1, -1e-3)
     np.testing.assert_allclose(elastic[1], -1e-3 * YOUNG / (1 - 0.3**2), rtol=1e-12)
-    assert held(table, [0, 0, 0, 0], 1, -0.1)[1] == pytest.approx(-2.0, rel=1e-12)
+    assert fixed(table, [0, 0, 0, 0], 1, -0.1)[1] == pytest.approx(-2.0, rel=1e-12)
 
 
 def test_simple_shear_without_dilation():

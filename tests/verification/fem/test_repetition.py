@@ -52,10 +52,10 @@ def test_an_endless_slope_under_still_water_is_one_of_buoyant_soil(level: float,
     ground = endless(level, cohesion=f"{cohesion} kPa", friction_angle=f"{phi} deg")
     mesh = generate(ground, MESH)
     kc, factor = closed_form(1e3 * cohesion, phi)
-    found = critical_limit_load(ground, mesh, PERIODIC, MPI.COMM_SELF)
-    assert found.kc == pytest.approx(kc, rel=0.02)
-    assert found.mechanism is not None
-    assert touched_sides(mesh, found.mechanism) == ()  # it goes on past both sides
+    limit_load_result = critical_limit_load(ground, mesh, PERIODIC, MPI.COMM_SELF)
+    assert limit_load_result.kc == pytest.approx(kc, rel=0.02)
+    assert limit_load_result.mechanism is not None
+    assert touched_sides(mesh, limit_load_result.mechanism) == ()  # it goes on past both sides
     assert limit_load_safety_factor(ground, mesh, PERIODIC, 0.0, MPI.COMM_SELF).factor == pytest.approx(
         factor, rel=0.01
     )
@@ -65,9 +65,9 @@ def test_the_path_of_equilibria_comes_there_too() -> None:
     ground = endless(12.0, cohesion="5 kPa", friction_angle="20 deg", dilation_angle="20 deg")
     mesh, path = generate(ground, MESH), PERIODIC.model_copy(update={"element": "quadratic", "flow": "section"})
     kc, factor = closed_form(5e3, 20.0)
-    found = critical_coefficient(ground, mesh, path, MPI.COMM_SELF)
-    assert found.kc == pytest.approx(kc, rel=0.03)
-    assert not any("side" in warning.what for warning in warnings_of(found, mesh))
+    critical_result = critical_coefficient(ground, mesh, path, MPI.COMM_SELF)
+    assert critical_result.kc == pytest.approx(kc, rel=0.03)
+    assert not any("side" in warning.what for warning in warnings_of(critical_result, mesh))
     assert safety_factor(ground, mesh, path, 0.0, MPI.COMM_SELF).factor == pytest.approx(factor, rel=0.03)
 
 
@@ -98,9 +98,9 @@ def test_bounds_of_one_period_bracket_the_endless_slope(cohesion: float, phi: fl
     of_kh = wish.model_copy(
         update={"gap": min(0.06, 0.06 * kc / LEAST_KH)}
     )  # a share of a Kh of 0.2 where it is smaller
-    found = kh_bounds(ground, PERIODIC, of_kh)
-    assert 0.999 * kc < found.lower <= kc * (1.0 + 1e-9)
-    assert kc <= found.upper < 1.08 * kc
+    bounds = kh_bounds(ground, PERIODIC, of_kh)
+    assert 0.999 * kc < bounds.lower <= kc * (1.0 + 1e-9)
+    assert kc <= bounds.upper < 1.08 * kc
     safety = safety_bounds(ground, PERIODIC, wish, guess=factor)
     assert 0.99 * factor < safety.lower <= factor * (1.0 + 1e-9)
     assert factor <= safety.upper < 1.08 * factor
@@ -114,14 +114,14 @@ def test_bounds_of_one_period_bracket_elements_where_layers_and_ground_are_not_s
         soil("Crust", bottom={"depth": 1.5}), soft, soil("Rest"), water={"table": 8.0}, base={"depth": DEPTH},
         surface=[[0.0, 5.0], [8.0, 2.0], [12.0, 2.0], [20.0, 0.0]],
     )  # fmt: skip
-    found = kh_bounds(ground, PERIODIC, BoundsSettings(gap=0.1, max_cells=4000, davis=False))
-    left, right = found.mesh.matched
-    shift = found.mesh.points[right] - found.mesh.points[left]
+    bounds = kh_bounds(ground, PERIODIC, BoundsSettings(gap=0.1, max_cells=4000, davis=False))
+    left, right = bounds.mesh.matched
+    shift = bounds.mesh.points[right] - bounds.mesh.points[left]
     assert len(left) > 3
     np.testing.assert_allclose(shift, np.broadcast_to([20.0, -5.0], shift.shape), atol=1e-9)
     elements = critical_limit_load(ground, generate(ground, MeshSettings(size=0.5)), PERIODIC, MPI.COMM_SELF).kc
-    assert 0.98 * found.lower < elements < 1.03 * found.upper
-    assert found.upper < 1.15 * found.lower
+    assert 0.98 * bounds.lower < elements < 1.03 * bounds.upper
+    assert bounds.upper < 1.15 * bounds.lower
 
 
 @pytest.mark.parametrize("changes", [{}, {"excess_pore_pressure_ratio": 0.3}, {"pore_pressure_ratio": 0.3}])
@@ -152,5 +152,5 @@ def test_water_that_does_not_repeat_is_refused(level: Any) -> None:
 def test_an_embankment_under_a_lake_may_stand_between_ends_of_one_height() -> None:
     bank = [[0.0, 0.0], [10.0, 0.0], [20.0, 5.0], [30.0, 0.0], [40.0, 0.0]]
     ground = section(soil(), surface=bank, base={"elevation": -3.0}, water={"table": 7.0})
-    found = critical_limit_load(ground, generate(ground, MeshSettings(size=1.0)), PERIODIC, MPI.COMM_SELF)
-    assert np.isfinite(found.kc)
+    limit_load_result = critical_limit_load(ground, generate(ground, MeshSettings(size=1.0)), PERIODIC, MPI.COMM_SELF)
+    assert np.isfinite(limit_load_result.kc)

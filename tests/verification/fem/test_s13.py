@@ -28,21 +28,21 @@ def mesh_of(refine):
     return run, generate(run.section, run.mesh.model_copy(update={"refine": refine}))
 
 
-def found(element, sides="free-field", flow=AS_GIVEN, refine=1, **settings) -> CriticalResult:
+def outcome(element, sides="free-field", flow=AS_GIVEN, refine=1, **settings) -> CriticalResult:
     """The answer for such cells, found once for however many tests ask for it."""
     wish = FemSettings(**{"element": element, "sides": sides, "flow": flow, "direction": "downhill"} | settings)
-    return _found(wish.model_dump_json(), refine)
+    return _critical_result(wish.model_dump_json(), refine)
 
 
 @functools.cache
-def _found(wish: str, refine: int) -> CriticalResult:
+def _critical_result(wish: str, refine: int) -> CriticalResult:
     run, mesh = mesh_of(refine)
     return critical_coefficient(run.section, mesh, FemSettings.model_validate_json(wish), MPI.COMM_SELF)
 
 
 def test_the_papers_611_cells_fail_at_about_a_quarter():
     """Sides free horizontally, ψ = 0; the paper says about 0.25. Measured: 0.2449."""
-    result = found("bilinear")
+    result = outcome("bilinear")
     assert len(mesh_of(1)[1].cells) == 611
     assert 0.24 < result.kc <= result.upper < 0.27
     assert result.verdict == "plateau"
@@ -60,7 +60,7 @@ def test_the_papers_611_cells_fail_at_about_a_quarter():
 )
 def test_record_of_the_path(element, flow):
     """Every step in equilibrium; few iterations at the median; Kh never past ``upper``."""
-    result = found(element, flow=flow)
+    result = outcome(element, flow=flow)
     moving = [step for step in result.steps if not step.at_rest]
     assert max(step.residual for step in result.steps) <= 1e-6
     assert np.median([step.iterations for step in result.steps]) <= 6
@@ -72,7 +72,7 @@ def test_record_of_the_path(element, flow):
 
 
 def test_states_are_kept_where_the_ground_stands_and_marked_where_it_does_not():
-    result = found("bilinear", kh=(0.2, 0.25, 0.3))
+    result = outcome("bilinear", kh=(0.2, 0.25, 0.3))
     wanted, plateau, beyond, far_beyond = result.states
     assert (wanted.kh, beyond.kh, far_beyond.kh) == (0.2, 0.25, 0.3)
     assert [state.past_equilibrium for state in result.states] == [False, False, True, True]
@@ -87,21 +87,21 @@ def test_states_are_kept_where_the_ground_stands_and_marked_where_it_does_not():
 
 def test_davis_substitute_fails_where_the_path_as_given_does():
     """Measured with reduced cells: 0.2371, with quadratic ones as given 0.2344, with ψ = φ 0.2846."""
-    davis, associated = found("reduced", flow=DAVIS), found("reduced", flow=ASSOCIATED)
+    davis, associated = outcome("reduced", flow=DAVIS), outcome("reduced", flow=ASSOCIATED)
     assert davis.kc == pytest.approx(0.2371, rel=0.002)
-    assert davis.kc == pytest.approx(found("bilinear").kc, rel=0.04)
+    assert davis.kc == pytest.approx(outcome("bilinear").kc, rel=0.04)
     assert davis.upper < 1.005 * davis.kc
     assert davis.kc < 0.9 * associated.kc
 
 
 @pytest.mark.slow
 def test_davis_substitute_fails_where_quadratic_cells_as_given_do():
-    assert found("reduced", flow=DAVIS).kc == pytest.approx(found("quadratic").kc, rel=0.03)
+    assert outcome("reduced", flow=DAVIS).kc == pytest.approx(outcome("quadratic").kc, rel=0.03)
 
 
 def test_pushed_both_ways_the_slope_fails_downhill():
     """Uphill only the ground at the left side fails, at 0.155, where its neighbour presses with no more than K0."""
-    result = found("reduced", flow=DAVIS, direction="both")
+    result = outcome("reduced", flow=DAVIS, direction="both")
     assert result.direction == "downhill"
     assert result.other.direction == "uphill"
     assert result.other.kc < result.kc
@@ -114,15 +114,15 @@ def test_fixed_sides_come_down_in_the_bracket_of_limit_analysis():
 
     Measured with quadratic cells, 1x, 2x: 0.3624, 0.3575.
     """
-    coarse, fine = (found("quadratic", "fixed", ASSOCIATED, refine).kc for refine in (1, 2))
+    coarse, fine = (outcome("quadratic", "fixed", ASSOCIATED, refine).kc for refine in (1, 2))
     assert 0.356 < fine < coarse < 0.366
 
 
 @pytest.mark.slow
 def test_fixed_sides_come_down_towards_the_bracket():
     """Measured with bilinear cells, 2x: 0.3701: these are far too strong where the ground dilates."""
-    assert 0.356 < found("quadratic", "fixed", ASSOCIATED).kc < 0.366
-    coarse, fine = (found("bilinear", "fixed", ASSOCIATED, refine).kc for refine in (1, 2))
+    assert 0.356 < outcome("quadratic", "fixed", ASSOCIATED).kc < 0.366
+    coarse, fine = (outcome("bilinear", "fixed", ASSOCIATED, refine).kc for refine in (1, 2))
     assert 0.366 < fine < coarse < 0.40
 
 
@@ -130,7 +130,7 @@ def test_fixed_sides_come_down_towards_the_bracket():
 @pytest.mark.parametrize(("sides", "lowest", "highest"), [("fixed", 0.35, 0.366), ("free-field", 0.27, 0.30)])
 def test_associated_flow_changes_by_less_than_2_percent_from_2x_to_4x(sides, lowest, highest):
     """Measured with quadratic cells 1x, 2x, 4x: 0.3624, 0.3575 and less (fixed), 0.2928, 0.2879, 0.2847 (free)."""
-    once, twice, four = (found("quadratic", sides, ASSOCIATED, refine).kc for refine in (1, 2, 4))
+    once, twice, four = (outcome("quadratic", sides, ASSOCIATED, refine).kc for refine in (1, 2, 4))
     assert lowest < four < twice < once < highest
     assert twice / four < 1.02
 
@@ -139,7 +139,7 @@ def test_associated_flow_changes_by_less_than_2_percent_from_2x_to_4x(sides, low
 @pytest.mark.parametrize(("element", "change"), [("bilinear", 0.04), ("quadratic", 0.04)])
 def test_flow_without_dilation_changes_by_less_than_4_percent_from_2x_to_4x(element, change):
     """Measured 1x, 2x, 4x: 0.2449, 0.2332, 0.2251 (bilinear), 0.2344, 0.2314 (quadratic)."""
-    twice, four = (found(element, refine=refine).kc for refine in (2, 4))
+    twice, four = (outcome(element, refine=refine).kc for refine in (2, 4))
     assert four == pytest.approx(twice, rel=change)
 
 
@@ -150,7 +150,7 @@ OTHERS = [{"first_step": 0.005}, {"first_step": 0.05}, {"tolerance": 1e-5}, {"to
 @pytest.mark.parametrize("flow", [ASSOCIATED, AS_GIVEN])
 def test_neither_the_first_step_nor_the_tolerance_matters(element, flow):
     """Measured, largest over smallest: ψ = φ 0.005 and 0.012 %, ψ = 0 0.007 % (bilinear) and 0.44 % (quadratic)."""
-    values = [found(element, flow=flow, **settings).kc for settings in [{}, *OTHERS]]
+    values = [outcome(element, flow=flow, **settings).kc for settings in [{}, *OTHERS]]
     limit = 5e-4 if flow == ASSOCIATED else {"bilinear": 0.001, "quadratic": 0.01}[element]
     assert max(values) / min(values) - 1.0 < limit
 
@@ -203,9 +203,11 @@ def test_two_ranks_find_the_same(element, columns):
         str(columns),
     ]
     # A process that has called MPI leaves variables behind that would make mpirun think it is inside another one.
-    own = {key: value for key, value in os.environ.items() if not key.startswith(("OMPI_", "PMIX_", "PMI_", "ORTE_"))}
-    own["OMPI_MCA_mpi_yield_when_idle"] = "1"  # where both share a core, one that waits lets the other compute
-    done = subprocess.run(command, capture_output=True, text=True, cwd=TOP, timeout=1800, env=own)
+    of_section = {
+        key: value for key, value in os.environ.items() if not key.startswith(("OMPI_", "PMIX_", "PMI_", "ORTE_"))
+    }
+    of_section["OMPI_MCA_mpi_yield_when_idle"] = "1"  # where both share a core, one that waits lets the other compute
+    done = subprocess.run(command, capture_output=True, text=True, cwd=TOP, timeout=1800, env=of_section)
     assert done.returncode == 0, done.stderr[-2000:]
     # libraries under mpirun set the colour of the terminal back
     associated, without = map(float, re.findall(r"\d\.\d+", done.stdout))

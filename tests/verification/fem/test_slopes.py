@@ -58,13 +58,13 @@ def test_infinite_slope_fails_at_its_closed_form(element, beta, c, phi):
     With c > 0 the layer fails where points are deepest, not quite at its bottom, which leaves kc above. Measured:
     0.2 % below (c = 0); 0.2 (reduced), 0.3 (quadratic), 0.6 % (bilinear) above (c > 0).
     """
-    found = result(strip(beta, c, phi, phi), element)
+    a = result(strip(beta, c, phi, phi), element)
     exact = infinite_slope(beta, c, math.tan(math.radians(phi)))
     if c == 0.0:
         assert exact == pytest.approx(math.tan(math.radians(phi - beta)))
-    assert found.verdict == "plateau"
-    assert found.kc == pytest.approx(exact, rel=0.006)
-    assert found.upper >= 0.997 * exact
+    assert a.verdict == "plateau"
+    assert a.kc == pytest.approx(exact, rel=0.006)
+    assert a.upper >= 0.997 * exact
 
 
 def test_ground_that_may_fail_no_deeper_than_a_line_slides_along_it():
@@ -73,19 +73,21 @@ def test_ground_that_may_fail_no_deeper_than_a_line_slides_along_it():
     ground, line = strip(10.0, 6e4, 0.0, 0.0), 0.5 * DEPTH
     mesh = generate(ground, MeshSettings(columns=4, rows=24))
     wish = FemSettings(sides="periodic", direction="downhill")
-    found = critical_above(ground, mesh, wish, ground.ground - [0.0, line], MPI.COMM_SELF)
+    prescribed_surface = critical_above(ground, mesh, wish, ground.ground - [0.0, line], MPI.COMM_SELF)
     lift = 0.5 * (1.0 - 1.0 / math.sqrt(3.0)) * (DEPTH + ROCK) / 24
-    assert found.kc == pytest.approx(infinite_slope(10.0, 6e4, 0.0, DEPTH - lift), rel=0.002)
-    assert found.kc_above == pytest.approx(infinite_slope(10.0, 6e4, 0.0, line - lift), rel=0.002)
-    assert found.excess == pytest.approx(found.kc_above / found.kc - 1.0)
+    assert prescribed_surface.kc == pytest.approx(infinite_slope(10.0, 6e4, 0.0, DEPTH - lift), rel=0.002)
+    assert prescribed_surface.kc_above == pytest.approx(infinite_slope(10.0, 6e4, 0.0, line - lift), rel=0.002)
+    assert prescribed_surface.excess == pytest.approx(prescribed_surface.kc_above / prescribed_surface.kc - 1.0)
 
 
 def test_a_line_below_its_own_slip_surface_changes_nothing():
     ground = strip(10.0, 6e4, 0.0, 0.0)
     mesh = generate(ground, MeshSettings(columns=4, rows=24))
     line = ground.ground - [0.0, DEPTH + 0.5 * ROCK]
-    found = critical_above(ground, mesh, FemSettings(sides="periodic", direction="downhill"), line, MPI.COMM_SELF)
-    assert found.kc_above == pytest.approx(found.kc, rel=1e-3)
+    prescribed_surface = critical_above(
+        ground, mesh, FemSettings(sides="periodic", direction="downhill"), line, MPI.COMM_SELF
+    )
+    assert prescribed_surface.kc_above == pytest.approx(prescribed_surface.kc, rel=1e-3)
 
 
 def test_clay_fails_between_fixed_sides_as_its_limit_load_says():
@@ -95,12 +97,12 @@ def test_clay_fails_between_fixed_sides_as_its_limit_load_says():
     ground = strip(10.0, 3e4, 0.0, 0.0)
     mesh = generate(ground, MeshSettings(columns=16, rows=8))
     wish = FemSettings(element="quadratic", sides="fixed", direction="downhill", kh=(0.1,))
-    found = non_associated_path(ground, mesh, wish, MPI.COMM_SELF)
+    computed = non_associated_path(ground, mesh, wish, MPI.COMM_SELF)
     due = critical_limit_load(ground, mesh, wish, MPI.COMM_SELF)
-    assert found.verdict == "plateau"
-    assert due.kc <= found.kc <= found.upper
-    assert found.kc == pytest.approx(due.kc, rel=0.03)
-    apart = compare(ground, found.slip_surface, slip_surface(mesh, due.mechanism))
+    assert computed.verdict == "plateau"
+    assert due.kc <= computed.kc <= computed.upper
+    assert computed.kc == pytest.approx(due.kc, rel=0.03)
+    apart = compare(ground, computed.slip_surface, slip_surface(mesh, due.mechanism))
     assert apart is not None
     assert apart.columns > 50
     assert apart.mean_distance_m < 0.1
@@ -112,25 +114,25 @@ def test_clay_fails_between_fixed_sides_as_its_limit_load_says():
 def test_without_dilation_a_layer_slides_at_the_friction_of_simple_shear(element, beta, c, phi):
     """tan φ* = cos ψ sin φ / (1 - sin ψ sin φ) (Davis 1968), with ψ = 0 sin φ, and c cos φ. Measured: 0.2 % below
     to 1.2 % above (bilinear), 0.7 and 1.5 % above (quadratic): the stress need not turn to that of simple shear."""
-    found = result(strip(beta, c, phi, 0.0), element, flow="section")
+    a = result(strip(beta, c, phi, 0.0), element, flow="section")
     angle = math.radians(phi)
     exact = infinite_slope(beta, c * math.cos(angle), math.sin(angle))
-    assert found.kc == pytest.approx(exact, rel=0.018)
+    assert a.kc == pytest.approx(exact, rel=0.018)
     davis = result(strip(beta, c, phi, 0.0), element)
     assert davis.kc == pytest.approx(exact, rel=0.008)
 
 
 def test_reduced_element_finds_too_little_on_the_path_with_psi_as_given():
     """The others come to within 0.2 % of the least that flow at constant volume bears on a plane; it ends 6 % below."""
-    found = result(strip(10.0, 0.0, 35.0, 0.0), "reduced", flow="section")
-    assert found.verdict == "peak"
-    assert found.kc < 0.97 * infinite_slope(10.0, 0.0, math.sin(math.radians(35.0)))
+    a = result(strip(10.0, 0.0, 35.0, 0.0), "reduced", flow="section")
+    assert a.verdict == "peak"
+    assert a.kc < 0.97 * infinite_slope(10.0, 0.0, math.sin(math.radians(35.0)))
 
 
 @every_element
 def test_uphill_the_infinite_slope_resists_by_tan_of_the_sum(element):
-    found = result(strip(10.0, 0.0, 30.0, 30.0), element, direction="uphill", kh_limit=3.0)
-    assert found.kc == pytest.approx(math.tan(math.radians(40.0)), rel=0.003)
+    a = result(strip(10.0, 0.0, 30.0, 30.0), element, direction="uphill", kh_limit=3.0)
+    assert a.kc == pytest.approx(math.tan(math.radians(40.0)), rel=0.003)
 
 
 def mirrored(ground, shift=0.0):
@@ -218,9 +220,9 @@ def test_slope_of_45_degrees_fails_within_2_percent_of_its_bracket():
     )
     mesh = generate(ground, MeshSettings(columns=30, rows=16))
     sides = {"base": "xy", "left": "x", "right": "x"}
-    found, outcome, _ = weight_limit(mesh, law, "reduced", sides, first=2.0, largest=10.0)
+    computed, outcome, _ = weight_limit(mesh, law, "reduced", sides, first=2.0, largest=10.0)
     assert outcome.verdict == "plateau"
-    assert 15.93 < found < 1.02 * 16.39
+    assert 15.93 < computed < 1.02 * 16.39
 
 
 # --- Meshes that follow the mechanism ------------------------------------------------------------------------------
@@ -240,11 +242,11 @@ def test_a_steep_cut_comes_within_1_percent_of_its_bracket_from_any_mesh(size):
     cut = Section.model_validate({**dict(cut), "base": {"elevation": -6.0}})
     meshing = MeshSettings(size=size, method="free" if size else "auto")
     settings = FemSettings(direction="downhill")
-    found = AdaptiveSearch(cut, meshing, generate(cut, meshing), MPI.COMM_SELF).critical(settings)
-    assert 0.2146 < found.result.kc < 1.01 * 0.2181
-    assert found.rounds[0].value > 1.04 * 0.2181
-    assert found.rounds[-1].rest < 0.03
-    assert found.limit < found.result.kc
+    adaptive_result = AdaptiveSearch(cut, meshing, generate(cut, meshing), MPI.COMM_SELF).critical(settings)
+    assert 0.2146 < adaptive_result.result.kc < 1.01 * 0.2181
+    assert adaptive_result.rounds[0].value > 1.04 * 0.2181
+    assert adaptive_result.rounds[-1].rest < 0.03
+    assert adaptive_result.limit < adaptive_result.result.kc
 
 
 @pytest.mark.parametrize("flow", ["davis", "associated"])
@@ -268,5 +270,7 @@ def test_what_is_almost_proved_is_asked_again_in_a_larger_unit() -> None:
     that it cannot stand by itself, where strict bounds hold 0.1586 and 0.1592."""
     section = random_section(18)
     mesh = generate(section, MeshSettings())
-    found = critical_limit_load(section, mesh, FemSettings(direction="downhill", flow="davis"), MPI.COMM_SELF)
-    assert 0.1586 < found.kc < 1.02 * 0.1592
+    limit_load_result = critical_limit_load(
+        section, mesh, FemSettings(direction="downhill", flow="davis"), MPI.COMM_SELF
+    )
+    assert 0.1586 < limit_load_result.kc < 1.02 * 0.1592

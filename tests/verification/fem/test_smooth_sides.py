@@ -55,7 +55,7 @@ def test_a_block_on_a_slippery_seam_is_held_by_its_smooth_sides() -> None:
     ground = section(
         upper, lower, surface=[[0.0, 0.0], [length, 0.0]], base={"depth": height + thin}, water={"table": -50.0}
     )
-    held = 4.0 * cohesion / (unit * length)
+    fixed = 4.0 * cohesion / (unit * length)
 
     def wedges(theta: float) -> float:
         dissipated = 2.0 * cohesion * height / (math.sin(theta) * math.cos(theta)) + seam * length
@@ -65,7 +65,7 @@ def test_a_block_on_a_slippery_seam_is_held_by_its_smooth_sides() -> None:
     mesh = generate(ground, MeshSettings(columns=48, rows=9))
     kc = critical_limit_load(ground, mesh, SMOOTH, MPI.COMM_SELF).kc
     strict = kh_bounds(ground, SMOOTH, COARSE)
-    assert held < strict.lower < kc < strict.upper < fails
+    assert fixed < strict.lower < kc < strict.upper < fails
 
 
 def embankment(**water: Any) -> Section:
@@ -177,11 +177,11 @@ def test_level_ground_half_as_long_as_the_soft_ground_is_deep_is_held_at_its_end
     between free-field sides, 0.069 to 0.074 between smooth ones, 0.074 by circles. Where it falls it is not held."""
     clay = soil("Clay", cohesion="25 kPa", friction_angle="0 deg", density="17 kN/m^3")
     ends = [(0.0, 0.0), (0.0, 1.0)]
-    found = []
+    results = []
     for left, right in ends:
         surface = [[0.0, left], [18.3, 0.0], [31.5, 6.6], [44.2, 6.6], [57.4, 0.0], [75.7, -right]]
-        found.append(usual_sides(section(clay, base={"elevation": -18.9}, surface=surface)))
-    assert found == ["smooth", "free-field"]
+        results.append(usual_sides(section(clay, base={"elevation": -18.9}, surface=surface)))
+    assert results == ["smooth", "free-field"]
 
 
 def test_a_plateau_behind_a_cut_is_level_and_a_slope_that_continues_is_not() -> None:

@@ -19,6 +19,6 @@ def test_the_seismic_step_of_a_load_is_balanced_on_the_first_mesh(sides: Sides) 
         surcharges=[{"from": 10.0, "to": 20.0, "pressure": "20 kPa"}],
     )  # fmt: skip
     settings = BoundsSettings(gap=0.05, max_cells=1500, davis=False)
-    found = kh_bounds(bank, FemSettings(direction="downhill", sides=sides), settings)
-    assert found.directions[0].meshes[0].lower is not None
-    assert 0.95 * found.upper < found.lower < found.upper
+    bounds = kh_bounds(bank, FemSettings(direction="downhill", sides=sides), settings)
+    assert bounds.directions[0].meshes[0].lower is not None
+    assert 0.95 * bounds.upper < bounds.lower < bounds.upper

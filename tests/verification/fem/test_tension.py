@@ -31,8 +31,8 @@ def test_elements_of_acads_1b_lie_between_the_bounds():
     case = cases()["acads_1b"]
     settings = case.fem.model_copy(update={"flow": "associated"})
     mesh = generate(case.section, MeshSettings())
-    found = limit_load_safety_factor(case.section, mesh, settings, 0.0, MPI.COMM_SELF, guess=1.65)
-    assert 1.62 <= found.factor <= 1.70
+    safety_factor = limit_load_safety_factor(case.section, mesh, settings, 0.0, MPI.COMM_SELF, guess=1.65)
+    assert 1.62 <= safety_factor.factor <= 1.70
 
 
 @pytest.mark.parametrize("phi", [0, 30])
@@ -40,30 +40,30 @@ def test_a_vertical_cut_without_tension_stands_as_high_as_a_column_of_it(phi):
     """γH/c = 2 tan(45° + φ/2): slices of no thickness break off beside cracks (Drucker 1953; Chen 1975, 9.6), where
     tension makes it 3.78 and 6.69. Measured: 1.99999 to 2.19 and 3.4641 to 4.04; slices are as thick as cells."""
     exact = 2.0 * math.tan(math.radians(45.0 + phi / 2.0))
-    found = vertical_cut(phi, tension=0.0, gap=0.05, max_cells=650)
-    assert 0.999 * exact <= found.lower <= (1.0 + 1e-4) * exact
-    assert exact <= found.upper <= 1.18 * exact
+    result = vertical_cut(phi, tension=0.0, gap=0.05, max_cells=650)
+    assert 0.999 * exact <= result.lower <= (1.0 + 1e-4) * exact
+    assert exact <= result.upper <= 1.18 * exact
 
 
 def test_the_height_of_a_cut_grows_with_its_tensile_strength():
     """From 2 without to 3.78 with all of it; measured for a fifth of c: 2.99 to 3.07."""
-    some = vertical_cut(0, tension=0.2, gap=0.04, max_cells=1000)
-    assert 2.0 < 2.9 < some.lower < some.upper < 3.2 < 3.77
+    with_tension = vertical_cut(0, tension=0.2, gap=0.04, max_cells=1000)
+    assert 2.0 < 2.9 < with_tension.lower < with_tension.upper < 3.2 < 3.77
 
 
 @pytest.mark.slow
 def test_acads_1b_by_bounds_and_a_slope_with_all_its_tension():
     """Referee 1.65 to 1.70, RS2 1.63 with a cut-off; measured 1.620 to 1.667. With tension it bears more."""
     case = cases()["acads_1b"]
-    found = safety_bounds(case.section, case.fem, ROUGHLY, guess=1.6)
-    assert found.gap <= 0.04
-    assert found.lower <= 1.65 <= 1.02 * found.upper
+    bounds = safety_bounds(case.section, case.fem, ROUGHLY, guess=1.6)
+    assert bounds.gap <= 0.04
+    assert bounds.lower <= 1.65 <= 1.02 * bounds.upper
     data = case.section.model_dump(mode="python", exclude_none=True, include=set(Section.model_fields))
     data["strata"] = [stratum.model_copy(update={"tension": None}) for stratum in case.section.strata]
     tense = safety_bounds(
         case.section.model_copy(update={"strata": tuple(data["strata"])}), case.fem, ROUGHLY, guess=1.6
     )
-    assert tense.upper > found.lower
+    assert tense.upper > bounds.lower
 
 
 def test_a_cut_off_beyond_the_apex_changes_nothing():
@@ -71,8 +71,8 @@ def test_a_cut_off_beyond_the_apex_changes_nothing():
     data = slope()
     far = {**data, "unusual": True, "strata": [{**stratum, "tension": "900 MPa"} for stratum in data["strata"]]}
     fixed, quick = FemSettings(sides="fixed"), BoundsSettings(gap=0.2, max_cells=600)
-    one, other = (safety_bounds(Section.parse(ground), fixed, quick) for ground in (data, far))
-    assert (one.lower, one.upper) == (other.lower, other.upper)
+    item, other = (safety_bounds(Section.parse(ground), fixed, quick) for ground in (data, far))
+    assert (item.lower, item.upper) == (other.lower, other.upper)
 
 
 @given(st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.0, 45.0), st.floats(0.1, 3.0), st.floats(0.0, 0.99))
@@ -81,11 +81,11 @@ def test_dissipation_is_the_largest_work_of_a_stress_that_is_borne(shear, more, 
     sin, strength = math.sin(math.radians(phi)), cohesion * math.cos(math.radians(phi))
     tension = share * min(strength / max(sin, 1e-3), 5.0)
     volume = sin * shear + more
-    found = _with_cut_off(*(np.array([[x]]) for x in (volume, shear, strength, sin)), np.array([tension]))[0, 0]
+    result = _with_cut_off(*(np.array([[x]]) for x in (volume, shear, strength, sin)), np.array([tension]))[0, 0]
     middle = np.linspace(-20.0, tension, 4001)
     middle = np.append(middle, (tension - strength) / (1.0 - sin))
     radius = np.minimum(strength - middle * sin, tension - middle)
-    assert found == pytest.approx(float((middle * volume + radius * shear).max()), rel=1e-9, abs=1e-9)
+    assert result == pytest.approx(float((middle * volume + radius * shear).max()), rel=1e-9, abs=1e-9)
 
 
 def cracked_cut(water: str) -> Config:
@@ -104,12 +104,12 @@ def test_a_cut_beside_cracks_of_half_its_height(water: str, wedge: float) -> Non
     at Terzaghi's 2.67 c / γ = H. Opening a crack on that plane costs 0.29 c times its depth, which thinner slices and
     turning spare in part. Measured: 0.902 to 0.918 and 0.746 to 0.765; without cracks 1.252 to 1.279."""
     config = cracked_cut(water)
-    found = safety_bounds(config.section, config.fem, BoundsSettings(gap=0.06, max_cells=900), guess=wedge)
-    assert 0.94 * wedge < found.lower < 1.03 * wedge
-    assert 0.99 * wedge < found.upper < 1.08 * wedge
+    bounds = safety_bounds(config.section, config.fem, BoundsSettings(gap=0.06, max_cells=900), guess=wedge)
+    assert 0.94 * wedge < bounds.lower < 1.03 * wedge
+    assert 0.99 * wedge < bounds.upper < 1.08 * wedge
     mesh = generate(config.section, MeshSettings(size=0.4))
     elements = limit_load_safety_factor(config.section, mesh, config.fem, 0.0, MPI.COMM_SELF, guess=wedge).factor
-    assert found.lower < elements < 1.03 * found.upper
+    assert bounds.lower < elements < 1.03 * bounds.upper
 
 
 def test_what_cracks_make_of_a_section() -> None:
@@ -119,8 +119,8 @@ def test_what_cracks_make_of_a_section() -> None:
     assert (cracked.name, cracked.tension, clay.name, clay.tension) == ("Clay, cracked", 0.0, "Clay", None)
     assert config.section.layering.areas()[0] == pytest.approx(13.0 * 1.5)
     deep = np.array([[12.0, 3.5], [7.4, 3.5], [7.8, 3.5], [2.0, 0.5]])
-    found = config.section.water_pressure.at_rest(deep, deep, np.zeros(4, dtype=int))
-    assert found == pytest.approx(1000.0 * 9.80665 * np.array([1.0, 0.0, 1.0, 1.0]))
+    ground = config.section.water_pressure.at_rest(deep, deep, np.zeros(4, dtype=int))
+    assert ground == pytest.approx(1000.0 * 9.80665 * np.array([1.0, 0.0, 1.0, 1.0]))
     again = Config.parse(tomllib.loads(config.to_toml()))
     assert {soil_of(s.name.removesuffix(BELOW_WATER)) for s in again.section.strata} == {"Clay"}
     assert [s.tension for s in again.section.strata] == [0.0, 0.0, None]  # its water cuts it

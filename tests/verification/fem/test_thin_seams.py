@@ -45,10 +45,10 @@ def test_no_finer_mesh_loses_the_lower_bound(section):
     search = BoundSearch(mesh, body_of(section, mesh, fem, davis=True), Limits(1e-3, 2000))
     while search.bracket.ended is None:
         search.advance()
-    found = [one.lower for one in search.bracket.meshes]
-    assert len(found) >= 2
-    assert all(one.failed == () for one in search.bracket.meshes)
-    assert all(after >= before - 1e-4 for before, after in itertools.pairwise(found))
+    values = [meshe.lower for meshe in search.bracket.meshes]
+    assert len(values) >= 2
+    assert all(item.failed == () for item in search.bracket.meshes)
+    assert all(after >= before - 1e-4 for before, after in itertools.pairwise(values))
 
 
 def test_the_tip_of_a_wedge_of_bare_sand_leaves_a_lower_bound():

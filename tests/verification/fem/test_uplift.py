@@ -35,10 +35,10 @@ def test_no_bound_is_above_the_block_that_is_punched_out() -> None:
     fails at 0.45 to 0.47)."""
     ground = above_a_lens(5.0, 3.0, 20.0)
     block = 2.0 * 2.0 * 20e3 / (10.0 * (5.0 * WATER - 2.0 * 18e3))
-    found = safety_bounds(ground, FIXED, BoundsSettings(gap=0.2, max_cells=1000), held=True)
-    assert 0.3 * block < found.lower <= block
+    bounds = safety_bounds(ground, FIXED, BoundsSettings(gap=0.2, max_cells=1000), smooth_sides=True)
+    assert 0.3 * block < bounds.lower <= block
     elements = limit_load_safety_factor(ground, generate(ground, MeshSettings(size=0.8)), FIXED, 0.0, MPI.COMM_SELF)
-    assert 0.97 * found.lower <= elements.factor <= 1.04 * found.upper
+    assert 0.97 * bounds.lower <= elements.factor <= 1.04 * bounds.upper
 
 
 def test_ground_that_blows_out_is_told_by_how_much_it_is_lifted() -> None:
@@ -55,9 +55,11 @@ def test_ground_that_its_strength_holds_down_has_an_answer_and_a_warning() -> No
     ground = above_a_lens(1.0, 3.0, 60.0)
     meshing = MeshSettings(size=0.8)
     one_mesh = FIXED.model_copy(update={"accuracy": 0.0})
-    found = assess(ground, meshing, generate(ground, meshing), one_mesh, MPI.COMM_SELF, lambda *_: None)
-    assert found.critical.kc > 0.0
-    assert any(warning.contradiction and "factor against uplift 0.73" in warning.what for warning in found.warnings)
+    assessment = assess(ground, meshing, generate(ground, meshing), one_mesh, MPI.COMM_SELF, lambda *_: None)
+    assert assessment.critical.kc > 0.0
+    assert any(
+        warning.contradiction and "factor against uplift 0.73" in warning.what for warning in assessment.warnings
+    )
 
 
 def test_bare_sand_whose_water_would_rise_above_it_cannot_stand() -> None:

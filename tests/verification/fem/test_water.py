@@ -63,10 +63,10 @@ def test_a_slope_under_still_water_is_the_slope_of_buoyant_weight(element, sides
     under = section(water={"table": 12.0})
     buoyant = section(soil(density_ordinary=20e3 / GRAVITY - 1000.0, density_seismic=20e3 / GRAVITY, **PAIR))
     mesh = generate(under, MeshSettings(size=2.5))
-    one, other = (safety_factor(ground, mesh, wish, 0.0, MPI.COMM_SELF).factor for ground in (under, buoyant))
-    assert one == pytest.approx(other, rel=close)
-    one, other = (critical_coefficient(ground, mesh, wish, MPI.COMM_SELF).kc for ground in (under, buoyant))
-    assert one == pytest.approx(other, rel=close)
+    item, other = (safety_factor(ground, mesh, wish, 0.0, MPI.COMM_SELF).factor for ground in (under, buoyant))
+    assert item == pytest.approx(other, rel=close)
+    item, other = (critical_coefficient(ground, mesh, wish, MPI.COMM_SELF).kc for ground in (under, buoyant))
+    assert item == pytest.approx(other, rel=close)
 
 
 def test_bounds_of_a_slope_under_still_water_are_those_of_buoyant_weight():
@@ -74,16 +74,16 @@ def test_bounds_of_a_slope_under_still_water_are_those_of_buoyant_weight():
     rough = BoundsSettings(gap=0.05, max_cells=1500, davis=False)
     under = section(water={"table": 12.0})
     buoyant = section(soil(density_ordinary=20e3 / GRAVITY - 1000.0, density_seismic=20e3 / GRAVITY, **PAIR))
-    one, other = (kh_bounds(ground, PLAIN, rough) for ground in (under, buoyant))
-    assert (one.lower, one.upper) == pytest.approx((other.lower, other.upper), rel=1e-4)
+    item, other = (kh_bounds(ground, PLAIN, rough) for ground in (under, buoyant))
+    assert (item.lower, item.upper) == pytest.approx((other.lower, other.upper), rel=1e-4)
 
 
 def test_bounds_weigh_a_film_of_moist_sand_above_the_water_as_moist():
     """A wedge of 70 mm and 20 m, too thin for elements: 0.7 m² of 18 kN/m³ on 659.3 m² of 20 kN/m³."""
     bank = section(water={"table": [[0.0, 9.93], [20.0, 10.0], [60.0, 10.0]]})
     assert [s.name for s in bank.strata] == ["Soil"]
-    found = kh_bounds(bank, PLAIN, BoundsSettings(gap=0.5, max_cells=250, davis=False))
-    weight = body_of(found.section, found.mesh, PLAIN).dead_force[found.mesh.stratum, 1] @ found.mesh.areas
+    bounds = kh_bounds(bank, PLAIN, BoundsSettings(gap=0.5, max_cells=250, davis=False))
+    weight = body_of(bounds.section, bounds.mesh, PLAIN).dead_force[bounds.mesh.stratum, 1] @ bounds.mesh.areas
     assert weight == pytest.approx(-(0.7 * 18e3 + 659.3 * 20e3), rel=1e-9)
 
 
@@ -107,13 +107,13 @@ def test_a_layer_without_friction_stands_alike_by_total_and_by_effective_stress(
 @pytest.mark.slow
 def test_bounds_of_a_layer_without_friction_are_alike_by_total_and_by_effective_stress():
     """Measured: 0.3 %."""
-    found = []
+    results = []
     for ratio in (None, 0.0):
         ground = clay_below_sand(ratio)
         bounds = kh_bounds(ground, PLAIN, BoundsSettings(gap=0.03, max_cells=3000, davis=False))
-        found.append((bounds.lower, bounds.upper))
+        results.append((bounds.lower, bounds.upper))
         assert bounds.lower <= 1.01 * kc_of_elements(ground) <= 1.01 * 1.05 * bounds.upper
-    assert found[0] == pytest.approx(found[1], rel=0.01)  # their gap is 3 %
+    assert results[0] == pytest.approx(results[1], rel=0.01)  # their gap is 3 %
 
 
 def strip(head, excess=0.0):
@@ -193,12 +193,12 @@ def test_bounds_of_an_infinite_slope_with_seepage_enclose_its_closed_form(head):
         return Side(dead=dead, live=live, pressure=water)  # of effective stress: the water's own acts beside it
 
     mesh = triangulate(piece, 1.5)
-    body = body_of(piece, mesh, PLAIN, shaken=False)
+    body = body_of(piece, mesh, PLAIN, excess_pressure=False)
     body = replace(body, sides={**body.sides, "left": side(-1.0), "right": side(1.0)})
-    found = bracket(mesh, body, Limits(0.01, 8000))
-    assert found.lower <= kc * (1.0 + 1e-6)
-    assert found.upper >= kc * (1.0 - 1e-6)
-    assert found.gap < 0.01
+    text = bracket(mesh, body, Limits(0.01, 8000))
+    assert text.lower <= kc * (1.0 + 1e-6)
+    assert text.upper >= kc * (1.0 - 1e-6)
+    assert text.gap < 0.01
 
 
 @settings(max_examples=25, deadline=None)
@@ -206,7 +206,7 @@ def test_bounds_of_an_infinite_slope_with_seepage_enclose_its_closed_form(head):
 def test_no_weight_is_lost(ground):
     """Vertical reactions are total weight less uplift: of all forces on the skeleton, with random water and a load."""
     mesh = triangulate(ground, 4.0)
-    body = body_of(ground, mesh, PLAIN, shaken=False)
+    body = body_of(ground, mesh, PLAIN, excess_pressure=False)
     problem = limit_problem(mesh, body, units_of(mesh, body))
     units, mesh_of = problem.units, problem.mesh
     force = float(problem.dead_force[:, 1] @ mesh_of.areas)
@@ -257,14 +257,14 @@ def test_sand_where_the_river_meets_the_bank_is_not_washed_out():
     for what cells of 2 m cost. Measured: 2.2 % above the upper one."""
     sand = soil("Sand", cohesion=0.0, friction_angle="38 deg")
     bank = section(sand, water={"table": [[0.0, 7.0], [20.0, 6.0], [36.0, 3.6], [60.0, 3.6]]})
-    found = critical_coefficient(bank, generate(bank, MeshSettings(size=2.0)), PLAIN, MPI.COMM_SELF)
+    critical_result = critical_coefficient(bank, generate(bank, MeshSettings(size=2.0)), PLAIN, MPI.COMM_SELF)
     bounds = kh_bounds(bank, PLAIN, BoundsSettings(gap=0.05, max_cells=2500, davis=False))
     assert (
-        [face.stratum for face in found.shallow_failures]
+        [face.stratum for face in critical_result.shallow_failures]
         == [face.stratum for face in bounds.shallow_failures]
         == ["Sand, below water"]
     )
-    assert bounds.lower <= found.kc <= 1.03 * bounds.upper
+    assert bounds.lower <= critical_result.kc <= 1.03 * bounds.upper
 
 
 def test_water_that_moves_takes_its_part():

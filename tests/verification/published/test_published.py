@@ -16,28 +16,30 @@ QUICK = 4.0  # s of processor time for bounds to 3 %
 ROUGHLY = BoundsSettings(gap=0.05, max_cells=1500)
 
 
-def _some() -> list[str]:
+def _selection() -> list[str]:
     """Eight of those that are quick, from all over the collection, the same ones each time."""
     quick = sorted(
         name
-        for name, found in RECORDED.items()
-        if None not in (found.lower, found.upper, found.bounds_seconds) and found.bounds_seconds < QUICK
+        for name, item in RECORDED.items()
+        if None not in (item.lower, item.upper, item.bounds_seconds) and item.bounds_seconds < QUICK
     )
     return quick[:: max(1, len(quick) // 8)][:8]
 
 
-@pytest.mark.parametrize("name", _some()[::2])
+@pytest.mark.parametrize("name", _selection()[::2])
 def test_bounds_are_those_of_the_page_and_agree_with_what_was_published(name):
     before = RECORDED[name]
-    found = answer(cases()[name], ["bounds"], bounds=ROUGHLY)
-    found = replace(found, davis=before.davis, davis_upper=before.davis_upper)  # what some of the published ones are
-    assert found.lower <= before.upper
-    assert found.upper >= before.lower
-    assert found.upper - found.lower <= 0.08 * found.upper
-    assert judge(cases()[name], found).word in ("right", "explained")
+    random_packings = answer(cases()[name], ["bounds"], bounds=ROUGHLY)
+    random_packings = replace(
+        random_packings, davis=before.davis, davis_upper=before.davis_upper
+    )  # what some of the published ones are
+    assert random_packings.lower <= before.upper
+    assert random_packings.upper >= before.lower
+    assert random_packings.upper - random_packings.lower <= 0.08 * random_packings.upper
+    assert judge(cases()[name], random_packings).word in ("right", "explained")
 
 
-@pytest.mark.parametrize("name", _some()[1::2])
+@pytest.mark.parametrize("name", _selection()[1::2])
 def test_elements_agree_with_what_was_published_and_with_the_bounds_of_the_page(name):
     before = RECORDED[name]
     verdict = judge(cases()[name], answer(cases()[name], ["associated"], known=before))

@@ -41,9 +41,9 @@ def test_columns_of_sand_run_as_far_as_sand_and_continuum() -> None:
 
 def test_a_short_column_is_predicted_as_it_was_recorded() -> None:
     """Half as high as wide, 300 discs: the first packing to a tenth of its width."""
-    found = predict(CASES["column_33_050"], 1)
-    assert not found.failure
-    assert found.values[0] == pytest.approx(RECORDED["column_33_050"].values[0], abs=0.1)
+    slide_answer = predict(CASES["column_33_050"], 1)
+    assert not slide_answer.failure
+    assert slide_answer.values[0] == pytest.approx(RECORDED["column_33_050"].values[0], abs=0.1)
 
 
 def test_gentle_slopes_move_by_points_as_the_strain_potential_does_in_closed_form() -> None:
@@ -72,9 +72,9 @@ def test_gentle_slopes_move_by_points_as_the_strain_potential_does_in_closed_for
 @pytest.mark.slow
 def test_liquefied_ground_holds_at_nine_tenths_of_its_yield_coefficient() -> None:
     """Newmark (1965): nothing moves; the first packing comes 0.05 m (1.0 m without FIRST)."""
-    found = predict(CASES["endless_ratio_20_90"], 1)
-    assert not found.failure
-    assert abs(found.values[0]) < 0.2
+    slide_answer = predict(CASES["endless_ratio_20_90"], 1)
+    assert not slide_answer.failure
+    assert abs(slide_answer.values[0]) < 0.2
 
 
 @pytest.mark.slow

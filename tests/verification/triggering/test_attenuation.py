@@ -18,9 +18,9 @@ from workflow.earthquake.settings import EarthquakeSettings
 )  # fmt: skip
 def test_fukushima_tanaka(magnitude: float, kilometres: float, expected: float) -> None:
     """gem/oq-engine, tests/gsim/data/FT1990/FT1990_MEAN.csv, in g of 9.81 m/s²."""
-    found = fukushima_tanaka(magnitude, 1000.0 * kilometres, "average")
-    assert found.median / 9.81 == pytest.approx(expected, rel=1e-5)
-    assert fukushima_tanaka(magnitude, 1000.0 * kilometres, "soft").median == pytest.approx(1.4 * found.median)
+    motion = fukushima_tanaka(magnitude, 1000.0 * kilometres, "average")
+    assert motion.median / 9.81 == pytest.approx(expected, rel=1e-5)
+    assert fukushima_tanaka(magnitude, 1000.0 * kilometres, "soft").median == pytest.approx(1.4 * motion.median)
 
 
 @pytest.mark.parametrize(
@@ -29,8 +29,8 @@ def test_fukushima_tanaka(magnitude: float, kilometres: float, expected: float) 
 )
 def test_si_midorikawa_within_a_plate(magnitude: float, depth: float, kilometres: float, expected: float) -> None:
     """gem/oq-engine, tests/gsim/data/SM99/SM99SSLAB_MEAN_PGA.csv, in g."""
-    found = si_midorikawa(magnitude, 1000.0 * kilometres, 1000.0 * depth, "intraplate")
-    assert found.median / GRAVITY == pytest.approx(expected, rel=1e-5)
+    motion = si_midorikawa(magnitude, 1000.0 * kilometres, 1000.0 * depth, "intraplate")
+    assert motion.median / GRAVITY == pytest.approx(expected, rel=1e-5)
 
 
 def test_si_midorikawa_elsewhere() -> None:
@@ -44,9 +44,9 @@ def test_noshiro_1983() -> None:
     """The paper has 250 gal for M 7.7, by an attenuation analysis of its own, whose distance it does not give. The
     distance of 27 km that Youd, Hansen & Bartlett (2002) use for Noshiro gives 318 gal, and 250 gal is within one
     standard deviation; the median is 250 gal at 39 km."""
-    found = fukushima_tanaka(7.7, 27_000.0, "average")
-    assert found.median / GAL == pytest.approx(318.0, abs=1.0)
-    assert found.low < 250.0 * GAL < found.high
+    motion = fukushima_tanaka(7.7, 27_000.0, "average")
+    assert motion.median / GAL == pytest.approx(318.0, abs=1.0)
+    assert motion.low < 250.0 * GAL < motion.high
     assert fukushima_tanaka(7.7, 39_000.0, "average").median / GAL == pytest.approx(250.0, abs=3.0)
 
 
@@ -70,17 +70,17 @@ def test_boore_is_pygmms(
     magnitude: float, kilometres: float, velocity: float, slip: Slip, expected: float, sigma: float
 ) -> None:
     """pygmm 0.8.0, BooreStewartSeyhanAtkinson2014, region global: median in g, standard deviation of its logarithm."""
-    found = boore(magnitude, 1000.0 * kilometres, velocity, slip)
-    assert found.median / GRAVITY == pytest.approx(expected, rel=1e-9)
-    assert found.sigma * math.log(10.0) == pytest.approx(sigma, rel=1e-9)
+    motion = boore(magnitude, 1000.0 * kilometres, velocity, slip)
+    assert motion.median / GRAVITY == pytest.approx(expected, rel=1e-9)
+    assert motion.sigma * math.log(10.0) == pytest.approx(sigma, rel=1e-9)
 
 
 def test_boore_has_a_range_and_needs_the_ground() -> None:
     with pytest.raises(InputError, match=r"(?s)magnitude = 7.5.*distance = 500 km.*vs30 = 100 m/s") as caught:
         boore(7.5, 500_000.0, 100.0, "normal")
     assert len(caught.value.problems) == 3
-    asked = EarthquakeSettings(magnitude=7.0, distance="30 km", relation="boore")
+    earthquake_settings = EarthquakeSettings(magnitude=7.0, distance="30 km", relation="boore")
     with pytest.raises(InputError, match='relation = "boore": expected vs30'):
-        asked.motion()
-    told = asked.model_copy(update={"vs30": 270.0, "slip": "strike-slip"}).motion()
-    assert told == boore(7.0, 30_000.0, 270.0, "strike-slip")
+        earthquake_settings.motion()
+    motion = earthquake_settings.model_copy(update={"vs30": 270.0, "slip": "strike-slip"}).motion()
+    assert motion == boore(7.0, 30_000.0, 270.0, "strike-slip")

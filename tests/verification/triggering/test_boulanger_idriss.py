@@ -42,9 +42,9 @@ def test_every_step_is_liquepys(
     point = ConeTest(depth, q, sleeve, total, effective)
     assert point.index == pytest.approx(index, abs=2e-6)
     assert normalised(point) == pytest.approx((plain, clean), rel=2e-6)
-    found = assess(point, Shaking(0.25, 7.0))
-    assert (found.load, found.resistance) == pytest.approx((load, bears), rel=5e-6)
-    assert found.factor == pytest.approx(min(2.0, bears / load), rel=1e-5)
+    assessment = assess(point, Shaking(0.25, 7.0))
+    assert (assessment.load, assessment.resistance) == pytest.approx((load, bears), rel=5e-6)
+    assert assessment.factor == pytest.approx(min(2.0, bears / load), rel=1e-5)
     assert why_not(point) == ""
 
 

@@ -38,9 +38,9 @@ def test_youd_is_within_a_factor_of_two_of_what_was_observed(row: tuple[float, .
     """As its authors claim of most of their cases. The equation itself is that of two public codes (LiquePy, OpenSRA);
     a worked example of the publication was not at hand."""
     *site, observed = row
-    found = Spreading(*site)
-    assert why_not_youd(found) == ""
-    assert 0.5 < youd(found) / observed < 2.0
+    spreading = Spreading(*site)
+    assert why_not_youd(spreading) == ""
+    assert 0.5 < youd(spreading) / observed < 2.0
 
 
 # The same of free faces, W = 100 H/L (%) in the place of the slope: all rows within its range of more than a decimetre,
@@ -57,9 +57,9 @@ FREE_FACES = [
 @pytest.mark.parametrize("row", FREE_FACES)
 def test_youd_towards_a_free_face(row: tuple[float, ...]) -> None:
     *site, observed = row
-    found = Spreading(*site, free_face=True)
-    assert why_not_youd(found) == ""
-    assert 0.5 < youd(found) / observed < 2.0
+    spreading = Spreading(*site, free_face=True)
+    assert why_not_youd(spreading) == ""
+    assert 0.5 < youd(spreading) / observed < 2.0
 
 
 def test_a_bank_in_place_of_the_slope() -> None:
@@ -74,25 +74,25 @@ def test_a_bank_in_place_of_the_slope() -> None:
         boring["x"] = min(boring["x"], 50.0)
         for sample in boring["spt"]:
             sample |= {"fines": 5.0, "d50": "0.3 mm"}
-    given = analysed(data)
-    found = {one.method: one for one in empirical(given.section, given, 0.2, np.zeros((0, 2)))}
-    by_strain = found["Zhang, Robertson & Brachman (2004)"]
+    config = analysed(data)
+    values = {item.method: item for item in empirical(config.section, config, 0.2, np.zeros((0, 2)))}
+    by_strain = values["Zhang, Robertson & Brachman (2004)"]
     index = float(by_strain.words.split("LDI = ")[1].split(" m")[0])
     assert by_strain.displacement_m == pytest.approx(1.1368 * index, rel=0.01)
-    assert "W = 12.5 %" in found["Youd, Hansen & Bartlett (2002)"].words
-    assert found["Youd, Hansen & Bartlett (2002)"].displacement_m is not None
+    assert "W = 12.5 %" in values["Youd, Hansen & Bartlett (2002)"].words
+    assert values["Youd, Hansen & Bartlett (2002)"].displacement_m is not None
 
 
 @pytest.mark.parametrize(
-    ("face", "told"),
+    ("face", "message"),
     [
         ({"crest": 50.0}, "free_face, toe: missing"),
         ({"crest": 50.0, "toe": 120.0}, "free_face, toe = 120: off the section"),
         ({"crest": 50.0, "toe": 60.0}, "is not above that at the toe"),
     ],
 )
-def test_a_bank_that_is_none(face: dict[str, float], told: str) -> None:
-    assert told in "\n".join(problems({**bored(), "free_face": face}, Config))
+def test_a_bank_that_is_none(face: dict[str, float], message: str) -> None:
+    assert message in "\n".join(problems({**bored(), "free_face": face}, Config))
 
 
 def test_youd_by_hand() -> None:
@@ -102,8 +102,8 @@ def test_youd_by_hand() -> None:
 
 
 def test_outside_the_range_of_youd() -> None:
-    told = why_not_youd(Spreading(8.5, 21.0, 8.0, 0.5, 60.0, 3.0))
-    assert all(name in told for name in ("magnitude", "slope", "thickness", "fines", "grain size"))
+    text = why_not_youd(Spreading(8.5, 21.0, 8.0, 0.5, 60.0, 3.0))
+    assert all(name in text for name in ("magnitude", "slope", "thickness", "fines", "grain size"))
 
 
 @pytest.mark.parametrize(
@@ -161,26 +161,26 @@ def test_towhatas_truss_on_s13() -> None:
 
 def test_s13_has_all_relations_in_its_table_with_why_some_give_nothing() -> None:
     """M 7.7 is beyond the data of 2007, and the paper's borings were not at hand."""
-    given = Config.load(SECTIONS / "s13.toml")
-    found = {one.method: one for one in empirical(given.section, given, 0.237, np.zeros((0, 2)))}
-    assert set(found) == {
+    config = Config.load(SECTIONS / "s13.toml")
+    values = {item.method: item for item in empirical(config.section, config, 0.237, np.zeros((0, 2)))}
+    assert set(values) == {
         "Bray & Travasarou (2007)", "Bray & Macedo (2019)", "Youd, Hansen & Bartlett (2002)",
         "Zhang, Robertson & Brachman (2004)", "Towhata's truss",
     }  # fmt: skip
-    assert "M = 7.7 is not within" in found["Bray & Travasarou (2007)"].words
-    assert found["Bray & Macedo (2019)"].displacement_m == pytest.approx(0.0092, abs=1e-4)
-    assert found["Youd, Hansen & Bartlett (2002)"].words == "not computed: there are no borings"
-    assert [one.displacement for one in given.report.observed] == [3.0]
+    assert "M = 7.7 is not within" in values["Bray & Travasarou (2007)"].words
+    assert values["Bray & Macedo (2019)"].displacement_m == pytest.approx(0.0092, abs=1e-4)
+    assert values["Youd, Hansen & Bartlett (2002)"].words == "not computed: there are no borings"
+    assert [entry.displacement for entry in config.report.observed] == [3.0]
 
 
 def test_what_lies_outside_a_range_gives_no_number() -> None:
     data = bored()
     data["earthquake"]["distance"] = "20 km"
-    given = analysed(data)
-    found = {one.method: one for one in empirical(given.section, given, 0.2, np.zeros((0, 2)))}
-    level = found["Zhang, Robertson & Brachman (2004)"]
+    config = analysed(data)
+    values = {item.method: item for item in empirical(config.section, config, 0.2, np.zeros((0, 2)))}
+    level = values["Zhang, Robertson & Brachman (2004)"]
     assert level.displacement_m is None
     assert "slope (%) = 0 is not within 0.2-3.5" in level.words
-    assert "no blow count below 15 has both fines and D50" in found["Youd, Hansen & Bartlett (2002)"].words
-    assert found["Bray & Macedo (2019)"].displacement_m is not None
-    assert all(one.source and one.validity for one in found.values())
+    assert "no blow count below 15 has both fines and D50" in values["Youd, Hansen & Bartlett (2002)"].words
+    assert values["Bray & Macedo (2019)"].displacement_m is not None
+    assert all(value.source and value.validity for value in values.values())

@@ -34,18 +34,18 @@ def test_the_form_of_1990_by_hand() -> None:
 def test_the_form_of_2017_by_hand() -> None:
     """N1 = 170 · 8/130 = 10.4615 = Na; R_L = 0.0882 √((0.85 · 10.4615 + 2.1)/1.7) = 0.22427; L as above: 0.6125.
     As the public program masamasace/liquefaction-assessment has the equations."""
-    found = assess_later(POINT, Shaking(0.25, math.nan), "2017", "I")
-    assert found.corrected == pytest.approx(10.4615, abs=1e-4)
-    assert found.resistance == pytest.approx(0.22427, abs=1e-5)
-    assert found.factor == pytest.approx(0.6125, abs=1e-4)
+    resistance = assess_later(POINT, Shaking(0.25, math.nan), "2017", "I")
+    assert resistance.corrected == pytest.approx(10.4615, abs=1e-4)
+    assert resistance.resistance == pytest.approx(0.22427, abs=1e-5)
+    assert resistance.factor == pytest.approx(0.6125, abs=1e-4)
 
 
 def test_the_form_of_2012_by_hand() -> None:
     """0.0882 √(10.4615/1.7) = 0.21880; a motion of type II bears 3.3 · 0.21880 + 0.67 = 1.3920 times that."""
-    one = assess_later(POINT, Shaking(0.25, math.nan), "2012", "I")
+    resistance = assess_later(POINT, Shaking(0.25, math.nan), "2012", "I")
     two = assess_later(POINT, Shaking(0.25, math.nan), "2012", "II")
-    assert one.resistance == pytest.approx(0.21880, abs=1e-5)
-    assert two.resistance / one.resistance == pytest.approx(1.3920, abs=1e-4)
+    assert resistance.resistance == pytest.approx(0.21880, abs=1e-5)
+    assert two.resistance / resistance.resistance == pytest.approx(1.3920, abs=1e-4)
 
 
 @given(st.floats(0.0, 60.0))

@@ -79,8 +79,8 @@ def test_the_blow_count_is_consistent_with_its_own_overburden_correction() -> No
 
 
 def test_dense_sand_does_not_liquefy_and_the_factor_ends_at_two() -> None:
-    found = assess(BlowCount(6.0, 60.0, 110.0, 70.0, 0.0), Shaking(0.3, 7.5), 60.0, 1.5)
-    assert found.factor == 2.0
+    assessment = assess(BlowCount(6.0, 60.0, 110.0, 70.0, 0.0), Shaking(0.3, 7.5), 60.0, 1.5)
+    assert assessment.factor == 2.0
 
 
 def test_more_shaking_and_fewer_blows_make_it_worse() -> None:

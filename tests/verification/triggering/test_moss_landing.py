@@ -10,7 +10,7 @@ from workflow.config.after_triggering import config_after_triggering
 from workflow.estimates.empirical import empirical
 from workflow.estimates.lateral_spread import Spreading, why_not_youd, youd, zhang_free_face
 
-GIVEN = config_after_triggering(Config.load(SECTIONS / "moss_landing.toml"))
+CONFIG = config_after_triggering(Config.load(SECTIONS / "moss_landing.toml"))
 
 # Depth (m) and F_L as LiquePy (github LiquePy/LiquePy, zhang2004_lateral_spread_analysis.xls) has them for this boring.
 # Its C_N is that of 2004, ours solves for (N1)60cs.
@@ -20,12 +20,12 @@ FACTORS = [(2.6, 0.566), (3.4, 0.598), (4.1, 0.645), (4.9, 0.688), (6.4, 1.223),
 
 def test_what_liquefied_is_found_to_liquefy() -> None:
     """The clean sand under the water spread, as the inclinometers say; the dense sand below it does not liquefy."""
-    found = {test.sample.depth: test.factor for test in assessment(GIVEN).tests}
+    values = {test.sample.depth: test.factor for test in assessment(CONFIG).tests}
     for depth, factor in FACTORS:
-        assert found[depth] == pytest.approx(factor, rel=0.05)
-    assert found[5.6] > 1.8  # LiquePy: 2.0 here and at 7.2 m
-    assert found[7.2] == 2.0
-    liquefies = {one.name: one.liquefies for one in assessment(GIVEN).strata if one.tests}
+        assert values[depth] == pytest.approx(factor, rel=0.05)
+    assert values[5.6] > 1.8  # LiquePy: 2.0 here and at 7.2 m
+    assert values[7.2] == 2.0
+    liquefies = {item.name: item.liquefies for item in assessment(CONFIG).strata if item.tests}
     assert liquefies == {
         "Loose sand": False, "Loose sand, below water": True, "Dense sand": False, "Silty sand": True,
     }  # fmt: skip
@@ -45,10 +45,10 @@ def test_what_the_sand_keeps() -> None:
         np.exp(fine / 16.0 + ((fine - 16.0) / 21.2) ** 3 - 3.0) * (1.0 + np.exp(fine / 2.4 - 6.6)) * effective,
         np.exp(-8.444 + 0.109 * n1 + 5.379 * stress**0.1) * 101.325,
     ]
-    assert [case.name for case in GIVEN.cases] == ["low strength", "median", "high strength"]
-    for case, strengths in zip(GIVEN.cases, by_hand, strict=True):
-        found = case.strength_of("Loose sand, below water") / 1e3
-        assert found == pytest.approx(float(np.average(strengths, weights=thick)), rel=0.01)
+    assert [case.name for case in CONFIG.cases] == ["low strength", "median", "high strength"]
+    for case, strengths in zip(CONFIG.cases, by_hand, strict=True):
+        result = case.strength_of("Loose sand, below water") / 1e3
+        assert result == pytest.approx(float(np.average(strengths, weights=thick)), rel=0.01)
 
 
 # M, R (km), W (%), T15 (m), F15 (%), D50 (mm) of Youd et al. (2002), and what was measured (m).
@@ -65,13 +65,13 @@ def test_predicted_beside_observed() -> None:
     assert [youd(site) for site, _ in INCLINOMETERS] == pytest.approx([0.478, 0.358], abs=0.002)
     assert all(0.5 < youd(site) / observed < 2.0 for site, observed in INCLINOMETERS)
     assert all(why_not_youd(site).endswith("is not within 1-20 %") for site, _ in INCLINOMETERS)
-    distance, height = GIVEN.free_face.distance_and_height(GIVEN.section.ground)
+    distance, height = CONFIG.free_face.distance_and_height(CONFIG.section.ground)
     assert 100.0 * height / distance == pytest.approx(29.73, abs=0.05)
-    spread = {one.method: one for one in empirical(GIVEN.section, GIVEN, 0.1, np.zeros((0, 2)))}
+    spread = {item.method: item for item in empirical(CONFIG.section, CONFIG, 0.1, np.zeros((0, 2)))}
     zhang = spread["Zhang, Robertson & Brachman (2004)"]
     assert "LDI = 1.91 m" in zhang.words
     assert "L/H = 3.364 is not within 4-40" in zhang.words
     assert zhang_free_face(1.91, distance, height) == pytest.approx(4.34, abs=0.02)
     assert "free-face ratio 29.7 % is not within 1-20 %" in spread["Youd, Hansen & Bartlett (2002)"].words
     assert all(spread[name].displacement_m is None for name in (zhang.method, "Youd, Hansen & Bartlett (2002)"))
-    assert [one.displacement for one in GIVEN.report.observed] == [site[1] for site in INCLINOMETERS]
+    assert [entry.displacement for entry in CONFIG.report.observed] == [site[1] for site in INCLINOMETERS]

@@ -54,9 +54,9 @@ def test_uniform_layer_on_rock_that_gives() -> None:
 def test_curves_are_pystratas() -> None:
     """pystrata 0.5.4, DarendeliSoilType(plas_index 0, ocr 1, stress_mean 50 kPa, freq 1, num_cycles 10)."""
     strains = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2]
-    found = np.array([stiffness_and_damping(strain, 50e3, 0.0) for strain in strains]).T
-    np.testing.assert_allclose(found[0], [0.9943058, 0.95463205, 0.71716545, 0.23404119, 0.03551268], rtol=2e-5)
-    np.testing.assert_allclose(found[1], [0.01030415, 0.01456948, 0.04836007, 0.15126968, 0.21082933], rtol=3e-4)
+    result = np.array([stiffness_and_damping(strain, 50e3, 0.0) for strain in strains]).T
+    np.testing.assert_allclose(result[0], [0.9943058, 0.95463205, 0.71716545, 0.23404119, 0.03551268], rtol=2e-5)
+    np.testing.assert_allclose(result[1], [0.01030415, 0.01456948, 0.04836007, 0.15126968, 0.21082933], rtol=3e-4)
 
 
 def layers() -> list[Layer]:
@@ -69,27 +69,27 @@ def test_equivalent_linear_layers_are_pystratas() -> None:
     """pystrata 0.5.4, EquivalentLinearCalculator(strain_ratio 0.65, tolerance 0.002), the same layers and curves: peak
     accelerations 0.8607, 0.8105, 0.7210, 0.5701 m/s² at 0, 5, 10, 20 m; G/Gmax 0.9225, 0.6509, 0.7181. Its complex
     modulus differs from SHAKE's by D², and its curves are interpolated."""
-    found = response(layers(), HalfSpace(2200.0, 760.0), STEP, RECORD)
-    np.testing.assert_allclose(found.acceleration[[0, 5, 10, 20]], [0.8607, 0.8105, 0.7210, 0.5701], rtol=5e-3)
-    np.testing.assert_allclose([found.layers[j].stiffness for j in (0, 9, 19)], [0.9225, 0.6509, 0.7181], rtol=1e-2)
-    np.testing.assert_allclose(found.strain[[0, 4, 9, 19]], [2.073e-5, 1.674e-4, 2.416e-4, 2.135e-4], rtol=2e-2)
+    result = response(layers(), HalfSpace(2200.0, 760.0), STEP, RECORD)
+    np.testing.assert_allclose(result.acceleration[[0, 5, 10, 20]], [0.8607, 0.8105, 0.7210, 0.5701], rtol=5e-3)
+    np.testing.assert_allclose([result.layers[j].stiffness for j in (0, 9, 19)], [0.9225, 0.6509, 0.7181], rtol=1e-2)
+    np.testing.assert_allclose(result.strain[[0, 4, 9, 19]], [2.073e-5, 1.674e-4, 2.416e-4, 2.135e-4], rtol=2e-2)
 
 
 def test_the_average_acceleration_is_the_shear_stress_over_the_weight() -> None:
     """It ends at the surface's where the mass is thin, and is below the largest acceleration anywhere above."""
-    found = response(layers(), HalfSpace(2200.0, 760.0), STEP, RECORD)
+    result = response(layers(), HalfSpace(2200.0, 760.0), STEP, RECORD)
     weight = 9.80665 * np.cumsum([layer.density for layer in layers()])
-    np.testing.assert_allclose(found.k_max, found.stress / weight, rtol=1e-12)
-    assert found.k_max[0] * 9.80665 == pytest.approx(found.acceleration[0], rel=0.01)
-    assert np.all(np.diff(found.k_max) < 0.0)
+    np.testing.assert_allclose(result.k_max, result.stress / weight, rtol=1e-12)
+    assert result.k_max[0] * 9.80665 == pytest.approx(result.acceleration[0], rel=0.01)
+    assert np.all(np.diff(result.k_max) < 0.0)
 
 
-def at_rest(found: Response, base: HalfSpace, outcrop: np.ndarray) -> float:
+def at_rest(outcome: Response, base: HalfSpace, outcrop: np.ndarray) -> float:
     """The largest change that a round makes of the answer: by a transfer function of its own, 0.65 of each strain."""
     omega = 2.0 * np.pi * np.fft.rfftfreq(4 * len(outcrop), STEP)
-    up, down, number = waves(found.layers, base, omega)
+    up, down, number = waves(outcome.layers, base, omega)
     change = 0.0
-    for j, layer in enumerate(found.layers):
+    for j, layer in enumerate(outcome.layers):
         turn = np.exp(0.5j * number[j] * layer.thickness)
         with np.errstate(divide="ignore", invalid="ignore"):
             transfer = np.where(
@@ -120,23 +120,23 @@ def test_strong_motions_have_an_answer_that_is_at_rest(name: str, seed: int) -> 
     base = HalfSpace(2200.0, 760.0)
     motion = {"record": 9.80665 * RECORD / np.abs(RECORD).max(), "sine": sine(1.0), "pulse": PULSE}[name]
     for peak in (0.2, 0.6):
-        found = response(column, base, STEP, peak * motion)
-        assert found.change <= 0.01
-        assert at_rest(found, base, peak * motion) <= found.change + 0.02
+        result = response(column, base, STEP, peak * motion)
+        assert result.change <= 0.01
+        assert at_rest(result, base, peak * motion) <= result.change + 0.02
 
 
 @pytest.mark.parametrize(
-    ("strain", "told"),
+    ("strain", "message"),
     [
         (0.004, ""),
         (0.007, "0.7 %, above 0.5 %: equivalent linear layers have one stiffness"),
         (0.165, "16.5 %, above 1.5 %: this is beyond equivalent linear"),
     ],
 )
-def test_large_strains_are_doubted(strain: float, told: str) -> None:
+def test_large_strains_are_doubted(strain: float, message: str) -> None:
     """0.7 % is answered with a warning; 16.5 % was answered without a word."""
-    assert told in warning(strain)
-    assert bool(warning(strain)) == bool(told)
+    assert message in warning(strain)
+    assert bool(warning(strain)) == bool(message)
 
 
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -152,10 +152,10 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert answer["layers"][-1]["bottom_m"] == pytest.approx(20.0)
     assert answer["peak_rock_gal"] == pytest.approx(60.0, abs=1.0)
     assert "k_max of the ground above a depth" in capsys.readouterr().out
-    found = SiteResponseAnswer.read(Store(tmp_path / "run"))
-    between = [layer for layer in found.layers if abs(layer.bottom_m - 5.0 * round(layer.bottom_m / 5.0)) > 0.3]
-    *_, told = response_sentences(found.model_copy(update={"layers": between}))
-    assert told.count(" m)") == 3  # nearest to 5, 10 and 15 m, whatever the layers are; it named none of these
+    result = SiteResponseAnswer.read(Store(tmp_path / "run"))
+    between = [layer for layer in result.layers if abs(layer.bottom_m - 5.0 * round(layer.bottom_m / 5.0)) > 0.3]
+    *_, messages = response_sentences(result.model_copy(update={"layers": between}))
+    assert messages.count(" m)") == 3  # nearest to 5, 10 and 15 m, whatever the layers are; it named none of these
     assert command_line.run("report", tmp_path / "run", "--quiet") == 0
     assert "<h3>Site response</h3>" in (tmp_path / "run/report.html").read_text(encoding="utf-8")
     assert answer["change"] < 0.002
@@ -166,20 +166,20 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     k_max = next(layer["k_max"] for layer in answer["layers"] if layer["bottom_m"] == pytest.approx(6.0))
     data["slide"] = {"kh": "k_max"}
     path.write_text(tomli_w.dumps(data))
-    given = config_after_triggering(Config.load(path))
-    assert given.slide.kh == pytest.approx(k_max, abs=1e-4)
-    assert f"kh = {given.slide.kh}" in given.to_toml()  # what was used
+    config = config_after_triggering(Config.load(path))
+    assert config.slide.kh == pytest.approx(k_max, abs=1e-4)
+    assert f"kh = {config.slide.kh}" in config.to_toml()  # what was used
     del data["site_response"]["slip_depth"]
     path.write_text(tomli_w.dumps(data))
     assert command_line.run("response", path, "--out", tmp_path / "run") == 2
     assert 'slide, kh = "k_max": expected record and slip_depth in [site_response]' in capsys.readouterr().err
     del data["slide"]
     path.write_text(tomli_w.dumps(data))
-    given, surface = Config.load(path), np.array([[30.0, 0.0], [40.0, -6.0], [60.0, -6.0], [80.0, 0.0]])
-    found = estimates(given.section, given, 0.02, surface)
-    told = [one.words for one in found if "under the average" in one.method]
-    assert len(told) == 1
-    assert f"k_max = {k_max:.3f} above 6 m" in told[0]  # the slip surface of the finite elements serves
+    config, surface = Config.load(path), np.array([[30.0, 0.0], [40.0, -6.0], [60.0, -6.0], [80.0, 0.0]])
+    result = estimates(config.section, config, 0.02, surface)
+    messages = [item.words for item in result if "under the average" in item.method]
+    assert len(messages) == 1
+    assert f"k_max = {k_max:.3f} above 6 m" in messages[0]  # the slip surface of the finite elements serves
     data["site_response"]["velocities"] = {"clay": 100.0}
     path.write_text(tomli_w.dumps(data))
     assert command_line.run("response", path, "--out", tmp_path / "run") == 2

@@ -25,19 +25,19 @@ MILLIMETRE = 0.1  # cm
 
 def record(name: str) -> tuple[np.ndarray, np.ndarray]:
     """Times (s) and the acceleration over its peak."""
-    with np.load(HERE / "newmark_records.npz") as kept:
-        values = kept[name] / 32767.0
-        return float(kept[f"{name}/dt"]) * np.arange(len(values)), values
+    with np.load(HERE / "newmark_records.npz") as stored:
+        values = stored[name] / 32767.0
+        return float(stored[f"{name}/dt"]) * np.arange(len(values)), values
 
 
 @pytest.mark.parametrize("name", sorted({row["record"] for row in ROWS}))
 def test_blocks_slide_as_far_as_slammers(name: str) -> None:
     """Within 3 % or a millimetre; one record in coarse steps within 8 %."""
     time, shape = record(name)
-    for row in (one for one in ROWS if one["record"] == name):
+    for row in (item for item in ROWS if item["record"] == name):
         for way, published in ((1.0, float(row["normal_cm"])), (-1.0, float(row["inverse_cm"]))):
-            push = way * float(row["peak_g"]) * GRAVITY * shape
-            slide = 100.0 * newmark(time, push, float(row["ky_g"])).permanent
+            acceleration = way * float(row["peak_g"]) * GRAVITY * shape
+            slide = 100.0 * newmark(time, acceleration, float(row["ky_g"])).permanent
             assert slide == pytest.approx(published, rel=0.08 if name == COARSE else 0.03, abs=MILLIMETRE)
 
 
@@ -49,7 +49,7 @@ def test_uniform_cycles_stand_for_records(peak: str, ky: str, low: float, high: 
     resists a quarter. Cycles that count for liquefaction by the power 1/0.34 are too many for a block near its yield.
     """
     ratios = []
-    for row in (one for one in ROWS if (one["peak_g"], one["ky_g"]) == (peak, ky)):
+    for row in (item for item in ROWS if (item["peak_g"], item["ky_g"]) == (peak, ky)):
         time, shape = record(row["record"])
         shaking = Accelerogram(row["record"], "", time, float(peak) * GRAVITY * shape)
         cycles, period = cycles_of_record(shaking), mean_period_of_record(shaking)

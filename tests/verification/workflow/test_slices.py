@@ -20,7 +20,7 @@ from tests.support.slice_statics import range_of_kh
 from workflow.estimates.deeper_circles import ground_of_circles
 from workflow.estimates.longer_section import circle_of_longer_section
 from workflow.estimates.slice_methods import bishop_critical_kh, bishop_factor, spencer_critical_kh, spencer_factor
-from workflow.estimates.slices import LEFT, RIGHT, divide, pushed_by_crack
+from workflow.estimates.slices import LEFT, RIGHT, divide, loaded_by_crack
 from workflow.estimates.slip_circles import SlipCircle, critical_circle, surface_balance
 from workflow.estimates.structures import face_circle, structures_of
 
@@ -107,7 +107,7 @@ def test_the_water_of_a_crack_turns_the_ground_by_its_moment() -> None:
     line = _arc((x0, z0), radius, (15.351, 46.0), 2000)
     crack = TensionCrack.model_validate({"bottom": {"elevation": float(line[-1, 1])}, "water": "3 m"})
     dry = divide(section, line[None, :, 0], line[None, :, 1])
-    wet = pushed_by_crack(dry, section, crack, (line[-1:, 0], line[-1:, 1]), LEFT)
+    wet = loaded_by_crack(dry, section, crack, (line[-1:, 0], line[-1:, 1]), LEFT)
     circle = np.array([x0]), np.array([z0]), np.array([radius])
     length = radius * (math.asin((line[-1, 0] - x0) / radius) - math.asin((line[0, 0] - x0) / radius))
     driving = [cohesion * length * radius / bishop_factor(slices, *circle)[0] for slices in (dry, wet)]
@@ -189,11 +189,11 @@ def test_still_water_over_the_slope_takes_its_buoyancy_off() -> None:
 def test_the_mirrored_slope_fails_alike() -> None:
     data = _slope().model_dump(mode="python", exclude_none=True, by_alias=True)
     mirrored = Section.parse({**data, "surface": [[0, 20], [20, 20], [40, 10], [60, 10]]})
-    one, other = _circles(_slope(), 0.1)[0], _circles(mirrored, 0.1)[0]
-    assert (one.towards, other.towards) == ("left", "right")
-    assert one.bishop == pytest.approx(other.bishop, rel=2e-3)
-    assert surface_balance(_slope(), one.surface, LEFT, 0.1) == pytest.approx(one.spencer, rel=1e-3)
-    assert surface_balance(_slope(), one.surface, RIGHT, 0.1) is None
+    item, other = _circles(_slope(), 0.1)[0], _circles(mirrored, 0.1)[0]
+    assert (item.towards, other.towards) == ("left", "right")
+    assert item.bishop == pytest.approx(other.bishop, rel=2e-3)
+    assert surface_balance(_slope(), item.surface, LEFT, 0.1) == pytest.approx(item.spencer, rel=1e-3)
+    assert surface_balance(_slope(), item.surface, RIGHT, 0.1) is None
 
 
 def test_circles_of_one_crest_only_are_sought_where_it_is_named() -> None:

@@ -120,7 +120,7 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
             point = point_of(sample, where)
             reason = _why_not(section, sample, where) or relation.why_not(point)
             try:
-                resistance = None if reason else _found(relation, point, shaking, settings)
+                resistance = None if reason else _resistance_of(relation, point, shaking, settings)
             except ValueError as error:
                 problems.append(f"triggering, boring {boring.name}, test at {sample.depth:g} m: {error}")
                 continue
@@ -138,8 +138,8 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
 
 
 def _why_not(section: Section, sample: Sample | Cone, where: Overburden) -> str:
-    """Why a test is not assessed by any method: the ground is above the water table, or clay; empty if it is
-    assessed.
+    """Why a test is not assessed by any method: the ground is above the water table, or clay; empty if a method
+    applies.
     """
     if not where.below_water:
         return ABOVE_WATER
@@ -149,7 +149,7 @@ def _why_not(section: Section, sample: Sample | Cone, where: Overburden) -> str:
     return "" if stratum.friction_angle > 0.0 or may_liquefy or known else CLAY
 
 
-def _found(
+def _resistance_of(
     relation: Relation, point: BlowCount | ConeTest, shaking: Shaking, settings: TriggeringSettings
 ) -> Resistance:
     """The resistance of a test by a relation. Raises ValueError for missing input, or without effective stress."""

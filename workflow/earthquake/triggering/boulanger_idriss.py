@@ -109,8 +109,8 @@ def assess(point: ConeTest, shaking: Shaking) -> Resistance:
     load = 0.65 * point.total / point.effective * shaking.peak * reduction
     if clean >= DENSEST:
         return Resistance(resistance, clean, load, math.inf)
-    bears = resistance_ratio(clean) * magnitude_scaling(shaking.magnitude, clean)
-    return Resistance(resistance, clean, load, bears * overburden_factor(clean, point.effective))
+    capacity = resistance_ratio(clean) * magnitude_scaling(shaking.magnitude, clean)
+    return Resistance(resistance, clean, load, capacity * overburden_factor(clean, point.effective))
 
 
 def why_not(point: ConeTest) -> str:

@@ -94,7 +94,7 @@ class Left:
 
 
 def left(assessment: Assessment, settings: TriggeringSettings) -> tuple[Left, ...]:
-    """Residual strength of every stratum in which some test liquefies."""
+    """Residual strength of every stratum in which at least one test has F_L below 1."""
     strata = sorted({test.where.stratum for test in assessment.tests if test.liquefies})
     return tuple(_of_stratum(k, assessment, settings) for k in strata)
 
@@ -121,8 +121,8 @@ def _of_stratum(number: int, assessment: Assessment, settings: TriggeringSetting
     for relation in holding or RELATIONS:
         least = [relation.least_ratio(soil) for soil in soils]
         ratios[relation.title] = _mean(tests, least)
-        kept = [KPA * soil.effective * ratio for soil, ratio in zip(soils, least, strict=True)]
-        strengths[relation.title] = _mean(tests, kept)
+        residuals = [KPA * soil.effective * ratio for soil, ratio in zip(soils, least, strict=True)]
+        strengths[relation.title] = _mean(tests, residuals)
     pairs = [(test.factor, clean) for test, (_, clean) in zip(tests, counts, strict=True)]
     drained, sheared = (
         _mean(tests, [0.0 if factor is None else strain(factor, clean) for factor, clean in pairs])

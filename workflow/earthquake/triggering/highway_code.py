@@ -101,12 +101,12 @@ def assess_later(point: BlowCount, shaking: Shaking, form: Literal["2012", "2017
         na = of_gravel(n1, point.d50)
     else:
         na = corrected_2012(n1, point.fines) if form == "2012" else corrected_2017(n1, point.fines)
-    bears = resistance_2012(na) if form == "2012" else resistance_2017(na)
-    return Resistance(n1, na, stress_ratio(point, shaking), motion_factor(bears, motion) * bears)
+    resistance = resistance_2012(na) if form == "2012" else resistance_2017(na)
+    return Resistance(n1, na, stress_ratio(point, shaking), motion_factor(resistance, motion) * resistance)
 
 
 def why_not(point: BlowCount) -> str:
-    """Why the code requires no assessment of a soil; empty if it does."""
+    """Why the code requires no assessment of a soil; empty if the code requires one."""
     if point.depth > DEEPEST:
         return f"deeper than {DEEPEST:g} m"
     if point.fines > 35.0 and point.plasticity is not None and point.plasticity > 15.0:

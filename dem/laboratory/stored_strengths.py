@@ -20,7 +20,7 @@ from llvmlite.binding import get_host_cpu_name
 from dem.errors import DemError
 from dem.laboratory.compression import PatchStrength, compress
 from dem.laboratory.contact_numbers import PRESSURE, ContactNumbers
-from meshes.compiled import hash_of_files, kept_kernels
+from meshes.compiled import hash_of_files, kernel_folder
 from meshes.files import whole
 
 ROOMS = "", "engine", "kernels", "laboratory"  # of the discs, whose sources a test depends on
@@ -44,9 +44,11 @@ def strength_of_patch(numbers: ContactNumbers, seed: int) -> PatchStrength | str
     """
     file = _file(numbers, seed)
     with suppress(OSError, ValueError, TypeError, KeyError):
-        kept = json.loads(file.read_text())
+        stored = json.loads(file.read_text())
         return (
-            str(kept["reason"]) if "reason" in kept else PatchStrength(**{**kept, "course": np.array(kept["course"])})
+            str(stored["reason"])
+            if "reason" in stored
+            else PatchStrength(**{**stored, "course": np.array(stored["course"])})
         )
     try:
         strength: PatchStrength | str = compress(numbers.sample(seed, OVERLAP), PRESSURE)
@@ -55,12 +57,12 @@ def strength_of_patch(numbers: ContactNumbers, seed: int) -> PatchStrength | str
     content = (
         {"reason": strength} if isinstance(strength, str) else {**asdict(strength), "course": strength.course.tolist()}
     )
-    with suppress(OSError), whole(file) as beside:
-        beside.write_text(json.dumps(content))
+    with suppress(OSError), whole(file) as temporary:
+        temporary.write_text(json.dumps(content))
     return strength
 
 
-def is_kept(numbers: ContactNumbers, seed: int) -> bool:
+def is_stored(numbers: ContactNumbers, seed: int) -> bool:
     """Whether the result of a patch is stored; ``numbers``: of its contacts, ``seed``: of its packing."""
     return _file(numbers, seed).exists()
 
@@ -78,4 +80,4 @@ def _folder() -> Path:
     sources = (path for room in ROOMS for path in sorted((package / room).glob("*.py")))
     machine = platform.machine(), get_host_cpu_name(), numba.__version__, np.__version__
     digest = hashlib.sha256(repr((*machine, hash_of_files(sources, package))).encode())
-    return kept_kernels() / f"element_tests_{digest.hexdigest()[:16]}"
+    return kernel_folder() / f"element_tests_{digest.hexdigest()[:16]}"

@@ -1,0 +1,104 @@
+"""Refuses identifiers that hold no noun of the field, in the packages, the documentation and the tests:
+`python docs/names.py`.
+
+A name says what it holds: `fixed` components, not `held`; `messages`, not `told`. Fields of pydantic models are left
+out, since they are keys of files; so are the names of tests, which are sentences.
+"""
+
+import ast
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+TOP = Path(__file__).resolve().parent.parent
+FOLDERS = ("meshes", "fem", "dem", "workflow", "docs", "tests")
+
+# Words that are refused anywhere in an identifier, and what to write instead.
+PARTS = {
+    "push": "force, acceleration or seismic force",
+    "pushed": "loaded or displaced",
+    "pushes": "accelerations",
+    "held": "fixed, constant or in equilibrium",
+    "beside": "other, neighbour, compared or temporary",
+    "kept": "stored, remaining or limited",
+    "ahead": "next, following or predictor",
+    "shaken": "seismic, with excess pressure or base motion",
+    "turned": "rotated, reversed or opposite",
+    "carried": "supported, stored or scaled",
+    "calm": "at rest",
+    "told": "message, text or warnings",
+    "theirs": "the noun",
+    "mine": "the noun",
+    "meanwhile": "concurrent",
+    "begun": "started or future",
+}
+# Words that are refused as whole identifiers.
+WHOLE = {
+    "found": "what it is: bounds, result, answer",
+    "given": "what it is: config, argument, inputs",
+    "asked": "requested",
+    "one": "what it is: item, entry, row",
+    "its": "the noun",
+    "own": "what it is of",
+    "some": "subset",
+}
+
+
+def bound(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Line and name of everything that a module defines or assigns, except tests and fields of pydantic models."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            if not node.name.startswith("test_"):
+                yield node.lineno, node.name
+            if isinstance(node, ast.ClassDef) and any("dataclass" in ast.unparse(each) for each in node.decorator_list):
+                fields = [item.target for item in node.body if isinstance(item, ast.AnnAssign)]
+                yield from ((field.lineno, field.id) for field in fields if isinstance(field, ast.Name))
+        elif isinstance(node, ast.arg):
+            yield node.lineno, node.arg
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store) and not _annotated(tree, node):
+            yield node.lineno, node.id
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            yield node.lineno, node.attr
+
+
+def _annotated(tree: ast.Module, name: ast.Name) -> bool:
+    """Whether a name is an annotated field of a class."""
+    return name in {
+        item.target
+        for node in tree.body
+        if isinstance(node, ast.ClassDef)
+        for item in node.body
+        if isinstance(item, ast.AnnAssign)
+    }
+
+
+def faults(source: str) -> Iterator[tuple[int, str, str]]:
+    """Line, identifier and better words of every identifier that is refused."""
+    for line, name in bound(ast.parse(source)):
+        words = [word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+", name)]
+        if (whole := name.strip("_").lower()) in WHOLE and name != "ONE":  # the number 1 of kernels
+            yield line, name, WHOLE[whole]
+        yield from ((line, name, PARTS[word]) for word in words if word in PARTS)
+
+
+def messages() -> list[str]:
+    """One line for every identifier that is refused."""
+    return [
+        f'{path.relative_to(TOP)}:{line}: identifier "{name}": {better}'
+        for folder in FOLDERS
+        for path in sorted((TOP / folder).rglob("*.py"))
+        if "build" not in path.relative_to(TOP).parts
+        for line, name, better in faults(path.read_text(encoding="utf-8"))
+    ]
+
+
+def main() -> int:
+    """Prints the faults; 1 if there are any."""
+    refused = messages()
+    print("\n".join(refused) or "names: every identifier has a noun")
+    return 1 if refused else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
