@@ -274,7 +274,7 @@ def _of_slides(results: Results, _: Texts) -> str:
         return _("no interval: {method} did not predict the known slides of this kind", method=method)
     if not error.bounds_slides:
         return _(
-            "uncertain by a factor of {factor}: {held} of {cases} known slides were predicted within it by {method}, "
+            "uncertain by a factor of {factor}: {within} of {cases} known slides were predicted within it by {method}, "
             "half of them within a factor of {middle}",
             factor=f"{error.factor:g}",
             within=error.within,
@@ -283,7 +283,7 @@ def _of_slides(results: Results, _: Texts) -> str:
             middle=f"{error.middle:.2g}",
         )
     return _(
-        "{span} by the error of {method}: they predicted {held} of {cases} known slides within a factor of {factor}",
+        "{span} by the error of {method}: they predicted {within} of {cases} known slides within a factor of {factor}",
         span=rough_range(*error.interval(min(moved), max(moved))),
         within=error.within,
         cases=error.cases,
