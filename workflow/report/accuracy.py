@@ -135,7 +135,7 @@ def numerical_error(estimate: Accuracy | None, kc: float) -> str:
     if estimate is None:
         return (
             "The numerical error of the critical Kh is not known, since there is one mesh and no strict bound of the "
-            'same flow rule; variants.which = ["mesh"] finds it.'
+            'same flow rule; variants.which = ["mesh"] computes it.'
         )
     error = f"{rounded_up(estimate.error(kc)):g}"
     if not estimate.sure:

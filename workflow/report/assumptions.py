@@ -19,12 +19,12 @@ FLOWS: Mapping[Flow, str] = {
     "associated": "The ground yields with ψ = φ: ground that dilates less is not stronger (Radenkovic 1961).",
     "davis": "Where ψ < φ, c and tan φ are reduced by Davis's factor and the ground yields with ψ = φ (Davis 1968): an "
     "estimate, and no bound.",
-    "section": "Ground that yields dilates with ψ as given; its limit load is then not unique.",
+    "section": "Yielding ground dilates with the given ψ; the limit load is then not unique.",
 }
 DIRECTIONS: Mapping[DirectionSetting, str] = {
-    "both": "It acts downhill in one analysis and uphill in another.",
-    "downhill": "It pushes downhill.",
-    "uphill": "It pushes uphill.",
+    "both": "The seismic force acts downslope in one analysis and upslope in another.",
+    "downhill": "The seismic force acts downslope.",
+    "uphill": "The seismic force acts upslope.",
 }
 
 
@@ -33,8 +33,8 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
     yield "Plane strain", "There is no support from the ends of the slope across the section."
     yield (
         "Shaking",
-        "It is represented by a constant horizontal force, Kh times g times the seismic density, with the same Kh "
-        "everywhere: no waves, no amplification, no frequency. "
+        "Shaking is represented by a constant horizontal force, Kh times g times the seismic density, with the same "
+        "Kh everywhere: without waves, amplification and frequency. "
         + (f"Kv = {config.fem.vertical:g} acts with it. " if config.fem.vertical else "No vertical acceleration. ")
         + DIRECTIONS[config.fem.direction],
     )

@@ -90,11 +90,14 @@ def _assumed(section: Section, circle: CirclePart) -> str:
     """Why a circle may fail at a smaller Kh than the ground resists in equilibrium, and what to do."""
     strata = [shown_name(name) for name in _cut_steeply(section, circle)]
     if not strata:
-        return ", although no ground with friction explains it: compare both with the elements, and do not use either"
+        return (
+            ", although the circles cut no ground with friction steeply: compare both results with the finite "
+            "elements before using one of them"
+        )
     return (
-        f", for they cut steeply through {listed(strata)}, where the normal force on a circle is an assumption of the "
-        "method and with ψ = φ the ground bears more: rely on the strict bounds, and name the circles as the more "
-        "cautious number"
+        f", since they cut steeply through {listed(strata)}, where the normal force on a circle is an assumption of "
+        f"the method; with ψ = φ the ground resists a larger Kh: rely on the strict bounds, and report the circles "
+        f"as the more cautious result"
     )
 
 

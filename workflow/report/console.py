@@ -177,10 +177,10 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
         )
     if answer.shallow is not None:
         when = f"at Kh of {answer.shallow:.3f} or less" if answer.shallow > 0.0 else "by its own weight"
-        ground = "such faces meet, ground above that depth"
+        ground = "such faces meet, the ground above this depth"
         if not answer.shallow_failures:
             ground = f"water comes out of a bare face, ground less than {answer.least_depth:g} m deep"
-        yield f"Where {ground} slips {when}: it needs cohesion, or protection."
+        yield f"Where {ground} slips {when}: this ground needs cohesion, or protection."
     ends = bool(answer.load_ends)
     if ends:
         where = ", ".join(f"{x:g}" for x in answer.load_ends)
@@ -189,7 +189,7 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
             f"m). For the bounds below it has half of the pressure as a cohesion, down to {answer.least_depth:g} m."
         )
     name = proven(answer.strengthened_faces, ends)
-    yield f"{name} with ψ = φ, the upper one for every ψ: {answer.words}."
+    yield f"{name} with ψ = φ, the upper bound for every ψ ≤ φ: {answer.words}."
     if answer.verdict != "bracketed":
         yield answer.reason
     for factor in answer.safety:

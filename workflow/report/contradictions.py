@@ -98,8 +98,8 @@ def of_sides(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
         if stopped:
             lengths = span([cases[number].slide_max_m for number in stopped])
             yield (
-                f"the {side} side of the disc model stopped {of_cases(stopped)}: {lengths} is "
-                f"the least that the ground slides; take a longer section (beyond)"
+                f"the {side} side of the disc model stopped {of_cases(stopped)}: {lengths} is a lower limit of the "
+                f"slide; take a longer section (beyond)"
             )
 
 
@@ -114,8 +114,8 @@ def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
         lengths = span([case.slide_max_m for case in stopped.values()])
         end = "reach the fixed side of the section" if answer.sides == "fixed" else "leave the section"
         yield (
-            f"material points {end} in {of_cases(sorted(stopped))}: {lengths} is the least that the ground slides; "
-            "take a longer section (beyond)"
+            f"material points {end} in {of_cases(sorted(stopped))}: {lengths} is a lower limit of the slide; take a "
+            f"longer section (beyond)"
         )
     ends = {number: case.slide_along[_uphill_end(case)][1] for number, case in points.items() if case.slide_along}
     far = {number: end for number, end in ends.items() if points[number].slide_max_m >= LEAST_END}
@@ -146,7 +146,7 @@ def of_order(
 
     ``strata``: the names of those that liquefy in each case.
     """
-    packings = "" if by != "discs" else ", or how the discs happen to lie,"
+    packings = "" if by != "discs" else ", or the random packing of the discs,"
     more = "finer cells (slide.mpm_cells)" if by != "discs" else "more packings (slide.seeds)"
     for number, other in combinations(sorted(set(cases) & set(slides)), 2):
         for weak, strong in ((number, other), (other, number)):
@@ -154,10 +154,11 @@ def of_order(
             weaker = is_weaker(cases[weak], cases[strong], strata[weak], strata[strong])
             if weaker and short > max(LESS, LESS_SHARE * slides[strong]):
                 yield (
-                    f"case {weak}{_named(cases[weak])} leaves less strength than case {strong}{_named(cases[strong])} "
-                    f"and slides less by {by}, {metres(slides[weak])} and {metres(slides[strong])}: what stops them"
-                    f"{packings} decides, and not their strength; take a longer section (beyond) if a side "
-                    f"stops them, {more} if not, and the longer slide until then"
+                    f"case {weak}{_named(cases[weak])} has less residual strength than case "
+                    f"{strong}{_named(cases[strong])} "
+                    f"and slides less by {by}, {metres(slides[weak])} and {metres(slides[strong])}: a side of the "
+                    f"model{packings} limits the slides, and not their strength; take a longer section (beyond) if a "
+                    f"side stops the slides, {more} otherwise, and rely on the longer slide until then"
                 )
 
 

@@ -187,7 +187,7 @@ def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Text
     if error is None or not fem.has_kc or error.low <= 0.0:
         return ""
     return _(
-        "found on one mesh, whose critical Kh is off by at most {error} % {method}",
+        "computed on one mesh, whose critical Kh has an error of at most {error} % {method}",
         error=f"{100.0 * rounded_up(error.error(fem.kc) / error.low):g}",
         method=_(error.method),
     )
@@ -213,7 +213,7 @@ def _slide(results: Results, _: Texts) -> HeadlinePart:
         layers=_.listed(list(dict.fromkeys(names))),
         shaking=_.sentence(results.config.slide.shaking),
         slide=_.listed(by),
-        count=_("one case") if count == 1 else _("{number} cases of what liquefaction leaves", number=count),
+        count=_("one case") if count == 1 else _("{number} cases of residual strength", number=count),
         end=_end([*cases.values(), *points.values()], _),
     )
     value = _span({**cases, **{-number: point for number, point in points.items()}})
@@ -237,7 +237,7 @@ def _block(results: Results, _: Texts) -> HeadlinePart:
         "No layer of the section liquefies. In the earthquake the ground that fails slides as a rigid block: {each}.",
         each=_.listed(each),
     )
-    interval = _("by {number} methods of a rigid block that loses no strength", number=len(slides))
+    interval = _("by {number} methods for a rigid block without loss of strength", number=len(slides))
     name = _("displacement in the earthquake")
     return HeadlinePart(name=name, value=span(list(slides.values())), interval=interval, conclusion=phrase)
 

@@ -40,4 +40,5 @@ def error_sentence(slides: Sequence[float], flows: bool | None, method: SlideMet
     if not error.bounds_slides:
         half = f"half of them within a factor of {error.middle:.2g}"
         return f"{error.sentence()}, {half}: use the slide as an order of magnitude."
-    return f"{error.sentence()}; with that the largest slide is {rough_range(*error.interval(min(moved), max(moved)))}."
+    interval = rough_range(*error.interval(min(moved), max(moved)))
+    return f"{error.sentence()}; with this error the largest slide is {interval}."

@@ -51,7 +51,7 @@ def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
     if max(far.values()) > FLOWS * _relief(results):
         yield f"The discs agree: {phrase}, until the remaining face is flat enough."
     else:
-        yield f"The discs are stronger than that: {phrase}."
+        yield f"The discs are stronger than the continuum: {phrase}."
 
 
 def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[str]:
@@ -61,7 +61,8 @@ def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[
     slide = results.config.slide
     if slide.kh == 0.0 and not slide.accelerogram and far > FLOWS * _relief(results):
         yield (
-            f"The discs contradict that: they slide {metres(far)} by their weight alone. They are too coarse for the "
+            f"The discs contradict this result: they slide {metres(far)} by their weight alone. They are too coarse "
+            f"for the "
             "layers that liquefy, or get denser as they slide; noshiro converge repeats the slides with smaller discs."
         )
 
@@ -162,13 +163,13 @@ def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
     times = listed([f"{1.0 / case.factor_upper:.2f}" for case in flow if case.factor_upper])
     names = listed([_which(case) for case in flow])
     yield (
-        f"{far}. Either the ground differs from the section, or it kept more strength than {names} "
+        f"{far}. Either the ground differs from the section, or its residual strength was larger than in {names} "
         f"leave{'s' if len(flow) == 1 else ''} it, at least {times} times as much: these strengths are on the safe "
         "side."
     )
     if stand:
         agree = "agrees" if len(stand) == 1 else "agree"
-        yield f"With what was measured {listed([_which(case) for case in stand])} {agree}."
+        yield f"With the measured displacement {listed([_which(case) for case in stand])} {agree}."
 
 
 def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
@@ -177,7 +178,7 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
         yield outcome(case)
         yield f"    Strength left: {listed([f'{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa' for s in case.strata])}."
         if case.factor is not None or case.factor_lower is not None:
-            yield f"    Factor of safety at Kh = 0, between held sides: {factors(case)}."
+            yield f"    Factor of safety at Kh = 0, between sides held horizontally: {factors(case)}."
         if case.kc is not None and case.kc_lower is not None:
             bounds = bracket(case.kc_lower, case.kc_upper, 3)
             yield f"    Critical Kh by elements {case.kc:.3f}, by strict bounds {bounds}."

@@ -62,7 +62,8 @@ def sentences(config: Config, answer: StudyAnswer) -> Iterator[str]:
     without = f"; {answer.failed} have no answer or only a part of it" if answer.failed else ", all with an answer"
     yield f"{drawn}, seed {answer.seed}{without}."
     if any(result.title == WORDS["kc"] for result in answer.results):
-        yield f"The critical Kh, which blocks resist with as well, is {flow_words(config.section, config.fem.flow)}."
+        flow = flow_words(config.section, config.fem.flow)
+        yield f"The critical Kh, which is also the yield coefficient of the blocks, is {flow}."
     for result in answer.results:
         spread = result.spread
         if spread.median is None or result.is_detail:

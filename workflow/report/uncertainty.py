@@ -41,7 +41,7 @@ def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
             "Random packing",
             f"The table below shows the cases on random packings {fail_alike(results)}: "
             + (
-                "their common results with the discs in rows are not due to the order of the rows."
+                "results that they share with the discs in rows are not due to the order of the rows."
                 if rows
                 else "their differences are due to the random packing alone."
             ),
@@ -129,11 +129,11 @@ def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
     if surfaces.mean_distance_m is not None and surfaces.same_stratum_share is not None:
         deeper = ""
         if surfaces.excess_above is not None and surfaces.excess_above < NO_MORE:
-            deeper = " Discs fail higher up, where the continuum fails at the same Kh."
+            deeper = " Discs fail higher up; the continuum fails there at the same Kh."
         elif surfaces.excess_above is not None:
             deeper = (
                 f" Discs fail higher up: for a failure of the continuum at that depth Kh must be larger by "
-                f"{100 * surfaces.excess_above:.0f} % more Kh."
+                f"{100 * surfaces.excess_above:.0f} %."
             )
         yield (
             "Slip surface",

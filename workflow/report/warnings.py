@@ -105,8 +105,9 @@ def _residual_strength(results: Results) -> Iterator[str]:
         )
     if without_strain:
         yield (
-            f"liquefied sand has its residual strength without any strain in {of_cases(without_strain)}; in the "
-            "field it strains first, so that lateral spreads are underestimated: give blow counts, or the shear "
+            f"liquefied sand has its residual strength without any shear strain in {of_cases(without_strain)}; in "
+            f"the field sand shears before it regains strength, so that lateral spreads are underestimated: give "
+            f"blow counts, or the shear "
             "strain (slide.cases, strain_potential), at most 0.5 in loose sand"
         )
 
@@ -151,10 +152,14 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
     other = change.of(fem.kc) if change is not None else None
     if change is None or other is None or not fem.kc > 0.0:
         if at:
-            yield 3, f"the ground that fails reaches the {at} side, so that the condition there may decide: {remedy}"
+            yield (
+                3,
+                f"the ground that fails reaches the {at} side, so that the boundary condition there may govern: "
+                f"{remedy}",
+            )
     elif not 1.0 / DECIDE <= other / fem.kc <= DECIDE:
         kc, what = f"{coefficient(other)} instead of {coefficient(fem.kc)}", change.change
-        yield 2, f"with {what} the critical Kh is {kc}, so that the condition at the sides decides: {remedy}"
+        yield 2, f"with {what} the critical Kh is {kc}, so that the boundary condition at the sides governs: {remedy}"
 
 
 def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:
@@ -218,7 +223,7 @@ def _calibration(results: Results) -> Iterator[str]:
     if calibration.verdict == "out of reach" and results.no_answer("calibrate") is not None:
         yield (
             "no factor on the strength of the discs gives the critical Kh of the finite elements, so no slide of discs "
-            'was computed: take more discs (dem.elements), or dem.out_of_reach = "go on" for the nearest'
+            'was computed: take more discs (dem.elements), or dem.out_of_reach = "go on" for the nearest factor'
         )
     elif calibration.verdict == "out of reach":
         yield (

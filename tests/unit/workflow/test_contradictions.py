@@ -58,7 +58,7 @@ def test_low_strength_that_slides_less_than_median_is_found(run: Config) -> None
     levee = with_cases(run, *LEVEE)
     [warnings] = warned(results(levee, cases=slides(levee, 48.0, 45.0)))
     assert warnings.startswith(
-        "Case 2 (low strength) leaves less strength than case 1 (median) and slides less by discs, 45 m and 48 m"
+        "Case 2 (low strength) has less residual strength than case 1 (median) and slides less by discs, 45 m and 48 m"
     )
     assert "ake a longer section (beyond) if a side stops them, more packings (slide.seeds) if not" in warnings
     assert warned(results(levee, cases=slides(levee, 45.0, 48.0))) == []
@@ -108,7 +108,9 @@ def test_a_case_in_which_more_strata_liquefy_is_the_weaker_one(run: Config) -> N
     data["slide"] = {"cases": [{"residual_strength": "9 kPa", "strain_potential": 0.3}] * 2}
     both = analysed(data)
     [warnings] = warned(results(both, cases=slides(both, 5.0, 2.0)))
-    assert warnings.startswith("Case 2 leaves less strength than case 1 and slides less by discs, 2.0 m and 5.0 m")
+    assert warnings.startswith(
+        "Case 2 has less residual strength than case 1 and slides less by discs, 2.0 m and 5.0 m"
+    )
     assert warned(results(both, cases=slides(both, 2.0, 5.0))) == []
 
 
@@ -282,9 +284,9 @@ def test_material_points_of_low_strength_that_slide_less_than_those_of_median_ar
     long, short = (point_slide([(0.0, 0.0), (40.0, far), (80.0, 0.0)]) for far in (48.0, 45.0))
     [messages] = with_points(levee, long, short)
     assert messages.startswith(
-        "Case 2 (low strength) leaves less strength than case 1 (median) and slides less by material"
+        "Case 2 (low strength) has less residual strength than case 1 (median) and slides less by material"
     )
-    assert "finer cells (slide.mpm_cells) if not" in messages
+    assert "finer cells (slide.mpm_cells) otherwise" in messages
     assert with_points(levee, short, long) == []
 
 
@@ -317,7 +319,7 @@ def test_points_that_leave_the_section_or_take_its_uphill_end_along_are_found() 
     assert ends_of({1: stays, 2: as_one}) == []
     leaves = point_slide([(0.0, 0.0), (40.0, 63.0)], stopped_by="right", settled=False)
     [warning] = ends_of({1: leaves, 2: stays})
-    assert warning.startswith("material points leave the section in case 1: 63 m is the least")
+    assert warning.startswith("material points leave the section in case 1: 63 m is a lower limit")
     [warning] = ends_of({1: leaves, 2: stays}, "fixed")
     assert warning.startswith("material points reach the fixed side of the section in case 1: 63 m is")
     [warning] = ends_of({3: point_slide([(0.0, 8.0), (40.0, 20.0)])})

@@ -402,7 +402,9 @@ def test_what_is_said_of_a_packing_is_of_its_kind(run: Config) -> None:
     rows = dict(sources_of_uncertainty(results(run, dem=discs, cases=cases)))
     assert "rows must climb over each other" in rows["Packing"]
     assert "Another seed" not in rows["Packing"]
-    assert "their common results with the discs in rows are not due to the order of the rows" in rows["Random packing"]
+    assert (
+        "results that they share with the discs in rows are not due to the order of the rows" in rows["Random packing"]
+    )
     off = {"packing": "random", "surface_off_mean_m": 0.104, "surface_off_worst_m": 0.273}
     loose = discs.model_copy(update={"model": discs.model.model_copy(update=off)})
     messages = dict(sources_of_uncertainty(results(run, dem=loose, cases=cases)))

@@ -145,8 +145,8 @@ def test_the_report_says_how_far_off_the_model_was_and_no_more_digits_than_that(
     monkeypatch.setattr(model_error, "slide_error", lambda flows, method: SlideError("flow failures", 3.0, 6, 9, 2.0))
     messages = model_error.error_sentence([1.234, 2.345], True)
     assert messages == (
-        "Flow failures of the collection were predicted within a factor of 3 in 6 of 9 cases; with that the largest "
-        "slide is 0.4 to 7 m."
+        "Flow failures of the collection were predicted within a factor of 3 in 6 of 9 cases; with this error the "
+        "largest slide is 0.4 to 7 m."
     )
     assert model_error.error_sentence([0.0], True) == ""
     monkeypatch.setattr(model_error, "slide_error", lambda flows, method: SlideError("flow failures", 10.0, 7, 9, 2.9))

@@ -29,7 +29,7 @@ def test_sides_are_held_where_level_ground_slides_out_at_one() -> None:
 def test_one_warning_tells_of_a_side_that_the_mechanism_reaches() -> None:
     """None where other sides were seen to change little, one where no others were computed."""
     assert warned_of_sides(0.24) == []
-    what = "The ground that fails reaches the right side, so that the condition there may decide."
+    what = "The ground that fails reaches the right side, so that the boundary condition there may govern."
     assert warned_of_sides(None) == [f"{what} {REMEDY}"]
     assert Texts("ja").sentence(what) != what
 
