@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dem.laboratory.loading import confine, load, probe
-from dem.laboratory.patch import Sample
+from dem.laboratory.patch import PatchSample
 from dem.laboratory.strength import dilation
 
 STRAIN = 0.15  # axial, at the end
@@ -43,7 +43,7 @@ class PatchStrength:
     course: np.ndarray
 
 
-def compress(sample: Sample, pressure: float) -> PatchStrength:
+def compress(sample: PatchSample, pressure: float) -> PatchStrength:
     """Confine a sample, measure its stiffness by small strains, and compress it in plane strain.
 
     Raises DemError if it does not come to rest or cannot be compressed to `STRAIN`.

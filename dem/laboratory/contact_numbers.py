@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.laboratory.patch import Sample
+from dem.laboratory.patch import PatchSample
 from dem.laboratory.soil_contacts import SoilContacts
 from dem.laboratory.strength_map import strength_map
 from dem.springs import ATTRACTION, ROLLING, Strength, soil_discs
@@ -70,7 +70,7 @@ class ContactNumbers(NamedTuple):
         """Young's modulus in plane strain over kn, by the strength map."""
         return strength_map(self.turns).modulus_over_kn(self.friction, self.cohesion, self.kappa)
 
-    def sample(self, seed: int, allowed_overlap: float = 1.0) -> Sample:
+    def sample(self, seed: int, allowed_overlap: float = 1.0) -> PatchSample:
         """A random patch with these numbers at `PRESSURE`.
 
         ``seed``: of its packing; ``allowed_overlap``: over the mean radius, at which a test is stopped.
@@ -79,7 +79,7 @@ class ContactNumbers(NamedTuple):
         layer = soil_discs(
             "patch", self.stiffness * PRESSURE, strength, DENSITY, DENSITY, RADIUS, 0.0, allowed_overlap=allowed_overlap
         )
-        return Sample(layer, "random", RADIUS, seed, law="soil")
+        return PatchSample(layer, "random", RADIUS, seed, law="soil")
 
 
 def _step(value: float, doublings: float) -> float:

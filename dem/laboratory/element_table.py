@@ -7,7 +7,7 @@ import numpy as np
 
 from dem.errors import DemError
 from dem.laboratory.element_test import element_test
-from dem.laboratory.patch import PackingKind, Sample
+from dem.laboratory.patch import PackingKind, PatchSample
 from dem.springs import LayerSprings
 from meshes.executor import SERIAL, Executor, Tell
 from meshes.section.section import Section
@@ -63,14 +63,18 @@ def element_tests(
     """
     stresses = middle_stresses(section)
     tests = [
-        (section.strata[k], Sample(layers[k], packing, radius, seed), [float(share * stresses[k]) for share in SHARES])
+        (
+            section.strata[k],
+            PatchSample(layers[k], packing, radius, seed),
+            [float(share * stresses[k]) for share in SHARES],
+        )
         for k in np.flatnonzero(stresses > 0.0)
         for packing in PACKINGS
     ]
     return executor.compute(_tested, tests)
 
 
-def _tested(task: tuple[Stratum, Sample, list[float]], _: Tell) -> dict[str, Any]:
+def _tested(task: tuple[Stratum, PatchSample, list[float]], _: Tell) -> dict[str, Any]:
     """The result of one element test."""
     stratum, sample, pressures = task
     try:

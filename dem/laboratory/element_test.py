@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from dem.laboratory.loading import Curve, confine, load, probe
-from dem.laboratory.patch import Patch, Sample
+from dem.laboratory.patch import Patch, PatchSample
 from dem.laboratory.plane_elastic import PlaneElastic
 from dem.laboratory.strength import MeasuredStrength, from_plane, from_principal, strength
 from meshes.section.section import Stratum
@@ -61,7 +61,7 @@ class ElementTest:
 
     Attributes
     ----------
-    sample : Sample
+    sample : PatchSample
         The tested discs.
     stiffness : PlaneElastic
         Initial tangent stiffness, mean over the pressures.
@@ -79,7 +79,7 @@ class ElementTest:
         One for each pressure, rising.
     """
 
-    sample: Sample
+    sample: PatchSample
     stiffness: PlaneElastic
     G: float
     c: float
@@ -184,7 +184,7 @@ class ElementTest:
 
 
 def element_test(
-    sample: Sample,
+    sample: PatchSample,
     pressures: Sequence[float],
     *,
     strain: float = LARGEST_STRAIN,

@@ -39,7 +39,7 @@ SKIN = 0.2  # radii; pairs in a wider margin would only shorten the step
 
 
 @dataclass(frozen=True)
-class Sample:
+class PatchSample:
     """Specification of the discs of a patch.
 
     Attributes

@@ -2,10 +2,10 @@
 
 import matplotlib.pyplot as plt
 
-from workflow.earthquake.triggering.blow_count import BlowCount, Shaking
+from workflow.earthquake.triggering.blow_count import BlowCount, SurfaceMotion
 from workflow.earthquake.triggering.idriss_boulanger import assess
 
-shaking = Shaking(magnitude=7.7, peak=0.2)  # peak acceleration over g
+shaking = SurfaceMotion(magnitude=7.7, peak=0.2)  # peak acceleration over g
 figure, axes = plt.subplots(figsize=(4.0, 3.6), layout="constrained")
 for count in (6, 12, 20):
     depths = [2.0 + step for step in range(12)]

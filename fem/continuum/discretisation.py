@@ -204,7 +204,7 @@ def _hourglass_stiffness(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
     return np.matmul(weighted.reshape(by_cell).transpose(0, 2, 1), remainder.reshape(by_cell))
 
 
-def _node_points(comm: Any, part: api.Distribution, corners: np.ndarray, degree: int) -> np.ndarray:
+def _node_points(comm: Any, part: api.RankDistribution, corners: np.ndarray, degree: int) -> np.ndarray:
     """Coordinates (total, 2) of all nodes by their global numbers, on every rank."""
     reference = api.REFERENCE_CORNERS
     if degree == 2:
@@ -218,7 +218,7 @@ def _node_points(comm: Any, part: api.Distribution, corners: np.ndarray, degree:
     return points
 
 
-def _side_nodes(comm: Any, part: api.Distribution, edges: np.ndarray, degree: int) -> np.ndarray:
+def _side_nodes(comm: Any, part: api.RankDistribution, edges: np.ndarray, degree: int) -> np.ndarray:
     """Global numbers of the nodes on boundary edges (k, 2), sorted, on every rank."""
     span = int(edges.max(initial=0)) + 1 if len(edges) else 1
     span = max(span, int(part.corners.max(initial=0)) + 1)

@@ -18,7 +18,7 @@ STANDS_OUT, TOUCHES = 10.0, 0.1
 
 
 @dataclass(frozen=True)
-class State:
+class FieldState:
     """Fields of the section at one Kh, in the numbering of the mesh; n points, m cells.
 
     Attributes
@@ -58,7 +58,7 @@ class State:
         return self.mobilised >= AT_FAILURE
 
 
-def state_of(problem: "PlaneStrain", mesh: QuadMesh, label: str, kh: float) -> State:
+def state_of(problem: "PlaneStrain", mesh: QuadMesh, label: str, kh: float) -> FieldState:
     """The fields of the accepted state of ``problem`` on ``mesh``, gathered on every rank; ``label`` and ``kh`` name
     it.
     """
@@ -91,7 +91,7 @@ def state_of(problem: "PlaneStrain", mesh: QuadMesh, label: str, kh: float) -> S
     for cell, s, g, p, f, corners, moved in parts:
         stress[cell], shear[cell], plastic[cell], factor[cell] = s, g, p, f
         displacement[corners] = moved
-    return State(label, kh, displacement, stress, shear, plastic, factor, repeats=problem.repeats)
+    return FieldState(label, kh, displacement, stress, shear, plastic, factor, repeats=problem.repeats)
 
 
 def _shear(strain: np.ndarray) -> np.ndarray:
@@ -99,7 +99,7 @@ def _shear(strain: np.ndarray) -> np.ndarray:
     return np.hypot(strain[:, 0] - strain[:, 1], strain[:, 3])
 
 
-def touched_sides(mesh: QuadMesh, state: State) -> tuple[str, ...]:
+def touched_sides(mesh: QuadMesh, state: FieldState) -> tuple[str, ...]:
     """Which of the sides, "left" and "right", move by more than a tenth of the largest displacement; none where the
     section repeats: it ends at no side."""
     if state.repeats:
@@ -112,7 +112,7 @@ def touched_sides(mesh: QuadMesh, state: State) -> tuple[str, ...]:
     )
 
 
-def is_mechanism(state: State) -> bool:
+def is_mechanism(state: FieldState) -> bool:
     """Whether the plastic shear strain of a state stands out from the elastic one, as it does once the ground fails."""
     elastic = (state.shear_strain - state.plastic_shear_strain).max()
     return bool(state.plastic_shear_strain.max() > STANDS_OUT * max(elastic, 1e-300))

@@ -26,7 +26,7 @@ HOURGLASS_SHARE = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class PartialProblem:
     """Some cells of a section with their accepted state, in a numbering of their own.
 
     Attributes
@@ -246,13 +246,13 @@ class PlaneStrain:
         assert self._solver is not None
         return self._solver.solve(np.where(self.free, force, 0.0))
 
-    def part(self, cells: np.ndarray) -> Part:
+    def part(self, cells: np.ndarray) -> PartialProblem:
         """Some of the cells, given by their numbers; on one rank only."""
         grid, points = self.grid, self.grid.points_per_cell
         own_points = (cells[:, None] * points + np.arange(points)).ravel()
         components, dofs = np.unique(grid.global_dofs[grid.dofs[cells]], return_inverse=True)
         shape = len(cells), grid.dofs.shape[1]
-        return Part(
+        return PartialProblem(
             components=components,
             dofs=dofs.reshape(shape).astype(np.int32),
             matrix=grid.matrix[cells],

@@ -32,7 +32,7 @@ DavisForm = Literal["A", "B", "C"]
 
 
 @dataclass(frozen=True)
-class Strength:
+class StrataStrength:
     """Strength and flow rule of the strata.
 
     Attributes
@@ -80,7 +80,9 @@ def flow_of(strata: Sequence[Stratum], flow: FlowSetting) -> Flow:
     return "davis" if below else "associated"
 
 
-def strength_of(strata: Sequence[Stratum], flow: FlowSetting, factor: float = 1.0, form: DavisForm = "B") -> Strength:
+def strength_of(
+    strata: Sequence[Stratum], flow: FlowSetting, factor: float = 1.0, form: DavisForm = "B"
+) -> StrataStrength:
     """The strength of the strata, tension cut-offs among it, divided by ``factor``, and the flow rule of the analysis.
 
     "section" takes ψ as given, but not above the reduced φ; "associated" sets ψ = φ; "davis" reduces c and tan φ in
@@ -95,7 +97,7 @@ def strength_of(strata: Sequence[Stratum], flow: FlowSetting, factor: float = 1.
     dilation = np.array([s.dilation for s in strata])
     friction = np.arctan(np.tan(full_friction) / factor)
     if flow == "section":
-        return Strength(cohesion, friction, np.minimum(dilation, friction), tension)
+        return StrataStrength(cohesion, friction, np.minimum(dilation, friction), tension)
     if flow == "davis":
         match form:
             case "A":
@@ -107,7 +109,7 @@ def strength_of(strata: Sequence[Stratum], flow: FlowSetting, factor: float = 1.
             case _:
                 assert_never(form)
         cohesion, friction = beta * cohesion, np.arctan(beta * np.tan(friction))
-    return Strength(cohesion, friction, friction, tension)
+    return StrataStrength(cohesion, friction, friction, tension)
 
 
 def davis_words(dilation: Iterable[float]) -> str:

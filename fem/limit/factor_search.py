@@ -17,7 +17,7 @@ from fem.limit.adaptive_bounds import (
 )
 from fem.limit.bounds import body_of
 from fem.limit.bracket import COST_EXPONENT, FAILED_MESHES, GROWTH, LEAST_GROWTH, MOST_GROWTH, BoundSide
-from fem.limit.factor_trial import FactorWork, Gauge, Start, Trial, gap_of_factors
+from fem.limit.factor_trial import BoundsTrial, FactorWork, Gauge, TrialStart, gap_of_factors
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of, with_all_loads_live
 from fem.limit.lower_bound import LowerBound
 from fem.limit.upper_bound import UpperBound
@@ -65,7 +65,7 @@ class FactorSearch:
         fem: FemSettings,
         settings: BoundsSettings,
         sign: int,
-        start: Start,
+        start: TrialStart,
         work: FactorWork,
     ) -> None:
         """Search in ``section`` with ``mesh``, settings of the elements ``fem`` and of the bounds ``settings``.
@@ -81,7 +81,7 @@ class FactorSearch:
         self.enough, self.slips = start.enough, start.slips
         self.meshes = [mesh]
         self.lower, self.upper = 0.0, math.inf
-        self.trials: list[Trial] = []
+        self.trials: list[BoundsTrial] = []
         self.slope: float | None = None
         self.gauge: Gauge = "kh"
         self.both_ways = False  # whether the lower bound is one for either direction of the push
@@ -129,7 +129,7 @@ class FactorSearch:
 
     @property
     def is_enough(self) -> bool:
-        """Whether one of the bounds is already sufficient (see ``Start``)."""
+        """Whether one of the bounds is already sufficient (see ``TrialStart``)."""
         return self.lower >= self.enough or self.upper < self.slips
 
     @property
@@ -175,7 +175,7 @@ class FactorSearch:
             return bound - self.target
         return math.log(bound) if bound > 0.0 else -math.inf
 
-    def measure(self, factor: float, lower: bool = True, upper: bool = True) -> Trial:
+    def measure(self, factor: float, lower: bool = True, upper: bool = True) -> BoundsTrial:
         """Find bounds for ground weakened by a factor, and narrow the bracket of the factor with them."""
         lower = lower and factor < self.unborne_from
         before = self.work.spent
@@ -192,7 +192,7 @@ class FactorSearch:
                 high, _, mechanism = future.result()
                 self.count("upper", factor, high.solution, mechanism is None)
         unmoved = high is not None and high.solution.none == "no mechanism"
-        trial = Trial(
+        trial = BoundsTrial(
             factor,
             len(problem.mesh.cells),
             self.gauge,
@@ -248,7 +248,7 @@ class FactorSearch:
             self.learn(last, trial)
             last = trial
 
-    def regauged(self, trial: Trial) -> Trial:
+    def regauged(self, trial: BoundsTrial) -> BoundsTrial:
         """A trial with bounds of Kh, or with bounds of the share of all loads where those of Kh decide nothing: no
         mechanism fails below the given Kh, but no stress field balances the weight, as below a footing.
         """
@@ -264,18 +264,18 @@ class FactorSearch:
         self.slope = None
         return loaded
 
-    def middle(self, trial: Trial) -> float:
+    def middle(self, trial: BoundsTrial) -> float:
         """The mean excess of both bounds, or the excess of the only one; -inf without any."""
         values = [self.over(bound) for bound in (trial.lower, trial.upper) if bound is not None]
         return sum(values) / len(values) if values else -math.inf
 
-    def gap_of(self, trial: Trial) -> float:
+    def gap_of(self, trial: BoundsTrial) -> float:
         """Relative gap between the factors of safety that the lower and the upper bound of a trial give."""
         if trial.lower is None or trial.upper is None or self.slope is None:
             return 0.0
         return (self.over(trial.lower) - self.over(trial.upper)) / self.slope
 
-    def learn(self, before: Trial, now: Trial) -> None:
+    def learn(self, before: BoundsTrial, now: BoundsTrial) -> None:
         """Update the slope of the excess over the logarithm of the factor."""
         if before.cells != now.cells or before.factor == now.factor or before.gauge != now.gauge:
             return
@@ -335,7 +335,7 @@ class FactorSearch:
             self.measure(at, side == "lower", side == "upper")
 
     @property
-    def here(self) -> list[Trial]:
+    def here(self) -> list[BoundsTrial]:
         """The trials on the present triangles."""
         last = self.trials[-1]
         return [trial for trial in self.trials if (trial.cells, trial.gauge) == (last.cells, last.gauge)]

@@ -9,7 +9,7 @@ Gauge = Literal["kh", "loads"]
 
 
 @dataclass(frozen=True)
-class Trial:
+class BoundsTrial:
     """Bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None where no bound was proven.
 
     They bound Kh, or the share of all loads that the ground resists (inf where friction alone resists any load);
@@ -26,7 +26,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Start:
+class TrialStart:
     """The given Kh, the factor to begin with, whether sides are smooth, and the bounds that are sufficient: a lower
     bound, or an upper bound that is below ``slips``.
     """

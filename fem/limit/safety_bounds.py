@@ -19,7 +19,7 @@ from fem.continuum.loads import Direction, direction_of
 from fem.continuum.shallow_failure import faces_at, least_rolling_factor, strengthened
 from fem.limit.bounds import COARSE_CELLS, as_analysed, first_mesh, strengths
 from fem.limit.factor_search import LARGEST, SMALLEST, FactorSearch
-from fem.limit.factor_trial import FactorWork, Start, Trial, gap_of_factors
+from fem.limit.factor_trial import BoundsTrial, FactorWork, TrialStart, gap_of_factors
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
@@ -49,7 +49,7 @@ class SafetyBounds:
     lower: float
     upper: float
     cells: int
-    trials: list[Trial]
+    trials: list[BoundsTrial]
     shallow_failure: float | None = None
     direction: Direction | None = None
     ended: FactorEnd = "gap"
@@ -76,7 +76,7 @@ def safety_bounds(
     to LARGEST. Raises InputError as ``kh_bounds`` does, BadMeshError if there are no triangles. ``section``: the
     ground; ``fem``: settings of the elements, of which sides and direction matter here.
     """
-    start, work = Start(kh, guess, smooth_sides), FactorWork(settings.seconds)
+    start, work = TrialStart(kh, guess, smooth_sides), FactorWork(settings.seconds)
     faces = faces_at(section, fem, kh)
     shallow = least_rolling_factor(section, faces, kh, strengths(section.strata)[1])
     if shallow is None or shallow >= LARGEST:
@@ -131,7 +131,9 @@ class _Coarse:
         return fails
 
 
-def _coarse(section: Section, fem: FemSettings, settings: BoundsSettings, start: Start, work: FactorWork) -> _Coarse:
+def _coarse(
+    section: Section, fem: FemSettings, settings: BoundsSettings, start: TrialStart, work: FactorWork
+) -> _Coarse:
     section = as_analysed(section, fem)
     mesh = first_mesh(section, COARSE_CELLS, fem.sides)
     down, up = (FactorSearch(section, mesh, fem, settings, sign, start, work) for sign in (1, -1))
@@ -139,12 +141,12 @@ def _coarse(section: Section, fem: FemSettings, settings: BoundsSettings, start:
 
 
 def _bounds_of(
-    section: Section, fem: FemSettings, settings: BoundsSettings, start: Start, work: FactorWork
+    section: Section, fem: FemSettings, settings: BoundsSettings, start: TrialStart, work: FactorWork
 ) -> SafetyBounds:
     """The bounds of a section whose faces are already strengthened, if any have to be."""
     section = as_analysed(section, fem)
 
-    def search(mesh: TriMesh, sign: int, start: Start) -> FactorSearch:
+    def search(mesh: TriMesh, sign: int, start: TrialStart) -> FactorSearch:
         return FactorSearch(section, mesh, fem, settings, sign, start, work)
 
     searches = [search(first_mesh(section, settings.max_cells, fem.sides), 1, start)]

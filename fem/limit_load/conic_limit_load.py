@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, TypeVar, cast
 import numpy as np
 from scipy import sparse
 
-from fem.continuum.fields import State
-from fem.continuum.strength import Strength
+from fem.continuum.fields import FieldState
+from fem.continuum.strength import StrataStrength
 from fem.errors import UnstableError
 from fem.kernels import mohr_coulomb
 from fem.settings import LEAST_KH
@@ -45,7 +45,7 @@ class ConicLimitLoad:
     ----------
     multiplier : float
         The load multiplier (-); infinite if the load does no work in any mechanism.
-    mechanism : State or None
+    mechanism : FieldState or None
         Stresses at the limit load; its displacements are the velocities of the mechanism, scaled to a largest velocity
         of 1 m/s, and its strains the strain rates. None without a mechanism.
     bracket : (float, float)
@@ -55,7 +55,7 @@ class ConicLimitLoad:
     """
 
     multiplier: float
-    mechanism: State | None
+    mechanism: FieldState | None
     bracket: tuple[float, float]
     start: cone_program.Warm | None = None
 
@@ -108,7 +108,7 @@ class Discretised:
         return self.forces[number][self.free] / (self.unit * self.length)
 
     def program(
-        self, strength: Strength, dead: np.ndarray, live: np.ndarray, softening: np.ndarray | None = None
+        self, strength: StrataStrength, dead: np.ndarray, live: np.ndarray, softening: np.ndarray | None = None
     ) -> cone_program.ConeProgram:
         """The program for the stress of largest multiplier that balances the loads on the free components.
 
@@ -150,7 +150,9 @@ class Discretised:
         """Stress (points, [xx, yy, xy]) in Pa of a solution."""
         return self.unit * solution.stress
 
-    def mechanism(self, problem: "PlaneStrain", mesh: QuadMesh, solution: cone_program.Solution, kh: float) -> State:
+    def mechanism(
+        self, problem: "PlaneStrain", mesh: QuadMesh, solution: cone_program.Solution, kh: float
+    ) -> FieldState:
         """The fields of a ``solution`` on ``mesh`` at ``kh``; the mobilised share is that of the present strength of
         ``problem``.
         """
@@ -262,7 +264,7 @@ class _Fields:
     mobilised: np.ndarray
 
 
-def _state(mesh: QuadMesh, cells: _Cells, kh: float, fields: _Fields) -> State:
+def _state(mesh: QuadMesh, cells: _Cells, kh: float, fields: _Fields) -> FieldState:
     """The mechanism as fields of the mesh; limit analysis does not determine the out-of-plane stress: it is set to the
     mean stress.
     """
@@ -274,4 +276,6 @@ def _state(mesh: QuadMesh, cells: _Cells, kh: float, fields: _Fields) -> State:
     velocity = np.zeros((len(mesh.points), 2))
     velocity[cells.corners] = fields.velocity[cells.dofs[:, :8]].reshape(-1, 4, 2)
     scale = 1.0 / max(float(np.hypot(*velocity.T).max()), 1e-300)
-    return State(f"mechanism, Kh = {kh:.3f}", kh, scale * velocity, stress, scale * strain, scale * strain, mobilised)
+    return FieldState(
+        f"mechanism, Kh = {kh:.3f}", kh, scale * velocity, stress, scale * strain, scale * strain, mobilised
+    )

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.continuum.fields import State
+from fem.continuum.fields import FieldState
 from fem.continuum.strength import strength_of
 from fem.errors import UnstableError
 from fem.limit_load.conic_limit_load import Discretised, gathered, of_first_rank
@@ -91,7 +91,7 @@ class ConicSafetyFactor:
     """
 
     factor: float
-    mechanism: State
+    mechanism: FieldState
     start: FactorStart | None
 
 
@@ -116,11 +116,13 @@ def conic_safety_factor(
     mean = _elastic_mean(problem, forces)
     ground = gathered(problem, mesh, forces)
     means = grid.comm.gather(mean) or [mean]
-    answer: tuple[float, State] | NoAnswerError | None = None
+    answer: tuple[float, FieldState] | NoAnswerError | None = None
     next_start = None  # on the first rank only: it is not sent to other ranks
     if grid.comm.rank == 0:
         try:
-            factor, mechanism, next_start = _Search(problem, mesh, ground, np.concatenate(means), start).find(guess, kh)
+            factor, mechanism, next_start = _FactorSearch(problem, mesh, ground, np.concatenate(means), start).find(
+                guess, kh
+            )
             answer = factor, mechanism
         except NoAnswerError as error:
             answer = error
@@ -145,7 +147,7 @@ def _elastic_mean(problem: "PlaneStrain", forces: np.ndarray) -> np.ndarray:
     return 0.5 * np.einsum("pij,pj->pi", laws[problem.material][:, :2], strain).sum(axis=1)
 
 
-class _Search:
+class _FactorSearch:
     """Newton's method for the logarithm of the factor, between factors known to be too small and too large."""
 
     def __init__(
@@ -162,7 +164,7 @@ class _Search:
         # Logarithm of the last factor tried, and where to begin.
         self.last = (start.log_factor, start.place) if start is not None else (math.inf, None)
 
-    def find(self, guess: float, kh: float) -> tuple[float, State, FactorStart]:
+    def find(self, guess: float, kh: float) -> tuple[float, FieldState, FactorStart]:
         """The factor, its mechanism, and the start of a search by another flow rule."""
         low, high, at = -math.inf, math.inf, math.log(guess) if self.start is None else self.next_from(self.start)
         for _ in range(TRIALS):

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.continuum.fields import State
+from fem.continuum.fields import FieldState
 from fem.continuum.loads import Direction, direction_of, seismic_sign
 from fem.continuum.nodal_loads import seismic_load
 from fem.continuum.plane_strain import PlaneStrain
@@ -28,7 +28,7 @@ from meshes.section.section import Section
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
+class LoadedGround:
     """The ground at rest, and the limit load of the seismic force to one side.
 
     Attributes
@@ -77,11 +77,11 @@ class LimitLoadResult:
         Direction of the seismic force.
     reason : str
         The verdict in words.
-    mechanism : State or None
+    mechanism : FieldState or None
         The mechanism; None without a limit load.
     shallow_failures : list of ShallowFailure
         Cohesionless faces that fail at a smaller Kh.
-    ground : Ground
+    ground : LoadedGround
         The ground, with the loads.
     """
 
@@ -90,9 +90,9 @@ class LimitLoadResult:
     flow: Flow
     direction: Direction
     reason: str
-    mechanism: State | None
+    mechanism: FieldState | None
     shallow_failures: list[ShallowFailure]
-    ground: Ground
+    ground: LoadedGround
 
     @property
     def value(self) -> float:
@@ -165,7 +165,7 @@ def _between(result: LimitLoadResult, lower: float, upper: float) -> LimitLoadRe
     return replace(result, kc=middle, ground=replace(result.ground, limit=limit))
 
 
-def _limit_load_of(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Ground) -> LimitLoadResult:
+def _limit_load_of(section: Section, mesh: QuadMesh, settings: FemSettings, ground: LoadedGround) -> LimitLoadResult:
     """A limit load as a result."""
     assert ground.limit is not None
     kc, cells = min(ground.limit.multiplier, settings.kh_limit), len(mesh.cells)
@@ -180,7 +180,7 @@ def _limit_load_of(section: Section, mesh: QuadMesh, settings: FemSettings, grou
 
 def loaded_ground(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[ShallowFailure] | None = None
-) -> Ground:
+) -> LoadedGround:
     """The ground with ``faces`` strengthened, and the limit load of the seismic force if it is unique; else the ground
     at rest. Without ``faces``, all cohesionless faces are strengthened if any of them fails at a smaller Kh than the
     ground below, as in the bounds: where a layer thins out, its neighbour may reach the face in the mesh. Where there
@@ -196,7 +196,7 @@ def loaded_ground(
     if not is_unique(section, settings):
         problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, faces)
         load = seismic_load(problem, mesh, section, seismic_sign(section, settings))
-        return Ground(problem, constant, constant, gravity, faces, load, None, settings)
+        return LoadedGround(problem, constant, constant, gravity, faces, load, None, settings)
     while True:
         problem, weight, constant = at_the_sides(section, mesh, settings, comm, faces)
         load = seismic_load(problem, mesh, section, seismic_sign(section, settings))
@@ -210,11 +210,11 @@ def loaded_ground(
         if limit is not None and limit.multiplier < 0.0:
             raise UnstableError("the section fails under its own weight")
         if limit is None or not limit.multiplier <= first < np.inf or first <= 0.0:
-            return Ground(problem, weight, constant, None, faces, load, limit, settings)
+            return LoadedGround(problem, weight, constant, None, faces, load, limit, settings)
         faces, first = always, 0.0  # the ground below fails before them
 
 
-def at_rest(ground: Ground) -> Ground:
+def at_rest(ground: LoadedGround) -> LoadedGround:
     """The ground in equilibrium under its weight; raises UnstableError if the weight makes it fail."""
     if ground.gravity is not None:
         return ground

@@ -6,7 +6,7 @@ from any start (``newton.py``): the load steps may be large, however soft the gr
 
 from collections.abc import Sequence
 
-from fem.continuum.fields import State, state_of
+from fem.continuum.fields import FieldState, state_of
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.plateau import LimitLoad, PathListener
 from meshes.quad_mesh import QuadMesh
@@ -27,7 +27,7 @@ def step_to_limit(
     limit: float,
     wanted: Sequence[float],
     listener: PathListener | None = None,
-) -> tuple[LimitLoad, list[State]]:
+) -> tuple[LimitLoad, list[FieldState]]:
     """Raise Kh to the ``known`` limit load, at most to ``limit``; returns the answer, and the fields at those of the
     ``wanted`` Kh that were reached.
     ``path``: the path at its start; ``mesh``: the mesh of the path; ``listener``: called after every step.
@@ -36,7 +36,7 @@ def step_to_limit(
     sure = limit if known > limit else SURE * known
     shares = (share * known for share in SHARES if share * known < limit)
     levels = {kh for kh in shares if all(abs(kh - other) > ALIKE * known for other in recorded_kh)}
-    states: list[State] = []
+    states: list[FieldState] = []
     for kh in sorted({*levels, *recorded_kh, sure}):
         is_hard = any(step.iterations > HARD for step in path.steps)
         if is_hard and kh not in recorded_kh and kh != sure:

@@ -13,7 +13,7 @@ from scipy import sparse
 from scipy.sparse.linalg import SuperLU, splu
 
 from fem.continuum.linear_solver import CholmodMatrix
-from fem.continuum.plane_strain import Part, PlaneStrain
+from fem.continuum.plane_strain import PartialProblem, PlaneStrain
 from fem.kernels import assembly, mohr_coulomb
 from fem.path.line_search import Descent
 
@@ -84,7 +84,7 @@ class LocalSubproblem:
         return changed if np.all(np.isfinite(changed)) else increment
 
 
-def _response(part: Part, moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _response(part: PartialProblem, moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Nodal forces (components,) of the stress after a displacement, and its tangent (points, 4, 4)."""
     points = len(part.stress)
     strain, stress, plastic = (np.zeros((points, 4)) for _ in range(3))
@@ -99,14 +99,14 @@ def _response(part: Part, moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return forces, tangent
 
 
-def _elements(part: Part, tangent: np.ndarray, moves: np.ndarray) -> np.ndarray:
+def _elements(part: PartialProblem, tangent: np.ndarray, moves: np.ndarray) -> np.ndarray:
     """Stiffness matrices (nc, nd, nd) of the cells, zero for components that ``moves`` (components,) leaves out."""
     elements = part.hourglass.copy()
     assembly.element_stiffness(part.matrix, part.weights, tangent + part.least, moves, part.dofs, elements)
     return elements
 
 
-def _factors(part: Part, elements: np.ndarray, number: np.ndarray) -> SuperLU:
+def _factors(part: PartialProblem, elements: np.ndarray, number: np.ndarray) -> SuperLU:
     """Factors of the stiffness of the free components: those whose ``number`` (components,) is not negative.
 
     Raises RuntimeError if it is singular.

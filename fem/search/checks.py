@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.continuum.fields import State
+from fem.continuum.fields import FieldState
 from fem.search.result_warnings import ResultWarning
 from meshes.quad_mesh import QuadMesh
 from meshes.quality import corner_angles
@@ -70,7 +70,7 @@ def of_dilation(
         )
 
 
-def of_base(mesh: QuadMesh, mechanism: State, verdict: "PathVerdict") -> Iterator[ResultWarning]:
+def of_base(mesh: QuadMesh, mechanism: FieldState, verdict: "PathVerdict") -> Iterator[ResultWarning]:
     """A warning of a mechanism along the base of the section."""
     if verdict in ("plateau", "peak") and touches_base(mesh, mechanism):
         yield ResultWarning(
@@ -80,7 +80,7 @@ def of_base(mesh: QuadMesh, mechanism: State, verdict: "PathVerdict") -> Iterato
         )
 
 
-def touches_base(mesh: QuadMesh, mechanism: State) -> bool:
+def touches_base(mesh: QuadMesh, mechanism: FieldState) -> bool:
     """Whether cells at the base strain by a large share of the largest shear strain."""
     at_base = np.isin(mesh.cells, np.unique(mesh.boundaries["base"])).sum(axis=1) >= 2
     return bool(at_base.any() and mechanism.shear_strain[at_base].max() > AT_BASE * mechanism.shear_strain.max())

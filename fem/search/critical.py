@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from fem.continuum.fields import State, state_of, touched_sides
+from fem.continuum.fields import FieldState, state_of, touched_sides
 from fem.continuum.loads import Direction, direction_of, seismic_sign
 from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.shallow_failure import ShallowFailure
 from fem.continuum.strength import Flow, flow_of
-from fem.limit_load.limit_load import Ground, at_rest, cohesionless_faces, faces_failing_at_rest, loaded_ground
+from fem.limit_load.limit_load import LoadedGround, at_rest, cohesionless_faces, faces_failing_at_rest, loaded_ground
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import path_settings
 from fem.path.load_stepping import step_to_limit
@@ -64,7 +64,7 @@ class CriticalResult:
         Why the path ended, and what to change if it has no answer.
     steps : list of PathStep
         Steps of the path: Kh over the mean horizontal displacement.
-    states : list of State
+    states : list of FieldState
         The fields at the Kh of the settings, and at the end of the path.
     solves : int
         Linear systems factorised.
@@ -74,7 +74,7 @@ class CriticalResult:
         Share of the quadrature points that yield under gravity (-).
     shallow_failures : list of ShallowFailure
         Cohesionless faces that fail at a smaller Kh; ``kc`` is that of a deeper failure.
-    limit_mechanism : State or None
+    limit_mechanism : FieldState or None
         The mechanism by finite element limit analysis.
     other : CriticalResult or None
         The answer for the opposite direction, where both directions were analysed.
@@ -91,12 +91,12 @@ class CriticalResult:
     reason: str
     remedy: str
     steps: list[PathStep]
-    states: list[State]
+    states: list[FieldState]
     solves: int
     gravity_iterations: int
     gravity_plastic_share: float
     shallow_failures: list[ShallowFailure]
-    limit_mechanism: State | None = None
+    limit_mechanism: FieldState | None = None
     other: "CriticalResult | None" = None
 
     @property
@@ -105,7 +105,7 @@ class CriticalResult:
         return self.kc
 
     @property
-    def mechanism(self) -> State:
+    def mechanism(self) -> FieldState:
         """The mechanism if the section fails: that of the limit load, else the last state of the path."""
         if self.limit_mechanism is not None:
             return self.limit_mechanism
@@ -118,7 +118,7 @@ def critical_coefficient(
     settings: FemSettings,
     comm: Any,
     listener: PathListener | None = None,
-    ground: Ground | None = None,
+    ground: LoadedGround | None = None,
 ) -> CriticalResult:
     """Find the critical seismic coefficient of a meshed section, in the direction in which it is smaller.
 
@@ -137,7 +137,7 @@ def critical_coefficient(
         The communicator of the finite elements.
     listener : callable, optional
         Called with every converged step of the path.
-    ground : Ground, optional
+    ground : LoadedGround, optional
         The ground at rest from which the path starts, if it is known for the direction of the settings.
 
     Returns
@@ -173,7 +173,7 @@ def _towards(
     settings: FemSettings,
     comm: Any,
     listener: PathListener | None,
-    ground: Ground | None,
+    ground: LoadedGround | None,
 ) -> CriticalResult:
     """The critical seismic coefficient in the one direction of the ``settings``."""
     sign = seismic_sign(section, settings)
@@ -190,7 +190,7 @@ def _towards(
 
 
 def _followed(
-    ground: Ground, mesh: QuadMesh, sign: int, settings: FemSettings, listener: PathListener | None
+    ground: LoadedGround, mesh: QuadMesh, sign: int, settings: FemSettings, listener: PathListener | None
 ) -> CriticalResult:
     """Follow the path from ``ground``; returns its result."""
     problem, known, gravity = ground.problem, ground.limit, ground.gravity
@@ -254,9 +254,9 @@ def _ductility(path: EquilibriumPath) -> float:
     return path.displacement / (max(path.factor, 1e-9) / REFERENCE_KH * path.reference)
 
 
-def states_at(path: EquilibriumPath, mesh: QuadMesh, wanted: list[float]) -> list[State]:
+def states_at(path: EquilibriumPath, mesh: QuadMesh, wanted: list[float]) -> list[FieldState]:
     """The fields at every ``wanted`` Kh that the path reaches, in rising order."""
-    states: list[State] = []
+    states: list[FieldState] = []
     for kh in sorted(kh for kh in wanted if kh > 0.0):
         while not (reached := path.reach(kh)):
             mark = path.mark()

@@ -12,7 +12,7 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-from fem.continuum.fields import State, touched_sides
+from fem.continuum.fields import FieldState, touched_sides
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 from meshes.quality import areas
@@ -70,7 +70,7 @@ class MeshResult(Protocol):
     def value(self) -> float: ...
 
     @property
-    def mechanism(self) -> State | None: ...
+    def mechanism(self) -> FieldState | None: ...
 
     @property
     def reason(self) -> str: ...
@@ -121,12 +121,12 @@ class AdaptiveResult(Generic[F]):
         """The sides of the section, "left" and "right", that the mechanism reaches."""
         return () if self.result.mechanism is None else touched_sides(self.mesh, self.result.mechanism)
 
-    def resolves(self, other: State) -> bool:
+    def resolves(self, other: FieldState) -> bool:
         """Whether the cells of ``mesh`` are as small along another mechanism as along its own."""
         mechanism = self.result.mechanism
         return len(self.rounds) < 2 or (mechanism is not None and self._band(other) <= ALIKE * self._band(mechanism))
 
-    def _band(self, mechanism: State) -> float:
+    def _band(self, mechanism: FieldState) -> float:
         """Mean size (m) of the cells, weighted by the shear displacement of a mechanism across them."""
         area = areas(self.mesh.points, self.mesh.cells)
         shear = area * mechanism.plastic_shear_strain

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator
 
-from fem.continuum.fields import State, is_mechanism
+from fem.continuum.fields import FieldState, is_mechanism
 from meshes.quad_mesh import QuadMesh
 from meshes.slip_line import slip_line
 
@@ -11,7 +11,7 @@ from meshes.slip_line import slip_line
 LEVELS = 100
 
 
-def slip_surface(mesh: QuadMesh, state: State, columns: int = 100) -> np.ndarray:
+def slip_surface(mesh: QuadMesh, state: FieldState, columns: int = 100) -> np.ndarray:
     """The line (k, 2) in m between moving ground and ground at rest, see ``slip_line``; empty without a mechanism."""
     if not is_mechanism(state):
         return np.zeros((0, 2))

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.continuum.fields import State
+from fem.continuum.fields import FieldState
 from fem.continuum.loads import seismic_sign
 from fem.continuum.nodal_loads import seismic_load, still_load
 from fem.continuum.shallow_failure import faces_at, least_rolling_factor
@@ -65,7 +65,7 @@ class SafetyFactor:
         Steps of the path: the factor over the control displacement.
     shallow_failure : float or None
         The factor at which a cohesionless face fails, if there is one (-).
-    mechanism : State or None
+    mechanism : FieldState or None
         The mechanism, where the factor follows from limit analysis.
     by_other_flow : float or None
         The factor by the other flow rule (-): Davis's estimate if ``factor`` has ψ = φ, the factor with ψ = φ if
@@ -82,7 +82,7 @@ class SafetyFactor:
     remedy: str
     steps: list[PathStep]
     shallow_failure: float | None = None
-    mechanism: State | None = None
+    mechanism: FieldState | None = None
     by_other_flow: float | None = None
     start: FactorStart | None = None
 

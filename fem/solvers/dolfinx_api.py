@@ -56,7 +56,7 @@ def require() -> None:
 
 
 @dataclass(frozen=True)
-class Distribution:
+class RankDistribution:
     """This rank's share of a mesh and of a scalar Lagrange space on it; nc cells.
 
     Attributes
@@ -78,7 +78,7 @@ class Distribution:
     owned: int
 
 
-def distribute(comm: Any, points: np.ndarray, cells: np.ndarray, degree: int) -> Distribution:
+def distribute(comm: Any, points: np.ndarray, cells: np.ndarray, degree: int) -> RankDistribution:
     """Distribute quadrilaterals, points (n, 2) and cells (m, 4) in the order of gmsh, and number the nodes of the
     space.
 
@@ -98,7 +98,7 @@ def distribute(comm: Any, points: np.ndarray, cells: np.ndarray, degree: int) ->
     index_map = space.dofmap.index_map
     local = _rows(space.dofmap.list)[:owned_cells]
     geometry = _rows(grid.geometry.dofmap)[:owned_cells]
-    return Distribution(
+    return RankDistribution(
         cell=np.asarray(grid.topology.original_cell_index)[:owned_cells],
         corners=np.asarray(grid.geometry.input_global_indices)[geometry],
         nodes=index_map.local_to_global(np.ascontiguousarray(local.ravel(), dtype=np.int32)).reshape(local.shape),

@@ -10,7 +10,7 @@ from meshes.borings.boring import Cone
 from meshes.borings.complaints import folded
 from meshes.borings.log import BoringFile, Log, cone_problems
 from meshes.borings.plausible import implausible_cones
-from meshes.borings.table import PLACE, Table, read_table, with_unit
+from meshes.borings.table import PLACE, BoringTable, read_table, with_unit
 from meshes.errors import InputError
 from meshes.section.sentences import sentences
 
@@ -38,7 +38,7 @@ def read_cones(path: Path, columns: Mapping[str, str]) -> BoringFile:
     return BoringFile(logs, table.notices)
 
 
-def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table) -> Log:
+def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: BoringTable) -> Log:
     place = table.place(*lines[0])
     cones = [cone for number, cells in lines for cone in _cone(number, cells, table)]
     table.problems.extend(cone_problems(name, cones))
@@ -46,7 +46,7 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table
     return Log(name, place, math.nan, (), cones=tuple(cones))
 
 
-def _cone(number: int, cells: Mapping[str, str], table: Table) -> list[Cone]:
+def _cone(number: int, cells: Mapping[str, str], table: BoringTable) -> list[Cone]:
     data = {
         key: with_unit(cells.get(key, ""), table.units.get(key, "")) for key in ("depth", "qc", "fs") if cells.get(key)
     }

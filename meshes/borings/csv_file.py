@@ -21,7 +21,7 @@ from meshes.borings.log import (
     refusal_notices,
 )
 from meshes.borings.plausible import implausible_sample, shares_for_percent
-from meshes.borings.table import NOT_MEASURED, PLACE, Table, has_column, read_table, with_unit, written
+from meshes.borings.table import NOT_MEASURED, PLACE, BoringTable, has_column, read_table, with_unit, written
 from meshes.errors import InputError
 from meshes.section.quantity import DENSITY
 from meshes.section.sentences import sentences
@@ -71,7 +71,7 @@ def _unit_meant(weight: str) -> str:
     return ""
 
 
-def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table) -> Log | None:
+def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: BoringTable) -> Log | None:
     before = len(table.problems)
     layers, samples = [], []
     for number, cells in lines:
@@ -124,7 +124,7 @@ def _same(first: str, second: str) -> bool:
         return False
 
 
-def _sample(number: int, cells: Mapping[str, str], depth: float, table: Table) -> Sample | None:
+def _sample(number: int, cells: Mapping[str, str], depth: float, table: BoringTable) -> Sample | None:
     data: dict[str, object] = {"depth": depth, "N": cells["N"]}
     for key in ("fines", "plasticity", "energy_ratio"):
         if cells.get(key, "").lower() not in NOT_MEASURED:

@@ -30,7 +30,7 @@ PLAIN = {"N": BLOWS, "fines": PERCENT, "plasticity": PERCENT}
 
 
 @dataclass(frozen=True)
-class Table:
+class BoringTable:
     """Lines of a file by boring, each with its number and its cells by column; units by column; faults, blow counts
     that are not understood, and notices.
     """
@@ -71,7 +71,7 @@ def has_column(path: Path, name: str, columns: Mapping[str, str]) -> bool:
     return name in [head for head, _ in _sheet(path, columns, (name,)).heads]
 
 
-def read_table(path: Path, needed: Sequence[str], known: Sequence[str], columns: Mapping[str, str]) -> Table:
+def read_table(path: Path, needed: Sequence[str], known: Sequence[str], columns: Mapping[str, str]) -> BoringTable:
     """The lines of a file that has a boring in each.
 
     Parameters
@@ -109,7 +109,7 @@ def read_table(path: Path, needed: Sequence[str], known: Sequence[str], columns:
         for name, rows in by_boring.items()
         if not name
     ]
-    return Table(by_boring, units, missing, sheet.notices)
+    return BoringTable(by_boring, units, missing, sheet.notices)
 
 
 def _unknown(sheet: _Sheet, columns: Mapping[str, str], known: Sequence[str], needed: Sequence[str]) -> list[str]:

@@ -34,7 +34,7 @@ class YieldStress(NamedTuple):
     stress: float
 
 
-class Layer(NamedTuple):
+class ForeignLayer(NamedTuple):
     """A layer of a model.
 
     Attributes
@@ -66,7 +66,7 @@ class ForeignModel:
     notices : what was assumed and what is not taken, one sentence each
     """
 
-    layers: Sequence[Layer]
+    layers: Sequence[ForeignLayer]
     water: Mapping[str, Any] = field(default_factory=dict)
     surcharges: Sequence[Mapping[str, Any]] = ()
     notices: Sequence[str] = ()
@@ -165,7 +165,7 @@ def section_of(model: ForeignModel, path: Path, name: str) -> ImportedSection:
     return ImportedSection("\n".join(comments) + text, notices)
 
 
-def layer_names(layers: Sequence[Layer]) -> list[str]:
+def layer_names(layers: Sequence[ForeignLayer]) -> list[str]:
     """A name for every layer: that of its soil, with a number where layers of one soil have other keys."""
     kinds: dict[str, list[Mapping[str, Any]]] = {}
     names = []
@@ -180,7 +180,7 @@ def layer_names(layers: Sequence[Layer]) -> list[str]:
 
 
 def _parted(
-    ground: np.ndarray, bottoms: Sequence[np.ndarray], layers: Sequence[Layer], water: Mapping[str, Any]
+    ground: np.ndarray, bottoms: Sequence[np.ndarray], layers: Sequence[ForeignLayer], water: Mapping[str, Any]
 ) -> list[tuple[int, np.ndarray, bool]]:
     """The number of the layer, the bottom (n, 2) and whether it is below water, of every stratum from the top down:
     layers that are other soils below water are two where its table crosses them."""

@@ -12,9 +12,9 @@ import numpy as np
 
 from meshes.errors import InputError
 from meshes.models.foreign_model import (
+    ForeignLayer,
     ForeignModel,
     ImportedSection,
-    Layer,
     as_input_errors,
     corners,
     line_of,
@@ -27,7 +27,7 @@ REGION = re.compile(r"Regions-(\d+)")
 BEDROCK = "10 MPa"  # cohesion: slips do not pass it
 
 
-class Units(NamedTuple):
+class GeoStudioUnits(NamedTuple):
     """The length (m) of a unit, and how a stress and a unit weight are written."""
 
     length: float
@@ -36,7 +36,7 @@ class Units(NamedTuple):
     water: float
 
 
-METRIC, IMPERIAL = Units(1.0, "kPa", "kN/m^3", 9.807), Units(0.3048, "lbf/ft^2", "lbf/ft^3", 62.4)
+METRIC, IMPERIAL = GeoStudioUnits(1.0, "kPa", "kN/m^3", 9.807), GeoStudioUnits(0.3048, "lbf/ft^2", "lbf/ft^3", 62.4)
 
 
 def read_gsz(path: Path, name: str, analysis: str | None = None) -> ImportedSection:
@@ -116,7 +116,7 @@ def _model(root: Element, path: Path, wanted: str | None) -> ForeignModel:
     weight = f"{float(water.text) if water is not None and water.text else units.water:g} {units.weight}"
     regions = list(_regions(root, geometry, number, units, notices))
     return ForeignModel(
-        [Layer(soils[key][0], points, soils[key][1], {}, {}) for key, points in regions],
+        [ForeignLayer(soils[key][0], points, soils[key][1], {}, {}) for key, points in regions],
         {} if table is None else {"table": table.tolist(), "unit_weight": weight},
         notices=list(dict.fromkeys(notices)),
     )
@@ -131,7 +131,7 @@ def _of_analysis(root: Element, items: str, number: str) -> Element:
 
 
 def _regions(
-    root: Element, geometry: Element, number: str, units: Units, notices: list[str]
+    root: Element, geometry: Element, number: str, units: GeoStudioUnits, notices: list[str]
 ) -> Iterator[tuple[str, np.ndarray]]:
     """The number of the material and the outline (n, 2) in m of every region that has a material; others are told."""
     points = {node.get("ID"): _place(node, units) for node in geometry.iterfind("./Points/Point") if node.get("X")}
@@ -145,7 +145,7 @@ def _regions(
             yield material, corners([points[key.strip()] for key in _text(region, "PointIDs").split(",")])
 
 
-def _strength(material: Element, units: Units, notices: list[str]) -> dict[str, Any]:
+def _strength(material: Element, units: GeoStudioUnits, notices: list[str]) -> dict[str, Any]:
     """Strength of a material as keys of a stratum."""
     model, name = _text(material, "SlopeModel"), _text(material, "Name")
     cohesion, friction = (_number(material, f"StressStrain/{key}") for key in ("CohesionPrime", "PhiPrime"))
@@ -182,7 +182,7 @@ def _not_taken(entry: Element, water: Element | None) -> Iterator[str]:
         yield f"not taken: pore pressure by {option}"
 
 
-def _place(point: Element, units: Units) -> tuple[float, float]:
+def _place(point: Element, units: GeoStudioUnits) -> tuple[float, float]:
     return float(point.get("X", "nan")) * units.length, float(point.get("Y", "nan")) * units.length
 
 

@@ -11,9 +11,9 @@ import numpy as np
 from meshes.errors import InputError
 from meshes.models.foreign_model import (
     NO_STRENGTH,
+    ForeignLayer,
     ForeignModel,
     ImportedSection,
-    Layer,
     YieldStress,
     as_input_errors,
     corners,
@@ -86,7 +86,7 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
             "not taken: the stages before it, but for preconsolidation, as pressure over the stress in this one"
         )
     table = _table(water)
-    layers: list[Layer] = []
+    layers: list[ForeignLayer] = []
     outlines = part("geometries", "GeometryId")["Layers"]
     if not outlines:
         where = f'scenario "{scenario["Label"]}", stage "{stage["Label"]}"'
@@ -104,7 +104,7 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
         if state.get("StateType") == "YieldStress":
             x, z = corners(_pairs([state["At"]]))[0]
             stress = YieldStress(x, z, 1e3 * float(state["YieldStress"]))
-        layers.append(Layer(soil["Name"], points, {**_weights(soil), **level}, dry, wet, stress))
+        layers.append(ForeignLayer(soil["Name"], points, {**_weights(soil), **level}, dry, wet, stress))
     loads = part("loads", "LoadsId")
     undrained = {number for number, soil in of_layer.items() if "Su" in (soil[ABOVE], soil[BELOW])}
     surcharges = [

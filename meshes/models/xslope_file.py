@@ -10,9 +10,9 @@ import numpy as np
 
 from meshes.errors import InputError
 from meshes.models.foreign_model import (
+    ForeignLayer,
     ForeignModel,
     ImportedSection,
-    Layer,
     as_input_errors,
     corners,
     line_of,
@@ -29,7 +29,7 @@ Rows = list[tuple[Any, ...]]
 Points = list[tuple[float, float]]
 
 
-class Units(NamedTuple):
+class XslopeUnits(NamedTuple):
     """The length (m) and the stress (kPa) of a unit, and the unit weight of water (kN/m³)."""
 
     length: float
@@ -77,7 +77,7 @@ def _whole(rows: Rows) -> Rows:
 def _model(sheets: dict[str, Rows]) -> ForeignModel:
     water = _cell_after(sheets["main"], "unit weight of water")
     imperial = water > IMPERIAL
-    units = Units(FEET, POUNDS, water * POUNDS / FEET) if imperial else Units(1.0, 1.0, water)
+    units = XslopeUnits(FEET, POUNDS, water * POUNDS / FEET) if imperial else XslopeUnits(1.0, 1.0, water)
     notices = ["feet and pounds are converted"] if imperial else []
     lines = [line_of(points) * units.length for points in _tables(sheets["profile"], "profile line", "x", "y")]
     rows = _materials(sheets["mat"])
@@ -89,7 +89,7 @@ def _model(sheets: dict[str, Rows]) -> ForeignModel:
     for k, row in enumerate(rows[: len(lines)]):
         keys = _soil(row, units, bool(tables), notices)
         called = str(row.get("name") or f"material {k + 1}")
-        layers += [Layer(called, outline, keys, {}, {}) for outline in _outlines(lines, k, base)]
+        layers += [ForeignLayer(called, outline, keys, {}, {}) for outline in _outlines(lines, k, base)]
     surcharges = list(_loads(sheets["dloads"], units, tables[:1], notices))
     notices += _not_taken(sheets, len(tables) > 1)
     table = {"table": tables[0].tolist(), "unit_weight": f"{units.water:.6g} kN/m^3"} if tables else {}
@@ -129,7 +129,7 @@ def _materials(rows: Rows) -> list[dict[str, Any]]:
     return [dict(zip(heads, row, strict=True)) for row in filled]
 
 
-def _soil(row: dict[str, Any], units: Units, water: bool, notices: list[str]) -> dict[str, Any]:
+def _soil(row: dict[str, Any], units: XslopeUnits, water: bool, notices: list[str]) -> dict[str, Any]:
     """The keys of a stratum; what a material has that they have not is told."""
     name, option = row.get("name"), str(row.get("option") or "").strip().lower()
     if option not in OPTIONS:
@@ -208,7 +208,9 @@ def _breaks(lines: Sequence[np.ndarray], k: int) -> np.ndarray:
     return np.unique(np.append(x, crossings))
 
 
-def _loads(rows: Rows, units: Units, tables: Sequence[np.ndarray], notices: list[str]) -> Iterator[dict[str, Any]]:
+def _loads(
+    rows: Rows, units: XslopeUnits, tables: Sequence[np.ndarray], notices: list[str]
+) -> Iterator[dict[str, Any]]:
     """Distributed loads as surcharges; those of free water are the water's, and those after drawdown are told."""
     for title, taken in (("a", True), ("b", False)):
         for points in _tables_of_loads(rows, title):

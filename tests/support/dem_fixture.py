@@ -29,9 +29,9 @@ from workflow.results.discs import (
     DiscModelAnswer,
     DiscsAnswer,
     DiscSearch,
-    DiscState,
     KhTrial,
     Parameters,
+    RecordedDiscs,
     SetOfSprings,
     SlipSurfaces,
 )
@@ -67,7 +67,7 @@ def critical(run: Config, kc: float, cracked_elsewhere: dict[str, float] | None 
     surface = ((left, level), (right, level))
     sets: tuple[SetOfSprings, ...] = ("before", "after")
     states = tuple(
-        DiscState(
+        RecordedDiscs(
             set=which, kh=kh, verdict="stands" if share == 0.0 else "fails", reason="by hand", unbalanced_ratio=1e-5,
             kinetic_ratio=1e-9, displacement_m=0.05, elastic_displacement_m=None, seconds=3.0, file="dem/none.npz",
             cracked_share_by_stratum={s.name: share for s in run.section.strata} | (cracked_elsewhere or {}),

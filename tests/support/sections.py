@@ -16,7 +16,7 @@ from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from workflow.config import Config
 from workflow.config.after_triggering import config_after_triggering
-from workflow.earthquake.triggering.assessment import Assessment, assess
+from workflow.earthquake.triggering.assessment import TriggeringAssessment, assess
 
 SOIL: dict[str, Any] = {
     "youngs_modulus": "30 MPa",
@@ -64,7 +64,7 @@ def analysed(data: dict[str, Any]) -> Config:
     return config_after_triggering(Config.parse(data))
 
 
-def assessment(config: Config) -> Assessment:
+def assessment(config: Config) -> TriggeringAssessment:
     """F_L at every blow count of a config."""
     return assess(config.section, config.earthquake, config.triggering)
 

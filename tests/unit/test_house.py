@@ -148,3 +148,12 @@ def test_every_room_says_what_it_is_for() -> None:
     rooms = {path.parent / "__init__.py" for package in PACKAGES for path in (TOP / package).rglob("*.py")}
     silent = [room for room in rooms if not ast.get_docstring(ast.parse(room.read_text(encoding="utf-8")))]
     assert silent == []
+
+
+def test_no_two_classes_have_one_name() -> None:
+    files: dict[str, list[str]] = {}
+    for name, text in SOURCES.items():
+        for node in ast.parse(text).body:
+            if isinstance(node, ast.ClassDef):
+                files.setdefault(node.name, []).append(name)
+    assert {name: places for name, places in files.items() if len(places) > 1} == {}

@@ -14,7 +14,7 @@ from meshes.section.section import Section
 from workflow.config import K_MAX, Config
 from workflow.earthquake.column import column_of
 from workflow.earthquake.settings import SHAKES, SiteResponseSettings, assumed_loading, loading_of_slides
-from workflow.earthquake.triggering.assessment import Assessment, assess
+from workflow.earthquake.triggering.assessment import TriggeringAssessment, assess
 from workflow.earthquake.triggering.consequences import left, pore_pressures
 from workflow.earthquake.triggering.settings import TriggeringSettings
 
@@ -81,7 +81,7 @@ def _analysed(config: Config) -> Config:
 
 
 def ground_after_triggering(
-    section: Section, assessment: Assessment, settings: TriggeringSettings, cases: int
+    section: Section, assessment: TriggeringAssessment, settings: TriggeringSettings, cases: int
 ) -> Section:
     """The section in which each triggered stratum liquefies in all ``cases`` or in none, with excess pore pressures.
 
@@ -114,7 +114,9 @@ def ground_after_triggering(
     return section.with_strata(strata)
 
 
-def cases_after_triggering(section: Section, assessment: Assessment, settings: TriggeringSettings) -> list[Case]:
+def cases_after_triggering(
+    section: Section, assessment: TriggeringAssessment, settings: TriggeringSettings
+) -> list[Case]:
     """The cases that follow from blow counts, by their names."""
     strata = section.strata
     remains = [layer for layer in left(assessment, settings) if strata[layer.stratum].liquefies_in]

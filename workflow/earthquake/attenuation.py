@@ -22,7 +22,7 @@ ON_GROUND: Mapping[Site, float] = {"rock": 0.6, "average": 1.0, "soft": 1.4}  # 
 
 
 @dataclass(frozen=True)
-class Range:
+class ValidRange:
     """Range of validity of a relation: ``low`` to ``high`` of the quantity ``name``, in ``unit``."""
 
     name: str
@@ -41,7 +41,7 @@ class Range:
 
 
 @dataclass(frozen=True)
-class Motion:
+class PeakMotion:
     """A peak acceleration: the median (m/s²), its standard deviation (of log10), and the source of the relation."""
 
     median: float
@@ -61,7 +61,7 @@ class Motion:
         return self.median / 10.0**self.sigma
 
 
-def si_midorikawa(magnitude: float, distance: float, depth: float, mechanism: Mechanism) -> Motion:
+def si_midorikawa(magnitude: float, distance: float, depth: float, mechanism: Mechanism) -> PeakMotion:
     """Si & Midorikawa (1999): log A = b - log(X + c) - 0.003 X, A in gal, X in km.
 
     b = 0.50 Mw + 0.0043 D + d + 0.61, c = 0.0055 10^(0.50 Mw), d = 0.00, 0.01, 0.22 for crustal, interplate and
@@ -74,18 +74,18 @@ def si_midorikawa(magnitude: float, distance: float, depth: float, mechanism: Me
     relation = "Si & Midorikawa (1999)"
     within(
         relation,
-        (Range("magnitude", 5.8, 8.3), magnitude),
-        (Range("distance", 0.0, 300.0, "km"), kilometres),
-        (Range("depth", 0.0, 120.0, "km"), deep),
+        (ValidRange("magnitude", 5.8, 8.3), magnitude),
+        (ValidRange("distance", 0.0, 300.0, "km"), kilometres),
+        (ValidRange("depth", 0.0, 120.0, "km"), deep),
     )
     b = 0.50 * magnitude + 0.0043 * deep + OF_EVENT[mechanism] + 0.61
     c = 0.0055 * 10.0 ** (0.50 * magnitude)
     median = GAL * 10.0 ** (b - math.log10(kilometres + c) - 0.003 * kilometres)
     validity = "Mw 5.8-8.3, 0-300 km from the fault plane, down to 120 km; firm ground; larger component"
-    return Motion(median, 0.27, f"{relation}, {mechanism}", SI_MIDORIKAWA, validity)
+    return PeakMotion(median, 0.27, f"{relation}, {mechanism}", SI_MIDORIKAWA, validity)
 
 
-def fukushima_tanaka(magnitude: float, distance: float, site: Site) -> Motion:
+def fukushima_tanaka(magnitude: float, distance: float, site: Site) -> PeakMotion:
     """Fukushima & Tanaka (1990): log A = 0.41 M - log(R + 0.032 10^(0.41 M)) - 0.0034 R + 1.30, A in gal, R in km.
 
     σ = 0.21. ``distance`` R is the shortest to the fault. On average ground; 40 % less on rock, 40 % more on soft
@@ -93,15 +93,17 @@ def fukushima_tanaka(magnitude: float, distance: float, site: Site) -> Motion:
     """
     kilometres = distance / 1000.0
     relation = "Fukushima & Tanaka (1990)"
-    within(relation, (Range("magnitude", 4.6, 8.2), magnitude), (Range("distance", 0.0, 300.0, "km"), kilometres))
+    within(
+        relation, (ValidRange("magnitude", 4.6, 8.2), magnitude), (ValidRange("distance", 0.0, 300.0, "km"), kilometres)
+    )
     near = kilometres + 0.032 * 10.0 ** (0.41 * magnitude)
     logarithm = 0.41 * magnitude - math.log10(near) - 0.0034 * kilometres + 1.30
     median = GAL * 10.0**logarithm * ON_GROUND[site]
     validity = "M 4.6-8.2, 0-300 km from the fault, shallow earthquakes of Japan; mean of both components"
-    return Motion(median, 0.21, f"{relation}, {site} ground", FUKUSHIMA_TANAKA, validity)
+    return PeakMotion(median, 0.21, f"{relation}, {site} ground", FUKUSHIMA_TANAKA, validity)
 
 
-def within(relation: str, *values: tuple[Range, float]) -> None:
+def within(relation: str, *values: tuple[ValidRange, float]) -> None:
     """Raise InputError with all values outside the range of a relation."""
     problems = [problem for limits, value in values if (problem := limits.problem(value, relation))]
     if problems:

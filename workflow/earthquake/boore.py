@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from meshes.section.quantity import GRAVITY
-from workflow.earthquake.attenuation import Motion, Range, within
+from workflow.earthquake.attenuation import PeakMotion, ValidRange, within
 
 BOORE = "D. M. Boore, J. P. Stewart, E. Seyhan, G. M. Atkinson, Earthquake Spectra 30 (2014) 1057-1085"
 RELATION = "Boore et al. (2014)"
@@ -26,7 +26,7 @@ TAU, PHI = (0.398, 0.348), (0.695, 0.495)
 PHI_FAR, FAR, PHI_SOFT, SOFT = 0.1, (110.0, 270.0), 0.07, (225.0, 300.0)
 
 
-def boore(magnitude: float, distance: float, velocity: float, slip: Slip) -> Motion:
+def boore(magnitude: float, distance: float, velocity: float, slip: Slip) -> PeakMotion:
     """ln A = F_E + F_P + F_S, A over g: magnitude and slip, path, and site; no further term for a basin or a region.
 
     F_E = e + e4 (M - 5.5) + e5 (M - 5.5)² up to M 5.5, e + e6 (M - 5.5) above; F_P = (c1 + c2 (M - 4.5)) ln R +
@@ -38,9 +38,9 @@ def boore(magnitude: float, distance: float, velocity: float, slip: Slip) -> Mot
     kilometres = distance / 1000.0
     within(
         RELATION,
-        (Range("magnitude", 3.0, 7.0 if slip == "normal" else 8.5), magnitude),
-        (Range("distance", 0.0, 400.0, "km"), kilometres),
-        (Range("vs30", 150.0, 1500.0, "m/s"), velocity),
+        (ValidRange("magnitude", 3.0, 7.0 if slip == "normal" else 8.5), magnitude),
+        (ValidRange("distance", 0.0, 400.0, "km"), kilometres),
+        (ValidRange("vs30", 150.0, 1500.0, "m/s"), velocity),
     )
     above = magnitude - HINGE
     event = EVENT[slip] + (ABOVE * above if above > 0.0 else BELOW * above + BELOW_SQUARED * above**2)
@@ -52,7 +52,7 @@ def boore(magnitude: float, distance: float, velocity: float, slip: Slip) -> Mot
     sigma = _spread(magnitude, kilometres, velocity) / math.log(10.0)
     validity = "M 3-8.5 (normal faults 3-7), 0-400 km, V_s30 150-1500 m/s; shallow crustal earthquakes; mean component"
     terms = f"{RELATION}, {slip} slip, V_s30 = {velocity:g} m/s"
-    return Motion(GRAVITY * rock * math.exp(site), sigma, terms, BOORE, validity)
+    return PeakMotion(GRAVITY * rock * math.exp(site), sigma, terms, BOORE, validity)
 
 
 def _spread(magnitude: float, kilometres: float, velocity: float) -> float:

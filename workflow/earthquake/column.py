@@ -12,7 +12,7 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from workflow.earthquake import accelerogram
 from workflow.earthquake.settings import SiteResponseSettings
-from workflow.earthquake.site_response import HalfSpace, Layer, Response, response
+from workflow.earthquake.site_response import ColumnLayer, HalfSpace, Response, response
 
 THICKEST = 1.0  # m: layers are divided, so that strains are told with depth
 AT_REST = 0.5  # horizontal over vertical effective stress, for the mean that stiffness depends on
@@ -20,7 +20,7 @@ MAKDISI = "F. I. Makdisi, H. B. Seed, J. Geotech. Eng. Div. 104 (1978) 849-867"
 
 
 @dataclass(frozen=True, eq=False)
-class Column:
+class ResponseColumn:
     """Result of a site response: place, record and time step (s), strata of the layers, and the response."""
 
     x: float
@@ -39,7 +39,7 @@ class Column:
         return float(np.abs(self.average_above(depth)).max()) / GRAVITY
 
 
-def column_of(section: Section, settings: SiteResponseSettings) -> Column:
+def column_of(section: Section, settings: SiteResponseSettings) -> ResponseColumn:
     """The response of a section to the record that the settings name. Raises InputError, without a record too."""
     if not settings.record:
         raise InputError(section.name, ["site_response, record: missing; expected a file with a record of the rock"])
@@ -64,10 +64,10 @@ def column_of(section: Section, settings: SiteResponseSettings) -> Column:
             f"site_response: {error}: too strong a record for equivalent linear layers; expected a nonlinear analysis"
         )
         raise InputError(section.name, [message]) from None
-    return Column(x, record.name, step, outcrop, strata, motion)
+    return ResponseColumn(x, record.name, step, outcrop, strata, motion)
 
 
-def _layers(section: Section, settings: SiteResponseSettings, x: float) -> tuple[list[Layer], tuple[str, ...]]:
+def _layers(section: Section, settings: SiteResponseSettings, x: float) -> tuple[list[ColumnLayer], tuple[str, ...]]:
     levels = section.layering.interfaces(np.array([x]))[0]
     layers, strata = [], []
     for k, stratum in enumerate(section.strata):
@@ -82,6 +82,6 @@ def _layers(section: Section, settings: SiteResponseSettings, x: float) -> tuple
             depth = float(levels[0] - levels[k]) + (part + 0.5) * thick / count
             stress = overburden(section, x, depth).effective * (1.0 + 2.0 * AT_REST) / 3.0
             plastic = value_of_stratum(settings.plasticity, stratum.name) or 0.0
-            layers.append(Layer(thick / count, density, velocity, stress, plastic))
+            layers.append(ColumnLayer(thick / count, density, velocity, stress, plastic))
             strata.append(stratum.name)
     return layers, tuple(strata)

@@ -12,7 +12,7 @@ import numpy as np
 
 from meshes.section.quantity import GRAVITY
 from workflow.earthquake.accelerogram import Accelerogram
-from workflow.earthquake.attenuation import Motion, Site
+from workflow.earthquake.attenuation import PeakMotion, Site
 
 SHARE = 0.65  # of the peak: the mean of the cycles that count (Seed & Idriss 1971), as in the cyclic stress ratio
 LARGEST = 1.0  # of the Kh that slides take
@@ -74,13 +74,13 @@ def mean_period_of_record(record: Accelerogram) -> float:
 
 
 def equivalent_kh(
-    motion: Motion, magnitude: float | None, distance: float | None, site: Site, record: Accelerogram | None
+    motion: PeakMotion, magnitude: float | None, distance: float | None, site: Site, record: Accelerogram | None
 ) -> EquivalentKh:
     """Cycles of Kh = 0.65 a_max/g that are equivalent to an earthquake.
 
     Parameters
     ----------
-    motion : Motion
+    motion : PeakMotion
         Peak acceleration of the earthquake.
     magnitude, distance, site : float or None, float or None (m), str
         They determine cycles and period where there is no record; by default M 7.5 and 20 km.

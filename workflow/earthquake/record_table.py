@@ -40,7 +40,7 @@ SAME_TIMES = 0.6  # share of the times that may be those before them: a record o
 
 
 @dataclass(frozen=True)
-class Column:
+class TableColumn:
     """A column: its name, and the unit in it, or empty."""
 
     name: str
@@ -71,7 +71,7 @@ def _components(lines: Sequence[str]) -> list[RecordedSeries]:
     if len(rows[-1]) != len(rows[0]):
         raise ValueError(f"its last row has {len(rows[-1])} numbers; expected {_numbers(len(rows[0]))}")
     values = np.array(_without_count(rows) if not heading else rows)
-    columns = columns or [Column("", "")] * values.shape[1]
+    columns = columns or [TableColumn("", "")] * values.shape[1]
     timed = [k for k, column in enumerate(columns) if TIME.search(column.name) or time_unit(column.unit)]
     counters = [k for k, column in enumerate(columns) if COUNTER.search(column.name) and not column.unit]
     if not timed and (values.shape[1] == 1 or step is not None or 0 in counters):
@@ -168,16 +168,18 @@ def _seconds(clock: re.Match[str]) -> str:
     return f"{3600 * int(clock[1]) + 60 * int(clock[2]) + float(clock[3]):.9g}"
 
 
-def _columns(heading: list[str], count: int) -> list[Column]:
+def _columns(heading: list[str], count: int) -> list[TableColumn]:
     """The names and units of the columns; units may stand in the line below the names."""
     columns = _columns_in(heading, count)
     if not columns or not all(column.unit and column.name.strip("[]() ") == column.unit for column in columns):
         return columns
     names = _columns_in(heading[:-1], count)
-    return [Column(above.name, below.unit) for above, below in zip(names, columns, strict=True)] if names else columns
+    return (
+        [TableColumn(above.name, below.unit) for above, below in zip(names, columns, strict=True)] if names else columns
+    )
 
 
-def _columns_in(heading: list[str], count: int) -> list[Column]:
+def _columns_in(heading: list[str], count: int) -> list[TableColumn]:
     """Names and units from the last line of the heading that has an entry for every column; none without such a
     line.
     """
@@ -192,12 +194,12 @@ def _columns_in(heading: list[str], count: int) -> list[Column]:
     return []
 
 
-def _column(cell: str) -> Column:
+def _column(cell: str) -> TableColumn:
     cell = cell.strip("\"' ")
     brackets = BRACKETS.findall(cell)
     words = [next(filter(None, groups)).strip() for groups in brackets] or [cell, *BEHIND_THE_NAME.findall(cell)]
     unit = next((w for w in reversed(words) if motion_unit(SUFFIXES.get(w.lower(), w)) or time_unit(w)), "")
-    return Column(BRACKETS.sub("", cell).strip() or cell, SUFFIXES.get(unit.lower(), unit))
+    return TableColumn(BRACKETS.sub("", cell).strip() or cell, SUFFIXES.get(unit.lower(), unit))
 
 
 def _step(text: str) -> float | None:
@@ -210,7 +212,7 @@ def _step(text: str) -> float | None:
     return None
 
 
-def _times(values: np.ndarray, column: Column) -> np.ndarray:
+def _times(values: np.ndarray, column: TableColumn) -> np.ndarray:
     """Times in s, converted from the unit of their heading. Raises ValueError if they fall, or cannot be seconds."""
     if not np.isfinite(values).all():
         raise ValueError("holds a time that is not finite")

@@ -15,7 +15,7 @@ from meshes.section.section import Model
 from workflow.earthquake.acceleration import Acceleration
 from workflow.earthquake.accelerogram import STRONG, Accelerogram
 from workflow.earthquake.accelerogram import read as read_record
-from workflow.earthquake.attenuation import GAL, Mechanism, Motion, Site, fukushima_tanaka, si_midorikawa
+from workflow.earthquake.attenuation import GAL, Mechanism, PeakMotion, Site, fukushima_tanaka, si_midorikawa
 from workflow.earthquake.boore import Slip, boore
 from workflow.earthquake.equivalent_kh import REFERENCE, EquivalentKh, cycles_of_magnitude, equivalent_kh, mean_period
 
@@ -67,16 +67,16 @@ class EarthquakeSettings(Model):
     component: RecordComponent = ""
     scale: RecordScale = 1.0
 
-    def motion(self) -> Motion | None:
+    def motion(self) -> PeakMotion | None:
         """The peak acceleration with its standard deviation; None if the input does not determine it.
 
         Raises InputError outside the range of the relation, or where the record cannot be read.
         """
         if self.peak_acceleration is not None:
-            return Motion(float(self.peak_acceleration), 0.0, "as given", "the input", "as given")
+            return PeakMotion(float(self.peak_acceleration), 0.0, "as given", "the input", "as given")
         if self.record:
             motion = self._recorded
-            return Motion(motion.peak, 0.0, f"the peak of {motion.name}", "the record", "as recorded")
+            return PeakMotion(motion.peak, 0.0, f"the peak of {motion.name}", "the record", "as recorded")
         if self.magnitude is None or self.distance is None:
             return None
         return expected(self, self.magnitude, self.distance)
@@ -270,7 +270,7 @@ def assumed_loading(magnitude: float | None) -> dict[str, float]:
     }
 
 
-def expected(settings: EarthquakeSettings, magnitude: float, distance: float) -> Motion:
+def expected(settings: EarthquakeSettings, magnitude: float, distance: float) -> PeakMotion:
     """The peak acceleration by the chosen attenuation relation, of a magnitude at a distance (m)."""
     if settings.relation == "boore":
         problems = []

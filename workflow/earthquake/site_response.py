@@ -24,7 +24,7 @@ LEAST_STRAIN = 1e-7
 
 
 @dataclass(frozen=True)
-class Layer:
+class ColumnLayer:
     """A layer: thickness (m), density (kg/m³), small-strain V_s (m/s), mean effective stress (Pa), plasticity (%)."""
 
     thickness: float
@@ -66,7 +66,7 @@ class Response:
     strain: np.ndarray
     stress: np.ndarray
     average: np.ndarray
-    layers: tuple[Layer, ...]
+    layers: tuple[ColumnLayer, ...]
     rounds: int
     change: float
 
@@ -103,7 +103,9 @@ def stiffness_and_damping(strain: float, mean_stress: float, plasticity: float) 
     return float(ratio), float(0.01 * (scale * ratio**0.1 * masing + least))
 
 
-def waves(layers: Sequence[Layer], base: HalfSpace, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def waves(
+    layers: Sequence[ColumnLayer], base: HalfSpace, omega: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Upward and downward waves (n + 1, w) for A = B = 1 at the surface, and wave numbers (n + 1, w)."""
     velocity = [layer.velocity * np.sqrt(layer.stiffness * (1.0 + 2j * layer.damping)) for layer in layers]
     velocity.append(base.velocity * np.sqrt(1.0 + 2j * base.damping))
@@ -121,7 +123,7 @@ def waves(layers: Sequence[Layer], base: HalfSpace, omega: np.ndarray) -> tuple[
     return up, down, number
 
 
-def response(layers: Sequence[Layer], base: HalfSpace, step: float, outcrop: np.ndarray) -> Response:
+def response(layers: Sequence[ColumnLayer], base: HalfSpace, step: float, outcrop: np.ndarray) -> Response:
     """The layers under a motion of the half-space where it crops out.
 
     Stiffness and damping are those at 0.65 of the largest strain of each layer, found by iteration as in SHAKE, until
@@ -130,7 +132,7 @@ def response(layers: Sequence[Layer], base: HalfSpace, step: float, outcrop: np.
 
     Parameters
     ----------
-    layers : sequence of Layer
+    layers : sequence of ColumnLayer
         From the surface down.
     base : HalfSpace
         Half-space below the layers.
@@ -182,14 +184,14 @@ def warning(strain: float) -> str:
     )
 
 
-def _curves(layers: Sequence[Layer], strain: np.ndarray) -> tuple[Layer, ...]:
+def _curves(layers: Sequence[ColumnLayer], strain: np.ndarray) -> tuple[ColumnLayer, ...]:
     """The layers with stiffness and damping at 0.65 of their largest strains."""
     pairs = [stiffness_and_damping(EFFECTIVE * g, layer.mean_stress, layer.plasticity)
              for g, layer in zip(strain, layers, strict=True)]  # fmt: skip
     return tuple(replace(layer, stiffness=r, damping=d) for layer, (r, d) in zip(layers, pairs, strict=True))
 
 
-def _change(new: Layer, old: Layer) -> float:
+def _change(new: ColumnLayer, old: ColumnLayer) -> float:
     return max(abs(new.stiffness / old.stiffness - 1.0), abs(new.damping / old.damping - 1.0))
 
 
@@ -213,7 +215,7 @@ class _Motion:
         return np.asarray(np.fft.irfft(transfer * self.spectrum, self.count)[:, : self.length])
 
 
-def _strain(layers: Sequence[Layer], base: HalfSpace, motion: _Motion) -> np.ndarray:
+def _strain(layers: Sequence[ColumnLayer], base: HalfSpace, motion: _Motion) -> np.ndarray:
     omega = motion.omega
     up, down, number = waves(layers, base, omega)
     half = np.array([0.5 * layer.thickness for layer in layers])[:, None]
@@ -225,7 +227,7 @@ def _strain(layers: Sequence[Layer], base: HalfSpace, motion: _Motion) -> np.nda
     return np.asarray(np.abs(motion.in_time(strain)).max(axis=1))
 
 
-def _response(layers: Sequence[Layer], base: HalfSpace, motion: _Motion, rounds: int, change: float) -> Response:
+def _response(layers: Sequence[ColumnLayer], base: HalfSpace, motion: _Motion, rounds: int, change: float) -> Response:
     """The response of the layers; the shear stress at a depth is the inertia of the mass above it."""
     omega = motion.omega
     up, down, number = waves(layers, base, omega)

@@ -10,7 +10,7 @@ from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from workflow.config.tables import Tables
-from workflow.earthquake.attenuation import Motion
+from workflow.earthquake.attenuation import PeakMotion
 from workflow.earthquake.column import MAKDISI, column_of
 from workflow.earthquake.triggering.assessment import Judged, assess, normalised_counts
 from workflow.estimates import truss
@@ -101,7 +101,7 @@ def empirical(section: Section, settings: Tables, kc: float | None, slip_surface
             yield Estimate("truss", "Towhata's truss", bar.end, words, truss.SOURCE, truss.VALIDITY)
 
 
-def _blocks(kc: float, resisting: str, motion: Motion, magnitude: float) -> Iterator[Estimate]:
+def _blocks(kc: float, resisting: str, motion: PeakMotion, magnitude: float) -> Iterator[Estimate]:
     """Bray & Travasarou (2007) and Bray & Macedo (2019), for a rigid mass (fundamental period 0).
 
     ``resisting`` names the flow rule of ``kc``.

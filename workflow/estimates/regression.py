@@ -25,7 +25,7 @@ def hamada_as_printed(thickness: float, gradient: float) -> float:
 
 
 @dataclass(frozen=True)
-class Liquefied:
+class LiquefiedLayers:
     """Input of the regression.
 
     Attributes
@@ -40,7 +40,7 @@ class Liquefied:
     thickest: float
 
 
-def liquefied(section: Section, case: int, columns: int = 400) -> Liquefied | None:
+def liquefied(section: Section, case: int, columns: int = 400) -> LiquefiedLayers | None:
     """The liquefied layers of a case taken together; None if none liquefies.
 
     The thickness is the mean of their total thickness over the part of the section that has any. The gradient is that
@@ -59,4 +59,4 @@ def liquefied(section: Section, case: int, columns: int = 400) -> Liquefied | No
         return None
     lowest = np.min([np.where(layers[:, k] > 0.0, levels[:, k + 1], np.inf) for k in which], axis=0)
     gradients = [abs(float(np.polyfit(x[here], line[here], 1)[0])) for line in (levels[:, 0], lowest)]
-    return Liquefied(float(total[here].mean()), 100.0 * max(gradients), float(total.max()))
+    return LiquefiedLayers(float(total[here].mean()), 100.0 * max(gradients), float(total.max()))

@@ -9,7 +9,7 @@ from meshes.section.quantity import GRAVITY
 
 
 @dataclass(frozen=True)
-class Slide:
+class RigidSlide:
     """A block in time: ``time`` (n,) in s, ``velocity`` in m/s and ``displacement`` in m, relative to the ground."""
 
     time: np.ndarray
@@ -27,7 +27,7 @@ class Slide:
         return bool(self.velocity[-1] > 0.0)
 
 
-def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float) -> Slide:
+def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float) -> RigidSlide:
     """The slide of a rigid block that resists kc g, under a record of the ground's acceleration.
 
     N. M. Newmark, Effects of earthquakes on dams and embankments, Géotechnique 15 (1965) 139-160: from the moment when
@@ -52,7 +52,7 @@ def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float) -> Slide:
             _slide_on(t, v, u, a + (b - a) * start / span, (b - a) / span, end - start)
     if v[-1] > 0.0:
         _slide_on(t, v, u, -kc * GRAVITY, 0.0, v[-1] / (kc * GRAVITY))
-    return Slide(np.array(t), np.array(v), np.array(u))
+    return RigidSlide(np.array(t), np.array(v), np.array(u))
 
 
 def _slide_on(t: list[float], v: list[float], u: list[float], a: float, slope: float, span: float) -> None:

@@ -87,7 +87,7 @@ def critical_circle(
         None where no circle slides.
     """
     depth = max(least_depth, LEAST_DEPTH * float(np.ptp(section.outline()[:, 1])))
-    return _Search(section, towards, kh, depth, vertical, crest, crack).run()
+    return _CircleSearch(section, towards, kh, depth, vertical, crest, crack).run()
 
 
 def surface_balance(
@@ -157,7 +157,7 @@ def _to_the_ground(section: Section, line: np.ndarray, towards: int) -> np.ndarr
 
 
 @dataclass(frozen=True, eq=False)
-class _Search:
+class _CircleSearch:
     section: Section
     towards: int
     kh: float | None

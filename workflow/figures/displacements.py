@@ -26,7 +26,7 @@ BLANK = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
 
 
 @dataclass(frozen=True)
-class Row:
+class MethodRow:
     """A method, its marker, and its displacement (m); None, with the reason, if it gives none."""
 
     words: str
@@ -66,7 +66,7 @@ def displacements(results: Results, name: str) -> bool:
     return True
 
 
-def _draw(axes: Axes, row: Row, at: int) -> None:
+def _draw(axes: Axes, row: MethodRow, at: int) -> None:
     """Draw a point with its number, an arrow if it lies off the axis, or the reason why there is none."""
     if row.value is None:
         axes.annotate(
@@ -80,26 +80,26 @@ def _draw(axes: Axes, row: Row, at: int) -> None:
     axes.annotate(phrase, (place, at), (6, -2), textcoords="offset points", fontsize=6.5, color=colour, bbox=BLANK)
 
 
-def _others(results: Results) -> Iterator[Row]:
+def _others(results: Results) -> Iterator[MethodRow]:
     """The methods that the discs are compared with."""
     for estimate in estimates(results.config.section, results.config, results.kc, results.slip_surface):
         if estimate.displacement_m is not None:
-            yield Row(estimate.method, OTHERS, estimate.displacement_m)
+            yield MethodRow(estimate.method, OTHERS, estimate.displacement_m)
         elif estimate.kind != "smooth block":  # which never gives one
-            yield Row(estimate.method, OTHERS, None, _why_not(estimate.words))
+            yield MethodRow(estimate.method, OTHERS, None, _why_not(estimate.words))
 
 
-def slides(results: Results) -> Iterator[Row]:
+def slides(results: Results) -> Iterator[MethodRow]:
     """The slide of every case by discs, by material points, by the paper's discs, and as the paper printed it."""
     first, cases = results.case_set()
     yield from _of_cases(results, cases, "discs", SLIDES)
     yield from _of_cases(results, results.mpm.cases if results.mpm is not None else {}, "material points", POINTS)
     printed = results.cases.sets.get("table2", {}) if results.cases is not None and first != "table2" else {}
     for numbers, case in alike(printed).items():
-        yield Row(f"the paper's discs, {results.config.called(*numbers)}", PRINTED, case.slide_max_m)
+        yield MethodRow(f"the paper's discs, {results.config.called(*numbers)}", PRINTED, case.slide_max_m)
     if is_s13(results.config.section):
         for words, value in PAPER:
-            yield Row(words, PAPERS, value)
+            yield MethodRow(words, PAPERS, value)
 
 
 def _why_not(words: str) -> str:
@@ -113,18 +113,18 @@ def _why_not(words: str) -> str:
 
 def _of_cases(
     results: Results, cases: Mapping[int, CaseAnswer | PointCase], method: str, look: tuple[str, str]
-) -> Iterator[Row]:
+) -> Iterator[MethodRow]:
     """The slide of each case by a method: at every place of a measurement, and the largest one."""
     observed = dict.fromkeys(row.x for row in results.config.report.observed if row.x is not None)
     places = [x for x in observed if all(case.slide_at(x) is not None for case in cases.values())]
     for numbers, case in alike(cases).items():
         name = f"{method}, {results.config.called(*numbers)}"
         for x in places:
-            yield Row(f"{name}, at x = {x:g} m", look, case.slide_at(x))
-        yield Row(f"{name}, at most" if places else name, look, case.slide_max_m)
+            yield MethodRow(f"{name}, at x = {x:g} m", look, case.slide_at(x))
+        yield MethodRow(f"{name}, at most" if places else name, look, case.slide_max_m)
 
 
-def _handles(rows: list[Row]) -> Iterator[Line2D]:
+def _handles(rows: list[MethodRow]) -> Iterator[Line2D]:
     named = {
         OTHERS: "by other methods", SLIDES: "discs", POINTS: "material points", PRINTED: "the paper's discs, here",
         PAPERS: "the paper",

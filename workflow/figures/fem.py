@@ -6,7 +6,7 @@ import numpy as np
 import pyvista as pv
 from matplotlib.lines import Line2D
 
-from fem.continuum.fields import State
+from fem.continuum.fields import FieldState
 from fem.continuum.strength import flow_of
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
@@ -63,7 +63,7 @@ def _named(factor: FactorOfSafety) -> str:
     return f"slip surface, factor of safety {factor.factor:.2f} at Kh = {factor.kh:g}"
 
 
-def draw_state(config: Config, results: FemResults, state: State, store: Store) -> str:
+def draw_state(config: Config, results: FemResults, state: FieldState, store: Store) -> str:
     """Draw one state again; returns the name of its picture.
 
     ``config``: of the run; ``results``: of the finite elements; ``store``: the folder of the run.
@@ -74,7 +74,7 @@ def draw_state(config: Config, results: FemResults, state: State, store: Store) 
     return name
 
 
-def picture_of(state: State) -> str:
+def picture_of(state: FieldState) -> str:
     """The name of the picture of a state."""
     is_end = not state.past_equilibrium and not state.label.startswith("Kh = ")
     return "figures/fem_plateau.png" if is_end else f"figures/fem_kh_{state.kh:.3f}.png"
@@ -117,7 +117,7 @@ class Views(NamedTuple):
     window: Window
 
 
-def _views(mesh: QuadMesh, state: State) -> Views:
+def _views(mesh: QuadMesh, state: FieldState) -> Views:
     grid = unstructured(mesh)
     largest = float(np.hypot(*state.displacement.T).max())
     stretch = nice_number(0.06 * float(np.ptp(mesh.points[:, 0])) / largest) if largest > 0.0 else 1.0
@@ -140,7 +140,7 @@ def _views(mesh: QuadMesh, state: State) -> Views:
     return Views(render(window, outline), every, render(window, safety), stretch, largest, window)
 
 
-def _state_sheet(config: Config, results: FemResults, state: State, views: Views) -> Sheet:
+def _state_sheet(config: Config, results: FemResults, state: FieldState, views: Views) -> Sheet:
     window, slip = views.window, results.slip_surface(state)
     label = state.label
     if results.answer.ended == "limit load":

@@ -14,7 +14,7 @@ from matplotlib.colors import Normalize
 
 from dem.ground import ground_of
 from dem.model import DiscModel
-from fem.continuum.fields import State
+from fem.continuum.fields import FieldState
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from workflow.figures import discs
@@ -35,12 +35,12 @@ class Field:
     """A field of a state: its name with the unit, its values by cell or by point, and its colours."""
 
     label: str
-    values: Callable[[State], np.ndarray]
+    values: Callable[[FieldState], np.ndarray]
     colours: str = "viridis"
     by_point: bool = False
 
 
-def _stress(component: int) -> Callable[[State], np.ndarray]:
+def _stress(component: int) -> Callable[[FieldState], np.ndarray]:
     return lambda state: state.stress[:, component] / 1e3
 
 
@@ -164,7 +164,7 @@ def _field(name: str) -> Field:
     return FIELDS[name]
 
 
-def _states(results: FemResults, at: float | None) -> list[State]:
+def _states(results: FemResults, at: float | None) -> list[FieldState]:
     if at is None:
         return results.states
     states = [state for state in results.states if abs(state.kh - at) < SAME_KH]
@@ -174,14 +174,14 @@ def _states(results: FemResults, at: float | None) -> list[State]:
     return states
 
 
-def _grid(mesh: QuadMesh, state: State, field: Field) -> pv.UnstructuredGrid:
+def _grid(mesh: QuadMesh, state: FieldState, field: Field) -> pv.UnstructuredGrid:
     grid = unstructured(mesh)
     data = grid.point_data if field.by_point else grid.cell_data
     data["shown"] = np.asarray(field.values(state), dtype=float)
     return grid
 
 
-def _sheet(job: Job, mesh: QuadMesh, state: State, field: Field) -> Sheet:
+def _sheet(job: Job, mesh: QuadMesh, state: FieldState, field: Field) -> Sheet:
     """The section in the colours of a field, in true proportions, with its scale."""
     view = Window.around(mesh.points)
     grid = _grid(mesh, state, field)

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, DPI, INK, WIDTH, save
-from workflow.results.study import Curve, Result
+from workflow.results.study import ProbabilityCurve, Result
 
 HEIGHT = 3.4  # inches of a row of frames
 ACROSS = 4  # frames of a row, of single samples
@@ -23,7 +23,7 @@ SHOWN = 12  # uncertain numbers at most in one picture, the strongest
 PALE = "#d7dde2"
 
 
-def fails(values: np.ndarray, curve: Curve, title: str, path: Path) -> None:
+def fails(values: np.ndarray, curve: ProbabilityCurve, title: str, path: Path) -> None:
     """Histogram of the critical Kh, ``values`` (samples,), and the probability of failure over Kh with its interval.
 
     curve: probability over Kh; title: above it; path: of the picture.
@@ -63,9 +63,9 @@ def effects(results: Sequence[Result], title: str, path: Path) -> None:
     save(figure, path)
 
 
-def fragility(curves: Sequence[Curve], title: str, path: Path) -> None:
+def fragility(curves: Sequence[ProbabilityCurve], title: str, path: Path) -> None:
     """Draw families of curves in adjacent frames; a family has names with the same beginning."""
-    families: dict[str, list[Curve]] = {}
+    families: dict[str, list[ProbabilityCurve]] = {}
     for curve in curves:
         families.setdefault(curve.name.split(": ")[0], []).append(curve)
     rows = -(-len(families) // FAMILIES)
@@ -115,7 +115,7 @@ def _figure(rows: int, title: str) -> Figure:
     return figure
 
 
-def _band(axes: Axes, curve: Curve, colour: str, label: str) -> None:
+def _band(axes: Axes, curve: ProbabilityCurve, colour: str, label: str) -> None:
     axes.fill_between(curve.over, curve.low, curve.high, color=colour, alpha=0.18, linewidth=0)
     axes.plot(curve.over, curve.chance, color=colour, linewidth=1.4, label=label)
 

@@ -17,7 +17,7 @@ from workflow.results.slices import CirclePart
 
 
 @dataclass(frozen=True)
-class Row:
+class StabilityRow:
     """A quantity of the table: its name, value, interval, and conditions."""
 
     quantity: str
@@ -26,21 +26,21 @@ class Row:
     conditions: str
 
 
-def stability_rows(results: Results, _: Texts) -> list[Row]:
+def stability_rows(results: Results, _: Texts) -> list[StabilityRow]:
     """The rows of the table, those of one method after the other."""
     return [*_elements(results, _), *_bounds(results, _), *_slices(results, _), *_discs(results, _)]
 
 
-def _elements(results: Results, _: Texts) -> Iterator[Row]:
+def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
     fem, name = results.fem, _("critical Kh, finite elements")
     if fem is None:
         return
     if results.kc is not None:
         most = _("at most {kc} on this mesh", kc=coefficient(fem.kc_upper)) if _more(fem.kc_upper, fem.kc) else ""
-        yield Row(name, coefficient(fem.kc), most, f"{_(SIDES[fem.settings.sides])}, {_(FLOW[fem.flow])}")
+        yield StabilityRow(name, coefficient(fem.kc), most, f"{_(SIDES[fem.settings.sides])}, {_(FLOW[fem.flow])}")
     for other, flow in ((fem.davis, "davis"), (fem.associated, "associated")):
         if other is not None and other.verdict in ("plateau", "peak"):
-            yield Row(name, coefficient(other.kc), "", f"{_(SIDES[fem.settings.sides])}, {_(FLOW[flow])}")
+            yield StabilityRow(name, coefficient(other.kc), "", f"{_(SIDES[fem.settings.sides])}, {_(FLOW[flow])}")
     other = fem.opposite
     if other is not None:
         value = f"> {coefficient(other.kc)}" if other.verdict == "no failure" else coefficient(other.kc)
@@ -49,23 +49,23 @@ def _elements(results: Results, _: Texts) -> Iterator[Row]:
             force = _("seismic force to the {side}", side=_("left" if fem.towards == "right" else "right"))
         else:
             force = _("seismic force upslope") if other.direction == "uphill" else _("seismic force downslope")
-        yield Row(name, value, "", force + cut)
+        yield StabilityRow(name, value, "", force + cut)
     for shallow_failure in fem.shallow_failures:
         if shallow_failure.is_edge(fem.settings.least_depth):
             continue
         where = _("shallow failure of the face from x = {start} to {end} m",
                   start=f"{shallow_failure.start_x_m:g}", end=f"{shallow_failure.end_x_m:g}")  # fmt: skip
-        yield Row(name, coefficient(max(shallow_failure.kh, 0.0)), "", where)
+        yield StabilityRow(name, coefficient(max(shallow_failure.kh, 0.0)), "", where)
     for factor in fem.safety_factors:
         of = _("factor of safety at Kh = {kh}, finite elements", kh=f"{factor.kh:g}")
         value = f"> {factor.factor:.2f}" if factor.verdict == "no failure" else f"{factor.factor:.2f}"
-        yield Row(of, value, "", _(FLOW[fem.flow]))
+        yield StabilityRow(of, value, "", _(FLOW[fem.flow]))
         compared, flow = (factor.davis, "davis") if factor.davis is not None else (factor.associated, "associated")
         if compared is not None:
-            yield Row(of, f"{compared:.2f}", "", _(FLOW[flow]))
+            yield StabilityRow(of, f"{compared:.2f}", "", _(FLOW[flow]))
 
 
-def _bounds(results: Results, _: Texts) -> Iterator[Row]:
+def _bounds(results: Results, _: Texts) -> Iterator[StabilityRow]:
     bounds = results.bounds
     if bounds is None:
         return
@@ -73,18 +73,18 @@ def _bounds(results: Results, _: Texts) -> Iterator[Row]:
     conditions = f"{_(SIDES[bounds.sides])}, {_(FLOW['associated'])}"
     if bounds.strengthened:
         conditions += _("; failures deeper than {depth} m", depth=f"{bounds.least_depth:g}")
-    yield Row(_("critical Kh, strict bounds"), "", interval, conditions)
+    yield StabilityRow(_("critical Kh, strict bounds"), "", interval, conditions)
     if (davis := bounds.substitute) is not None:
         interval = _("{low} to {high}", low=number(davis.lower, 3), high=number(davis.upper, 3))
         of_davis = conditions.replace(_(FLOW["associated"]), _(FLOW["davis"]))
-        yield Row(_("critical Kh, strict bounds"), "", interval, of_davis)
+        yield StabilityRow(_("critical Kh, strict bounds"), "", interval, of_davis)
     for factor in bounds.safety:
         interval = _("{low} to {high}", low=number(factor.lower, 2), high=number(factor.upper, 2))
         of = _("factor of safety at Kh = {kh}, strict bounds", kh=f"{factor.kh:g}")
-        yield Row(of, "", interval, conditions)
+        yield StabilityRow(of, "", interval, conditions)
 
 
-def _slices(results: Results, _: Texts) -> Iterator[Row]:
+def _slices(results: Results, _: Texts) -> Iterator[StabilityRow]:
     if results.slices is None:
         return
     section = results.config.section
@@ -95,19 +95,19 @@ def _slices(results: Results, _: Texts) -> Iterator[Row]:
     for factor in results.fem.safety_factors if results.fem is not None else ():
         if (spencer := factor_on_surface(results.config, factor)) is not None:
             of = _("factor of safety at Kh = {kh}, Spencer", kh=f"{factor.kh:g}")
-            yield Row(of, f"{spencer:.2f}", "", _("slip surface of the finite elements"))
+            yield StabilityRow(of, f"{spencer:.2f}", "", _("slip surface of the finite elements"))
 
 
-def _circle(of: str, circle: CirclePart, section: Section, digits: int, _: Texts) -> Row:
+def _circle(of: str, circle: CirclePart, section: Section, digits: int, _: Texts) -> StabilityRow:
     spencer = "" if circle.spencer is None else _("Spencer {value}", value=f"{circle.spencer:.{digits}f}")
     depth = float(depth_below_ground(section, np.array(circle.surface_m)).max())
     conditions = _("Bishop, towards the {side}, {depth} m deep", side=_(circle.towards), depth=f"{depth:.1f}")
     if circle.strengthened:
         conditions += _("; the cohesionless face has a cohesion added, because without it it fails at a smaller Kh")
-    return Row(of, f"{circle.bishop:.{digits}f}", spencer, conditions)
+    return StabilityRow(of, f"{circle.bishop:.{digits}f}", spencer, conditions)
 
 
-def _discs(results: Results, _: Texts) -> Iterator[Row]:
+def _discs(results: Results, _: Texts) -> Iterator[StabilityRow]:
     """Rows of the discs, and of the finite elements that they are compared with."""
     like, calibration, discs = results.dem_counterpart, results.calibration, results.dem
     if like is not None:
@@ -115,10 +115,12 @@ def _discs(results: Results, _: Texts) -> Iterator[Row]:
         conditions = _(
             "boundary conditions of the disc box: {terms}", terms=f"{_(SIDES[like.sides])}, {_(FLOW[like.flow])}"
         )
-        yield Row(_("critical Kh, finite elements to compare discs with"), coefficient(like.kc), most, conditions)
+        yield StabilityRow(
+            _("critical Kh, finite elements to compare discs with"), coefficient(like.kc), most, conditions
+        )
     compared = _("compare with the row above, not with the first row") if like is not None else ""
     if calibration is not None and calibration.predicted_kc is not None:
-        yield Row(_("critical Kh, discs, uncalibrated"), coefficient(calibration.predicted_kc), "", compared)
+        yield StabilityRow(_("critical Kh, discs, uncalibrated"), coefficient(calibration.predicted_kc), "", compared)
         compared = ""
     if discs is not None and discs.after.kc is not None:
         interval = ""
@@ -134,7 +136,7 @@ def _discs(results: Results, _: Texts) -> Iterator[Row]:
         name = _("critical Kh, discs, calibrated")
         if calibration is not None and calibration.verdict == "out of reach":
             name = _("critical Kh, discs, the nearest that calibration reaches")
-        yield Row(name, coefficient(discs.after.kc), interval, compared)
+        yield StabilityRow(name, coefficient(discs.after.kc), interval, compared)
 
 
 def _parameter(name: str, _: Texts) -> str:

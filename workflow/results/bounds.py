@@ -36,7 +36,7 @@ class Residuals(Part):
     upper: VelocityResiduals | None
 
 
-class MeshRound(Part):
+class BoundsRound(Part):
     """The bounds on one of the meshes, each finer than the one before."""
 
     cells: int
@@ -59,7 +59,7 @@ class DirectionPart(Part):
     leaves: tuple[Literal["left", "right"], ...] = Field(
         description="sides, where the section was cut off, at which the ground slides out"
     )
-    history: tuple[MeshRound, ...]
+    history: tuple[BoundsRound, ...]
 
     @property
     def words(self) -> str:
@@ -96,7 +96,7 @@ class BracketPart(Part):
     words: str = Field(description="the bracket as a person reads it")
     cells: int = Field(description="triangles of the last mesh")
     residuals: Residuals
-    history: tuple[MeshRound, ...] = Field(description="of the direction that fails first")
+    history: tuple[BoundsRound, ...] = Field(description="of the direction that fails first")
 
     def towards(self, direction: Direction) -> DirectionPart | None:
         """The bounds in one direction; None if there are none."""

@@ -75,7 +75,7 @@ class DiscSearch(Part):
     curve: tuple[Point, ...] = Field(description="[Kh, displacement in m] of the states that stood")
 
 
-class DiscState(KhTrial):
+class RecordedDiscs(KhTrial):
     """The stored state of the discs at one Kh, before or after calibration."""
 
     set: SetOfSprings
@@ -117,7 +117,7 @@ class DiscsAnswer(Answer):
     model: DiscModelAnswer
     before: DiscSearch
     after: DiscSearch
-    states: tuple[DiscState, ...]
+    states: tuple[RecordedDiscs, ...]
     slip_surface: SlipSurfaces
     paper: PaperDiscs | None = Field(default=None, description="the paper's own discs, unchanged")
 
@@ -128,6 +128,6 @@ class DiscsAnswer(Answer):
         is_printed = search.parameters is not None and search.parameters.springs == "table2"
         return search.kc if is_printed else None
 
-    def states_of(self, which: SetOfSprings) -> dict[float, DiscState]:
+    def states_of(self, which: SetOfSprings) -> dict[float, RecordedDiscs]:
         """The stored states of one set of springs, by their Kh."""
         return {round(state.kh, 6): state for state in self.states if state.set == which}

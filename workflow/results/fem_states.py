@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pyvista as pv
 
-from fem.continuum.fields import State
+from fem.continuum.fields import FieldState
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from workflow.results.continuum import FemAnswer
@@ -26,13 +26,13 @@ class FemResults:
 
     mesh: QuadMesh
     answer: FemAnswer
-    states: list[State]
+    states: list[FieldState]
 
     @classmethod
     def load(cls, section: Section, store: Store) -> "FemResults":
         """Read fem/ and mesh/ of a folder; raises InputError if something is missing."""
         answer = FemAnswer.read(store)
-        states: list[State] = []
+        states: list[FieldState] = []
         for state_part in answer.states:
             if state_part.past_equilibrium:  # the answer shows the last state of the path in its place
                 last = next(state for state in reversed(states) if not state.past_equilibrium)
@@ -42,15 +42,15 @@ class FemResults:
                 states.append(_state(grid, state_part.label, state_part.kh))
         return cls(fem_mesh(section, store, answer.mesh.method), answer, states)
 
-    def slip_surface(self, state: State) -> np.ndarray:
+    def slip_surface(self, state: FieldState) -> np.ndarray:
         """Points (n, 2) in m of the slip surface of one of the ``states``; none where the ground does not fail."""
         stored = next(stored for stored, loaded in zip(self.answer.states, self.states, strict=True) if loaded is state)
         return np.array(stored.slip_surface).reshape(-1, 2)
 
 
-def _state(grid: pv.UnstructuredGrid, label: str, kh: float) -> State:
+def _state(grid: pv.UnstructuredGrid, label: str, kh: float) -> FieldState:
     cells = grid.cell_data
-    return State(
+    return FieldState(
         label,
         kh,
         np.array(grid.point_data["displacement_m"])[:, :2],

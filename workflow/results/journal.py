@@ -14,7 +14,7 @@ from workflow.results.discs import DiscSearch, KhTrial
 from workflow.run.store import Store
 
 
-class Entry(Part):
+class JournalEntry(Part):
     """One search: factor, parameter and result."""
 
     parameter: str
@@ -48,7 +48,7 @@ class Journal:
             return searches
         for line in self.path.read_text(encoding="utf-8").splitlines():
             try:
-                entry = Entry.model_validate_json(line)
+                entry = JournalEntry.model_validate_json(line)
             except ValidationError:
                 continue
             searches[entry.parameter, entry.factor] = entry.as_search
@@ -57,6 +57,8 @@ class Journal:
     def add(self, parameter: str, factor: float, search: Search) -> None:
         """Add a search."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        line = Entry(parameter=parameter, factor=factor, search=DiscSearch.model_validate(search)).model_dump_json()
+        line = JournalEntry(
+            parameter=parameter, factor=factor, search=DiscSearch.model_validate(search)
+        ).model_dump_json()
         with self.path.open("a", encoding="utf-8") as file:
             file.write("\n" + line)

@@ -35,7 +35,7 @@ class Effect(Part):
     total_ci95: tuple[float, float] | None = Field(default=None, description="by bootstrap")
 
 
-class Curve(Part):
+class ProbabilityCurve(Part):
     """A probability over a coefficient, with its 95 % interval for the number of samples."""
 
     name: str
@@ -110,8 +110,8 @@ class StudyAnswer(Answer):
     failures: tuple[Failure, ...]
     without: tuple[str, ...] = Field(default=(), description="requested parts that have no answer in any sample")
     results: tuple[Result, ...]
-    fails: Curve | None = Field(description="probability that the critical Kh is below a Kh")
-    fragility: tuple[Curve, ...] = Field(
+    fails: ProbabilityCurve | None = Field(description="probability that the critical Kh is below a Kh")
+    fragility: tuple[ProbabilityCurve, ...] = Field(
         description="probability that a slide exceeds a length: of the block over Kh or peak acceleration, of the "
         "discs over the length, and over what shakes them where that is drawn"
     )

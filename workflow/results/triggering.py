@@ -7,7 +7,7 @@ from pydantic import Field
 from meshes.borings.boring import Cone, Sample
 from workflow.config import Config
 from workflow.earthquake.attenuation import GAL
-from workflow.earthquake.triggering.assessment import SOURCE, Assessment, Judged, risk
+from workflow.earthquake.triggering.assessment import SOURCE, Judged, TriggeringAssessment, risk
 from workflow.earthquake.triggering.consequences import (
     ISHIHARA_YOSHIMINE,
     PRESSURE_VALIDITY,
@@ -144,7 +144,7 @@ class TriggeringAnswer(Answer):
     relations: tuple[RelationPart, ...] = Field(description="of residual strength, volumetric strain, pore pressure")
 
     @classmethod
-    def of(cls, config: Config, assessment: Assessment) -> Self:
+    def of(cls, config: Config, assessment: TriggeringAssessment) -> Self:
         """The answer of an assessment."""
         pressures = pore_pressures(assessment, len(config.section.strata))
         motion, relation = assessment.motion, assessment.relation

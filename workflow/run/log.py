@@ -31,7 +31,7 @@ PACKAGES = (
 )
 
 
-class Log:
+class RunLog:
     """Lines with their time, added to the end of log.txt as they come."""
 
     def __init__(self, store: Store) -> None:

@@ -16,7 +16,7 @@ from workflow.config import Config
 from workflow.run import mesh_options
 from workflow.run.fingerprint import title
 from workflow.run.lock import locked
-from workflow.run.log import Log
+from workflow.run.log import RunLog
 from workflow.run.plan import Choice, Decision, is_of_this_input, made_from, plan
 from workflow.run.progress import Progress, silent
 from workflow.run.record import Entry, Record, sizes
@@ -47,7 +47,7 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
     """
     with locked(job.store.folder):
         job.store.sweep()
-        record, log = Record(job.store), Log(job.store)
+        record, log = Record(job.store), RunLog(job.store)
         decisions = plan(job, record, choice)
         log.begin(what)
         failures: dict[str, NoAnswerError] = {}
@@ -77,7 +77,7 @@ class Run:
 
     job: Job
     record: Record
-    log: Log
+    log: RunLog
     listener: Listener
     failures: dict[str, NoAnswerError] = field(default_factory=dict)
     pending: list[Future[None]] = field(default_factory=list)
@@ -297,7 +297,7 @@ def redraw_all(job: Job, listener: Listener) -> list[str]:
     messages = []
     with locked(job.store.folder):
         job.store.sweep()
-        run = Run(job, Record(job.store), Log(job.store), listener)
+        run = Run(job, Record(job.store), RunLog(job.store), listener)
         for decision in plan(job, run.record, Choice(())):
             stage = decision.stage
             if decision.action == "off" and not is_of_this_input(stage, job, run.record):

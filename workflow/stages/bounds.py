@@ -12,9 +12,9 @@ from workflow.config import Config
 from workflow.results.answer import FORCE, SectionLabel
 from workflow.results.bounds import (
     BoundsAnswer,
+    BoundsRound,
     BracketPart,
     DirectionPart,
-    MeshRound,
     Residuals,
     SafetyPart,
     ShallowBoundPart,
@@ -155,7 +155,7 @@ def _direction_part(bounds: "DirectionBounds") -> DirectionPart:
         lower=bounds.stress.multiplier if bounds.stress else None,
         upper=bounds.mechanism.multiplier if bounds.mechanism else None,
         leaves=bounds.leaves,
-        history=tuple(MeshRound.model_validate(mesh) for mesh in bounds.meshes),
+        history=tuple(BoundsRound.model_validate(mesh) for mesh in bounds.meshes),
     )
 
 

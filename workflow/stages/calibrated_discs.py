@@ -43,7 +43,7 @@ from workflow.run.progress import Progress, SearchShare
 from workflow.run.store import Store
 from workflow.stages.dem_counterpart import dem_counterpart_piece
 from workflow.stages.disc_pictures import CALIBRATED, draw_discs
-from workflow.stages.disc_states import FAILING, NO_LINE, Sets, Start, StoredStates, keep_states, state_file
+from workflow.stages.disc_states import FAILING, NO_LINE, DiscsAtRest, Sets, StoredStates, keep_states, state_file
 from workflow.stages.discs_at_rest import (
     PAPER,
     SETTLED,
@@ -84,8 +84,10 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
     progress("states of the discs at the recorded Kh", None)
     continuum = continuum_for(config, store) if config.dem.model == "soil" else None
     sets: Sets = {
-        "before": Start(discs.settled, discs.ground, searched.base, config.dem, continuum),
-        "after": Start(DiscModel.load(store.folder / CALIBRATED), discs.ground, searched.after, config.dem, continuum),
+        "before": DiscsAtRest(discs.settled, discs.ground, searched.base, config.dem, continuum),
+        "after": DiscsAtRest(
+            DiscModel.load(store.folder / CALIBRATED), discs.ground, searched.after, config.dem, continuum
+        ),
     }
     papers_own = None
     if paper is not None:
@@ -235,7 +237,7 @@ def _paper(config: Config, store: Store, threads: int, tell: Tell) -> Search:
     return calibrator.search("", 1.0)
 
 
-def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDiscs, Start]:
+def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDiscs, DiscsAtRest]:
     """The answer on the paper's own discs, and their state at rest."""
     dem = config.dem.as_paper()
     discs = discs_at_rest(config, store, dem, PAPER, lambda _: None)
@@ -243,7 +245,7 @@ def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDi
         model=_model_answer(config, dem, discs, discs.settled),
         search=DiscSearch.taken(search, parameters=_parameters(dem, {})),
     )
-    return answer, Start(discs.settled, discs.ground, search, dem)
+    return answer, DiscsAtRest(discs.settled, discs.ground, search, dem)
 
 
 def _layer_tests(

@@ -6,7 +6,7 @@ from dem.model import DiscModel
 from meshes.executor import SERIAL, Executor, Tell
 from meshes.section.recorded_kh import in_name
 from workflow.config import Config
-from workflow.results.discs import SETS, DiscsAnswer, DiscState, SetOfSprings
+from workflow.results.discs import SETS, DiscsAnswer, RecordedDiscs, SetOfSprings
 from workflow.run.store import Store
 from workflow.stages.discs_at_rest import PAPER, SETTLED, ground_for
 
@@ -25,7 +25,7 @@ class StatePicture:
 
     config: Config
     store: Store
-    state: DiscState | None
+    state: RecordedDiscs | None
 
     def placed(self, which: SetOfSprings, file: str) -> DiscModel:
         """The discs of a file, of one set of springs, where they lie in the section."""

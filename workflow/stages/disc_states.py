@@ -14,7 +14,7 @@ from dem.slides.slip import cracked_shares, slip_surface
 from meshes.executor import Executor, Tell
 from workflow.config import Config
 from workflow.results.answer import line
-from workflow.results.discs import DiscState, SetOfSprings
+from workflow.results.discs import RecordedDiscs, SetOfSprings
 from workflow.run.store import Store
 from workflow.stages.discs_at_rest import save
 
@@ -28,7 +28,7 @@ def state_file(which: SetOfSprings, label: str) -> str:
 
 
 @dataclass(frozen=True)
-class Start:
+class DiscsAtRest:
     """Discs at rest, to be brought to the recorded Kh.
 
     Attributes
@@ -47,14 +47,14 @@ class Start:
     continuum: Continuum | None = None
 
 
-Sets = dict[SetOfSprings, Start]
+Sets = dict[SetOfSprings, DiscsAtRest]
 
 
 @dataclass(frozen=True)
 class StoredStates:
     """The stored states, and for each set of springs the slip surface (k, 2) in m."""
 
-    states: tuple[DiscState, ...] = ()
+    states: tuple[RecordedDiscs, ...] = ()
     surfaces: dict[SetOfSprings, np.ndarray] = field(default_factory=dict)
 
     def surface(self, which: SetOfSprings) -> np.ndarray:
@@ -84,7 +84,7 @@ class Goal:
     """A Kh to which one set of discs is brought from rest, and the name of the state in the store."""
 
     which: SetOfSprings
-    start: Start
+    start: DiscsAtRest
     kh: float
     label: str
     store: Store
@@ -100,7 +100,7 @@ def _at_the_end(goal: Goal, continuum: Continuum, file: str) -> DiscModel:
     return model
 
 
-def _reached(goal: Goal, _: Tell) -> DiscState:
+def _reached(goal: Goal, _: Tell) -> RecordedDiscs:
     """Compute the state at this Kh, or at failure of the discs, and store it in a file."""
     start = goal.start
     before, ground = start.settled, start.ground
@@ -112,7 +112,7 @@ def _reached(goal: Goal, _: Tell) -> DiscState:
         trial = try_kh(model, before, ground, start.dem, Rise(0.0, goal.kh, start.search.flexibility_m))
         save(goal.store, file, model)
     far = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
-    return DiscState.taken(
+    return RecordedDiscs.taken(
         trial,
         set=goal.which,
         file=file,

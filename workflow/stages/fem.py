@@ -26,7 +26,7 @@ from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 
 if TYPE_CHECKING:
-    from fem.continuum.fields import State
+    from fem.continuum.fields import FieldState
     from fem.path.equilibrium_path import EquilibriumPath
     from fem.search.assessment import Assessment
     from fem.search.critical import CriticalResult
@@ -88,7 +88,7 @@ def work(job: Job) -> None:
         raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
 
 
-def _slip_line(mesh: "QuadMesh", state: "State") -> Line:
+def _slip_line(mesh: "QuadMesh", state: "FieldState") -> Line:
     from fem.search.slip_surface import slip_surface
 
     return line(slip_surface(mesh, state))
@@ -147,12 +147,12 @@ def _at_sides(adapted: "AdaptiveResult[Any]") -> tuple[str, ...]:
     return adapted.at_sides if adapted.result.verdict in ("plateau", "peak") else ()
 
 
-def _fails(state: "State", result: "CriticalResult") -> bool:
+def _fails(state: "FieldState", result: "CriticalResult") -> bool:
     """Whether the ground slips in a state; before failure it only deforms."""
     return state.past_equilibrium or state.kh >= result.lower
 
 
-def _stored_state(mesh: "QuadMesh", state: "State", surface: Line) -> StoredState:
+def _stored_state(mesh: "QuadMesh", state: "FieldState", surface: Line) -> StoredState:
     return StoredState.taken(
         state,
         largest_displacement_m=float(np.hypot(*state.displacement.T).max()),
@@ -173,12 +173,12 @@ def _factor_of_safety(adapted: "AdaptiveResult[SafetyFactor]", flow: Flow) -> Fa
     )
 
 
-def failed_shares(mesh: "QuadMesh", state: "State") -> dict[str, float]:
+def failed_shares(mesh: "QuadMesh", state: "FieldState") -> dict[str, float]:
     """Share of the cells of each stratum that are at failure."""
     return {name: float(np.mean(state.failed[mesh.stratum == k])) for k, name in enumerate(mesh.strata)}
 
 
-def write_fields(section: Section, mesh: "QuadMesh", states: list["State"], store: Store) -> None:
+def write_fields(section: Section, mesh: "QuadMesh", states: list["FieldState"], store: Store) -> None:
     """Write fem/fields.pvd with one .vtu file for every state of equilibrium, and for the last one of the path.
 
     ``section``: the ground; ``mesh``: cells of it; ``states``: with their fields; ``store``: the folder of the run.

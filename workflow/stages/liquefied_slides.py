@@ -22,7 +22,7 @@ from workflow.run.store import Store
 from workflow.stages.case_pictures import case_pictures, drawn
 from workflow.stages.discs_at_rest import PAPER, SETTLED, ground_for
 from workflow.stages.liquefaction import liquefying
-from workflow.stages.random_packings import Packing, RandomPackingsWanted, packed
+from workflow.stages.random_packings import PackingTask, RandomPackingsWanted, packed
 from workflow.stages.sliding import ALONE, PlannedSlide, SlideTask, first_alike, slid, task
 
 USUAL, ALMOST = 0.4, 0.9  # of the time that a slide may last, when it is at rest as a rule; what is done by then
@@ -40,7 +40,10 @@ def slide_stage(job: Job) -> None:
     packings = others.first_packings() if others is not None else []  # these take longest, and so begin
     alike = first_alike(config, tasks)
     computed = list(dict.fromkeys(alike.values()))
-    pieces: list[SlideTask | Packing] = [*packings, *(SlideTask(config, store, each, frames=True) for each in computed)]
+    pieces: list[SlideTask | PackingTask] = [
+        *packings,
+        *(SlideTask(config, store, each, frames=True) for each in computed),
+    ]
     hearer = Hearer(config, job.progress, pieces)
     outcomes = job.executor.compute(_computed, pieces, hearer, hearer.ended)
     outcome_of: dict[PlannedSlide, Slide] = dict(zip(computed, outcomes[len(packings) :], strict=True))
@@ -62,9 +65,9 @@ def slide_stage(job: Job) -> None:
     slide_pictures(config, store, job.executor)
 
 
-def _computed(piece: SlideTask | Packing, tell: Tell) -> Any:
+def _computed(piece: SlideTask | PackingTask, tell: Tell) -> Any:
     """A slide, or a random packing with all of its slides."""
-    return packed(piece, tell) if isinstance(piece, Packing) else slid(piece, tell)
+    return packed(piece, tell) if isinstance(piece, PackingTask) else slid(piece, tell)
 
 
 def _wanted(config: Config, cases: tuple[int, ...] | None) -> list[int]:
@@ -106,14 +109,14 @@ def _cases(slides: dict[PlannedSlide, Slide], springs: str) -> dict[int, CaseAns
 class Hearer:
     """Reports the progress of the slides."""
 
-    def __init__(self, config: Config, progress: Progress, pieces: Sequence[SlideTask | Packing]) -> None:
+    def __init__(self, config: Config, progress: Progress, pieces: Sequence[SlideTask | PackingTask]) -> None:
         self.config, self.progress, self.pieces = config, progress, pieces
         self.done = [0.0] * len(pieces)
 
     def __call__(self, place: int, message: Any) -> None:
         """Report the progress of one slide, or of one packing."""
         piece = self.pieces[place]
-        if isinstance(piece, Packing):
+        if isinstance(piece, PackingTask):
             line = piece.message(message)
         else:
             seconds, slide, settlement, speed = message

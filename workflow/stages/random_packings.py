@@ -50,12 +50,12 @@ class RandomPackingsWanted:
     def _chooses(self) -> bool:
         return self.config.dem.model == "paper" and self.config.dem.parameter in ("auto", "none")
 
-    def _packings(self, parameter: str) -> list["Packing"]:
+    def _packings(self, parameter: str) -> list["PackingTask"]:
         seeds = self.config.slide.packings(self.config.dem.model)
         others = [seed for seed in seeds if self.of_run is None or seed != self.of_run.seed]
-        return [Packing(self.config, self.store, self.continuum, seed, parameter, self.numbers) for seed in others]
+        return [PackingTask(self.config, self.store, self.continuum, seed, parameter, self.numbers) for seed in others]
 
-    def first_packings(self) -> list["Packing"]:
+    def first_packings(self) -> list["PackingTask"]:
         """The packings that can begin: all, or only the one that determines the parameter."""
         parameter = self.config.dem.parameter
         packings = self._packings("auto" if parameter == "none" else parameter)
@@ -94,7 +94,7 @@ def _own_seed(config: Config, calibration: CalibrationAnswer) -> Seed | None:
 
 
 @dataclass(frozen=True)
-class Packing:
+class PackingTask:
     """One random packing, given by its seed, to be calibrated and used for slides in the folder of the run."""
 
     config: Config
@@ -109,7 +109,7 @@ class Packing:
         return f"random packing, seed {self.seed}: {text}"
 
 
-def packed(packing: Packing, tell: Tell) -> Packed:
+def packed(packing: PackingTask, tell: Tell) -> Packed:
     """The calibration of a packing and its slides by case; no slides where the calibration is out of reach."""
     config, store, parameter = packing.config, packing.store, packing.parameter
     dem = config.dem.changed(packing="random", seed=packing.seed, parameter=parameter)

@@ -7,7 +7,7 @@ import numpy as np
 
 from meshes.section.section import Section
 from workflow.earthquake.attenuation import GAL
-from workflow.earthquake.column import MAKDISI, Column, column_of
+from workflow.earthquake.column import MAKDISI, ResponseColumn, column_of
 from workflow.earthquake.site_response import SOURCE
 from workflow.results.answer import SectionLabel
 from workflow.results.site_response import ResponseLayer, SiteResponseAnswer
@@ -29,7 +29,7 @@ def draw(job: Job) -> None:
         draw_response(job.config.section, SiteResponseAnswer.read(job.store), path)
 
 
-def answer_of(section: Section, column: Column) -> SiteResponseAnswer:
+def answer_of(section: Section, column: ResponseColumn) -> SiteResponseAnswer:
     """The answer of a site response."""
     response = column.response
     layers = tuple(

@@ -12,7 +12,7 @@ from fem.search.critical import critical_coefficient
 from meshes.errors import NoAnswerError
 from meshes.gmsh_model import generate
 from workflow.config import Config
-from workflow.study.task import Numbers, Sample
+from workflow.study.task import Numbers, StudySample
 
 if TYPE_CHECKING:
     from fem.limit_load.limit_load import LimitLoadResult
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from meshes.quad_mesh import QuadMesh
 
 
-def continuum(sample: Sample) -> Numbers:
+def continuum(sample: StudySample) -> Numbers:
     """The critical Kh by finite elements; 0 for ground that does not stand without shaking.
 
     It is with ψ = φ or by Davis's estimate, as ``fem.flow`` says. For both it is the limit load on meshes adapted to
@@ -50,7 +50,7 @@ def _critical(config: Config, first: "QuadMesh") -> "tuple[LimitLoadResult | Cri
     return critical_coefficient(config.section, first, config.fem, MPI.COMM_SELF), first
 
 
-def bounds(sample: Sample) -> Numbers:
+def bounds(sample: StudySample) -> Numbers:
     """Strict lower and upper bound of the critical Kh, ψ = φ."""
     config = Config.parse(sample.data)
     bounds_settings = config.bounds.changed(davis=False)

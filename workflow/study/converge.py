@@ -11,7 +11,7 @@ from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.study import ConvergenceAnswer, Series
 from workflow.run.store import Store
-from workflow.study.ensemble import Ensemble, OnRow, Row
+from workflow.study.ensemble import Ensemble, OnRow, TaskOutcome
 from workflow.study.parts import PARTS
 from workflow.study.study import task_of
 from workflow.study.task import Numbers
@@ -123,7 +123,7 @@ def run(
     return answer
 
 
-def _series(over: str, sizes: Sequence[float], rows: Sequence[Row[Numbers]], within: float) -> Iterator[Series]:
+def _series(over: str, sizes: Sequence[float], rows: Sequence[TaskOutcome[Numbers]], within: float) -> Iterator[Series]:
     """Every number of the slides over some sizes; empty if a run has no answer."""
     answers = [row.answer for row in rows if row.answer is not None]
     if len(answers) < len(rows):

@@ -14,12 +14,12 @@ from workflow.run.record import Entry
 from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.stages import calibrate, fem, mesh, slide
-from workflow.study.task import Numbers, Sample
+from workflow.study.task import Numbers, StudySample
 
 STAGES = (mesh.STAGE, fem.STAGE, calibrate.STAGE, slide.STAGE)
 
 
-def discs(sample: Sample) -> Numbers:
+def discs(sample: StudySample) -> Numbers:
     """The slides of every case: all stages of a run up to `slide`, in a folder that is removed afterwards.
 
     Raises NoAnswerError if the discs cannot be calibrated.

@@ -20,7 +20,7 @@ PATIENCE = 30  # s for a scheduler to answer
 
 
 @dataclass(frozen=True)
-class Row(Generic[Result]):
+class TaskOutcome(Generic[Result]):
     """Outcome of a task.
 
     Attributes
@@ -59,12 +59,12 @@ class Ensemble:
         self.folder, self.workers, self.scheduler = folder.absolute(), workers, scheduler
         self.cache = ResultCache(self.folder)
 
-    def rows(self, tasks: Sequence[Task[Input, Result]], on_row: OnRow | None = None) -> list[Row[Result]]:
+    def rows(self, tasks: Sequence[Task[Input, Result]], on_row: OnRow | None = None) -> list[TaskOutcome[Result]]:
         """Outcomes of all tasks, in their order.
 
         Tasks in work on another machine are waited for, and taken over if that machine fails.
         """
-        rows: dict[str, Row[Result]] = {}
+        rows: dict[str, TaskOutcome[Result]] = {}
         missing: dict[str, Task[Input, Result]] = {}
         for task in tasks:
             stored = self.cache.read(task.fingerprint)
@@ -116,7 +116,7 @@ class Ensemble:
         self,
         executor: futures.Executor,
         missing: dict[str, Task[Input, Result]],
-        rows: dict[str, Row[Result]],
+        rows: dict[str, TaskOutcome[Result]],
         tell: Callable[[], None],
     ) -> None:
         """Try every missing task once; those in work on another machine remain missing."""
@@ -183,6 +183,6 @@ def _outcome(task: Task[Input, Result]) -> Outcome:
     )  # fmt: skip
 
 
-def _row(task: Task[Any, Result], outcome: Outcome, reused: bool = False) -> Row[Result]:
+def _row(task: Task[Any, Result], outcome: Outcome, reused: bool = False) -> TaskOutcome[Result]:
     answer = None if outcome.answer is None else task.answer_type.model_validate(outcome.answer)
-    return Row(answer, outcome.reason, reused)
+    return TaskOutcome(answer, outcome.reason, reused)

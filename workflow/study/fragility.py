@@ -14,9 +14,9 @@ from workflow.config import Config
 from workflow.earthquake.accelerogram import Accelerogram, read
 from workflow.estimates.comparison import block_drive, constant_kh
 from workflow.estimates.sliding_block import newmark
-from workflow.results.study import Curve
+from workflow.results.study import ProbabilityCurve
 from workflow.study.statistics import probability
-from workflow.study.table import Table
+from workflow.study.table import SampleTable
 
 SPREADS = (0.05, 3.0)  # of the logarithm, that a fit may have: samples that part cleanly would have none
 SEED, RESAMPLES = 0, 200
@@ -41,7 +41,7 @@ def fit(levels: np.ndarray, exceeds: np.ndarray) -> tuple[float, float]:
     return float(np.exp(optimum.x[0])), float(optimum.x[1])
 
 
-def curve(name: str, levels: np.ndarray, exceeds: np.ndarray) -> Curve | None:
+def curve(name: str, levels: np.ndarray, exceeds: np.ndarray) -> ProbabilityCurve | None:
     """The fit as a curve with its 95 % interval by bootstrap; None if all samples exceed, or none does."""
     if not (levels > 0.0).all() or exceeds.all() or not exceeds.any():
         return None
@@ -53,7 +53,7 @@ def curve(name: str, levels: np.ndarray, exceeds: np.ndarray) -> Curve | None:
               for median, spread in (fit(levels[chosen], exceeds[chosen]) for chosen in mixed)]  # fmt: skip
     chance = norm.cdf(np.log(over / theta) / beta)
     low, high = np.quantile([chance, *others], TAILS, axis=0)
-    return Curve(name=name, over=tuple(map(float, over)), chance=tuple(map(float, chance)),
+    return ProbabilityCurve(name=name, over=tuple(map(float, over)), chance=tuple(map(float, chance)),
                  low=tuple(map(float, low)), high=tuple(map(float, high)))  # fmt: skip
 
 
@@ -63,7 +63,7 @@ BEYOND = 1.5  # times the largest critical Kh, where the curves of the block end
 LEAST = 1e-3  # kc of a block that would never stop otherwise
 
 
-def failure(table: Table) -> Curve | None:
+def failure(table: SampleTable) -> ProbabilityCurve | None:
     """P(kc < Kh); None without a critical Kh."""
     kc = _known(table, "kc")
     if len(kc) < 2:
@@ -72,7 +72,7 @@ def failure(table: Table) -> Curve | None:
     return probability("kc < Kh", over, kc[:, None] < over)
 
 
-def fragility(config: Config, table: Table) -> Iterator[Curve]:
+def fragility(config: Config, table: SampleTable) -> Iterator[ProbabilityCurve]:
     """Curves of P(slide > d): of the rigid block over Kh, and over the peak acceleration of the record if there is one;
     of the discs over d, and over their shaking if it is uncertain.
     """
@@ -84,7 +84,7 @@ def fragility(config: Config, table: Table) -> Iterator[Curve]:
             yield from _discs(config, table, name)
 
 
-def _discs(config: Config, table: Table, name: str) -> Iterator[Curve]:
+def _discs(config: Config, table: SampleTable, name: str) -> Iterator[ProbabilityCurve]:
     slides, case = _known(table, name), name.split("_")[0].replace("case", "case ")
     if not len(slides):
         return
@@ -99,7 +99,7 @@ def _discs(config: Config, table: Table, name: str) -> Iterator[Curve]:
         yield from (fit for fit in fits if fit is not None)
 
 
-def _levels(config: Config, table: Table) -> dict[str, np.ndarray]:
+def _levels(config: Config, table: SampleTable) -> dict[str, np.ndarray]:
     """The shaking of the discs in every sample, if it is uncertain: Kh, or the peak of their record over g."""
     record = config.slide.accelerogram
     path = SCALE if record else KH
@@ -112,7 +112,7 @@ def _levels(config: Config, table: Table) -> dict[str, np.ndarray]:
     return {"PGA / g": np.abs(values) * read(Path(record), config.slide.unit, config.slide.component).peak / GRAVITY}
 
 
-def _blocks(config: Config, kc: np.ndarray) -> Iterator[Curve]:
+def _blocks(config: Config, kc: np.ndarray) -> Iterator[ProbabilityCurve]:
     drive = block_drive(config)
     over = np.linspace(0.0, BEYOND * float(np.quantile(kc, 0.95)), POINTS)
     slides = np.array([[drive.slide(yield_kh, kh) for kh in over] for yield_kh in kc])
@@ -150,6 +150,6 @@ def block(config: Config, kc: float | None) -> float | None:
     return _under(record, record.peak / GRAVITY, max(kc, LEAST))
 
 
-def _known(table: Table, name: str) -> np.ndarray:
+def _known(table: SampleTable, name: str) -> np.ndarray:
     values = table.column(name)
     return values[np.isfinite(values)]

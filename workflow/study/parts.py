@@ -7,11 +7,11 @@ from fem.settings import WITHOUT_EFFECT
 from workflow.run.stage import Stage
 from workflow.study.continuum import bounds, continuum
 from workflow.study.discs import STAGES, discs
-from workflow.study.task import Numbers, Sample
+from workflow.study.task import Numbers, StudySample
 
 
 @dataclass(frozen=True)
-class Part:
+class StudyPart:
     """A part of a study.
 
     Attributes
@@ -24,7 +24,7 @@ class Part:
     """
 
     name: str
-    function: Callable[[Sample], Numbers]
+    function: Callable[[StudySample], Numbers]
     tables: tuple[str, ...]
     ignores: tuple[str, ...] = ()
     keeps: bool = False
@@ -36,9 +36,9 @@ def _read_by(stages: Sequence[Stage]) -> tuple[str, ...]:
 
 
 PARTS = (
-    Part("fem", continuum, ("mesh", "fem"), (*WITHOUT_EFFECT, "fem.rigid_box")),
-    Part("bounds", bounds, ("fem", "bounds"), (*WITHOUT_EFFECT, "fem.rigid_box", "bounds.safety_factor")),
-    Part("slide", discs, (*_read_by(STAGES), "earthquake", "triggering"), keeps=True),
+    StudyPart("fem", continuum, ("mesh", "fem"), (*WITHOUT_EFFECT, "fem.rigid_box")),
+    StudyPart("bounds", bounds, ("fem", "bounds"), (*WITHOUT_EFFECT, "fem.rigid_box", "bounds.safety_factor")),
+    StudyPart("slide", discs, (*_read_by(STAGES), "earthquake", "triggering"), keeps=True),
 )
 
 # What the sliding block of a sample reads, which needs no part of its own.

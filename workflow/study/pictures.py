@@ -6,10 +6,10 @@ from meshes.section.section import Section
 from workflow.figures import study as figures
 from workflow.results.study import StudyAnswer
 from workflow.run.store import Store
-from workflow.study.table import Table
+from workflow.study.table import SampleTable
 
 
-def draw_all(section: Section, table: Table, answer: StudyAnswer, store: Store) -> None:
+def draw_all(section: Section, table: SampleTable, answer: StudyAnswer, store: Store) -> None:
     """Write figures/study_*.png; pictures without data are left out.
 
     ``section``: the ground; ``table``: of all samples; ``answer``: of the study; ``store``: its folder.

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 from scipy.stats import sobol_indices, spearmanr
 
-from workflow.results.study import Z95, Curve, Effect
-from workflow.study.table import Table
+from workflow.results.study import Z95, Effect, ProbabilityCurve
+from workflow.study.table import SampleTable
 
 BOOTSTRAP_SEED, RESAMPLES = 0, 400
 
 
-def probability(name: str, over: np.ndarray, happens: np.ndarray) -> Curve:
+def probability(name: str, over: np.ndarray, happens: np.ndarray) -> ProbabilityCurve:
     """A probability curve: the share of true values in ``happens`` (samples, len(over)) at each value of ``over``.
 
     Interval by E. B. Wilson, Probable inference, J. Am. Stat. Assoc. 22 (1927) 209-212. This interval holds for
@@ -22,7 +22,7 @@ def probability(name: str, over: np.ndarray, happens: np.ndarray) -> Curve:
     share = happens.mean(axis=0)
     middle = (share + Z95**2 / (2 * n)) / (1.0 + Z95**2 / n)
     half = Z95 / (1.0 + Z95**2 / n) * np.sqrt(share * (1.0 - share) / n + Z95**2 / (4 * n**2))
-    return Curve(
+    return ProbabilityCurve(
         name=name,
         over=tuple(map(float, over)),
         chance=tuple(map(float, share)),
@@ -31,7 +31,7 @@ def probability(name: str, over: np.ndarray, happens: np.ndarray) -> Curve:
     )
 
 
-def effects(table: Table, name: str, words: Sequence[str], indices: bool) -> tuple[Effect, ...]:
+def effects(table: SampleTable, name: str, words: Sequence[str], indices: bool) -> tuple[Effect, ...]:
     """Effects of the uncertain numbers on a result, the strongest first.
 
     ``words`` are the paths whose values have no order. With ``indices`` the samples are of the method "saltelli"; then

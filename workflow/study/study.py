@@ -17,12 +17,12 @@ from workflow.results.study import Failure, Group, Result, StudyAnswer
 from workflow.run.fingerprint import fingerprint_of_file
 from workflow.run.pipeline import leave_input
 from workflow.run.store import Store
-from workflow.study.ensemble import Ensemble, OnRow, Row
+from workflow.study.ensemble import Ensemble, OnRow, TaskOutcome
 from workflow.study.fragility import block, failure, fragility
-from workflow.study.parts import PARTS, Part
+from workflow.study.parts import PARTS, StudyPart
 from workflow.study.statistics import effects
-from workflow.study.table import FILE, SampleRow, Table
-from workflow.study.task import Numbers, Sample, Task
+from workflow.study.table import FILE, SampleRow, SampleTable
+from workflow.study.task import Numbers, StudySample, Task
 from workflow.uncertain.sampling import samples
 
 BLOCK = "block"  # the part that takes no task: a closed form of the critical Kh
@@ -32,7 +32,7 @@ BLOCK = "block"  # the part that takes no task: a closed form of the critical Kh
 class Study:
     """The samples of a study, and their statistics."""
 
-    table: Table
+    table: SampleTable
     answer: StudyAnswer
 
     def refuse_parts_without_answer(self) -> None:
@@ -44,7 +44,7 @@ class Study:
         raise NoAnswerError(f"{names}: none of {self.answer.samples} samples has an answer; {reasons}")
 
 
-def parts_of(only: Sequence[str]) -> tuple[list[Part], bool]:
+def parts_of(only: Sequence[str]) -> tuple[list[StudyPart], bool]:
     """The parts by their names, and whether the sliding block is requested; raises InputError for an unknown name."""
     names = [*(part.name for part in PARTS), BLOCK]
     if unknown := [name for name in only if name not in names]:
@@ -74,8 +74,8 @@ def run(config: Config, store: Store, only: Sequence[str], ensemble: Ensemble, o
 
 
 def computed(
-    config: Config, store: Store, parts: Sequence[Part], with_block: bool, ensemble: Ensemble, on_row: OnRow | None
-) -> Table:
+    config: Config, store: Store, parts: Sequence[StudyPart], with_block: bool, ensemble: Ensemble, on_row: OnRow | None
+) -> SampleTable:
     """The table of all samples; those that fail have the reason.
 
     ``config``: of the study; ``store``: its folder; ``parts``: to compute; ``with_block``: whether the sliding block is
@@ -87,12 +87,12 @@ def computed(
     # sample by sample, so that what is done tells how long the rest takes, however long one of the parts does
     wanted = [(place, part) for place, _ in sound for part in parts]
     tasks = [task_of(sample, part, store) for _, sample in sound for part in parts]
-    results: dict[int, list[tuple[Part, Row[Numbers]]]] = {place: [] for place in range(len(drawn))}
+    results: dict[int, list[tuple[StudyPart, TaskOutcome[Numbers]]]] = {place: [] for place in range(len(drawn))}
     for (place, part), row in zip(wanted, ensemble.rows(tasks, on_row), strict=True):
         results[place].append((part, row))
     units = {path: distribution.unit for path, distribution in config.uncertain.numbers.items()}
     rows = [_row(drawn[place], inputs[place], results[place], with_block) for place in range(len(drawn))]
-    return Table(units, rows)
+    return SampleTable(units, rows)
 
 
 def _input(config: Config, drawn: Mapping[str, Any]) -> Config | str:
@@ -103,7 +103,7 @@ def _input(config: Config, drawn: Mapping[str, Any]) -> Config | str:
         return "; ".join(error.problems)
 
 
-def task_of(read: Config, part: Part, store: Store) -> Task[Sample, Numbers]:
+def task_of(read: Config, part: StudyPart, store: Store) -> Task[StudySample, Numbers]:
     """The task of one part of a sample: its section, and only the settings that this part reads.
 
     The input of a part that reads borings and earthquake includes them. Other parts do not depend on the strata that
@@ -115,7 +115,7 @@ def task_of(read: Config, part: Part, store: Store) -> Task[Sample, Numbers]:
     if "triggering" not in part.tables:
         data["strata"] = [{**stratum, "liquefies_in": []} for stratum in data["strata"]]
     files = {name: fingerprint_of_file(path) for name, path in read.files(*part.tables).items()}
-    task = Task(part.function, Sample(data={**data, "name": "sample", "title": ""}, files=files))
+    task = Task(part.function, StudySample(data={**data, "name": "sample", "title": ""}, files=files))
     if not part.keeps:
         return task
     folder = store.folder.absolute() / "running" / task.fingerprint
@@ -123,7 +123,10 @@ def task_of(read: Config, part: Part, store: Store) -> Task[Sample, Numbers]:
 
 
 def _row(
-    drawn: dict[str, Any], read: Config | str, answers: Sequence[tuple[Part, Row[Numbers]]], with_block: bool
+    drawn: dict[str, Any],
+    read: Config | str,
+    answers: Sequence[tuple[StudyPart, TaskOutcome[Numbers]]],
+    with_block: bool,
 ) -> SampleRow:
     if isinstance(read, str):
         return SampleRow(drawn, Numbers(numbers={}), read)
@@ -143,7 +146,7 @@ def _row(
     return SampleRow(drawn, Numbers(numbers=numbers, words=words), "; ".join(reasons), tuple(answered))
 
 
-def statistics_of(config: Config, table: Table, only: Sequence[str]) -> StudyAnswer:
+def statistics_of(config: Config, table: SampleTable, only: Sequence[str]) -> StudyAnswer:
     """Statistics of the samples."""
     words = [path for path, distribution in config.uncertain.numbers.items() if distribution.is_words]
     indices = config.study.method == "saltelli"
@@ -186,7 +189,7 @@ def _spread(values: np.ndarray) -> Spread:
     return Spread.of(known).model_copy(update={"values": ()})
 
 
-def _groups(table: Table, name: str, path: str) -> Iterator[Group]:
+def _groups(table: SampleTable, name: str, path: str) -> Iterator[Group]:
     column, drawn = table.column(name), [str(value) for value in table.drawn(path)]
     for value in dict.fromkeys(drawn):
         group = column[[value_of_group == value for value_of_group in drawn]]

@@ -26,7 +26,7 @@ class SampleRow:
 
 
 @dataclass(frozen=True)
-class Table:
+class SampleTable:
     """All samples; ``units`` are those of the drawn numbers."""
 
     units: dict[str, str]

@@ -56,7 +56,7 @@ def _text(module: str) -> str:
     return fingerprint_of(Path(file).read_text(encoding="utf-8") if file else module)
 
 
-class Sample(BaseModel):
+class StudySample(BaseModel):
     """The input of a task: the section, and those of its settings that matter to the task.
 
     ``files`` are fingerprints of the files that these settings name. ``folder`` holds the files from which a long task

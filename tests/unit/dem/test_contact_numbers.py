@@ -11,7 +11,7 @@ from dem.laboratory import stored_strengths
 from dem.laboratory.compression import BINS, PatchStrength, compress
 from dem.laboratory.contact_numbers import PRESSURE, RADIUS, ContactNumbers
 from dem.laboratory.element_test_programme import SEEDS, ElementTestProgramme, Outcome, Task
-from dem.laboratory.patch import Sample
+from dem.laboratory.patch import PatchSample
 from dem.laboratory.soil_layers import SoilLayer, soil_layers
 from dem.laboratory.stored_strengths import strength_of_patch
 from meshes.section.section import Section
@@ -44,7 +44,7 @@ def test_patches_of_equal_numbers_are_scaled_copies(numbers: ContactNumbers) -> 
     """Twice the radius, four times the pressure and the stiffness: the same motion, to the last bit."""
     item = replace(numbers.sample(1), size=SMALL)
     springs = item.layer
-    other = Sample(
+    other = PatchSample(
         replace(springs, kn=4.0 * springs.kn, ks=4.0 * springs.ks, stop=4.0 * springs.stop,
                 contact_cohesion=8.0 * springs.contact_cohesion),
         "random", 2.0 * RADIUS, seed=1, size=SMALL, law="soil",
@@ -95,7 +95,7 @@ def test_a_patch_is_tested_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     """Kept to the last bit; a file that was damaged is made again, and a test without result is not repeated."""
     requested: list[float] = []
 
-    def counted(sample: Sample, pressure: float) -> PatchStrength:
+    def counted(sample: PatchSample, pressure: float) -> PatchStrength:
         requested.append(sample.layer.friction)
         if sample.seed == 2:
             raise ConfinementError("it does not come to rest")

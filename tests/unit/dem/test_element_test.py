@@ -18,7 +18,7 @@ from dem.kernels.patch import share_inside
 from dem.laboratory.element_table import element_tests
 from dem.laboratory.element_test import ElementTest, element_test
 from dem.laboratory.loading import Curve, confine, load, probe
-from dem.laboratory.patch import Patch, Press, Sample, lattice_patch, random_patch
+from dem.laboratory.patch import Patch, PatchSample, Press, lattice_patch, random_patch
 from dem.laboratory.plane_elastic import PlaneElastic
 from dem.laboratory.strength import dilation, from_plane, from_principal, verdict
 from dem.model import DiscModel
@@ -36,7 +36,7 @@ STRATUM = Stratum(
 
 @pytest.fixture(scope="module")
 def sand() -> ElementTest:
-    return element_test(Sample(replace(SOIL, cohesion=0.0), "random", RADIUS, size=SMALL), [2e6, 1e6], strain=0.1)
+    return element_test(PatchSample(replace(SOIL, cohesion=0.0), "random", RADIUS, size=SMALL), [2e6, 1e6], strain=0.1)
 
 
 coordinate = st.floats(-5.0, 5.0)
@@ -131,7 +131,7 @@ def test_confined_on_all_sides_and_stress_as_the_forces_say(make: type) -> None:
 
 
 def test_what_a_press_keeps_is_what_the_model_would_say() -> None:
-    made = Sample(replace(SOIL, cohesion=0.0), "random", RADIUS, size=SMALL, law="soil").patch()
+    made = PatchSample(replace(SOIL, cohesion=0.0), "random", RADIUS, size=SMALL, law="soil").patch()
     confine(made, 1e6)
     disc_model, renewed = made.copy(), made.copy()
     per_second = 1e-3 / made.time_unit
@@ -192,7 +192,7 @@ def test_refuses(changes: dict[str, object], words: str) -> None:
     test = {"pressures": [1e4, 2e4], "strain": 0.2, "rate": 2e-4}
     with pytest.raises(ValueError, match=words):
         element_test(
-            Sample(**{key: changes.get(key, value) for key, value in sample.items()}),  # type: ignore[arg-type]
+            PatchSample(**{key: changes.get(key, value) for key, value in sample.items()}),  # type: ignore[arg-type]
             **{key: changes.get(key, value) for key, value in test.items()},  # type: ignore[arg-type]
         )
 
@@ -236,14 +236,14 @@ def test_element_tests_hear_an_interrupt(monkeypatch: pytest.MonkeyPatch) -> Non
     """Ctrl-C ends the tests of all layers within an interval of each, not when all of them are through."""
     ended: list[ElementTest] = []
 
-    def counted(sample: Sample, pressures: list[float]) -> ElementTest:
+    def counted(sample: PatchSample, pressures: list[float]) -> ElementTest:
         ended.append(element_test(sample, pressures))
         return ended[-1]
 
     monkeypatch.setattr("dem.laboratory.element_table.element_test", counted)
     section = Section.read(SECTIONS / "s13.toml")
     layers = [replace(SOIL, kn=4e6, ks=1.6e6, allowed_overlap=1.0)] * len(section.strata)
-    element_test(Sample(layers[0], "lattice", RADIUS, size=(8, 8)), [1e4, 2e4], strain=0.01)  # compiled by then
+    element_test(PatchSample(layers[0], "lattice", RADIUS, size=(8, 8)), [1e4, 2e4], strain=0.01)  # compiled by then
     heard = Event()
 
     def press() -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.continuum.fields import State, is_mechanism, touched_sides
+from fem.continuum.fields import FieldState, is_mechanism, touched_sides
 from fem.search.checks import of_cells, of_dilation, of_verdict, touches_base, warnings_of
 from fem.search.critical import CriticalResult
 from fem.search.result_warnings import Computed, is_doubtful, of_bounds, of_others
@@ -29,7 +29,7 @@ def failing(band=0.7, displacement=None):
     above = (np.abs(MESH.points[:, 0] - 10.0) < 5.0) & (MESH.points[:, 1] > arc(MESH.points[:, 0]))
     moved = np.outer(above, [1.0, -0.5]) if displacement is None else displacement
     cells = len(MESH.cells)
-    return State("plateau", 0.3, moved, np.zeros((cells, 4)), strain + 1e-3, strain, np.ones(cells))
+    return FieldState("plateau", 0.3, moved, np.zeros((cells, 4)), strain + 1e-3, strain, np.ones(cells))
 
 
 def result(kc=0.3, direction="downhill", state=None, **more):

@@ -2,7 +2,7 @@
 
 from fem.limit.bounds import first_mesh
 from fem.limit.factor_search import FactorSearch
-from fem.limit.factor_trial import FactorWork, Start
+from fem.limit.factor_trial import FactorWork, TrialStart
 from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
@@ -18,11 +18,11 @@ def test_a_lower_bound_is_looked_for_below_a_factor_at_which_no_stress_balances_
     fem, settings = FemSettings(sides="smooth"), BoundsSettings(max_cells=800, gap=0.02)
     factor = safety_bounds(section, fem, settings)
     mesh = first_mesh(section, 800, "smooth")
-    search = FactorSearch(section, mesh, fem, settings, 1, Start(0.0, 2.0 * factor.upper, False), FactorWork(60.0))
+    search = FactorSearch(section, mesh, fem, settings, 1, TrialStart(0.0, 2.0 * factor.upper, False), FactorWork(60.0))
     trial = search.measure(2.0 * factor.upper)
     assert trial.unborne
     assert search.lower == 0.0
     search.prove("lower", -1.0)
     assert 0.65 * factor.lower < search.lower <= factor.upper
-    other = FactorSearch(section, mesh, fem, settings, 1, Start(0.0, 2.0 * factor.upper, False), FactorWork(60.0))
+    other = FactorSearch(section, mesh, fem, settings, 1, TrialStart(0.0, 2.0 * factor.upper, False), FactorWork(60.0))
     assert other.measure(2.0 * factor.upper, upper=False).unborne  # with no trial of both bounds before it

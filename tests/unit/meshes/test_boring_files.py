@@ -368,12 +368,12 @@ def test_numbers_of_the_earthquake_that_cannot_be(table: dict[str, dict[str, obj
 
 def test_the_energy_of_a_hammer_counts_where_it_was_measured() -> None:
     """(N1)60 goes with the energy: 45 % in a test is as 45 % of all."""
-    from workflow.earthquake.triggering.blow_count import BlowCount, Shaking
+    from workflow.earthquake.triggering.blow_count import BlowCount, SurfaceMotion
     from workflow.earthquake.triggering.methods import RELATIONS
     from workflow.earthquake.triggering.settings import TriggeringSettings
 
     find = RELATIONS["idriss_boulanger_2008"].find
-    shaking = Shaking(0.2, 7.5)
+    shaking = SurfaceMotion(0.2, 7.5)
     of_boring = find(BlowCount(5.0, 12.0, 90.0, 60.0, 5.0, energy_ratio=45.0), shaking, TriggeringSettings())
     of_all = find(BlowCount(5.0, 12.0, 90.0, 60.0, 5.0), shaking, TriggeringSettings(energy_ratio=45.0))
     assert of_boring == of_all

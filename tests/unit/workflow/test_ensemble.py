@@ -13,7 +13,7 @@ from distributed import LocalCluster
 from meshes.errors import InputError
 from tests.support import TOP
 from tests.support.tasks import Number, Numbers, breaks, dies_always, dies_once, slow_total, total
-from workflow.study.ensemble import Ensemble, Row
+from workflow.study.ensemble import Ensemble, TaskOutcome
 from workflow.study.result_cache import Outcome, ResultCache
 from workflow.study.task import Task
 
@@ -73,7 +73,7 @@ def test_a_half_written_or_foreign_file_is_no_answer(tmp_path: Path) -> None:
     task = totals(1)[0]
     result_cache = ResultCache(tmp_path)
     result_cache.write(task.fingerprint, Outcome(task=task.name, given={}, answer={"value": 7.0}))
-    assert Ensemble(tmp_path, 1).rows([task]) == [Row(Number(value=7.0), reused=True)]
+    assert Ensemble(tmp_path, 1).rows([task]) == [TaskOutcome(Number(value=7.0), reused=True)]
     result_cache.path(task.fingerprint).write_text('{"task": "tests.supp')
     assert Ensemble(tmp_path, 1).rows([task])[0].answer == Number(value=0.2)
 

@@ -19,7 +19,7 @@ from workflow.results.study import StudyAnswer
 from workflow.run.store import Store
 from workflow.study.parts import PARTS
 from workflow.study.study import Study, statistics_of, task_of
-from workflow.study.table import SampleRow, Table
+from workflow.study.table import SampleRow, SampleTable
 from workflow.study.task import Numbers
 from workflow.uncertain.sampling import samples
 
@@ -184,7 +184,7 @@ def test_what_is_drawn_is_not_judged_as_what_a_person_writes() -> None:
 
 def answer_of(rows: list[SampleRow], parts: tuple[str, ...]) -> StudyAnswer:
     read = analysed({**slope(), "uncertain": {"strata.upper.cohesion": {"uniform": ["1 kPa", "6 kPa"]}}})
-    return statistics_of(read, Table({"strata.upper.cohesion": "kPa"}, rows), parts)
+    return statistics_of(read, SampleTable({"strata.upper.cohesion": "kPa"}, rows), parts)
 
 
 def test_a_part_without_any_answer_is_told_with_its_reason_once() -> None:
@@ -199,6 +199,6 @@ def test_a_part_without_any_answer_is_told_with_its_reason_once() -> None:
         (3, "slide: the discs fail at 0.1234")
     ]
     with pytest.raises(NoAnswerError, match="slide: none of 3 samples has an answer; 3 of them: slide: the discs fail"):
-        Study(Table({"strata.upper.cohesion": "kPa"}, rows), answer).refuse_parts_without_answer()
+        Study(SampleTable({"strata.upper.cohesion": "kPa"}, rows), answer).refuse_parts_without_answer()
     answer = answer_of([*rows, SampleRow(drawn, Numbers(numbers={}), "", ("fem", "slide"))], ("fem", "slide"))
     assert answer.without == ()

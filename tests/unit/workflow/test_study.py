@@ -25,7 +25,7 @@ from workflow.study import continuum, task
 from workflow.study.ensemble import Ensemble
 from workflow.study.fragility import curve, fit
 from workflow.study.statistics import effects, probability
-from workflow.study.table import SampleRow, Table
+from workflow.study.table import SampleRow, SampleTable
 from workflow.study.task import Task
 from workflow.uncertain.distribution import Distribution
 from workflow.uncertain.sampling import chances
@@ -72,7 +72,8 @@ def test_sobol_indices_of_the_ishigami_function() -> None:
         result = task.Numbers(numbers={"y": ishigami(Numbers(values=values)).value})
         rows.append(SampleRow(dict(zip(("x1", "x2", "x3"), values, strict=True)), result))
     result = {
-        effect.path: effect for effect in effects(Table({"x1": "", "x2": "", "x3": ""}, rows), "y", (), indices=True)
+        effect.path: effect
+        for effect in effects(SampleTable({"x1": "", "x2": "", "x3": ""}, rows), "y", (), indices=True)
     }
     assert [result[x].first for x in ("x1", "x2", "x3")] == pytest.approx([0.3139, 0.4424, 0.0], abs=0.01)
     assert [result[x].total for x in ("x1", "x2", "x3")] == pytest.approx([0.5576, 0.4424, 0.2437], abs=0.01)
@@ -82,13 +83,13 @@ def test_sobol_indices_of_the_ishigami_function() -> None:
         assert item.total_ci95[0] < item.total < item.total_ci95[1]
 
 
-def table_of(values: list[float | None], **drawn: list[object]) -> Table:
+def table_of(values: list[float | None], **drawn: list[object]) -> SampleTable:
     rows = [
         SampleRow({path: column[k] for path, column in drawn.items()}, task.Numbers(numbers={"kc": value}),
                   "" if value is not None else "no answer")
         for k, value in enumerate(values)
     ]  # fmt: skip
-    return Table(dict.fromkeys(drawn, ""), rows)
+    return SampleTable(dict.fromkeys(drawn, ""), rows)
 
 
 def test_rank_correlation_and_words() -> None:
@@ -145,7 +146,7 @@ def test_a_path_without_equilibrium_is_no_answer_and_not_a_critical_kh_of_0(
         raise error("it ended")
 
     monkeypatch.setattr(continuum, "_critical", ended)
-    sample = task.Sample(data={**slope(), "mesh": {"size": 10}})
+    sample = task.StudySample(data={**slope(), "mesh": {"size": 10}})
     if error is UnstableError:
         assert continuum.continuum(sample).numbers == {"kc": 0.0}
     else:

@@ -8,7 +8,7 @@ import pytest
 from dem.laboratory.compression import compress
 from dem.laboratory.element_test import element_test
 from dem.laboratory.loading import Curve, Kind, confine, load, probe
-from dem.laboratory.patch import Patch, Sample, lattice_patch
+from dem.laboratory.patch import Patch, PatchSample, lattice_patch
 from dem.laboratory.plane_elastic import lattice_elastic
 from dem.laboratory.strength import dilation
 from dem.laboratory.strength_map import strength_map
@@ -120,7 +120,7 @@ def test_random_discs_without_pore_springs() -> None:
     """Discs roll, so an assembly is weaker than its contacts (atan 0.7 = 35 deg), but not below 20 deg; no cohesion."""
     soil = replace(SOIL, cohesion=0.0, kpn=0.0, kps=0.0)
     pressures = [1e-3 * KN, 4e-3 * KN]
-    samples = [Sample(soil, "random", RADIUS, seed, SMALL) for seed in (0, 1)]
+    samples = [PatchSample(soil, "random", RADIUS, seed, SMALL) for seed in (0, 1)]
     tests = [element_test(sample, pressures, strain=0.1) for sample in samples]
     for test in tests:
         assert 20.0 < np.degrees(test.phi) < 35.0
@@ -134,7 +134,7 @@ def test_cohesion_of_pore_springs_is_cohesion_of_the_patch() -> None:
     """... as long as they fail in shear: once they snap at 1.02 of their length first, more of it adds nothing."""
     soil = replace(SOIL, friction=0.2)
     values = [
-        element_test(Sample(replace(soil, cohesion=c), "random", RADIUS, size=SMALL), [1e5, 2e5], strain=0.04)
+        element_test(PatchSample(replace(soil, cohesion=c), "random", RADIUS, size=SMALL), [1e5, 2e5], strain=0.04)
         for c in (0.0, 1e5, 3e5, 1e8, 1e9)
     ]
     biaxial, shear = [t.c for t in values], [t.c_shear for t in values]
@@ -146,7 +146,7 @@ def test_cohesion_of_pore_springs_is_cohesion_of_the_patch() -> None:
 def test_half_the_rate_gives_the_same_strength() -> None:
     """A single peak hangs on which contact goes first (2 % either way); two pressures and two tests agree to 2 %."""
     soil = replace(SOIL, cohesion=0.0)
-    sample = Sample(soil, "random", RADIUS, size=SMALL)
+    sample = PatchSample(soil, "random", RADIUS, size=SMALL)
     fast, slow = (element_test(sample, [1e6, 2e6], strain=0.15, rate=rate) for rate in (2e-4, 1e-4))
     assert fast.E == slow.E
     pairs = [(test.biaxial_strength.major, other.biaxial_strength.major)
@@ -168,7 +168,7 @@ def test_stiff_sand_is_stronger_than_soft() -> None:
         layer = soil_discs(
             "sand", kappa * pressure, Strength(0.35, 0.0, ROLLING), 2000.0, 2000.0, RADIUS, 0.0, allowed_overlap=1.0
         )
-        values = [compress(Sample(layer, "random", RADIUS, seed, law="soil"), pressure).after for seed in seeds]
+        values = [compress(PatchSample(layer, "random", RADIUS, seed, law="soil"), pressure).after for seed in seeds]
         return float(np.mean(values)) / pressure
 
     soft, stiff = strength(200.0), strength(6000.0)

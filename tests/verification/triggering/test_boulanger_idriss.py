@@ -5,7 +5,7 @@ import math
 import pytest
 
 from workflow.earthquake.triggering import idriss_boulanger
-from workflow.earthquake.triggering.blow_count import Shaking
+from workflow.earthquake.triggering.blow_count import SurfaceMotion
 from workflow.earthquake.triggering.boulanger_idriss import (
     ConeTest,
     assess,
@@ -42,7 +42,7 @@ def test_every_step_is_liquepys(
     point = ConeTest(depth, q, sleeve, total, effective)
     assert point.index == pytest.approx(index, abs=2e-6)
     assert normalised(point) == pytest.approx((plain, clean), rel=2e-6)
-    assessment = assess(point, Shaking(0.25, 7.0))
+    assessment = assess(point, SurfaceMotion(0.25, 7.0))
     assert (assessment.load, assessment.resistance) == pytest.approx((load, bears), rel=5e-6)
     assert assessment.factor == pytest.approx(min(2.0, bears / load), rel=1e-5)
     assert why_not(point) == ""

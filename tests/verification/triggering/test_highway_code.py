@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workflow.earthquake.triggering.blow_count import BlowCount, Shaking
+from workflow.earthquake.triggering.blow_count import BlowCount, SurfaceMotion
 from workflow.earthquake.triggering.highway_code import (
     assess_1990,
     assess_later,
@@ -28,13 +28,13 @@ def test_the_form_of_1990_by_hand() -> None:
     """R1 = 0.0882 √(8/(0.61183 + 0.7)) = 0.21781, R2 = 0.225 log(0.35/0.25) = 0.03288, R3 = 0;
     L = 0.925 · 0.25 · 95/60 = 0.36615; F_L = 0.25069/0.36615 = 0.6847."""
     assert resistance_1990(POINT) == pytest.approx(0.25069, abs=1e-5)
-    assert assess_1990(POINT, Shaking(0.25, math.nan)).factor == pytest.approx(0.6847, abs=1e-4)
+    assert assess_1990(POINT, SurfaceMotion(0.25, math.nan)).factor == pytest.approx(0.6847, abs=1e-4)
 
 
 def test_the_form_of_2017_by_hand() -> None:
     """N1 = 170 · 8/130 = 10.4615 = Na; R_L = 0.0882 √((0.85 · 10.4615 + 2.1)/1.7) = 0.22427; L as above: 0.6125.
     As the public program masamasace/liquefaction-assessment has the equations."""
-    resistance = assess_later(POINT, Shaking(0.25, math.nan), "2017", "I")
+    resistance = assess_later(POINT, SurfaceMotion(0.25, math.nan), "2017", "I")
     assert resistance.corrected == pytest.approx(10.4615, abs=1e-4)
     assert resistance.resistance == pytest.approx(0.22427, abs=1e-5)
     assert resistance.factor == pytest.approx(0.6125, abs=1e-4)
@@ -42,8 +42,8 @@ def test_the_form_of_2017_by_hand() -> None:
 
 def test_the_form_of_2012_by_hand() -> None:
     """0.0882 √(10.4615/1.7) = 0.21880; a motion of type II bears 3.3 · 0.21880 + 0.67 = 1.3920 times that."""
-    resistance = assess_later(POINT, Shaking(0.25, math.nan), "2012", "I")
-    two = assess_later(POINT, Shaking(0.25, math.nan), "2012", "II")
+    resistance = assess_later(POINT, SurfaceMotion(0.25, math.nan), "2012", "I")
+    two = assess_later(POINT, SurfaceMotion(0.25, math.nan), "2012", "II")
     assert resistance.resistance == pytest.approx(0.21880, abs=1e-5)
     assert two.resistance / resistance.resistance == pytest.approx(1.3920, abs=1e-4)
 
@@ -75,4 +75,4 @@ def test_what_the_code_does_not_ask_about() -> None:
 
 def test_1990_without_a_grain_size() -> None:
     with pytest.raises(ValueError, match="d50: missing"):
-        assess_1990(BlowCount(5.0, 8.0, 95.0, 60.0, 5.0), Shaking(0.25, math.nan))
+        assess_1990(BlowCount(5.0, 8.0, 95.0, 60.0, 5.0), SurfaceMotion(0.25, math.nan))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from workflow.earthquake.triggering.blow_count import BlowCount, Shaking
+from workflow.earthquake.triggering.blow_count import BlowCount, SurfaceMotion
 from workflow.earthquake.triggering.idriss_boulanger import (
     assess,
     fines_correction,
@@ -57,7 +57,7 @@ def test_the_example_of_the_monograph(
     LiquePy (github LiquePy/LiquePy, Examples) prints it: CSR, MSF = 1.171394 and CRR. Its C_N is another one, so that
     blow counts are compared from (N1)60cs on. The monograph's own table was not at hand."""
     point = BlowCount(depth, 10.0, total, effective, 0.0)
-    assert stress_ratio(point, Shaking(0.280, 6.9)) == pytest.approx(load, abs=1e-6)
+    assert stress_ratio(point, SurfaceMotion(0.280, 6.9)) == pytest.approx(load, abs=1e-6)
     assert resistance_ratio(clean) == pytest.approx(bears, abs=1e-6)
     assert magnitude_scaling(6.9) == pytest.approx(1.171394, abs=1e-6)
 
@@ -79,13 +79,13 @@ def test_the_blow_count_is_consistent_with_its_own_overburden_correction() -> No
 
 
 def test_dense_sand_does_not_liquefy_and_the_factor_ends_at_two() -> None:
-    assessment = assess(BlowCount(6.0, 60.0, 110.0, 70.0, 0.0), Shaking(0.3, 7.5), 60.0, 1.5)
+    assessment = assess(BlowCount(6.0, 60.0, 110.0, 70.0, 0.0), SurfaceMotion(0.3, 7.5), 60.0, 1.5)
     assert assessment.factor == 2.0
 
 
 def test_more_shaking_and_fewer_blows_make_it_worse() -> None:
     def factor(blows: float, peak: float, magnitude: float) -> float:
         point = BlowCount(6.0, blows, 110.0, 70.0, 5.0)
-        return assess(point, Shaking(peak, magnitude), 60.0, 1.5).factor
+        return assess(point, SurfaceMotion(peak, magnitude), 60.0, 1.5).factor
 
     assert factor(10.0, 0.2, 7.5) > factor(10.0, 0.3, 7.5) > factor(5.0, 0.3, 7.5) > factor(5.0, 0.3, 8.3)

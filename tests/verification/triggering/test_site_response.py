@@ -12,8 +12,8 @@ from tests.support.borings import bored
 from workflow.config import Config
 from workflow.config.after_triggering import config_after_triggering
 from workflow.earthquake.site_response import (
+    ColumnLayer,
     HalfSpace,
-    Layer,
     Response,
     response,
     stiffness_and_damping,
@@ -34,10 +34,10 @@ RECORD = 0.6 * np.exp(-(((TIME - 6.0) / 3.0) ** 2)) * np.sin(2.0 * np.pi * 1.7 *
 @pytest.mark.parametrize("damping", [0.01, 0.1])
 def test_uniform_layer_on_rigid_rock(damping: float) -> None:
     """Surface over rock is 1/cos(k* H), k* = ω/(V √(1 + 2iD)), however the layer is divided."""
-    layer = Layer(5.0, 1900.0, 200.0, 50e3, damping=damping)
+    layer = ColumnLayer(5.0, 1900.0, 200.0, 50e3, damping=damping)
     omega = 2.0 * np.pi * np.array([0.5, 2.5, 5.0, 12.0])
     for parts in (1, 4):
-        divided = [Layer(5.0 / parts, 1900.0, 200.0, 50e3, damping=damping)] * parts
+        divided = [ColumnLayer(5.0 / parts, 1900.0, 200.0, 50e3, damping=damping)] * parts
         up, down, _ = waves(divided, HalfSpace(1e9, 5000.0), omega)
         expected = 1.0 / np.cos(omega * layer.thickness / (200.0 * np.sqrt(1.0 + 2j * damping)))
         np.testing.assert_allclose(2.0 / (up[-1] + down[-1]), expected, rtol=1e-9)
@@ -46,7 +46,7 @@ def test_uniform_layer_on_rigid_rock(damping: float) -> None:
 def test_uniform_layer_on_rock_that_gives() -> None:
     """Surface over outcrop is 1/(cos kH + i α sin kH), α the ratio of impedances (Kramer 1996, Sec. 7.2.1.4)."""
     omega = 2.0 * np.pi * np.array([1.0, 5.0, 9.0])
-    up, _, _ = waves([Layer(10.0, 1800.0, 200.0, 50e3, damping=0.0)], HalfSpace(2200.0, 800.0, 0.0), omega)
+    up, _, _ = waves([ColumnLayer(10.0, 1800.0, 200.0, 50e3, damping=0.0)], HalfSpace(2200.0, 800.0, 0.0), omega)
     angle, ratio = omega * 10.0 / 200.0, 1800.0 * 200.0 / (2200.0 * 800.0)
     np.testing.assert_allclose(1.0 / up[-1], 1.0 / (np.cos(angle) + 1j * ratio * np.sin(angle)), rtol=1e-9)
 
@@ -59,10 +59,10 @@ def test_curves_are_pystratas() -> None:
     np.testing.assert_allclose(result[1], [0.01030415, 0.01456948, 0.04836007, 0.15126968, 0.21082933], rtol=3e-4)
 
 
-def layers() -> list[Layer]:
+def layers() -> list[ColumnLayer]:
     """20 layers of 1 m: 2, 3, 5 and 10 m of ever stiffer sand."""
     soils = ((2, 1800.0, 150.0, 20e3), (3, 1900.0, 180.0, 40e3), (5, 1900.0, 220.0, 70e3), (10, 2000.0, 300.0, 130e3))
-    return [Layer(1.0, *soil) for count, *soil in soils for _ in range(int(count))]
+    return [ColumnLayer(1.0, *soil) for count, *soil in soils for _ in range(int(count))]
 
 
 def test_equivalent_linear_layers_are_pystratas() -> None:
@@ -116,7 +116,7 @@ def test_strong_motions_have_an_answer_that_is_at_rest(name: str, seed: int) -> 
     generator = np.random.default_rng(seed)
     count = int(generator.integers(5, 20))
     soils = zip(generator.uniform(1600, 2100, count), np.sort(generator.uniform(100, 350, count)), strict=True)
-    column = [Layer(1.0, d, v, 20e3 + 9e3 * j, float(15 * (j % 2))) for j, (d, v) in enumerate(soils)]
+    column = [ColumnLayer(1.0, d, v, 20e3 + 9e3 * j, float(15 * (j % 2))) for j, (d, v) in enumerate(soils)]
     base = HalfSpace(2200.0, 760.0)
     motion = {"record": 9.80665 * RECORD / np.abs(RECORD).max(), "sine": sine(1.0), "pulse": PULSE}[name]
     for peak in (0.2, 0.6):

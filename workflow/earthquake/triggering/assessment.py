@@ -12,10 +12,10 @@ from meshes.errors import InputError
 from meshes.section.overburden import Overburden, outside, overburden, reaches_water, water_level
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
-from workflow.earthquake.attenuation import Motion, Range
+from workflow.earthquake.attenuation import PeakMotion, ValidRange
 from workflow.earthquake.settings import EarthquakeSettings
 from workflow.earthquake.triggering import boulanger_idriss, idriss_boulanger
-from workflow.earthquake.triggering.blow_count import KPA, BlowCount, Resistance, Shaking
+from workflow.earthquake.triggering.blow_count import KPA, BlowCount, Resistance, SurfaceMotion
 from workflow.earthquake.triggering.boulanger_idriss import ConeTest
 from workflow.earthquake.triggering.methods import RELATIONS, Relation
 from workflow.earthquake.triggering.settings import TriggeringSettings
@@ -90,10 +90,10 @@ class OfStratum:
 
 
 @dataclass(frozen=True)
-class Assessment:
+class TriggeringAssessment:
     """All tests, all strata, and P_L by boring; with the motion and the method of the assessment."""
 
-    motion: Motion
+    motion: PeakMotion
     magnitude: float | None
     relation: Relation
     tests: tuple[Judged, ...]
@@ -101,7 +101,7 @@ class Assessment:
     potentials: dict[str, float]
 
 
-def assess(section: Section, earthquake: EarthquakeSettings, settings: TriggeringSettings) -> Assessment:
+def assess(section: Section, earthquake: EarthquakeSettings, settings: TriggeringSettings) -> TriggeringAssessment:
     """Assess every test of every boring. Raises InputError with every problem."""
     relation = RELATIONS[settings.method]
     problems = _missing(section, earthquake, settings)
@@ -109,7 +109,7 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
     motion = None if problems else earthquake.motion()
     if motion is None:
         raise InputError(section.name, problems)
-    shaking = Shaking(motion.median / GRAVITY, earthquake.magnitude or math.nan)
+    shaking = SurfaceMotion(motion.median / GRAVITY, earthquake.magnitude or math.nan)
     tests: list[Judged] = []
     borings = [boring for boring in settings.borings if getattr(boring, relation.kind)]
     lengths = _stretches(section, sorted({float(boring.x) for boring in borings}))
@@ -134,7 +134,7 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
         name: potential([(t.top, t.bottom, t.factor) for t in tests_of_layer])
         for name, tests_of_layer in layers.items()
     }
-    return Assessment(motion, earthquake.magnitude, relation, tuple(tests), strata, potentials)
+    return TriggeringAssessment(motion, earthquake.magnitude, relation, tuple(tests), strata, potentials)
 
 
 def _why_not(section: Section, sample: Sample | Cone, where: Overburden) -> str:
@@ -150,7 +150,7 @@ def _why_not(section: Section, sample: Sample | Cone, where: Overburden) -> str:
 
 
 def _resistance_of(
-    relation: Relation, point: BlowCount | ConeTest, shaking: Shaking, settings: TriggeringSettings
+    relation: Relation, point: BlowCount | ConeTest, shaking: SurfaceMotion, settings: TriggeringSettings
 ) -> Resistance:
     """The resistance of a test by a relation. Raises ValueError for missing input, or without effective stress."""
     if point.effective <= 0.0:
@@ -182,7 +182,9 @@ def _missing(section: Section, earthquake: EarthquakeSettings, settings: Trigger
     if relation.magnitudes is not None and earthquake.magnitude is None:
         problems.append(f"earthquake, magnitude: missing; {relation.title} asks for it")
     elif relation.magnitudes is not None and earthquake.magnitude is not None:
-        problem = Range("earthquake, magnitude", *relation.magnitudes).problem(earthquake.magnitude, relation.title)
+        problem = ValidRange("earthquake, magnitude", *relation.magnitudes).problem(
+            earthquake.magnitude, relation.title
+        )
         problems += [problem] if problem else []
     return problems
 

@@ -36,7 +36,7 @@ class BlowCount:
 
 
 @dataclass(frozen=True)
-class Shaking:
+class SurfaceMotion:
     """The earthquake as input of a method: ``peak`` acceleration over g at the surface, and magnitude."""
 
     peak: float

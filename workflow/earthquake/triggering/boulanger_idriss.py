@@ -7,7 +7,7 @@ California at Davis (2014); numbers of equations are that report's. Stresses in 
 import math
 from dataclasses import dataclass
 
-from workflow.earthquake.triggering.blow_count import ATMOSPHERE, Resistance, Shaking
+from workflow.earthquake.triggering.blow_count import ATMOSPHERE, Resistance, SurfaceMotion
 from workflow.earthquake.triggering.idriss_boulanger import DEEPEST, stress_reduction
 
 SOURCE = "R. W. Boulanger, I. M. Idriss, CPT and SPT Based Liquefaction Triggering Procedures, UCD/CGM-14/01 (2014)"
@@ -102,7 +102,7 @@ def equivalent_count(resistance: float) -> float:
     return 46.0 * max(0.0, 0.478 * resistance**0.264 - 1.063) ** 2
 
 
-def assess(point: ConeTest, shaking: Shaking) -> Resistance:
+def assess(point: ConeTest, shaking: SurfaceMotion) -> Resistance:
     """F_L at a depth: CRR MSF K_σ over CSR = 0.65 (σv/σ'v) a_max r_d, eqs. 2.2 and 2.14."""
     resistance, clean = normalised(point)
     reduction = stress_reduction(point.depth, shaking.magnitude)

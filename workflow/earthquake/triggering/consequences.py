@@ -5,7 +5,7 @@ import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from workflow.earthquake.triggering.assessment import Assessment, Judged, fines_of, normalised_counts
+from workflow.earthquake.triggering.assessment import Judged, TriggeringAssessment, fines_of, normalised_counts
 from workflow.earthquake.triggering.blow_count import KPA
 from workflow.earthquake.triggering.residual import RELATIONS, Penetration
 from workflow.earthquake.triggering.settings import CaseName, TriggeringSettings
@@ -93,13 +93,13 @@ class Left:
         return CHOICE[case](list(self.strengths.values()))
 
 
-def left(assessment: Assessment, settings: TriggeringSettings) -> tuple[Left, ...]:
+def left(assessment: TriggeringAssessment, settings: TriggeringSettings) -> tuple[Left, ...]:
     """Residual strength of every stratum in which at least one test has F_L below 1."""
     strata = sorted({test.where.stratum for test in assessment.tests if test.liquefies})
     return tuple(_of_stratum(k, assessment, settings) for k in strata)
 
 
-def pore_pressures(assessment: Assessment, strata: int) -> list[float]:
+def pore_pressures(assessment: TriggeringAssessment, strata: int) -> list[float]:
     """Mean excess pore pressure ratio of every stratum over the area of its tests: 1 where F_L is at most 1."""
     ratios = []
     for k in range(strata):
@@ -109,7 +109,7 @@ def pore_pressures(assessment: Assessment, strata: int) -> list[float]:
     return ratios
 
 
-def _of_stratum(number: int, assessment: Assessment, settings: TriggeringSettings) -> Left:
+def _of_stratum(number: int, assessment: TriggeringAssessment, settings: TriggeringSettings) -> Left:
     tests = [test for test in assessment.tests if test.liquefies and test.where.stratum == number]
     counts = [normalised_counts(test, settings) for test in tests]
     soils = [

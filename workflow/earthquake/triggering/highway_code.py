@@ -7,7 +7,7 @@ Stresses in kPa, grain sizes in mm, fines in percent.
 import math
 from typing import Literal
 
-from workflow.earthquake.triggering.blow_count import BlowCount, Resistance, Shaking
+from workflow.earthquake.triggering.blow_count import BlowCount, Resistance, SurfaceMotion
 
 SOURCE = "Japan Road Association, Specifications for Highway Bridges, Part V: Seismic Design"
 VALIDITY = "alluvial sand to a depth of 20 m; the code needs no magnitude"
@@ -16,7 +16,7 @@ KGF = 98.0665  # kPa in a kgf/cm²
 MotionType = Literal["I", "II"]
 
 
-def stress_ratio(point: BlowCount, shaking: Shaking) -> float:
+def stress_ratio(point: BlowCount, shaking: SurfaceMotion) -> float:
     """L = r_d k σv/σ'v with r_d = 1 - 0.015 z, all forms; k is the peak acceleration at the surface over g."""
     return (1.0 - 0.015 * point.depth) * shaking.peak * point.total / point.effective
 
@@ -86,12 +86,14 @@ def motion_factor(resistance: float, motion: MotionType) -> float:
     return 3.3 * resistance + 0.67 if resistance <= 0.4 else 2.0
 
 
-def assess_1990(point: BlowCount, shaking: Shaking) -> Resistance:
+def assess_1990(point: BlowCount, shaking: SurfaceMotion) -> Resistance:
     """F_L at a test by the form of 1990. Raises ValueError without a mean grain size."""
     return Resistance(normalised(point), None, stress_ratio(point, shaking), max(0.0, resistance_1990(point)))
 
 
-def assess_later(point: BlowCount, shaking: Shaking, form: Literal["2012", "2017"], motion: MotionType) -> Resistance:
+def assess_later(
+    point: BlowCount, shaking: SurfaceMotion, form: Literal["2012", "2017"], motion: MotionType
+) -> Resistance:
     """F_L at a test by the form of 2012 or 2017: c_W R_L over L.
 
     ``point``: blow count; ``shaking``: acceleration and magnitude; ``motion``: type 1 or 2 of the code.

@@ -6,7 +6,7 @@ Institute (2008). Stresses in kPa.
 
 import math
 
-from workflow.earthquake.triggering.blow_count import ATMOSPHERE, BlowCount, Resistance, Shaking
+from workflow.earthquake.triggering.blow_count import ATMOSPHERE, BlowCount, Resistance, SurfaceMotion
 
 SOURCE = "I. M. Idriss, R. W. Boulanger, Soil Liquefaction during Earthquakes, EERI MNO-12 (2008)"
 VALIDITY = "sands to non-plastic silts; M 5-8.5; to a depth of 34 m, of little certainty below 20 m"
@@ -25,7 +25,7 @@ def stress_reduction(depth: float, magnitude: float) -> float:
     return math.exp(alpha + beta * magnitude)
 
 
-def stress_ratio(point: BlowCount, shaking: Shaking) -> float:
+def stress_ratio(point: BlowCount, shaking: SurfaceMotion) -> float:
     """CSR = 0.65 (σv/σ'v) a_max r_d of the earthquake, at its magnitude."""
     return 0.65 * point.total / point.effective * shaking.peak * stress_reduction(point.depth, shaking.magnitude)
 
@@ -79,7 +79,7 @@ def normalised(point: BlowCount, energy_ratio: float, rods_above: float) -> tupl
     return clean - fines, clean
 
 
-def assess(point: BlowCount, shaking: Shaking, energy_ratio: float, rods_above: float) -> Resistance:
+def assess(point: BlowCount, shaking: SurfaceMotion, energy_ratio: float, rods_above: float) -> Resistance:
     """F_L at a test: CRR MSF K_σ over CSR.
 
     ``point``: blow count; ``shaking``: acceleration and magnitude; ``energy_ratio``: of the hammer (%); ``rods_above``:

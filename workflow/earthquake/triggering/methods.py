@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any, Literal
 
 from workflow.earthquake.triggering import boulanger_idriss, highway_code, idriss_boulanger
-from workflow.earthquake.triggering.blow_count import BlowCount, Resistance, Shaking
+from workflow.earthquake.triggering.blow_count import BlowCount, Resistance, SurfaceMotion
 from workflow.earthquake.triggering.boulanger_idriss import ConeTest
 from workflow.earthquake.triggering.settings import Method, TriggeringSettings
 
@@ -28,31 +28,31 @@ class Relation:
     title: str
     source: str
     validity: str
-    find: Callable[[Any, Shaking, TriggeringSettings], Resistance]
+    find: Callable[[Any, SurfaceMotion, TriggeringSettings], Resistance]
     why_not: Callable[[Any], str]
     magnitudes: tuple[float, float] | None
     kind: Literal["spt", "cpt"] = "spt"
 
 
-def _idriss_boulanger(point: BlowCount, shaking: Shaking, settings: TriggeringSettings) -> Resistance:
+def _idriss_boulanger(point: BlowCount, shaking: SurfaceMotion, settings: TriggeringSettings) -> Resistance:
     return idriss_boulanger.assess(point, shaking, point.energy_ratio or settings.energy_ratio, settings.rods_above)
 
 
-def _boulanger_idriss(point: ConeTest, shaking: Shaking, settings: TriggeringSettings) -> Resistance:
+def _boulanger_idriss(point: ConeTest, shaking: SurfaceMotion, settings: TriggeringSettings) -> Resistance:
     return boulanger_idriss.assess(point, shaking)
 
 
-def _highway_1990(point: BlowCount, shaking: Shaking, settings: TriggeringSettings) -> Resistance:
+def _highway_1990(point: BlowCount, shaking: SurfaceMotion, settings: TriggeringSettings) -> Resistance:
     return highway_code.assess_1990(point, shaking)
 
 
 def _highway_later(
-    form: Literal["2012", "2017"], point: BlowCount, shaking: Shaking, settings: TriggeringSettings
+    form: Literal["2012", "2017"], point: BlowCount, shaking: SurfaceMotion, settings: TriggeringSettings
 ) -> Resistance:
     return highway_code.assess_later(point, shaking, form, settings.motion)
 
 
-def _highway(form: str, find: Callable[[BlowCount, Shaking, TriggeringSettings], Resistance]) -> Relation:
+def _highway(form: str, find: Callable[[BlowCount, SurfaceMotion, TriggeringSettings], Resistance]) -> Relation:
     title = f"Japanese highway code, form of {form}"
     return Relation(title, f"{highway_code.SOURCE} ({form})", highway_code.VALIDITY, find, highway_code.why_not, None)
 
