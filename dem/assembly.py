@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dem.lines import LineStrengths, strength_of_each
+from dem.pair_table import LineStrengths, strength_of_each
 from dem.springs import Law, LayerSprings, Mean, Strength
 
 SHORTEST = 12.0  # period, in largest radii: twice as many cells of the neighbour list as it must have

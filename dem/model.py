@@ -26,9 +26,8 @@ from dem.kernels.neighbours import (
     spatial_order,
 )
 from dem.kernels.period import folded
-from dem.lines import with_line_strengths
 from dem.liquefied_ground import change_areas, list_liquefied, match_strength
-from dem.pair_table import PairTable, pair_table
+from dem.pair_table import PairTable, pair_table, with_line_strengths
 from dem.springs import Law, LayerSprings, Mean, Strength
 from dem.state import LINE_MEMORY, MEMORY, ROLLING_MEMORY, DiscState
 from meshes.files import read_checkpoint, write_checkpoint

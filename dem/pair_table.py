@@ -5,12 +5,13 @@ SI units, per metre out of plane: springs in N/m, damping in N s/m, forces in N.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dem.kernels import contact as row
-from dem.springs import NOTHING_ROLLS, STOP_DEPTH, Law, LayerSprings, Mean
+from dem.kernels.contact import COHESION, COHESION_OTHER, MU, MU_OTHER, MU_ROLLING
+from dem.springs import NOTHING_ROLLS, STOP_DEPTH, Law, LayerSprings, Mean, Strength
 
 ANY_OVERLAP = 2.0  # half of the sum of radii, and more
 
@@ -20,8 +21,8 @@ class PairTable:
     """Constants by kind of pair: column a * (n + 1) + b for layers a and b; index n stands for the boundary.
 
     pairs (CONSTANTS, (n + 1)**2): constants between discs; lines (CONSTANTS, n + 1): constants against rigid lines,
-    with an additional block for each special strength of lines (`dem.lines`); line_block: number of the block of every
-    line; alpha ((n + 1)**2,): reach of new pore springs.
+    with an additional block for each special strength of lines; line_block: number of the block of every line;
+    alpha ((n + 1)**2,): reach of new pore springs.
     """
 
     layers: tuple[LayerSprings, ...]
@@ -149,3 +150,40 @@ def _fade(pairs: np.ndarray, left: np.ndarray) -> None:
     """
     pairs[[row.KN, row.KS, row.CN, row.CT, row.STOP]] *= left
     pairs[row.ALLOWED] = np.where(left < 1.0, ANY_OVERLAP, pairs[row.ALLOWED])
+
+
+LineStrengths = Strength | Sequence[Strength | None] | None
+
+
+def strength_of_each(strengths: LineStrengths, count: int) -> tuple[Strength | None, ...]:
+    """One strength for each line, None for the strength of the layer of the disc; empty if it is None for all lines.
+
+    Raises ValueError unless there are ``count`` strengths.
+    """
+    each = (strengths,) * count if strengths is None or isinstance(strengths, Strength) else tuple(strengths)
+    if len(each) != count:
+        raise ValueError(f"discs: {len(each)} strengths of rigid lines given, there are {count} lines")
+    return each if any(strength is not None for strength in each) else ()
+
+
+def with_line_strengths(table: PairTable, strengths: Sequence[Strength | None], law: Law) -> PairTable:
+    """The table with a block of columns for every strength given to lines.
+
+    Stiffness and dashpots of a line are always those of its partner. Raises ValueError if friction or cohesion is
+    negative, and for cohesion with the paper's discs, whose contacts have none.
+    """
+    distinct = list(dict.fromkeys(strength for strength in strengths if strength is not None))
+    blocks = [table.lines]
+    for strength in distinct:
+        if strength.friction < 0.0 or strength.cohesion < 0.0 or (law == "paper" and strength.cohesion > 0.0):
+            raise ValueError(
+                f"rigid lines: expected friction of at least 0, and cohesion only for soil discs, not {strength}"
+            )
+        block = table.lines.copy()
+        block[[MU, MU_OTHER]], block[[COHESION, COHESION_OTHER]] = strength.friction, strength.cohesion
+        block[MU_ROLLING] = min(strength.rolling_friction, NOTHING_ROLLS)
+        blocks.append(block)
+    number = {None: 0} | {strength: k + 1 for k, strength in enumerate(distinct)}
+    return replace(
+        table, lines=np.concatenate(blocks, axis=1), line_block=tuple(number[strength] for strength in strengths)
+    )
