@@ -338,7 +338,7 @@ def calibrate(
     tried = dict(sorted(tried.items(), key=lambda pair: pair[0]))
     value = min(tried, key=lambda f: (tried[f].verdict != "bracketed", abs(middle(tried[f]) - target)))
     verdict: Verdict = "calibrated" if _met(tried[value], target, settings.tolerance) else "out of reach"
-    reason = f"critical Kh {middle(tried[value]):.4f} for {target:.4f} asked"
+    reason = f"critical Kh {middle(tried[value]):.4f} for a target of {target:.4f}"
     if verdict != "calibrated":
         reason = _out_of_reach(settings, parameter, tried, value, target)
     return Calibration(

@@ -134,7 +134,7 @@ def densified_by_shaking(settled: DiscModel, ground: Ground) -> DiscModel:
                 )
                 step_on(model, cycle)
                 model.acceleration = settled.acceleration
-                damp_to_rest(model, ground, "after it was shaken down")
+                damp_to_rest(model, ground, "after densification by shaking")
                 moved.append(float(np.percentile(np.hypot(model.x - x, model.z - z)[~model.fixed], MOST)))
         except DemError:
             continue

@@ -130,7 +130,7 @@ def pushover_critical_kh(
         model = last_point if whole else model
         came = max((trial.displacement_m for trial in search.trials), default=0.0)
         search.reason = f"after {came:.3g} m: {type(error).__name__}: {error}"
-        ended = f"; pushed on until {type(error).__name__}: {error}"
+        ended = f"; displaced further until {type(error).__name__}: {error}"
     if whole:
         search.verdict = "bracketed"
         search.reason = (
@@ -200,7 +200,7 @@ def _points(
                 if not until_failed:
                     return
         pulses.whole()
-    yield f"; pushed on to {moved:.2g} m, {ended}"
+    yield f"; displaced further to {moved:.2g} m, {ended}"
 
 
 def _failed(model: DiscModel, before: DiscModel, ground: Ground, machine: DisplacementControl, moved: float) -> str:
@@ -211,7 +211,7 @@ def _failed(model: DiscModel, before: DiscModel, ground: Ground, machine: Displa
         return "where a band of shear has formed"
     if most >= APART * moved:
         return "where a part has separated from the rest"
-    return "as far as discs are pushed" if moved >= FURTHEST * machine.reach else ""
+    return "at the largest displacement of the test" if moved >= FURTHEST * machine.reach else ""
 
 
 def _point(model: DiscModel, moved: float, kh: float, most: float, seconds: float) -> Trial:

@@ -137,7 +137,7 @@ def at_the_sides(sides: Sequence[AtSide]) -> list[str]:
         if side.came:
             notes.append(
                 f"{side.came} discs of the surface slid to within two diameters of the {side.name} side, which may "
-                "hold them: take a longer section (beyond)"
+                f"stop them: take a longer section (beyond)"
             )
     return notes
 

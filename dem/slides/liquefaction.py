@@ -269,7 +269,9 @@ class Slider:
         slide.notes = self._notes()
         if slide.settled and slide.stopped_by is not None:
             slide.settled = False
-            slide.reason = f"the {slide.stopped_by} side of the box stopped it: a longer section would let it go on"
+            slide.reason = (
+                f"the {slide.stopped_by} side of the box stopped it: in a longer section the slide would continue"
+            )
         return slide
 
     def _notes(self) -> list[str]:

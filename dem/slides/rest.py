@@ -50,7 +50,7 @@ def residual_motion_source(times: Sequence[float], weight: Sequence[float], shak
     by_weight, by_shaking = (max(float(work[-1] - work[first]), 0.0) for work in (weight, shaking))
     total = by_weight + by_shaking
     if total <= LITTLE * float(np.ptp(weight) + np.ptp(shaking)):
-        return "no energy is supplied any more: it slows down, or oscillates"
+        return "no energy is supplied any more: the slide slows down, or oscillates"
     share = by_weight / total
     message = (
         f"in its last {WINDOW:g} s {100.0 * share:.0f} % of the energy came from its weight, the rest from shaking"

@@ -200,12 +200,12 @@ def _first_checked(
             break
         bound, check = wider, check_of_wider
     if bound.solution.ended:
-        why = "no more work is allowed" if bound.solution.out_of_work else bound.solution.ended
+        why = "the allowed work is used up" if bound.solution.out_of_work else bound.solution.ended
         notes.append(f"{name}: the solver ended early ({why})")
     bound = replace(bound, solution=replace(bound.solution, work=work))  # that of all attempts
     if check.holds:
         return bound, check, notes
-    return bound, None, [*notes, f"the {name} is none: {check}"]
+    return bound, None, [*notes, f"the {name} does not hold: {check}"]
 
 
 NONE_FOUND: Mapping[NoSolution, str] = {

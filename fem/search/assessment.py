@@ -326,8 +326,8 @@ class _Search:
             remedy = loose
         elif factor.factor > 1.0 and settings.sides == "free-field":  # the factor is that between held sides
             message = (
-                f"{error.reason} with the K0 stress on its free-field sides, and stands with its sides held: then its "
-                f"factor of safety is {factor.factor:.2f}"
+                f"{error.reason} with the K0 stress on its free-field sides, and stands with its sides held "
+                f"horizontally, with a factor of safety of {factor.factor:.2f}"
             )
             remedy = 'make the section longer, or take fem.sides = "smooth"'
         if is_dilating_fully(self.section.strata):
@@ -348,7 +348,7 @@ class _Search:
             return self.safety(settings, kh)
         except NoAnswerError as error:
             why = f"There is no factor of safety at Kh = {kh:g}: {error}."
-            return ResultWarning(why, "look at a smaller Kh", False)
+            return ResultWarning(why, "use a smaller Kh", False)
 
     def by(self, flow: FlowSetting) -> str:
         """A flow rule in words, such as "by Davis's estimate"."""

@@ -247,7 +247,10 @@ def _reason_to_stop(rounds: list[MeshRound], result: MeshResult, wanted: int, wi
     """Why no further mesh of ``wanted`` cells is made; empty if one is made."""
     last = rounds[-1]
     if wish.is_met(last):
-        return f"the last refinement changed it by {100 * last.change:.1f} % and about {100 * last.rest:.1f} % are left"
+        return (
+            f"the last refinement changed the result by {100 * last.change:.1f} %, and the remaining error is about "
+            f"{100 * last.rest:.1f} %"
+        )
     if result.mechanism is None:
         return f"there is no mechanism to refine: {result.reason}"
     rest = min(FIRST_REST, REST_TIMES * last.rest)

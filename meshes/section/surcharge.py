@@ -134,8 +134,8 @@ class SurfaceLoads:
         return [
             (
                 number,
-                f'it ends at x = {x:.4g} m on "{name}", which has no cohesion and bears nothing beside bare ground; '
-                "bounds give the ground within fem.least_depth of that end a cohesion of half the pressure",
+                f'it ends at x = {x:.4g} m on "{name}", which has no cohesion, and no bearing capacity next to bare '
+                "ground; bounds give the ground within fem.least_depth of that end a cohesion of half the pressure",
             )
             for number, x, name in self.bare_ends()
         ]

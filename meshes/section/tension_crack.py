@@ -59,17 +59,17 @@ class TensionCrack(Model):
         if self.bottom is None:
             return
         yield (
-            "tension_crack: slip circles end at cracks that are there before; elements, strict bounds and material "
-            "points have ground without tensile strength above their bottom, which bears more where it shears as it "
-            "opens; discs have no cracks"
+            "tension_crack: slip circles end at cracks that exist before failure; in finite elements, strict bounds "
+            "and material points the ground above the bottom of cracks has no tensile strength, and resists more "
+            "where it shears while it opens; discs have no cracks"
         )
         yield from self._below_the_slope(section, self.bottom)
         torn = [s for s in section.strata if s.tension == 0.0 and s.has_cohesion]
         if self.water != "dry" and (any(s.friction_angle for s in torn) or section.water_pressure.flow is not None):
             yield (
-                "tension_crack, water: in ground with a friction angle, and where water flows, it presses on slip "
-                "circles alone; cracks of elements, strict bounds and material points have the pore pressure of the "
-                "ground there"
+                "tension_crack, water: in ground with a friction angle, and where water flows, water in cracks acts on "
+                "slip circles only; in finite elements, strict bounds and material points cracks have the pore "
+                "pressure of the ground"
             )
 
     def _below_the_slope(self, section: Section, bottom: Line) -> Iterator[str]:

@@ -34,7 +34,7 @@ def water_problems(water: Water | None, drawn: Line | None, strata: Sequence[Str
         if flows and s.permeability is None:
             yield f'{key_in_file(strata, k)}, permeability: missing; expected one such as "1e-5 m/s" for flow'
         if flows and s.piezometric_level is not None:
-            yield f"{key_in_file(strata, k)}, piezometric_level: expected none beside flow = true, which finds it"
+            yield f"{key_in_file(strata, k)}, piezometric_level: expected none with flow = true, which computes it"
         ratio = s.pore_pressure_ratio
         pressed = table is not None if ratio is None else ratio > 0.0
         if s.buoyant and (pressed or s.piezometric_level is not None):

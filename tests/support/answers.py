@@ -4,7 +4,11 @@ from typing import Any
 
 from fem.continuum.loads import Direction
 from fem.continuum.strength import flow_of
+from tests.support.sections import analysed, slope
 from workflow.config import Config
+from workflow.report.first_page import conclusions, headlines
+from workflow.report.summary_text import findings
+from workflow.report.texts import Texts
 from workflow.report.warnings import warnings
 from workflow.results.answer import SectionLabel
 from workflow.results.bounds import BoundsAnswer, DirectionPart, Residuals
@@ -66,3 +70,16 @@ def variant(name: str, change: str, kc: float | None) -> Variant:
 def warned(result: Results) -> list[str]:
     """The warnings of a run, each with its remedy, the weightiest first."""
     return [f"{warning.what} {warning.remedy}".strip() for warning in warnings(result)]
+
+
+def liquefying_config() -> Config:
+    """A slope whose upper stratum liquefies in three cases."""
+    data = slope()
+    data["strata"][0]["liquefies_in"] = [1, 2, 3]
+    return analysed(data)
+
+
+def report_text(outcome: Results) -> str:
+    """The conclusions and paragraphs of a report, one a line."""
+    numbers = [headline.conclusion for headline in headlines(outcome, Texts())]
+    return "\n".join([*numbers, *conclusions(outcome, Texts()), *findings(outcome)])

@@ -103,7 +103,10 @@ def test_a_mesh_stays_until_noshiro_mesh_is_called_again(tmp_path: Path, capsys:
     assert run("mesh", path, "--out", out, "--size", 2, "-q") == 0
     assert run(*planned) == 0
     said = words(capsys)
-    assert "Meshed as before in this folder: size = 2.0 (noshiro mesh without options forgets that)." in said
+    assert (
+        "The mesh has the options of an earlier command: size = 2.0 (noshiro mesh without options removes them)."
+        in said
+    )
     assert "be reused" in said
     assert Config.load(out / "section.toml").mesh.size == 2.0
     assert run(*planned, "--set", "mesh.size=4") == 0  # what a command says of the mesh counts

@@ -119,7 +119,10 @@ class Invocation:
         if not self.mesh_options_stored:
             return old_words
         message = ", ".join(f"{key} = {value}" for key, value in self.mesh_options.items())
-        return [*old_words, f"Meshed as before in this folder: {message} (noshiro mesh without options forgets that)."]
+        return [
+            *old_words,
+            f"The mesh has the options of an earlier command: {message} (noshiro mesh without options removes them).",
+        ]
 
 
 def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> Config:
@@ -127,7 +130,8 @@ def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> 
     try:
         return load_config(section, merged(tables, {"mesh": mesh}))
     except InputError as error:
-        message = f"{error.source}, with the options of the mesh kept in {store.folder} (noshiro mesh forgets them)"
+        advice = "noshiro mesh without options removes them"
+        message = f"{error.source}, with the mesh options stored in {store.folder} ({advice})"
         raise InputError(message, error.problems) from None
 
 

@@ -74,7 +74,7 @@ def converge(
         Path | None,
         typer.Option("--out", help="Folder of it. [default: runs/<section name>_converge]", show_default=False),
     ] = None,
-    within: Annotated[float, typer.Option(help="How much may be left (%).", min=0.01, max=100.0)] = 10.0,
+    within: Annotated[float, typer.Option(help="Largest remaining error (%).", min=0.01, max=100.0)] = 10.0,
     workers: Workers = None,
     scheduler: Scheduler = None,
     settings: Set = None,
@@ -113,7 +113,7 @@ def converge(
         for series in answer.series:
             values = ", ".join(f"{value:.3g}" for value in series.values)
             say(f"{series.name} over the {series.over}: {values}, tends to {series.limit:.3g}; {series.verdict}")
-        say("All of it has converged." if answer.converged else "Not all of it has converged.")
+        say("All slides have converged." if answer.converged else "Not all slides have converged.")
         for reason in answer.missing:
             say(f"Without an answer: {reason}")
     return None

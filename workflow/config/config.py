@@ -81,7 +81,7 @@ class Config(Tables):
             problems.append("slide, cases = []: expected one at least, here or in [triggering]")
         problems += [
             f"{key_in_file(section.strata, k)}, liquefies_in = {list(s.liquefies_in)}: expected cases from 1 to {count}"
-            ", which there are in [slide] and [triggering]"
+            ", those of [slide] and [triggering]"
             for k, s in enumerate(section.strata)
             if not s.liquefies_in.triggered and any(number > count for number in s.liquefies_in)
         ]

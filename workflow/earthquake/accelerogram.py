@@ -202,7 +202,7 @@ def _without_offset(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, l
     shifted = abs(middle - mean) <= 0.25 * abs(mean) and abs(mean) < 0.5 * peak
     if shifted:
         return values - mean, [f"its mean of {size}, was subtracted as an offset"]
-    return values, [f"its mean is {size}, so that the ground does not end at rest; it is not corrected"]
+    return values, [f"its mean is {size}, so that the ground is not at rest at the end; the record is not corrected"]
 
 
 def _warnings(record: Accelerogram, stated: float | None) -> Iterator[str]:

@@ -134,9 +134,10 @@ class EarthquakeSettings(Model):
         cycles = None if slide.accelerogram or slide.kh == 0.0 else self.equivalent()
         if cycles is None:
             return ""
-        one_way = "" if slide.kh_cycles is not None or slide.kh_seconds is not None else " one way for ever"
+        one_way = "" if slide.kh_cycles is not None or slide.kh_seconds is not None else " in one direction without end"
         return (
-            f"slide, {slide.shaking}{one_way} counts, as given; [earthquake] stands for Kh = {cycles.kh:g} both ways, "
+            f"slide, {slide.shaking}{one_way} is used, as given; the equivalent of [earthquake] is Kh = "
+            f"{cycles.kh:g} both ways, "
             f'{cycles.cycles:g} cycles of {cycles.period:g} s (slide.kh = "{EARTHQUAKE}")'
         )
 
@@ -152,8 +153,8 @@ class EarthquakeSettings(Model):
         if abs(record.peak / peak - 1.0) <= ALIKE:
             return ""
         return (
-            f"earthquake, peak_acceleration of {peak / GRAVITY:.3g} g counts, and {record.name}, whose peak is "
-            f"{record.peak / GRAVITY:.3g} g, is not used: take one of them, or scale = {peak / record.peak:.3g}"
+            f"earthquake, peak_acceleration of {peak / GRAVITY:.3g} g is used, and {record.name}, whose peak is "
+            f"{record.peak / GRAVITY:.3g} g, is not: give one of them, or scale = {peak / record.peak:.3g}"
         )
 
     def _unlikely_peak(self) -> str:

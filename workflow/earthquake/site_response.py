@@ -179,8 +179,9 @@ def warning(strain: float) -> str:
             "all of the record, and soften motions of high frequency too much"
         )
     return (
-        f"{message}, above {100.0 * TOO_LARGE:g} %: this is beyond equivalent linear layers, whose stresses know no "
-        "strength of the soil; acceleration, k_max and strain are no forecast, and a nonlinear analysis is needed"
+        f"{message}, above {100.0 * TOO_LARGE:g} %: equivalent linear layers are not valid there, since the strength "
+        f"of the soil does not limit their stresses; acceleration, k_max and strain are not a prediction, and a "
+        f"nonlinear analysis is needed"
     )
 
 

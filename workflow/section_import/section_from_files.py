@@ -182,7 +182,7 @@ def _by_stratum(problems: Sequence[str]) -> list[str]:
 def _summary(connection: Connected) -> list[str]:
     everything = (*connection.borings, *connection.soundings)
     far = [f"{item.log.name} {abs(item.off_line):.1f} m" for item in everything if abs(item.off_line) > 0.05]
-    notice = [f"Beside the line: {', '.join(far)}."] if far else []
+    notice = [f"Away from the line of the section: {', '.join(far)}."] if far else []
     cones = sum(bool(item.log.cones) for item in everything)
     more = f", cones in {cones} of {len(everything)}" if cones else ""
     return [f"{len(connection.borings)} borings with layers{more}, strata {', '.join(connection.names)}.", *notice]

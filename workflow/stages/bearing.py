@@ -73,7 +73,7 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
     upper = strict.upper if strict is not None and math.isfinite(strict.upper) else None
     if weight < 1.0 and not (upper is not None and upper < 1.0):  # else the factor of safety says so
         notes.append(
-            "the finite elements do not stand under the weight of the ground"
+            "the finite elements find no equilibrium under the weight of the ground"
             + (f", {100.0 * weight:.0f} % of it at most" if weight >= LEAST_SHARE else "")
         )
     if strict is not None and lower is None and upper is None:
@@ -88,13 +88,13 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
         )
     if kc is not None and bracket is not None and kc > bracket.upper:
         notes.append(
-            f"the elements bear Kh = {kc:.3f}, more than the strict upper bound of {bracket.upper:.3f}: their mesh is "
-            "too coarse for the weak layer, and the bounds count"
+            f"the elements bear Kh = {kc:.3f}, more than the strict upper bound of {bracket.upper:.3f}: their mesh "
+            f"is too coarse for the weak layer, and the bounds govern"
         )
     stands, reason = _stands(kc, lower, upper)
     if unstable:
         stands, reason = "flows", f"a mechanism that leaves the section at a side, which fem.sides permits: {unstable}"
-        notes.append(f"between held sides a lower bound proves a factor of safety above {lower:.2f}")
+        notes.append(f"between sides held horizontally a lower bound proves a factor of safety above {lower:.2f}")
         factor = lower = upper = None
     return Bearing(
         stands=stands,

@@ -250,7 +250,11 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
     notes = []
     lost = 100.0 * counts.energy_lost_share
     if abs(counts.energy_lost_share) > LOSS and counts.slide_max > DOUBTED_FROM:
-        how = "lost, so that the slide is a low estimate" if lost > 0.0 else "gained, so that the slide is a high one"
+        how = (
+            "lost, so that the slide is a low estimate"
+            if lost > 0.0
+            else "gained, so that the slide is a high estimate"
+        )
         notes.append(f"{WARNING}{abs(lost):.0f} % of the energy is {how}")
     if counts.stopped_by and ground.sides == "fixed":
         notes.append(f"the slide reached the {counts.stopped_by} side of the section, which stopped it")

@@ -52,7 +52,7 @@ class Fit:
         """The verdict on convergence in words."""
         if self.converged(within):
             return f"converged within {100.0 * self.left:.2g} %"
-        message = f"not converged: {100.0 * self.left:.2g} % may be left"
+        message = f"not converged: the remaining error may be {100.0 * self.left:.2g} %"
         return f"{message}, {100.0 * self.scatter:.2g} % by the scatter of packings" if self.scatter > 0.0 else message
 
 

@@ -60,7 +60,7 @@ def test_low_strength_that_slides_less_than_median_is_found(run: Config) -> None
     assert warnings.startswith(
         "Case 2 (low strength) has less residual strength than case 1 (median) and slides less by discs, 45 m and 48 m"
     )
-    assert "ake a longer section (beyond) if a side stops them, more packings (slide.seeds) if not" in warnings
+    assert "ake a longer section (beyond) if a side stops the slides, more packings (slide.seeds) otherwise" in warnings
     assert warned(results(levee, cases=slides(levee, 45.0, 48.0))) == []
     assert warned(results(levee, cases=slides(levee, 48.0, 47.9))) == [], "what packings differ by is no contradiction"
 

@@ -75,11 +75,11 @@ def test_an_earthquake_without_a_peak_gives_its_cycles_and_is_asked_for_the_peak
 @pytest.mark.parametrize("slide", [{"kh": 0.1}, {"kh_seconds": 10.0}, {"kh": 0.1, "kh_cycles": 5.0, "kh_period": 0.5}])
 def test_another_push_than_that_of_the_earthquake_is_told(slide: dict[str, Any]) -> None:
     """Kh = 0.1 for ever beside an earthquake of 0.25 g: it counts, and a reader must know."""
-    [messages] = [text for text in with_shaking(LEVEE, **slide).notices if "counts, as given" in text]
-    assert "[earthquake] stands for Kh = 0.163 both ways, 13.9 cycles of 0.76 s" in messages
-    assert ("Kh = 0.1 one way for ever" in messages) == (slide == {"kh": 0.1})
-    assert not [text for text in with_shaking(LEVEE).notices if "counts, as given" in text]
-    assert not [text for text in with_shaking(LEVEE, kh=0.0).notices if "counts, as given" in text], (
+    [messages] = [text for text in with_shaking(LEVEE, **slide).notices if "is used, as given" in text]
+    assert "the equivalent of [earthquake] is Kh = 0.163 both ways, 13.9 cycles of 0.76 s" in messages
+    assert ("Kh = 0.1 in one direction without end" in messages) == (slide == {"kh": 0.1})
+    assert not [text for text in with_shaking(LEVEE).notices if "is used, as given" in text]
+    assert not [text for text in with_shaking(LEVEE, kh=0.0).notices if "is used, as given" in text], (
         "asked for by its name"
     )
 
@@ -89,7 +89,7 @@ def test_a_record_that_is_not_used_beside_another_peak_is_told(tmp_path: Path) -
     record.write_text(peer(0.25 * values / np.abs(values).max(), 0.01, "G"))
     for peak, item in (("0.9 g", True), ("0.25 g", False)):
         notices = with_shaking({**LEVEE, "peak_acceleration": peak, "record": str(record)}).notices
-        unlike = [text for text in notices if "whose peak is 0.25 g, is not used: take one of them" in text]
+        unlike = [text for text in notices if "whose peak is 0.25 g, is not: give one of them" in text]
         assert bool(unlike) == item
         assert not item or unlike[0].endswith("or scale = 3.6")
 

@@ -257,7 +257,7 @@ def test_a_pulse_keeps_its_mean_and_says_so() -> None:
     pulse = np.where((time > 5.0) & (time < 7.0), np.sin(0.5 * np.pi * (time - 5.0)), 0.0)
     text = read_text(columns(time, pulse, "time (s),a (m/s^2)"))
     np.testing.assert_allclose(text.acceleration, pulse, atol=1e-7)
-    assert "does not end at rest; it is not corrected" in text.remarks[0]
+    assert "is not at rest at the end; the record is not corrected" in text.remarks[0]
 
 
 @pytest.mark.parametrize(("written", "point"), [("0,25 g", "0.25 g"), ("245,2 gal", "245.2 gal")])

@@ -82,7 +82,7 @@ def test_a_push_tells_where_and_why_it_ends() -> None:
     ground, model, short = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
     long = short._replace(yielding=2.0 * RADIUS / SETTINGS.ductility)
     for (item, loaded), way, why in (
-        (sliding_block(), FURTHEST * SETTINGS.ductility * short.yielding, "as far as discs are pushed"),
+        (sliding_block(), FURTHEST * SETTINGS.ductility * short.yielding, "at the largest displacement of the test"),
         (pushover_critical_kh(model, ground, SETTINGS, long), FORMED * RADIUS, "a band of shear has formed"),
     ):
         assert item.reason.endswith(why)

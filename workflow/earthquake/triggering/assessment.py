@@ -178,9 +178,9 @@ def _missing(section: Section, earthquake: EarthquakeSettings, settings: Trigger
         problems += [f"earthquake, {text}" for text in error.problems]
     relation = RELATIONS[settings.method]
     if settings.borings and not any(getattr(boring, relation.kind) for boring in settings.borings):
-        problems.append(f"triggering, borings: none has {relation.kind}, which {relation.title} judges by")
+        problems.append(f"triggering, borings: none has {relation.kind}, which {relation.title} requires")
     if relation.magnitudes is not None and earthquake.magnitude is None:
-        problems.append(f"earthquake, magnitude: missing; {relation.title} asks for it")
+        problems.append(f"earthquake, magnitude: missing; {relation.title} requires it")
     elif relation.magnitudes is not None and earthquake.magnitude is not None:
         problem = ValidRange("earthquake, magnitude", *relation.magnitudes).problem(
             earthquake.magnitude, relation.title

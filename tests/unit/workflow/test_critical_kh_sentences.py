@@ -1,0 +1,108 @@
+"""Sentences of the report on the critical Kh: its number, its error, and what it is compared with."""
+
+import pytest
+
+from tests.support.answers import bounds, fem, liquefying_config, report_text, results, variant, warned
+from tests.support.sections import analysed, slope
+from workflow.config import Config
+from workflow.report.first_page import headlines
+from workflow.report.stability import stability_rows
+from workflow.report.texts import Texts
+from workflow.results.continuum import OtherWay, ResultWarning, ShallowFailurePart, VariantsAnswer
+from workflow.results.results import Results
+from workflow.run.record import Entry
+from workflow.run.store import Store
+
+
+@pytest.fixture
+def run() -> Config:
+    return liquefying_config()
+
+
+def test_before_anything_was_computed_all_is_open(run: Config) -> None:
+    messages = report_text(results(run))
+    assert "No critical Kh: the finite element analysis was not run." in messages
+    assert "The slide after liquefaction is not known: the slides were not computed." in messages
+
+
+def test_ground_that_is_not_said_to_liquefy_is_not_asked_how_far_it_slides() -> None:
+    messages = report_text(results(analysed(slope())))
+    assert "No layer of the section liquefies, so no slide was computed." in messages
+    assert "The slide after liquefaction" not in messages
+
+
+def test_a_critical_kh_with_what_it_hangs_on(run: Config) -> None:
+    variants = VariantsAnswer(
+        variants=(
+            variant("element", "bilinear element instead of quadratic", 0.268),
+            variant("sides", "sides fixed instead of free-field", 0.338),
+            variant("dilation", "ψ = φ instead of ψ as given", None),
+        )
+    )
+    result = results(run, fem=fem(run, 0.2345), variants=variants, bounds=bounds(run, 0.2293, 0.2349))
+    messages = report_text(result)
+    assert "The section fails downslope, to the right, at Kh = 0.234 (2.3 m/s²), with free-field sides, ass" in messages
+    assert headlines(result, Texts())[0].interval == "0.229 to 0.235 by strict bounds"
+    assert "The numerical error of the critical Kh is below 0.006, by strict bounds." in messages
+    assert "The assumptions matter more: kc = 0.338 with sides fixed instead of free-field." in messages
+    assert "instead of ψ as given" not in messages  # that one came to nothing
+    [sides] = [item for item in warned(result) if item.startswith("With sides")]
+    assert sides.startswith("With sides fixed instead of free-field the critical Kh is 0.338 instead of 0.234, so that")
+    assert sides.endswith('Move the sides away by beyond = "50 m".')
+
+
+def test_another_flow_that_bears_more_than_strict_bounds_allow_is_left_out(run: Config) -> None:
+    """No smaller ψ bears more than ψ = φ (Radenkovic 1961): a path above that was followed on too coarse a mesh."""
+    more = variant("dilation", "the non-associated path with the given ψ instead of ψ = φ", 0.30)
+    less = variant("dilation", "the path with less", 0.235)
+    result = results(run, fem=fem(run), variants=VariantsAnswer(variants=(more, less)), bounds=bounds(run, 0.27, 0.28))
+    assert "kc = 0.235 with the path with less." in report_text(result)
+    assert "ψ as given instead" not in report_text(result)
+
+
+def test_one_mesh_without_bounds_leaves_the_numerical_error_open(run: Config) -> None:
+    same = variant("sides", "sides fixed instead of free-field", 0.2331)
+    answer = fem(run, 0.2345).model_copy(update={"kc_upper": 0.2346})
+    result = results(run, fem=answer, variants=VariantsAnswer(variants=(same,)))
+    messages = report_text(result)
+    assert not warned(result)
+    assert "The numerical error of the critical Kh is not known, since there is one mesh" in messages
+    assert "With other assumptions: kc = 0.233 with sides fixed instead of free-field." in messages
+
+
+def test_what_stands_beside_the_critical_kh(run: Config) -> None:
+    """The other direction, what ψ = φ would give, faces without cohesion, and what contradicts the answer."""
+    other = OtherWay(kc=0.173, kc_upper=0.18, verdict="plateau", reason="", direction="uphill", at_sides=("left",))
+    face = ShallowFailurePart(stratum="upper", start_x_m=20.0, end_x_m=44.0, angle_deg=26.0, kh=0.05)
+    warning = ResultWarning(what="A finer mesh gives 0.20.", remedy="refine it", contradiction=True)
+    known = ResultWarning(what="The base is near.", remedy="go deeper", contradiction=False)
+    more = {
+        "flow": "davis",
+        "opposite": other,
+        "associated": other.model_copy(update={"kc": 0.3057}),
+        "shallow_failures": (face,),
+    }
+    answer = fem(run).model_copy(update={**more, "warnings": (warning, known)})
+    messages = report_text(results(run, fem=answer, bounds=bounds(run, 0.30, 0.31)))
+    assert "With ψ = φ the ground slides out of the section at the left side." in messages
+    assert "At Kh = 0.050 already, the cohesionless face of upper from x = 20 to 44 m fails as an infinite" in messages
+    rows = {(row.value, row.conditions) for row in stability_rows(results(run, fem=answer), Texts())}
+    assert ("0.306", "free-field sides, associated flow, ψ = φ") in rows
+    assert ("0.173", "seismic force upslope; slides out at the side of the section") in rows
+    assert warned(results(run, fem=answer))[0] == "A finer mesh gives 0.20. Refine it."
+    stands = fem(run).model_copy(update={"opposite": other.model_copy(update={"verdict": "no failure", "kc": 1.5})})
+    assert "> 1.500" in [row.value for row in stability_rows(results(run, fem=stands), Texts())]
+
+
+def test_a_limit_load_that_the_path_did_not_come_to_is_no_plateau(run: Config) -> None:
+    """The river bank's path rises almost straight to 0.95 of what its elements bear."""
+    assert fem(run, 0.1096).ended == "plateau"
+    assert fem(run, 0.1096).model_copy(update={"kc_lower": 0.1041}).ended == "limit load"
+
+
+def test_a_slope_that_stands_and_one_that_does_not(run: Config) -> None:
+    stands = report_text(results(run, fem=fem(run, 1.5, "no failure")))
+    assert "The section stands at every Kh up to 1.500, where the search ended." in stands
+    ended = Entry({}, "no answer", reason="the section fails under its own weight")
+    falls = report_text(Results(run, Store("nowhere"), {"fem": ended}, {}))
+    assert "No critical Kh: the section fails under its own weight." in falls

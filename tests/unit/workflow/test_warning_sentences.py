@@ -1,0 +1,100 @@
+"""Warnings of the report: failed calibration, notes of cases, and differences of discs and continuum."""
+
+import pytest
+
+from tests.support import dem_fixture
+from tests.support.answers import fem, liquefying_config, report_text, results, warned
+from tests.support.sections import analysed, slope
+from workflow.config import Config
+from workflow.report.warnings import joined
+from workflow.results.cases import CasesAnswer
+from workflow.results.continuum import PathStep
+from workflow.results.dem_counterpart import DemCounterpart
+
+
+@pytest.fixture
+def run() -> Config:
+    return liquefying_config()
+
+
+def test_what_is_doubtful_is_told(run: Config) -> None:
+    guessed = analysed({**slope(), "reconstruction": True, "reconstruction_note": "drawn from memory"})
+    calibration = dem_fixture.calibration(0.24, True)
+    discs = dem_fixture.critical(guessed, 0.24)
+    warnings = warned(results(guessed, dem=discs, calibration=calibration))
+    assert warnings[0] == "The ground is a reconstruction. Confirm the depths of the layers by borings."
+    assert "only with the stiffness of the contacts multiplied by 0.0075." in warnings[1]
+    assert warnings[-1].startswith("The discs are in rows, which must climb over each other to slide.")
+    model = discs.model.model_copy(update={"packing": "random"})
+    loose = warned(results(guessed, dem=discs.model_copy(update={"model": model}), calibration=calibration))
+    assert "rows" not in " ".join(loose)
+    slid = CasesAnswer(sets={"calibrated": {3: dem_fixture.case(0.1, 3.0)}}, random=None)
+    assert "discs calibrated to the critical Kh of the finite" in report_text(
+        results(run, calibration=calibration, cases=slid)
+    )
+    out_of_reach = results(run, calibration=dem_fixture.calibration(0.24, False), cases=slid)
+    assert "discs whose calibration failed, with the critical Kh nearest to that of the finite elements" in report_text(
+        out_of_reach
+    )
+    [failed] = [item for item in warned(out_of_reach) if item.startswith("Calibration")]
+    assert failed.startswith("Calibration failed, since no factor on the strength of the discs gives the critical Kh")
+
+
+def test_notes_that_say_the_same_of_cases_are_one_warning() -> None:
+    """With a range where their numbers differ, and the remedy of the first; numbers in names are no numbers."""
+    notes = {
+        1: (
+            "1.2 % of the area is gone: beyond 3 m²",
+            'stratum "layer 4" is 2.4 m thick: take less',
+            "sand of Ac1 is thin",
+        ),
+        2: ("it slides 10 m within 20 s, a flow failure: mind", "3.4 % of the area is gone: beyond 8 m²"),
+        3: ("it slides 9.9 m within 20 s, a flow failure: mind", 'stratum "layer 5" is 2.4 m thick: take less'),
+    }
+    assert list(joined(notes)) == [
+        "it slides 9.9 to 10 m within 20 s, a flow failure (cases 2 and 3): mind",
+        "1.2 to 3.4 % of the area is gone (cases 1 and 2): beyond 3 m²",
+        'stratum "layer 4" is 2.4 m thick (case 1): take less',
+        'stratum "layer 5" is 2.4 m thick (case 3): take less',
+        "sand of Ac1 is thin (case 1)",
+    ]
+
+
+def test_a_target_of_the_discs_that_is_not_sharp_is_told(run: Config) -> None:
+    """Where the path of the continuum went on far above its last equilibrium."""
+    step = PathStep(
+        length=1.0, displacement=0.02, factor=0.16, iterations=3, residual=0.0, plastic_share=0.3, cutbacks=0,
+        at_rest=False, balanced=True,
+    )  # fmt: skip
+    like = DemCounterpart.of(fem(run, 0.16).model_copy(update={"curve": (step,)}))
+    result = results(run, dem=dem_fixture.critical(run, 0.16), dem_counterpart=like)
+    assert not any("boundary conditions of the discs" in item for item in warned(result))
+    wide = like.model_copy(update={"kc_upper": 0.226, "flow": "section"})
+    warnings = warned(results(run, dem=dem_fixture.critical(run, 0.16), dem_counterpart=wide))
+    assert (
+        "of the discs (free-field sides, ψ as given) fail between Kh = 0.160 and 0.226. Discs that fail" in warnings[0]
+    )
+
+
+def test_discs_that_fail_elsewhere_than_the_continuum_are_told(run: Config) -> None:
+    discs = dem_fixture.critical(run, 0.16)
+
+    def message(**slip: object) -> list[str]:
+        surfaces = discs.slip_surface.model_copy(update=slip)
+        return warned(results(run, dem=discs.model_copy(update={"slip_surface": surfaces})))
+
+    height = float(run.section.outline()[:, 1].max() - run.section.outline()[:, 1].min())
+    assert any("m apart on average" in warning for warning in message(mean_distance_m=0.3 * height))
+    assert not any("m apart on average" in warning for warning in message(mean_distance_m=0.2 * height))
+    messages = message(mean_distance_m=None, dem=((0.0, 1.0), (9.0, 1.0)), fem=((20.0, 1.0), (31.0, 1.0)))
+    assert any("from x = 0 to 9 m, the finite elements from 20 to 31 m" in warning for warning in messages)
+    assert not any("Discs fail from" in warning for warning in message(mean_distance_m=None, fem=()))
+
+
+def test_discs_that_fail_below_their_critical_kh_where_it_is_held_are_told(run: Config) -> None:
+    """Those of the fixture fail at 0.3."""
+    assert (
+        "calibrated discs fail under a constant Kh = 0.3, below their critical Kh of 0.360 under prescribed"
+        in " ".join(warned(results(run, dem=dem_fixture.critical(run, 0.36))))
+    )
+    assert not any("constant Kh" in item for item in warned(results(run, dem=dem_fixture.critical(run, 0.24))))
