@@ -49,8 +49,10 @@ FALLBACK = 0.02
 FAR = 1.0
 
 # The gap falls more slowly than the number of triangles rises: it is aimed at so much beyond it, since triangles that
-# miss it by little are made again.
-AIM = 1.3
+# miss it by little are made again. If so many times more triangles reach it, and are allowed, they are made at once,
+# without those between: six of eight sections took 6 to 30 % less work than with three times and an aim of 1.3, and two
+# that used up their work came as close or closer.
+AIM, FURTHEST_GROWTH = 1.15, 4.5
 # Work that finer triangles take, over that of both bounds at one factor: these, and proofs begun from them.
 WORK_OF_A_MESH = 1.5
 
@@ -360,10 +362,9 @@ class FactorSearch:
         mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
         margins = 2.0 * MARGIN
         needed = AIM * min(self.gap, self.open_here) / max(self.settings.gap - margins, margins)
-        growth = min(
-            max(needed, LEAST_GROWTH) if needed <= MOST_GROWTH else GROWTH,
-            self.settings.max_cells / len(problem.mesh.cells),
-        )
+        allowed = self.settings.max_cells / len(problem.mesh.cells)
+        at_once = FURTHEST_GROWTH if needed <= allowed else MOST_GROWTH
+        growth = min(max(needed, LEAST_GROWTH) if needed <= at_once else GROWTH, allowed)
         lower = self.root("lower")
         if math.isfinite(lower):
             rise = RISE * self.open_here if math.isfinite(self.open_here) else 0.0

@@ -35,6 +35,14 @@ def test_what_is_reused_takes_no_time(monkeypatch: pytest.MonkeyPatch) -> None:
     assert message(monkeypatch, action="reuse") == ""
 
 
+def test_elements_and_bounds_alone_are_not_foretold(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With factors of safety twenty sections took 14 to 104 s of a processor, where 86 to 100 s had been expected."""
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    config = load_config(SECTIONS / "s13.toml", {})
+    alone = [stage for stage in stages.STAGES if stage.name in ("mesh", "fem", "bounds")]
+    assert announcement([Decision(stage, "run", "") for stage in alone], config) == ""
+
+
 def test_finer_discs_and_cells_take_longer(monkeypatch: pytest.MonkeyPatch) -> None:
     fine = message(monkeypatch, "river_bank", dem={"elements": 40_000}, slide={"mpm_cells": 12_000})
     assert "h on 2 free processors" in fine
