@@ -26,6 +26,7 @@ from PIL import Image
 
 from meshes.section.cutting import soil_numbers
 from workflow.figures import fonts
+from workflow.figures.symbols import SYMBOL, in_mathtext
 
 if TYPE_CHECKING:
     import pyvista as pv
@@ -261,12 +262,19 @@ class Sheet:
 
 
 def save(figure: Figure, path: Path | str) -> None:
-    """Write a figure as a PNG, with names in any script for which there is a font."""
+    """Write a figure as a PNG, with symbols, and with names in any script for which there is a font."""
     for text in figure.findobj(Text):
         words = text.get_text()
         if not words.isascii():
-            text.set_fontfamily(fonts.families_for(words))
-            text.set_text(fonts.without(words, fonts.missing(words)))
+            families = fonts.families_for(words)
+            text.set_fontfamily(families)
+            words = fonts.without(words, fonts.missing(words))
+            text.set_text(words)
+            if len(families) > 1:  # mathtext has the characters of one font
+                continue
+        if SYMBOL.search(words):
+            text.set_parse_math(True)
+            text.set_text(in_mathtext(words))
     figure.savefig(path, format="png", pil_kwargs={"compress_level": COMPRESSION})
 
 

@@ -60,7 +60,7 @@ def _slips(answer: FemAnswer) -> list[Overlay]:
 
 
 def _named(factor: FactorOfSafety) -> str:
-    return f"slip surface, factor of safety {factor.factor:.2f} at Kh = {factor.kh:g}"
+    return f"slip surface, F_s = {factor.factor:.2f} at Kh = {factor.kh:g}"
 
 
 def draw_state(config: Config, results: FemResults, state: FieldState, store: Store) -> str:

@@ -17,7 +17,7 @@ def draw(section: Section, answer: SlicesAnswer, path: Path) -> None:
     each side.
     """
     lines = [
-        _line(circle, CONTINUUM, f"factor of safety {_value(circle, 2)} at Kh = {factors.kh:g}")
+        _line(circle, CONTINUUM, f"F_s = {_value(circle, 2)} at Kh = {factors.kh:g}")
         for factors in answer.factors[:1]
         for circle in factors.circles
     ]

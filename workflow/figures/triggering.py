@@ -76,7 +76,7 @@ def _boring(
     blows.set_ylabel("depth (m)", fontsize=8, color=INK)
     potential = next(boring.potential for boring in answer.borings if boring.name == tests[0].boring)
     blows.set_title(f"{tests[0].boring}, x = {x:g} m", fontsize=8.5, loc="left", color=INK, parse_math=False)
-    factors.set_title(f"index $P_L$ = {potential:.1f}", fontsize=8.5, loc="left", color=INK)
+    factors.set_title(f"index P_L = {potential:.1f}", fontsize=8.5, loc="left", color=INK)
     for test in tests:
         if test.factor is not None:
             colour = CRITICAL if test.factor < 1.0 else CONTINUUM
@@ -84,7 +84,7 @@ def _boring(
             factors.plot(test.factor, test.depth_m, color=colour, marker="o", markersize=3.5)
     factors.axvline(1.0, color=INK, linewidth=0.9)
     factors.set_xlim(0.0, MOST_FACTOR + 0.1)
-    factors.set_xlabel(f"$F_L$ (drawn up to {MOST_FACTOR:g})", fontsize=8, color=INK)
+    factors.set_xlabel(f"F_L (drawn up to {MOST_FACTOR:g})", fontsize=8, color=INK)
     factors.set_yticklabels([])
 
 
@@ -103,8 +103,8 @@ def _name_strata(section: Section, depths: np.ndarray, deepest: float, axes: Axe
 def _handles() -> list[Line2D]:
     return [
         Line2D(
-            [], [], color=CONTINUUM, marker="o", markersize=3.5, linewidth=1.0, label="measured, and $F_L$ of 1 or more"
+            [], [], color=CONTINUUM, marker="o", markersize=3.5, linewidth=1.0, label="measured, and F_L of 1 or more"
         ),
-        Line2D([], [], color=CRITICAL, marker="o", markersize=3.5, linewidth=1.0, label="$F_L$ below 1"),
+        Line2D([], [], color=CRITICAL, marker="o", markersize=3.5, linewidth=1.0, label="F_L below 1"),
         Line2D([], [], color=WATER, linewidth=1.4, linestyle=(0, (6, 3)), label="water table"),
     ]

@@ -19,6 +19,7 @@ from workflow.figures import fonts
 from workflow.figures.comparison import PICTURES
 from workflow.figures.displacements import slides
 from workflow.figures.front import FRONT
+from workflow.figures.symbols import in_captions
 from workflow.report import tables
 from workflow.report.assumptions import assumptions
 from workflow.report.captions import collect
@@ -69,7 +70,7 @@ def page(results: Results, summary: Summary) -> str:
     first, second = Labels(texts), Labels(texts)
     template.render(content, labels=first)
     second.known, second.contents = first.numbers, first.sections
-    return texts.page(template.render(content, labels=second))
+    return in_captions(texts.page(template.render(content, labels=second)))
 
 
 def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]:

@@ -28,7 +28,7 @@ def test_a_factor_of_safety_is_in_the_headline_only_with_its_error() -> None:
     assert "with a factor of safety of 8.84" in alone.conclusion
     messages = headlines(results(run, fem=answer, bounds=bounds(run, 0.2293, 0.2349)), Texts())[1]
     assert messages.value == "8.84"
-    assert messages.interval == "found on one mesh, whose critical Kh is off by at most 3 % by strict bounds"
+    assert messages.interval == "computed on one mesh, whose critical Kh has an error of at most 3 % by strict bounds"
     meshes = answer.model_copy(update={"safety_factors": (factor.model_copy(update={"rest": 0.01}),)})
     assert headlines(results(run, fem=meshes), Texts())[1].interval == "8.75 to 8.84 by the sequence of meshes"
 
