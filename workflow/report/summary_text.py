@@ -98,7 +98,7 @@ def _assumed(results: Results, fem: FemAnswer, error: Accuracy | None) -> Iterat
     if error is None:
         yield f"With other assumptions: {listed(phrases)}."
     else:
-        how = "more" if largest > error.error(fem.kc) else "no more than that"
+        how = "more than this error" if largest > error.error(fem.kc) else "no more than this error"
         yield f"The assumptions matter {how}: {listed(phrases)}."
 
 
