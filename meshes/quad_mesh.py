@@ -84,8 +84,9 @@ def check(mesh: QuadMesh) -> None:
     if jacobians[worst] > 0.0:
         return
     x, z = mesh.points[mesh.cells[worst]].mean(axis=0)
+    folded = int((jacobians <= 0).sum())
     raise BadMeshError(
-        f"{int((jacobians <= 0).sum())} of {len(mesh.cells)} cells are folded, the worst near x = {x:.2f} m, "
+        f"{folded} of {len(mesh.cells)} cells {'is' if folded == 1 else 'are'} folded, the worst near x = {x:.2f} m, "
         f'z = {z:.2f} m in stratum "{mesh.strata[mesh.stratum[worst]]}" (scaled Jacobian {jacobians[worst]:.2g}); '
         "try a smaller size there"
     )

@@ -12,6 +12,7 @@ from dem.ground import Ground
 from dem.model import DiscModel
 from dem.slides.surface import Surface
 from dem.slides.volume import shortening
+from meshes.counting import counted
 from meshes.section.cutting import shown_name
 
 LOST = 0.01  # of the area, beyond what was asked for
@@ -136,8 +137,8 @@ def at_the_sides(sides: Sequence[AtSide]) -> list[str]:
             notes.append(f"the ground has piled up by {side.rise:.2g} m at the {side.name} side: take a longer section")
         if side.came:
             notes.append(
-                f"{side.came} discs of the surface slid to within two diameters of the {side.name} side, which may "
-                f"stop them: take a longer section (beyond)"
+                f"{counted(side.came, 'disc', 'discs')} of the surface slid to within two diameters of the "
+                f"{side.name} side, which may stop {'it' if side.came == 1 else 'them'}: take a longer section (beyond)"
             )
     return notes
 

@@ -42,6 +42,7 @@ from dem.slides.slide import Slide
 from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
 from dem.slides.volume import area_per_disc, swollen, undrained, volume_change
+from meshes.counting import counted
 from meshes.files import whole
 
 LEAST_STEP = 0.25  # of the step asked for; it is halved, and the slide begun again, where the energy does not balance
@@ -286,8 +287,9 @@ class Slider:
         notes += at_the_sides(sides)
         if (through := pressed_through(model)) > 0:
             notes.append(
-                f"{through} discs overlap the fixed ones at the sides or the base by more than a radius: the box no "
-                "longer retains them, since their layer is too soft for discs of this size"
+                f"{counted(through, 'disc overlaps', 'discs overlap')} the fixed ones at the sides or the base "
+                "by more than a radius: the box no longer retains such discs, since their layer is too soft for discs "
+                "of this size"
             )
         notes += on_loose_mass(slide.loose_share)
         notes += self._lost()
@@ -308,7 +310,7 @@ class Slider:
             return []
         change = 100.0 * volume_change(start, model)
         most = [f"{start.springs.layers[k].name} {change[k]:+.1f} %" for k in np.argsort(change)[:4]]
-        left = f"; {slide.escaped} have left the box" if slide.escaped else ""
+        left = f"; {counted(slide.escaped, 'disc has', 'discs have')} left the box" if slide.escaped else ""
         return [
             f"{100.0 * slide.area_lost_share:.1f} % of the area of the ground is lost, not counting {expected:.3g} m² "
             f"by drainage and softer springs: loose discs get denser as they shear ({', '.join(most)}){left}"

@@ -17,7 +17,7 @@ from fem.continuum.shallow_failure import ShallowFailure, failing_at_rest, shall
 from fem.continuum.strength import davis_factor, flow_of, is_dilating_fully, tensile_strengths
 from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import BoundSearch, proven_upper_bound
-from fem.limit.bracket import Limits
+from fem.limit.bracket import COST_EXPONENT, Limits
 from fem.limit.directions import DirectionSearch, KhObserver, SectionSide, SmallerKhBounds, search_all
 from fem.limit.limit_problem import CornerCohesion, Places, RigidPlasticBody, Side, Traction, limit_problem, units_of
 from fem.limit.side_stress import SideStress, side_stresses
@@ -36,6 +36,9 @@ from meshes.triangles import TriMesh, triangulate
 CELLS_IN_HEIGHT, CELLS_IN_LAYER = 5.0, 0.8
 # The first mesh has at most this share of the cells allowed.
 FIRST_SHARE = 0.15
+# Both bounds on so many triangles take so long (s of the reference machine), and the work allowed is enough for so many
+# first meshes.
+CELLS_SOLVED, SECONDS_SOLVED, FIRST_MESHES = 2900, 1.4, 6
 # Angle (rad) of triangles above which those where a smooth side meets the ground, or a surcharge ends, are halved.
 WIDE_CORNER = 0.5
 # Cells allowed where a rough upper bound will do; the first mesh has a share of it.
@@ -78,7 +81,7 @@ class DirectionGround:
 
     ``shallow_failures`` are the faces that may fail at a smaller Kh than the whole slope. ``as_given`` is an upper
     bound, on coarse triangles, of the section without strengthening (inf if there are no such faces). ``section`` is
-    the ground with these faces strengthened.
+    the ground with these faces strengthened. ``work`` is that of the coarse bounds (s of the reference machine).
     """
 
     fem: FemSettings
@@ -86,6 +89,7 @@ class DirectionGround:
     shallow_failures: tuple[ShallowFailure, ...]
     as_given: float
     section: Section
+    work: float = 0.0
 
     @classmethod
     def of(cls, section: Section, fem: FemSettings, max_cells: int) -> "DirectionGround":
@@ -99,12 +103,13 @@ class DirectionGround:
         """
         faces, always = shallow_failures(section, fem), failing_at_rest(section, fem)
         whole = strengthened(section, faces + always, fem)
-        upper = _coarse_upper_bound(whole, fem) if faces else -np.inf
+        upper, work = _coarse_upper_bound(whole, fem) if faces else (-np.inf, 0.0)
         govern = [face for face in faces if face.kh < upper]
         if not govern and not always:
-            return cls(fem, max_cells, (), np.inf, section)
+            return cls(fem, max_cells, (), np.inf, section, work)
         ground = whole if govern else strengthened(section, always, fem)
-        return cls(fem, max_cells, (*govern, *always), _coarse_upper_bound(section, fem), ground)
+        as_given, more_work = _coarse_upper_bound(section, fem)
+        return cls(fem, max_cells, (*govern, *always), as_given, ground, work + more_work)
 
     def search(self, limits: Limits, after: BoundSearch | None = None) -> DirectionSearch:
         """The search for bounds. For Davis's estimate, ``after`` is the search for ψ = φ, on whose last mesh this one
@@ -114,7 +119,8 @@ class DirectionGround:
         if after is not None and 2.0 * after.bracket.meshes[-1].work < limits.seconds:
             mesh = after.bracket.mesh
         else:
-            mesh = first_mesh(ground, self.max_cells, self.fem.sides)
+            most = cells_of_first_search(self.max_cells, limits.seconds / FIRST_MESHES)
+            mesh = first_mesh(ground, most, self.fem.sides)
         towards: SectionSide = "right" if seismic_sign(self.section, self.fem) > 0 else "left"
         body = body_of(ground, mesh, self.fem, davis=after is not None)
         return DirectionSearch(mesh, body, limits, direction_of(self.fem), towards)
@@ -154,12 +160,13 @@ def kh_bounds(
         raise InputError(section.name, ["density_seismic is 0 in all strata, so that Kh has no force"])
     davis = flow_of(section.strata, fem.flow) != "associated" if settings.davis == "auto" else settings.davis
     with_davis = davis and not is_dilating_fully(strata)
-    seconds = settings.seconds / (2.0 if with_davis else 1.0)
-    limits = Limits(settings.gap, settings.max_cells, seconds, enough=0.0, least=LEAST_KH)
     grounds = {
         direction: DirectionGround.of(section, fem.changed(direction=direction), settings.max_cells)
         for direction in directions_of(fem)
     }
+    allowed = settings.seconds - sum(ground.work for ground in grounds.values())
+    seconds = allowed / (2.0 if with_davis else 1.0)
+    limits = Limits(settings.gap, settings.max_cells, seconds, enough=0.0, least=LEAST_KH)
     searches = {direction: ground.search(limits) for direction, ground in grounds.items()}
     bounds = search_all(tuple(searches.values()), limits, observer)
     dropped, strong = 0.0, {direction: (ground, searches[direction]) for direction, ground in grounds.items()}
@@ -184,7 +191,7 @@ def kh_bounds(
     substitute = None
     if with_davis:
         spent = dropped + sum(search.work for search in searches.values())
-        left = replace(limits, seconds=settings.seconds - spent)
+        left = replace(limits, seconds=allowed - spent)
         weaker = [ground.search(left, after=searches[direction]) for direction, ground in grounds.items()]
         substitute = search_all(weaker, left, observer)
     faces = dict.fromkeys(face for ground in grounds.values() for face in ground.shallow_failures)
@@ -221,13 +228,19 @@ def as_analysed(section: Section, fem: FemSettings) -> Section:
     return cut_at_least_strength(with_strengthened_load_ends(section, fem.least_depth).cut_at_films)
 
 
-def _coarse_upper_bound(section: Section, fem: FemSettings) -> float:
-    """An upper bound of Kh on one coarse mesh, inf if there is none."""
+def _coarse_upper_bound(section: Section, fem: FemSettings) -> tuple[float, float]:
+    """An upper bound of Kh on one coarse mesh, inf if there is none, and its work (s of the reference machine)."""
     ground = as_analysed(section, fem)
     mesh = first_mesh(ground, COARSE_CELLS, fem.sides)
     body = body_of(ground, mesh, fem)
-    _, _, mechanism = proven_upper_bound(limit_problem(mesh, body, units_of(mesh, body)))
-    return mechanism.multiplier if mechanism else np.inf
+    bound, _, mechanism = proven_upper_bound(limit_problem(mesh, body, units_of(mesh, body)))
+    return mechanism.multiplier if mechanism else np.inf, bound.solution.work
+
+
+def cells_of_first_search(max_cells: int, seconds: float) -> int:
+    """The largest number of triangles for `first_mesh`, whose first mesh takes ``seconds`` of the reference machine."""
+    cells = CELLS_SOLVED * (max(seconds, 0.0) / SECONDS_SOLVED) ** (1.0 / COST_EXPONENT)
+    return int(min(max_cells, cells / FIRST_SHARE + 1.0))
 
 
 def first_mesh(section: Section, max_cells: int, sides: Sides = "free-field") -> TriMesh:

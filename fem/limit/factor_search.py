@@ -238,7 +238,7 @@ class FactorSearch:
         for _ in range(TRIALS):
             middle = self.middle(last)
             step = 1.0 / STEP if middle < -FAR else self.step(middle)
-            if self.is_enough or self.solver_fails or not self.work.allows(0.0):
+            if self.is_enough or self.solver_fails or not self.work.allows(last.work):
                 return
             if self.slope is not None and abs(math.log(step)) < max(CLOSE, OPEN * self.gap_of(last)):
                 break
@@ -319,7 +319,7 @@ class FactorSearch:
         Where no stress has balanced the loads yet, reduce the factor; on triangles that are not the last ones
         (``finally_``) only once.
         """
-        last = self.trials[-1].factor
+        last, work = self.trials[-1].factor, 0.5 * min(trial.work for trial in self.here)  # of one bound, at least
         for times in range(1, PROOFS + 1):
             proven = getattr(self, side)
             at = self.root(side) * math.exp(sense * times * MARGIN)
@@ -332,7 +332,7 @@ class FactorSearch:
                 at = math.sqrt(min(last, unborne) * proven)
             elif not sense * (at - proven * math.exp(-sense * MARGIN)) < 0.0:
                 return
-            if (self.good and side == "lower") or not SMALLEST < at < LARGEST or not self.work.allows(0.0):
+            if (self.good and side == "lower") or not SMALLEST < at < LARGEST or not self.work.allows(work):
                 return
             self.measure(at, side == "lower", side == "upper")
 
@@ -364,6 +364,8 @@ class FactorSearch:
         needed = AIM * min(self.gap, self.open_here) / max(self.settings.gap - margins, margins)
         allowed = self.settings.max_cells / len(problem.mesh.cells)
         at_once = FURTHEST_GROWTH if needed <= allowed else MOST_GROWTH
+        affordable = (self.work.left / (WORK_OF_A_MESH * self.trials[-1].work)) ** (1.0 / COST_EXPONENT)
+        allowed = min(allowed, max(affordable, GROWTH))
         growth = min(max(needed, LEAST_GROWTH) if needed <= at_once else GROWTH, allowed)
         lower = self.root("lower")
         if math.isfinite(lower):

@@ -17,7 +17,7 @@ from typing import Literal
 
 from fem.continuum.loads import Direction, direction_of
 from fem.continuum.shallow_failure import faces_at, least_rolling_factor, strengthened
-from fem.limit.bounds import COARSE_CELLS, as_analysed, first_mesh, strengths
+from fem.limit.bounds import COARSE_CELLS, as_analysed, cells_of_first_search, first_mesh, strengths
 from fem.limit.factor_search import LARGEST, SMALLEST, FactorSearch
 from fem.limit.factor_trial import BoundsTrial, FactorWork, TrialStart, gap_of_factors
 from fem.settings import BoundsSettings, FemSettings
@@ -26,6 +26,8 @@ from meshes.triangles import TriMesh
 
 # Times that a factor at which shallow ground slips is narrowed down, from between half of a known one and that: to 4 %.
 HALVINGS = 4
+# The allowed work is enough for so many trials on the first mesh.
+FACTOR_TRIALS = 12
 
 # Why no finer triangles were made: the factor is close enough, or beyond those looked for; no more triangles or work
 # are allowed; the solver fails.
@@ -149,14 +151,15 @@ def _bounds_of(
     def search(mesh: TriMesh, sign: int, start: TrialStart) -> FactorSearch:
         return FactorSearch(section, mesh, fem, settings, sign, start, work)
 
-    searches = [search(first_mesh(section, settings.max_cells, fem.sides), 1, start)]
+    first = first_mesh(section, cells_of_first_search(settings.max_cells, work.left / FACTOR_TRIALS), fem.sides)
+    searches = [search(first, 1, start)]
     searches[0].find()
     # Under seepage pressures are linear in each triangle: other triangles are other ground, and prove nothing here.
     known = searches[0].meshes if section.water_pressure.flow is None else searches[0].meshes[-1:]
     searches.append(search(known[(len(known) - 1) // 2], -1, start))
     if not searches[1].confirms(searches[0]) and work.left > 0.0:
         start = replace(start, factor=searches[0].lower or start.factor, enough=searches[0].lower or math.inf)
-        searches.append(search(first_mesh(section, settings.max_cells, fem.sides), -1, start))
+        searches.append(search(first, -1, start))
         searches[2].find()
     lower, upper = min(searches[0].lower, searches[-1].lower), min(search.upper for search in searches)
     trials = [trial for search in searches for trial in search.trials]

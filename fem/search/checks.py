@@ -92,8 +92,9 @@ def of_cells(mesh: QuadMesh) -> Iterator[ResultWarning]:
     count = int(np.count_nonzero(narrowest < NARROW))
     if count:
         x, z = mesh.points[mesh.cells[int(narrowest.argmin())]].mean(axis=0)
+        have = "has" if count == 1 else "have"
         yield ResultWarning(
-            f"{count} of {len(mesh.cells)} cells have a corner below {NARROW:g}°; the narrowest, "
+            f"{count} of {len(mesh.cells)} cells {have} a corner below {NARROW:g}°; the narrowest, "
             f"{narrowest.min():.1f}°, is at x = {x:.1f} m, elevation {z:.1f} m.",
             "end thin layers in a step in the section"
             + (', or use mesh.method = "free"' if mesh.method == "mapped" else ""),

@@ -62,17 +62,16 @@ NEARLY = 1e-6
 MOST_ITERATIONS = 120
 # Work is counted in seconds of a reference machine, so that its clock and its load decide nothing: an iteration whose
 # factors have so many nonzeros takes so long, and goes with this power of them (measured from 0.2 to 2.5 million of
-# them, and a fifth more for all around it). However little work is left, a program is given so many iterations: most
-# need 16 to 35.
+# them, and a fifth more for all around it). To it comes, for every unknown, what a program takes before its first
+# iteration and after its last one: its equations, the correction of its answer, the check, the triangles.
 COST_NONZEROS, COST_SECONDS, COST_EXPONENT = 1e6, 0.065, 1.13
-LEAST_ITERATIONS = 40
+AROUND_SECONDS = 1.4e-5
 # Relative gaps of the interior-point method of our own (``interior_point.py``), how many times as much will do where it
 # breaks down, and the velocities below which Clarabel is as quick. The middle of the bracket of elements is off by less
 # than half of their gap, which is a tenth of the accuracy that is asked for of the discretisation.
 INTERIOR_GAP, INTERIOR_GAP_OF_ELEMENTS, WIDER, LEAST_VELOCITIES = 3e-4, 1e-3, 2.5, 2000
 # Its work: an iteration whose stiffness matrix has so many entries takes so long, and goes with this power of them.
-# However little work is left, it is given so many iterations.
-INTERIOR_ENTRIES, INTERIOR_SECONDS, INTERIOR_EXPONENT, LEAST_INTERIOR_ITERATIONS = 1e6, 0.35, 1.1, 25
+INTERIOR_ENTRIES, INTERIOR_SECONDS, INTERIOR_EXPONENT = 1e6, 0.35, 1.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +103,7 @@ class Solution:
     iterations : int
         Iterations of the interior point method, over all regularisations.
     work : float
-        Work of the iterations in seconds of the reference machine, computed from their number and size, not measured.
+        Work in seconds of the reference machine, computed from number and size of the iterations, not measured.
     seconds : float
         Processor time of the solver.
     fallback : bool
@@ -172,9 +171,8 @@ def solve(
 
     Where Clarabel ends without an answer, or almost meets its tolerances but with large residuals, it is called again
     with the next of the ``regularisations``. Its forces are multiplied by ``magnified``, since it takes residuals below
-    one as absolute. After ``most_work`` (s of the reference machine), but not before a few iterations, both methods end
-    with their last iterate. The built-in interior-point method begins at a ``start`` that suits the program, which
-    changes only its computing time.
+    one as absolute. After ``most_work`` (s of the reference machine) both methods end with their last iterate. The
+    built-in interior-point method begins at a ``start`` that suits the program, which changes only its computing time.
     """
     feasibility = FEASIBILITY_TORN if len(program.torn) else FEASIBILITY
     ask = partial(_by_clarabel, regularisations, feasibility)
@@ -205,6 +203,8 @@ def _solve(
     clay = np.flatnonzero(program.friction == 0.0)
     data = assembled(program, clay)
     started, built_in = time.thread_time(), None
+    around = AROUND_SECONDS * n
+    most_work -= around
     if n >= LEAST_VELOCITIES and cholmod.available():
         built_in = _by_interior_point(program, data, magnified, tolerance, most_work, start)
     if built_in is not None and (built_in.status in MET or built_in.out_of_work):
@@ -231,7 +231,7 @@ def _solve(
         none=INFEASIBLE.get(end.status.removeprefix("Almost")) or "",
         sure=end.sure,
         iterations=end.iterations,
-        work=end.work,
+        work=end.work + around,
         seconds=time.thread_time() - started,
         fallback=end.fallback,
         bracket=bracket,
@@ -269,17 +269,17 @@ def _by_interior_point(
     try:
         matrix = warm.matrix if warm else CornerMatrix(form.rates)
         cost = INTERIOR_SECONDS * (matrix.entries / INTERIOR_ENTRIES) ** INTERIOR_EXPONENT
-        most = interior_point.MOST_ITERATIONS
-        if most_work < most * cost:
-            most = max(LEAST_INTERIOR_ITERATIONS, int(most_work / cost))
-        iterations = 0
+        most = iterations_within(most_work, cost, interior_point.MOST_ITERATIONS)
+        iterations, spent = 0, False
         for place in (warm.place, None) if warm else (None,):
             solution = interior_point.interior_solution(
                 form, magnified, tolerance, matrix, check_cancelled, place, most
             )
             iterations += solution.iterations
             met = solution.residual <= tolerance.nearly and solution.gap <= WIDER * tolerance.gap
-            if met:
+            most = iterations_within(most_work - cost * iterations, cost, interior_point.MOST_ITERATIONS)
+            spent = most_work < cost * (iterations + 1)
+            if met or spent:
                 break
     except (MemoryError, ArithmeticError) as error:  # the second where there is no place to begin
         return _End(type(error).__name__, np.empty(0), np.empty(0), False, 0, 0.0)
@@ -289,17 +289,13 @@ def _by_interior_point(
     low, high = sorted((solution.primal / magnified, solution.dual / magnified))
     warm_start = Warm(solution.warm, matrix, form) if solution.warm else None
     status = "Solved" if met else "NumericalError"
-    return _End(
-        status,
-        solution.y,
-        z,
-        met,
-        iterations,
-        work,
-        (low, high),
-        warm=warm_start,
-        out_of_work=not met and work >= most_work,
-    )
+    out_of_work = not met and spent
+    return _End(status, solution.y, z, met, iterations, work, (low, high), warm=warm_start, out_of_work=out_of_work)
+
+
+def iterations_within(most_work: float, cost: float, most: int) -> int:
+    """Iterations, each of ``cost`` (s of the reference machine), in ``most_work``: from 1 to ``most``."""
+    return most if most_work >= most * cost else max(1, int(most_work / cost))
 
 
 def _by_clarabel(
@@ -307,19 +303,20 @@ def _by_clarabel(
 ) -> _End:
     """Solve by Clarabel with the first regularisation that gives a solution, or else with the best of them."""
     ends: list[clarabel.DefaultSolution] = []
-    work = 0.0
+    work, spent = 0.0, False
     for regularisation in regularisations:
         settings = _settings(regularisation, feasibility)
         end, cost = interruptible(partial(_solved, data, magnified, settings, most_work - work))
         ends.append(end)
         work += cost * end.iterations
-        if _poorness(end) == 0 or work >= most_work:
+        spent = most_work < work + cost
+        if _poorness(end) == 0 or spent:
             break
     best = min(ends, key=_poorness)
     x, z = np.asarray(best.x), np.asarray(best.z) / magnified
     iterations = sum(end.iterations for end in ends)
     poorness = _poorness(best)
-    return _End(str(best.status), x, z, poorness <= 1, iterations, work, out_of_work=poorness > 0 and work >= most_work)
+    return _End(str(best.status), x, z, poorness <= 1, iterations, work, out_of_work=poorness > 0 and spent)
 
 
 def _solved(
@@ -332,9 +329,8 @@ def _solved(
     data_of_solver = none, magnified * data.cost, data.matrix.tocsc(), data.offset, data.cones
     solver = clarabel.DefaultSolver(*data_of_solver, settings)
     cost = COST_SECONDS * (solver.get_info().linsolver.nnzL / COST_NONZEROS) ** COST_EXPONENT
-    if most_work < settings.max_iter * cost:
-        settings.max_iter = max(LEAST_ITERATIONS, int(most_work / cost))
-        solver.update(settings=settings)
+    settings.max_iter = iterations_within(most_work, cost, settings.max_iter)
+    solver.update(settings=settings)
     return solver.solve(), cost
 
 

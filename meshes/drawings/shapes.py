@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from meshes.counting import counted
 from meshes.section.columns import JOINED
 from meshes.section.layering import WIDEST
 
@@ -126,8 +127,8 @@ def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes
 def _in_paper_space(drawing: Any) -> list[str]:
     """A sentence for each sheet of a drawing that has entities: they are not read."""
     sheets = [(layout.name, len(layout)) for layout in drawing.layouts if not layout.is_modelspace]
-    return [f'not used: {count} entities on the sheet "{name}": expected the section in model space'
-            for name, count in sheets if count]  # fmt: skip
+    return [f'not used: {counted(count, "entity", "entities")} on the sheet "{name}": '
+            "expected the section in model space" for name, count in sheets if count]  # fmt: skip
 
 
 def _unit(drawing: Any, notices: list[str]) -> float:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from meshes.counting import counted
 from meshes.section.dense_lines import CELL, NEAR, Place, mean_height
 from meshes.section.polyline import Line, pairs_of
 
@@ -44,8 +45,8 @@ def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
         if ordered[1] > 0.0:
             back = int(np.count_nonzero(np.diff(points[:, 0]) < 0.0))
             notices.append(
-                f"geometry: {_key(place)}: {back} points stood left of the point before them; they were put in "
-                f"order, none moved by more than {ordered[1]:.2g} m"
+                f"geometry: {_key(place)}: {counted(back, 'point', 'points')} stood left of the point before; the "
+                f"points were put in order, none moved by more than {ordered[1]:.2g} m"
             )
     return data, notices
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from meshes.counting import counted
 from workflow.config import Config
 from workflow.estimates.estimate import flow_words
 from workflow.report.captions import collect
@@ -59,7 +60,11 @@ def write_page(config: Config, answer: StudyAnswer, store: Store) -> Path:
 def sentences(config: Config, answer: StudyAnswer) -> Iterator[str]:
     """The results of the study, a sentence each."""
     drawn = f"{answer.samples} samples of {len(config.uncertain.numbers)} uncertain numbers by {METHODS[answer.method]}"
-    without = f"; {answer.failed} have no answer or only a part of it" if answer.failed else ", all with an answer"
+    without = (
+        f"; {counted(answer.failed, 'sample has', 'samples have')} no answer or only a part of it"
+        if answer.failed
+        else ", all with an answer"
+    )
     yield f"{drawn}, seed {answer.seed}{without}."
     if any(result.title == WORDS["kc"] for result in answer.results):
         flow = flow_words(config.section, config.fem.flow)

@@ -8,6 +8,7 @@ import pytest
 
 from fem.limit.bounds import kh_bounds
 from fem.limit.bracket import Bracket, Limits, MeshBounds
+from fem.limit.safety_bounds import safety_bounds
 from fem.settings import LEAST_KH, BoundsSettings, FemSettings
 from meshes.section.section import Section
 from tests.support import SECTIONS
@@ -76,6 +77,22 @@ def test_bounds_of_a_small_kh_are_close_enough_at_the_same_difference_in_kh():
     assert limits.reached(FixedBracket((0.398, 0.4019)), 100) == "gap"
     assert limits.reached(FixedBracket((0.398, 0.4021)), 100) is None
     assert BoundsSettings().of_factors.gap == 0.5 * BoundsSettings().gap == 0.005
+
+
+@pytest.mark.parametrize("seconds", [0.5, 2.0])
+def test_the_allowed_work_is_a_limit(seconds):
+    """All programs of both directions, Davis's estimate and the trials of a factor; the bounds found by then count."""
+    section = Section.read(SECTIONS / "slope_2to1.toml")
+    asked = BoundsSettings(gap=1e-4, seconds=seconds, davis=True)
+    found = kh_bounds(section, FemSettings(), asked)
+    every = [*found.directions, *(found.substitute.directions if found.substitute else ())]
+    assert sum(mesh.work for direction in every for mesh in direction.meshes) <= 1.01 * seconds
+    assert found.ended == "time"
+    assert found.lower < found.upper < 2.0 * found.lower
+    factor = safety_bounds(section, FemSettings(), asked, held=True)
+    assert sum(trial.work for trial in factor.trials) <= 1.01 * seconds
+    assert factor.ended == "time"
+    assert 0.0 < factor.lower < factor.upper < 2.0 * factor.lower
 
 
 def test_a_slow_clock_changes_nothing(monkeypatch):
