@@ -193,8 +193,8 @@ class Slider:
         return {k: self.motion.share(k, since) * self.case.volumetric_strain for k in self.strata}
 
     def _keep_volume(self) -> None:
-        """Shrink the discs of liquefied strata by the drained volume, and swell those of undrained strata; masses
-        are constant.
+        """Shrink the discs of liquefied strata by the drained volume, and swell those of strata that keep their volume;
+        masses are constant.
         """
         drained = self._drained()
         sizes = self.swelling[-1] if self.swelling else [1.0] * len(self.undrained)

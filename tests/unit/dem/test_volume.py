@@ -75,13 +75,13 @@ def test_ground_that_cannot_drain_swells_by_what_is_missing(start: DiscModel) ->
 
 
 def test_what_cannot_drain(start: DiscModel) -> None:
-    """Soil discs that have phi = 0 and do not liquefy; the paper's discs know nothing of it."""
+    """Soil discs that liquefy or have phi = 0; the paper's discs know nothing of it."""
     soil = start.copy()
     soil.law = "soil"
     assert undrained(soil, []) == []
-    assert undrained(soil, [1]) == []
+    assert undrained(soil, [1]) == [1]
     soil.set_springs([replace(layer, undrained_strength=2e3) for layer in soil.springs.layers])
-    assert undrained(soil, [1]) == [0]
+    assert undrained(soil, [1]) == [0, 1]
     paper = soil.copy()
     paper.law = "paper"
     assert undrained(paper, [1]) == []
@@ -93,12 +93,11 @@ def volume_lost(start: DiscModel, model: DiscModel) -> float:
 
 
 def test_loose_ground_that_liquefies_keeps_its_volume(wedge: tuple[DiscModel, Ground]) -> None:
-    """It got denser by 6 % as long as contacts bore it; pore water keeps it, and no disc swells."""
+    """It got denser by 6 % as long as contacts bore it, and by 1.5 % where pore water alone keeps it."""
     start, ground = wedge
     slider = Slider(start, ground, [1], CASE, SETTINGS.model_copy(update={"duration": 20.0}))
     slider.run()
-    assert abs(volume_lost(start, slider.model)) < 0.015
-    assert (slider.model.radius == start.radius).all()
+    assert abs(volume_lost(start, slider.model)) < 0.006
 
 
 def test_undrained_ground_that_shears_swells(
