@@ -24,7 +24,7 @@ from typing import Literal, assert_never
 
 import numpy as np
 
-from meshes.section.section import Stratum
+from meshes.section.section import Section, Stratum
 
 Flow = Literal["davis", "associated", "section"]
 FlowSetting = Literal["auto", "davis", "associated", "section"]
@@ -56,6 +56,29 @@ class StrataStrength:
 def davis_factor(friction: np.ndarray, dilation: np.ndarray) -> np.ndarray:
     """β = cos ψ cos φ / (1 - sin ψ sin φ) of angles in rad (Davis 1968); 1 where ψ = φ."""
     return np.cos(dilation) * np.cos(friction) / (1.0 - np.sin(dilation) * np.sin(friction))
+
+
+def with_davis_strength(section: Section) -> Section:
+    """The section with c and tan φ of its strata times Davis's factor β, for methods that know no flow rule.
+
+    Parameters
+    ----------
+    section : Section
+        The ground, with the dilation angles of the section file, 0 where none is given.
+
+    Returns
+    -------
+    Section
+    """
+    strata = []
+    for soil in section.strata:
+        factor = float(davis_factor(np.array(soil.friction_angle), np.array(soil.dilation)))
+        scaled = {"friction_angle": float(np.arctan(factor * np.tan(soil.friction_angle)))}
+        for key in ("cohesion", "cohesion_increase", "cohesion_minimum", "strength_ratio"):
+            value = getattr(soil, key)
+            scaled |= {} if value is None else {key: factor * float(value)}
+        strata.append(soil.model_copy(update=scaled))
+    return section.with_strata(strata)
 
 
 def flow_of(strata: Sequence[Stratum], flow: FlowSetting) -> Flow:

@@ -188,7 +188,7 @@ def _numbered(
     x: np.ndarray, z: list[np.ndarray], walls: Sequence[Wall], tolerance: float
 ) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
     """Points (n, 2) of all lines, and their numbers as the strip to the left and that to the right of a line has
-    them: others above the foot of a wall."""
+    them: others above the foot of a wall, and all of them where it reaches the base."""
     points, to_left, to_right, count = [], [], [], 0
     for at, heights in zip(x, z, strict=True):
         numbers = count + np.arange(len(heights))
@@ -198,6 +198,7 @@ def _numbered(
         feet = [wall.bottom for wall in walls if abs(wall.x - at) <= tolerance]
         if feet and at not in (x[0], x[-1]):
             apart = heights > min(feet) + 0.5 * tolerance
+            apart |= min(feet) <= heights[0] + tolerance  # a wall down to the base closes the section
             numbers = numbers.copy()
             numbers[apart] = count + np.arange(int(apart.sum()))
             points.append(np.column_stack([np.full(int(apart.sum()), at), heights[apart]]))

@@ -15,6 +15,7 @@ from meshes.section.quantity import COMMON_UNITS, GRAVITY, NUMBER_AND_UNIT
 from meshes.section.stratum import MISSING_DENSITY, Stratum
 from meshes.section.surcharge import Surcharge
 from meshes.section.water import Water
+from meshes.section.water_pressure import WaterPressure
 
 
 class Range(NamedTuple):
@@ -69,6 +70,8 @@ def _is_meant(written: str | float, unit: str, otherwise: float, limits: Range) 
 WRONG_SIDE = 0.02
 # How level (m) the surface of standing water has to be.
 LEVEL = 0.01
+# The same where the line of the water enters the ground, since a drawn line rarely bends exactly there.
+ALMOST_LEVEL = 0.1
 
 
 # From fresh peat to ore; buoyant peat; very soft clay to steel; a slurry to rock; rubble; from warm fresh water to the
@@ -204,8 +207,29 @@ def not_level(ground: np.ndarray, table: np.ndarray) -> Iterator[str]:
     x = np.union1d(ground[:, 0], table[:, 0])
     middle, height = 0.5 * (x[1:] + x[:-1]), np.interp(x, *ground.T)
     ends = np.array([level_at(table, end, middle) for end in (x[:-1], x[1:])])
-    both = (ends - np.array([height[:-1], height[1:]]) > LEVEL).all(axis=0)
-    falls = np.abs(ends[1] - ends[0]) > LEVEL
-    if (both & falls).any():
-        at = x[:-1][both & falls][0]
-        yield f"water: it stands on the ground at x = {at:g} m and its surface is not level there"
+    depths = ends - np.array([height[:-1], height[1:]])
+    under = np.clip(depths, 0.0, None).max(axis=0)  # depth of the free water
+    # Of a stretch that is partly under water, the surface of this part falls less.
+    share = under / np.maximum(np.abs(depths[1] - depths[0]), under + 1e-300)
+    falls = np.abs(ends[1] - ends[0]) * np.where((depths > 0.0).all(axis=0), 1.0, share)
+    least = np.where((depths > 0.0).all(axis=0), LEVEL, ALMOST_LEVEL)
+    if (inclined := (under > LEVEL) & (falls > least)).any():
+        k = int(np.flatnonzero(inclined)[0])
+        at = x[k] if depths[0, k] > LEVEL else x[k + 1]
+        yield (
+            f"water: it stands on the ground at x = {at:g} m and its surface is not level there; a water table in the "
+            "ground lies below the surface"
+        )
+
+
+def nothing_flows(water: WaterPressure) -> Iterator[str]:
+    """A sentence if water shall flow, and its heads, or a wall, let none flow."""
+    table = water.before
+    if water.flow is None or table is None or water.flow.discharge:
+        return
+    low, high = float(table[:, 1].min()), float(table[:, 1].max())
+    if high - low <= LEVEL:
+        why = f"the table has one level, {high:g} m; expected levels that differ at the sides or in free water"
+    else:
+        why = "a wall closes the section, or the levels at the sides and of free water are equal where water could flow"
+    yield f"water, flow = true: no water flows, because {why}"

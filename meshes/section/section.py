@@ -25,7 +25,7 @@ from meshes.section.layering import Layering, Layers, elevations_below, layering
 from meshes.section.line_order import in_order
 from meshes.section.model import Model
 from meshes.section.naming import naming_problems, without_other_tables
-from meshes.section.plausibility import against_the_water, implausible, not_level, not_lower
+from meshes.section.plausibility import against_the_water, implausible, not_level, not_lower, nothing_flows
 from meshes.section.polyline import Line, Polyline
 from meshes.section.quantity import Length
 from meshes.section.seepage import Seepage
@@ -179,7 +179,7 @@ class Section(Model):
         if self.water_pressure.after is not None:
             notices += not_level(self.ground, self.water_pressure.after)
             notices += [] if table is not self.water_pressure.before else not_lower(table, self.water_pressure.after)
-        notices += [self.uplift.words] if self.uplift else []
+        notices += [*nothing_flows(self.water_pressure), *([self.uplift.words] if self.uplift else [])]
         notices += [f"{key_in_file(self.strata, k)}: {words}" for k, words in self.cohesion_field.notices]
         notices += [f"surcharges {number}: {words}" for number, words in self.surface_loads.notices]
         if self.beyond is not None:

@@ -61,7 +61,15 @@ def cutoff_problems(walls: Sequence[Cutoff], layers: Layering) -> Iterator[str]:
                 f"{layers.x[0]:g} and {layers.x[-1]:g} m"
             )
         elif wall.bottom >= (ground := float(layers.interfaces(x)[0, 0])):
-            yield f"water, cutoffs {number}: bottom = {wall.bottom:g} m is above the ground there, at {ground:g} m"
+            yield (
+                f"water, cutoffs {number}: bottom = {wall.bottom:g} m is above the ground there, at {ground:g} m; "
+                "expected the elevation of its foot, below the ground"
+            )
+        elif wall.bottom < (base := float(layers.interfaces(x)[0, -1])) - layers.tolerance:
+            yield (
+                f"water, cutoffs {number}: bottom = {wall.bottom:g} m is below the base there, at {base:g} m; expected "
+                "the elevation of its foot, at least that of the base, where it closes the section"
+            )
 
 
 def surcharge_problems(surcharges: Sequence[Surcharge], left: float, right: float) -> Iterator[str]:

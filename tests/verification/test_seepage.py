@@ -8,6 +8,7 @@ from scipy.special import ellipk
 
 from meshes.errors import InputError
 from meshes.section.section import Section
+from tests.support import TOP
 
 K = 1e-5  # m/s
 
@@ -86,6 +87,41 @@ def test_still_water_stays_still_and_a_file_written_reads_as_the_same() -> None:
     assert end == pytest.approx(56.0)
 
 
+def test_heads_from_which_nothing_flows_and_walls_down_to_the_base_are_told() -> None:
+    """Level water, and a wall that closes the section: no flow at all, and a sentence."""
+    ground = [[0, 2], [20, 2], [36, 10], [40, 10], [56, 2], [76, 2]]
+    level = Section.parse(flowing(ground, [[0, 5], [76, 5]]))
+    assert level.water_pressure.flow.discharge == 0.0
+    (told,) = (text for text in level.notices if "no water flows" in text)
+    assert "because the table has one level, 5 m; expected levels that differ" in told
+    base = float(level.outline()[:, 1].min())
+    walled = flowing(ground, [[0, 8], [32, 8], [56, 2], [76, 2]], cutoffs=[{"x": 38, "bottom": base}])
+    closed = Section.parse(walled)
+    assert (
+        closed.water_pressure.flow.discharge
+        < 1e-6 * Section.parse(flowing(ground, [[0, 8], [32, 8], [56, 2], [76, 2]])).water_pressure.flow.discharge
+    )
+    assert any("a wall closes the section" in text for text in closed.notices)
+
+
+@pytest.mark.parametrize(
+    ("table", "at"),
+    [
+        ([[0, 8.5], [45, 8.5], [56, 9.8], [61, 14], [66, 11], [86, 9.5], [140, 9.5]], "x = 61 m"),
+        ([[0, 8.5], [30, 9.5], [56, 9.8], [66, 11], [86, 9.5], [140, 9.5]], "x = 0 m"),
+        ([[0, 8.5], [45, 8.5], [56, 9.8], [66, 11], [86, 10.02], [140, 9.5]], ""),  # 2 cm of a line that bends too late
+        ([[0, 8.5], [45, 8.5], [56, 9.8], [66, 11], [86, 9.5], [140, 9.5]], ""),
+    ],
+)
+def test_a_water_table_above_inclined_ground_is_told(table: list, at: str) -> None:
+    """Water above the ground is a pond, and a pond is level."""
+    data = tomllib.loads((TOP / "tests/support/levee/levee.toml").read_text(encoding="utf-8"))
+    data["water"] = {"table": table}
+    told = [text for text in Section.parse(data).notices if "its surface is not level there" in text]
+    assert len(told) == bool(at)
+    assert all(f"stands on the ground at {at}" in text for text in told)
+
+
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
@@ -94,6 +130,7 @@ def test_still_water_stays_still_and_a_file_written_reads_as_the_same() -> None:
         ({"flow": False, "cutoffs": [{"x": 3, "bottom": 1}]}, "cutoffs without flow = true"),
         ({"cutoffs": [{"x": 99, "bottom": 1}]}, "not between the sides"),
         ({"cutoffs": [{"x": 30, "bottom": 11}]}, "above the ground there"),
+        ({"cutoffs": [{"x": 30, "bottom": -9}]}, "below the base there"),
         ({"table": -5.0}, "expected water at one side at least"),
         ({"table": [[0, 8], [30, 8], [30, 2], [76, 2]]}, "a wall of [[water.cutoffs]] there"),
     ],

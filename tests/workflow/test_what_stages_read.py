@@ -154,7 +154,7 @@ def test_what_no_stage_reads_makes_none_run_again(of_the_papers: tuple[Config, R
         ("fem.threads", set()),
         ("fem.safety_factor_at", {"fem", "slices"}),
         ("fem.rigid_box", {"calibrate", "slide"}),
-        ("bounds.gap", {"bounds"}),
+        ("bounds.gap", {"bounds", "faces"}),
         ("earthquake.magnitude", {"triggering"}),
         ("site_response.base_velocity", {"response"}),
         ("free_face.at", set()),
@@ -171,7 +171,7 @@ def test_what_a_section_is_called_changes_no_result() -> None:
     for changes in ({"name": "another", "title": "Another"}, {"report": {"project": "Another", "number": "2"}}):
         assert stale(before, analysed({**SECTION, **changes})) == {"report"}
     named = analysed({**SECTION, "structures": [{"name": "bank", "from": 10.0, "to": 30.0}]})
-    assert stale(before, named) == {"slices", "report"}
+    assert stale(before, named) == {"slices", "faces", "report"}
     assert title(before.section) == title(named.section)  # pictures are not drawn again
 
 

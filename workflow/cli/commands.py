@@ -331,6 +331,7 @@ def _of_stage(stage: str, panel: str, words: str) -> None:
 
 _of_stage("triggering", Panel.LIQUEFACTION, "F_L at the blow counts of the borings, which strata liquefy, and P_L.")
 _of_stage("slices", Panel.GROUND, "Slip circles by Bishop and Spencer, towards both sides: factor of safety and Kh.")
+_of_stage("faces", Panel.GROUND, "Every face of structures by finite elements and bounds: Kh, factor of safety.")
 _of_stage("residual", Panel.GROUND, "Factor of safety with peak strength, then with residual strength, and its Kh.")
 _of_stage("liquefied", Panel.LIQUEFACTION, "Whether the ground still stands once layers have liquefied, and its Kh.")
 _of_stage("response", Panel.GROUND, "Response of the layers to a record of the rock below, with depth, and k_max.")

@@ -244,7 +244,11 @@ class Config(Tables):
             config = cls(section=section, **used)
         except ValidationError as error:
             raise InputError(source, sentences(error, data, cls)) from None
-        return config.analysed(config.tension_crack.cut(section.thinned().cut_at_water()), config.slide, (), ())
+        try:
+            ground = config.tension_crack.cut(section.thinned().cut_at_water())
+        except InputError as error:  # such as heads from which no water flows
+            raise error.found_in(section.name, Path(source)) from None
+        return config.analysed(ground, config.slide, (), ())
 
     @property
     def cases(self) -> tuple[Case, ...]:

@@ -73,6 +73,20 @@ class VariantSettings(Model):
     )
 
 
+class FaceSettings(Model):
+    """Finite elements and bounds of every face of the structures, a table [faces]."""
+
+    run: StrictBool | Literal["auto"] = Field(
+        default="auto",
+        description='true or false: whether `noshiro run` computes them; "auto" is true for up to two structures',
+    )
+    bounds: StrictBool = Field(
+        default=True,
+        description="true if faces that do not fail first shall have strict bounds of their critical Kh, too; of the "
+        "factor of safety with bounds.safety_factor = true",
+    )
+
+
 class SlidingBlockSettings(Model):
     """The sliding block that slides are compared with, a table [sliding_block]."""
 
@@ -107,6 +121,9 @@ class Tables(Model):
     slide: SlideSettings = Field(default=SlideSettings(), description="a table [slide] of the liquefied slides")
     variants: VariantSettings = Field(
         default=VariantSettings(), description="a table [variants] of what is changed to see what it does"
+    )
+    faces: FaceSettings = Field(
+        default=FaceSettings(), description="a table [faces] of what is computed for every face of structures"
     )
     sliding_block: SlidingBlockSettings = Field(
         default=SlidingBlockSettings(), description="a table [sliding_block] of the blocks to compare with"

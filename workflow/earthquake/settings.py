@@ -91,7 +91,7 @@ class EarthquakeSettings(Model):
 
     def contradiction(self) -> str:
         """A sentence if the given peak differs from the one by magnitude and distance by more than one standard
-        deviation, else empty. Then the peak counts, and the distance is not used.
+        deviation, else empty. Then the peak counts; relations of magnitude and distance alone take both as given.
         """
         has_peak = self.peak_acceleration is not None or bool(self.record)
         if not has_peak or self.magnitude is None or self.distance is None:
@@ -106,8 +106,8 @@ class EarthquakeSettings(Model):
         expectation = f"{median:.0f} gal are expected of M {self.magnitude:g} at {self.distance / 1000.0:g} km"
         return (
             f"earthquake: its peak is {motion.median / GAL:.0f} gal, {motion.relation}, where {expectation} ({low:.0f} "
-            f"to {high:.0f}; {let_expect.relation}): the peak is used, and relations that need the distance are not "
-            "used"
+            f"to {high:.0f}; {let_expect.relation}): the peak is used; relations that need the distance "
+            "take it as given"
         )
 
     def notices(self, slide: SlideSettings | None) -> list[str]:

@@ -167,12 +167,6 @@ def _spreading(section: Section, settings: Tables, tests: Sequence[Judged]) -> I
     distance, magnitude = settings.earthquake.distance, settings.earthquake.magnitude
     if magnitude is None or distance is None:
         return
-    if settings.earthquake.contradiction():
-        words = (
-            f"not computed: the distance of {distance / 1000.0:g} km contradicts the peak acceleration, which is used"
-        )
-        yield Estimate("spread", YOUD_TITLE, None, words, YOUD, YOUD_RANGE)
-        return
     loose = [
         test for test in tests if test.outcome is not None and normalised_counts(test, settings.triggering)[0] < LOOSE
     ]
@@ -196,6 +190,8 @@ def _spreading(section: Section, settings: Tables, tests: Sequence[Judged]) -> I
         f"M {magnitude:g}, R = {site.distance:g} km, {'W' if site.free_face else 'S'} = {site.slope:.3g} %, "
         f"T15 = {site.thickness:.1f} m, F15 = {site.fines:.0f} %, D50 = {site.d50:.2g} mm"
     )
+    if settings.earthquake.contradiction():
+        words += "; with the distance as given, which contradicts the peak acceleration that other methods take"
     words += f": outside its range: {outside}" if outside else ""
     yield Estimate("spread", YOUD_TITLE, None if outside else youd(site), words, YOUD, YOUD_RANGE)
 

@@ -1,7 +1,7 @@
 """One estimate of a displacement, with its source and its assumptions."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -32,6 +32,10 @@ class Estimate:
     words: str
     source: str
     validity: str
+
+    def with_words(self, words: str) -> "Estimate":
+        """The same estimate with other words."""
+        return replace(self, words=words)
 
 
 def mean_inclination(section: Section) -> float:

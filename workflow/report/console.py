@@ -10,6 +10,7 @@ from workflow.report import post_liquefaction
 from workflow.report.accuracy import accuracy, of_meshes
 from workflow.report.contradictions import FALLS, FALLS_TIMES
 from workflow.report.crests import crest_parts, crest_sentences
+from workflow.report.faces import faces_sentences
 from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
 from workflow.report.numbers import between, coefficient, span
 from workflow.report.residual import residual_sentences
@@ -25,6 +26,7 @@ from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer
+from workflow.results.faces import FacesAnswer
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.results import Results
@@ -369,6 +371,7 @@ def sentences(
         "fem": lambda: fem_sentences(FemAnswer.read(store), config.section, every, results),
         "bounds": lambda: bounds_sentences(BoundsAnswer.read(store)),
         "slices": lambda: _slices(config, SlicesAnswer.read(store)),
+        "faces": lambda: faces_sentences(FacesAnswer.read(store)),
         "calibrate": lambda: calibrate_sentences(CalibrationAnswer.read(store)),
         "mpm": lambda: mpm_sentences(config, PointSlidesAnswer.read(store)),
         "slide": lambda: _slides(config, store),

@@ -13,7 +13,7 @@ from meshes.errors import InputError
 from meshes.section.polyline import downhill
 from meshes.section.section import Section
 from workflow.config.tables import ReportSettings
-from workflow.estimates.comparison import estimates, is_s13
+from workflow.estimates.comparison import is_s13
 from workflow.estimates.structures import structures_of
 from workflow.figures import fonts
 from workflow.figures.comparison import PICTURES
@@ -24,8 +24,10 @@ from workflow.report import tables
 from workflow.report.assumptions import assumptions
 from workflow.report.captions import collect
 from workflow.report.crests import holds_water
+from workflow.report.faces import face_lines, held_sentences
 from workflow.report.numbering import Labels, Notes
 from workflow.report.numbers import joined, number, scaled
+from workflow.report.other_methods import reported_estimates
 from workflow.report.paper import rows
 from workflow.report.player import films
 from workflow.report.post_liquefaction import just_enough
@@ -111,7 +113,9 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "limit_words": limit_words,
         "interval_words": interval_words,
         "elsewhere": list(elsewhere(config, results.slices)),
-        "estimates": estimates(config.section, config, results.kc, results.slip_surface),
+        "lines_of_faces": face_lines(results),
+        "held_ground": list(held_sentences(results)) if faces else [],
+        "estimates": reported_estimates(results),
         "slides": list(slides(results)),
         "paper": rows(results),
         "is_s13": is_s13(config.section),

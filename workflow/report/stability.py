@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.continuum.shallow_failure import joined, shallow_failures
+from fem.continuum.strength import strength_of
 from meshes.section.section import Section
 from workflow.estimates.estimate import depth_below_ground
 from workflow.estimates.structures import structures_of
@@ -12,6 +14,7 @@ from workflow.report.first_page import FLOW, SIDES
 from workflow.report.numbers import coefficient, number
 from workflow.report.slices import factor_on_surface
 from workflow.report.texts import Texts
+from workflow.results.continuum import FemAnswer
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart
 
@@ -55,7 +58,8 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
             continue
         where = _("shallow failure of the face from x = {start} to {end} m",
                   start=f"{shallow_failure.start_x_m:g}", end=f"{shallow_failure.end_x_m:g}")  # fmt: skip
-        yield StabilityRow(name, coefficient(max(shallow_failure.kh, 0.0)), "", where)
+        yield StabilityRow(name, coefficient(max(shallow_failure.kh, 0.0)), "", f"{where}, {_(FLOW[fem.flow])}")
+    yield from _shallow_by_davis(results, fem, name, _)
     for factor in fem.safety_factors:
         of = _("factor of safety at Kh = {kh}, finite elements", kh=f"{factor.kh:g}")
         value = f"> {factor.factor:.2f}" if factor.verdict == "no failure" else f"{factor.factor:.2f}"
@@ -63,6 +67,19 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
         compared, flow = (factor.davis, "davis") if factor.davis is not None else (factor.associated, "associated")
         if compared is not None:
             yield StabilityRow(of, f"{compared:.2f}", "", _(FLOW[flow]))
+
+
+def _shallow_by_davis(results: Results, fem: FemAnswer, name: str, _: Texts) -> Iterator[StabilityRow]:
+    """Shallow failures of cohesionless faces with Davis reduced strength, in closed form, that come first."""
+    section, settings = results.config.section, fem.settings.changed(direction=fem.direction)
+    if fem.davis is None:
+        return
+    for face in joined(shallow_failures(section, settings, strength_of(section.strata, "davis").friction)):
+        if face.kh >= fem.davis.kc or face.end - face.start < settings.least_depth:
+            continue
+        ends = {"start": f"{face.start:g}", "end": f"{face.end:g}"}
+        where = _("shallow failure of the face from x = {start} to {end} m", **ends)
+        yield StabilityRow(name, coefficient(max(face.kh, 0.0)), "", f"{where}, {_(FLOW['davis'])}")
 
 
 def _bounds(results: Results, _: Texts) -> Iterator[StabilityRow]:

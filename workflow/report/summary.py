@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from workflow.estimates.comparison import estimates
 from workflow.report.crests import crest_parts
 from workflow.report.first_page import conclusions, headlines
+from workflow.report.other_methods import reported_estimates
 from workflow.report.paper import rows
 from workflow.report.second_opinion import agreeing, contradicting, second_opinions
 from workflow.report.structures import face_rows
@@ -69,10 +69,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
         triggering=results.triggering.strata if results.triggering is not None else None,
         residual=results.residual.steps if results.residual is not None else None,
         liquefied=results.liquefied.cases if results.liquefied is not None else None,
-        comparison=tuple(
-            EstimateSummary.model_validate(part)
-            for part in estimates(config.section, config, results.kc, results.slip_surface)
-        ),
+        comparison=tuple(EstimateSummary.model_validate(part) for part in reported_estimates(results)),
         paper=paper or None,
         no_answer={
             stage: NoAnswer.model_validate(entry)
@@ -97,6 +94,7 @@ def _faces(results: Results) -> Iterator[FaceSummary]:
             factors={kh: value for kh, value in row.factors if value is not None},
             kc=row.kc,
             block_slide_m=None if row.block is None else (row.block.low, row.block.high),
+            elements=None if results.faces is None else results.faces.of(row.face.structure, row.face.towards),
         )
 
 

@@ -15,6 +15,7 @@ from workflow.results.cases import CaseAnswer, CasesAnswer
 from workflow.results.continuum import FemAnswer, VariantsAnswer
 from workflow.results.dem_counterpart import DemCounterpart
 from workflow.results.discs import DiscsAnswer
+from workflow.results.faces import FacesAnswer
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.slices import SlicesAnswer
@@ -51,6 +52,7 @@ class Results:
     cases: CasesAnswer | None = None
     triggering: TriggeringAnswer | None = None
     slices: SlicesAnswer | None = None
+    faces: FacesAnswer | None = None
     liquefied: LiquefiedAnswer | None = None
     residual: ResidualAnswer | None = None
     response: SiteResponseAnswer | None = None
@@ -94,6 +96,7 @@ class Results:
             cases=left("slide", CasesAnswer),
             triggering=left("triggering", TriggeringAnswer),
             slices=left("slices", SlicesAnswer),
+            faces=left("faces", FacesAnswer),
             liquefied=left("liquefied", LiquefiedAnswer),
             residual=left("residual", ResidualAnswer),
             response=left("response", SiteResponseAnswer),

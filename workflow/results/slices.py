@@ -52,6 +52,12 @@ class FacePart(Part):
     towards: Literal["left", "right"] = Field(description="the side to which the face slides")
     factors: tuple[FactorCircles, ...] = Field(description="factors of safety, at most one circle for each Kh")
     critical: CirclePart | None = Field(description="circle with the least critical Kh")
+    davis_factor: CirclePart | None = Field(
+        default=None, description="the least factor of safety without shaking with Davis's reduced strength, if ψ < φ"
+    )
+    davis_critical: CirclePart | None = Field(
+        default=None, description="the least critical Kh with Davis's reduced strength, if ψ < φ"
+    )
     reason: str = Field(default="", description="why no circle slides with it; empty where one does")
 
     def factor(self, kh: float) -> float | None:

@@ -12,6 +12,7 @@ from meshes.section.structure import Kind
 from workflow.results.answer import Answer, Part, SectionLabel
 from workflow.results.cases import CaseNumbers, CaseSummary, RandomPackings
 from workflow.results.continuum import MeshCount, PathVerdict
+from workflow.results.faces import FaceStrength
 from workflow.results.material_points import PointCase
 from workflow.results.slices import SlicesAnswer
 from workflow.results.stability import LiquefiedCase, TwoSteps
@@ -90,6 +91,7 @@ class FaceSummary(Part):
     factors: dict[float, float] = Field(description="least factors of safety by Bishop's method, by Kh")
     kc: float | None = Field(description="least critical Kh by Bishop's method")
     block_slide_m: tuple[float, float] | None = Field(description="by both ways of the record, or under Kh")
+    elements: FaceStrength | None = Field(default=None, description="by finite elements and bounds, where computed")
 
 
 class Factor(Part):

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 # In the order in which they run: each is the name of a stage and of its module here.
 NAMES = (
-    "triggering", "response", "mesh", "fem", "variants", "bounds", "slices", "residual", "liquefied", "mpm",
+    "triggering", "response", "mesh", "fem", "variants", "bounds", "slices", "faces", "residual", "liquefied", "mpm",
     "calibrate", "slide", "report",
 )  # fmt: skip
 

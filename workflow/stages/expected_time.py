@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 
 from workflow.config import Config
+from workflow.estimates.structures import structures_of
 from workflow.run.plan import Decision
 from workflow.stages.liquefaction import liquefying
 from workflow.stages.mpm import alike_by_strength
@@ -42,6 +43,7 @@ SECONDS: Mapping[str, Callable[[Config], float]] = {
     "variants": lambda config: 10.0 * len(config.variants.which),
     "bounds": lambda config: 10.0 + 0.8 * config.bounds.seconds,
     "slices": lambda config: 5.0,
+    "faces": lambda config: len(structures_of(config.section)) * (40.0 + 0.8 * config.bounds.seconds),
     "residual": lambda config: 40.0,
     "liquefied": lambda config: 30.0 * _cases(config),
     "mpm": lambda config: 70.0 * _cases(config) * (config.slide.mpm_cells / CELLS) ** POWER,

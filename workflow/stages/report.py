@@ -56,6 +56,7 @@ STAGE = Stage(
         "variants",
         "bounds",
         "slices",
+        "faces",
         "residual",
         "liquefied",
         "mpm",

@@ -55,10 +55,12 @@ def work(job: Job) -> None:
 
 def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
     """The faces of all structures, including those without slip circles."""
+    from fem.continuum.strength import is_dilating_fully, with_davis_strength
     from workflow.estimates.slices import LEFT, RIGHT
     from workflow.estimates.structures import face_circle, structures_of
 
     section, fem, crack = job.config.section, job.config.fem, job.config.tension_crack
+    weak = None if is_dilating_fully(section.strata) else with_davis_strength(section)
     for structure in structures_of(section):
         for side in (LEFT, RIGHT):
             towards: Literal["left", "right"] = "left" if side == LEFT else "right"
@@ -67,6 +69,12 @@ def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
             for kh, ground, circle in ((kh, *of) for (kh, of_side), of in whole.items() if of_side == side):
                 face = face_circle(ground, structure, side, circle, kh, fem.least_depth, fem.vertical, crack)
                 parts[kh] = _parts(section, kh, ((ground, face),))
+            davis: dict[float | None, CirclePart | None] = {}
+            for kh in (0.0, None) if weak is not None and any(parts.values()) else ():
+                job.progress(f"{structure.name}, towards the {towards}, Davis's strength", None)
+                assert weak is not None
+                face = face_circle(weak, structure, side, None, kh, fem.least_depth, fem.vertical, crack)
+                davis[kh] = next(iter(_parts(section, kh, ((section, face),))), None)
             crest = structure.crest
             yield FacePart(
                 structure=structure.name,
@@ -77,6 +85,8 @@ def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
                 towards=towards,
                 factors=tuple(FactorCircles(kh=kh, circles=circles) for kh, circles in parts.items() if kh is not None),
                 critical=next(iter(parts[None]), None),
+                davis_factor=davis.get(0.0),
+                davis_critical=davis.get(None),
                 reason="" if any(parts.values()) else NO_FACE,
             )
 

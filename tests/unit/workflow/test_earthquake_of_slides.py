@@ -241,7 +241,7 @@ def test_a_peak_that_contradicts_magnitude_and_distance_is_told() -> None:
     """Fukushima & Tanaka (1990) expect 143 gal of M 7.4 at 60 km, one standard deviation 88 to 231; 250 were given."""
     text = with_shaking(LEVEE).earthquake.contradiction()
     assert "its peak is 245 gal, as given, where 143 gal are expected of M 7.4 at 60 km (88 to 231;" in text
-    assert "relations that need the distance are not used" in text
+    assert "relations that need the distance take it as given" in text
     assert with_shaking({**LEVEE, "peak_acceleration": "200 gal"}).earthquake.contradiction() == ""
     assert with_shaking({**LEVEE, "peak_acceleration": "60 gal"}).earthquake.contradiction() != ""
     assert with_shaking({key: LEVEE[key] for key in ("magnitude", "distance")}).earthquake.contradiction() == ""
@@ -263,7 +263,7 @@ def test_a_peak_in_another_unit_is_doubted(peak: str | float, message: str) -> N
     assert warnings == ([f"earthquake, {message}"] if message else [])
 
 
-def test_the_distance_that_was_overruled_is_not_used() -> None:
+def test_relations_of_the_distance_take_it_as_given_beside_a_peak_that_contradicts_it() -> None:
     data = bored()
     data["triggering"]["borings"][0]["spt"] = [test(3.0, 5, fines=10, d50=0.00025), test(5.0, 6, fines=10, d50=0.00025)]
     data["surface"] = [[0.0, 1.0], [100.0, 0.0]]
@@ -273,10 +273,11 @@ def test_the_distance_that_was_overruled_is_not_used() -> None:
         result = empirical(config.section, config, 0.1, np.zeros((0, 2)))
         return next(item for item in result if item.method.startswith("Youd"))
 
-    assert youd({**LEVEE, "peak_acceleration": "150 gal"}).displacement_m is not None
-    overruled = youd(LEVEE)
-    assert overruled.displacement_m is None
-    assert "the distance of 60 km contradicts the peak acceleration" in overruled.words
+    agreeing, contradicting = youd({**LEVEE, "peak_acceleration": "150 gal"}), youd(LEVEE)
+    assert agreeing.displacement_m is not None
+    assert contradicting.displacement_m == agreeing.displacement_m  # magnitude and distance alone enter
+    assert "contradicts the peak acceleration" not in agreeing.words
+    assert contradicting.words.endswith("which contradicts the peak acceleration that other methods take")
 
 
 def test_the_plan_says_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

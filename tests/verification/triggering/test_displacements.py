@@ -5,12 +5,16 @@ import math
 import numpy as np
 import pytest
 
+from fem.continuum.shallow_failure import shallow_failures
+from fem.continuum.strength import strength_of
+from fem.settings import FemSettings
 from meshes.section.quantity import GRAVITY
-from tests.support import SECTIONS
+from tests.support import SECTIONS, TOP
 from tests.support.borings import bored
 from tests.support.sections import analysed, problems
 from workflow.config import Config
 from workflow.estimates.empirical import bray_macedo, bray_travasarou, empirical
+from workflow.estimates.flow_failure import with_flow_failure
 from workflow.estimates.lateral_spread import (
     Spreading,
     displacement_index,
@@ -22,6 +26,8 @@ from workflow.estimates.lateral_spread import (
 )
 from workflow.estimates.sliding_block import newmark
 from workflow.estimates.truss import Truss, truss_of
+
+LEVEE = TOP / "tests/support/levee/levee.toml"
 
 # Magnitude, distance (km), slope (%), T15 (m), F15 (%), D50 (mm), and the displacement observed (m): rows of gently
 # sloping ground of the data base of Youd et al. (2002), as the public package LiquePy ships it.
@@ -171,6 +177,34 @@ def test_s13_has_all_relations_in_its_table_with_why_some_give_nothing() -> None
     assert values["Bray & Macedo (2019)"].displacement_m == pytest.approx(0.0092, abs=1e-4)
     assert values["Youd, Hansen & Bartlett (2002)"].words == "not computed: there are no borings"
     assert [entry.displacement for entry in config.report.observed] == [3.0]
+
+
+def test_hand_numbers_of_the_levee_and_ground_that_flows() -> None:
+    """By hand: Youd et al. 0.29 m with the 60 km as given, Zhang et al. 3.0 m; a factor of safety of 0.35.
+
+    Without shaking it flows, so that neither relation applies, and both say so.
+    """
+    given = Config.load(LEVEE)
+    found = list(empirical(given.section, given, 0.1, np.zeros((0, 2))))
+    told = {one.method: one for one in with_flow_failure(found, [0.3455, 0.3255])}
+    youd_row, zhang_row = told["Youd, Hansen & Bartlett (2002)"], told["Zhang, Robertson & Brachman (2004)"]
+    assert youd_row.displacement_m == pytest.approx(0.29, abs=0.005)
+    assert zhang_row.displacement_m == pytest.approx(3.0, abs=0.05)
+    why = "does not apply: the liquefied ground does not stand without shaking (factor of safety 0.33 to 0.35)"
+    assert why in youd_row.words
+    assert why in zhang_row.words
+    assert "does not apply" not in told["Bray & Travasarou (2007)"].words
+    assert with_flow_failure(found, []) == found
+
+
+def test_the_submerged_bank_of_the_levee_by_davis() -> None:
+    """By hand: (γ'/γ) tan(φ* - β), tan φ* = sin 31°, β = 26.57°, γ' = 18.5 - 9.807, is 0.0056."""
+    section = Config.load(LEVEE).section
+    settings = FemSettings(direction="downhill")
+    faces = shallow_failures(section, settings, strength_of(section.strata, "davis").friction)
+    hand = (18.5 - 9.80665) / 18.5 * math.tan(math.atan(math.sin(math.radians(31.0))) - math.atan(0.5))
+    assert faces[0].kh == pytest.approx(hand, rel=2e-3)
+    assert faces[0].kh == pytest.approx(0.0056, abs=5e-5)
 
 
 def test_what_lies_outside_a_range_gives_no_number() -> None:

@@ -1,0 +1,83 @@
+"""Critical Kh and factor of safety of ground held in places, by limit analysis on adapted meshes."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fem.search.adaptive import AdaptiveSearch
+from fem.search.slip_surface import slip_surface
+from fem.settings import FemSettings
+from meshes.errors import NoAnswerError
+from meshes.gmsh_model import generate
+from meshes.section.section import Section
+from meshes.settings import MeshSettings
+
+
+@dataclass(frozen=True, eq=False)
+class HeldLimit:
+    """A limit of held ground.
+
+    Attributes
+    ----------
+    value : float
+        Critical Kh, or factor of safety, with ψ = φ (-).
+    davis : float or None
+        Davis's estimate (-); None without an answer.
+    surface : ndarray (n, 2)
+        The slip surface with ψ = φ (m).
+    """
+
+    value: float
+    davis: float | None
+    surface: np.ndarray
+
+
+@dataclass(frozen=True)
+class HeldSearch:
+    """The searches in one ground.
+
+    Attributes
+    ----------
+    section : Section
+        The ground, held in places.
+    meshing : MeshSettings
+        Settings of its meshes.
+    settings : FemSettings
+        Sides, accuracy and number of cells.
+    comm : communicator
+        MPI communicator of one rank.
+    """
+
+    section: Section
+    meshing: MeshSettings
+    settings: FemSettings
+    comm: Any
+
+    def critical(self, direction: str) -> HeldLimit:
+        """The critical Kh in one direction, "downhill" or "uphill"; raises NoAnswerError."""
+        search = AdaptiveSearch(self.section, self.meshing, generate(self.section, self.meshing), self.comm)
+        full = self.settings.changed(direction=direction, flow="associated")
+        result = search.critical(full)
+        mechanism = result.result.mechanism
+        if mechanism is None:
+            raise NoAnswerError(f"no failure up to Kh = {self.settings.kh_limit:g}")
+        try:
+            davis = search.davis_beside(result, full)[1].result.kc
+        except NoAnswerError:
+            davis = None
+        return HeldLimit(result.result.kc, davis, slip_surface(result.mesh, mechanism))
+
+    def safety(self) -> HeldLimit:
+        """The factor of safety without shaking; raises NoAnswerError."""
+        search = AdaptiveSearch(self.section, self.meshing, generate(self.section, self.meshing), self.comm)
+        full = self.settings.changed(flow="associated")
+        result = search.safety(full, 0.0)
+        mechanism = result.result.mechanism
+        if mechanism is None:
+            raise NoAnswerError("the finite elements have no factor of safety")
+        try:
+            davis = search.safety_beside(result, full.changed(flow="davis"), 0.0)
+        except NoAnswerError:
+            davis = None
+        return HeldLimit(result.result.factor, davis, slip_surface(result.mesh, mechanism))

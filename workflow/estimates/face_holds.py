@@ -1,0 +1,109 @@
+"""Where ground is held so that finite elements find the failure of one face, and not an earlier one elsewhere."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fem.search.held_ground import Held
+from meshes.section.section import Section
+from workflow.estimates.crest import LEAST_SLOPE
+from workflow.estimates.slices import LEFT
+from workflow.estimates.structures import Standing
+
+Surface = Sequence[Sequence[float]]
+SKIN = 0.1  # of the height from the exit of a failure to the crest: thickness of the face that moves as one body
+
+
+def is_of_face(structure: Standing, towards: int, surface: Surface) -> bool:
+    """Whether a part of the crest slides with a failure towards this side; ``surface``: points (m), left to right."""
+    points = [(float(x), float(z)) for x, z in surface]
+    return bool(points) and structure.slides_with(points) and _slides(points) == towards
+
+
+def _slides(surface: Surface) -> int:
+    """The side to which a failure slides: that of its lower end, LEFT (-1) or RIGHT (1)."""
+    return LEFT if surface[0][1] < surface[-1][1] else -LEFT
+
+
+def hold_against(
+    section: Section,
+    structure: Standing,
+    towards: int,
+    surface: Surface,
+    circle: Surface,
+    held: Sequence[Held],
+    least_depth: float,
+) -> tuple[Held, ...] | None:
+    """The stretches to hold so that a failure that is not of the face no longer comes first.
+
+    A failure towards the other side, or behind the crest, is excluded by holding the ground behind the crest. A failure
+    in front of the crest is excluded in one of two ways. Where the critical circle of the face leaves the ground
+    farther out, the surface between that failure's exit and the crest is held, down to a small depth: it moves as one
+    body, and no part of it without the crest. Elsewhere the ground is held from the top of the slope in which that
+    failure lies.
+
+    Parameters
+    ----------
+    section : Section
+        The ground.
+    structure : Standing
+        The structure, with its crest.
+    towards : int
+        LEFT or RIGHT, where the face slides to.
+    surface : sequence of points
+        The failure to exclude, from left to right (m).
+    circle : sequence of points
+        The critical circle of the face; empty where there is none.
+    held : sequence of Held
+        What is held so far.
+    least_depth : float
+        Smallest depth that a failure may have (m).
+
+    Returns
+    -------
+    tuple of Held or None
+        None where nothing more can be held.
+    """
+    first, last = section.extent
+    crest, middle = structure.crest, 0.5 * (surface[0][0] + surface[-1][0])
+    near, far = (crest.left, crest.right) if towards == LEFT else (crest.right, crest.left)
+    if _slides(surface) != towards or (middle - far) * towards < 0.0:
+        new = Held(far, last) if towards == LEFT else Held(first, far)
+    else:
+        end = 0 if towards == LEFT else -1
+        exit_x = _snapped(section, surface[end][0], least_depth)
+        if len(circle) and (circle[end][0] - exit_x) * towards >= -least_depth:
+            low, high = np.interp([exit_x, near], *section.ground.T)
+            ends = sorted((exit_x, near))
+            new = Held(ends[0], ends[1], max(least_depth, SKIN * float(high - low)))
+        else:
+            top = _top_of_slope(section.ground, towards, surface)
+            if top is None or (top - near) * towards <= 0.0:
+                return None
+            new = Held(first, top) if towards == LEFT else Held(top, last)
+    if new.end - new.start <= 0.0 or any(new.start < other.end and other.start < new.end for other in held):
+        return None
+    return (*held, new)
+
+
+def _snapped(section: Section, x: float, near: float) -> float:
+    """A point of the ground (m) close to x, or x."""
+    points = section.ground[:, 0]
+    closest = float(points[np.argmin(np.abs(points - x))])
+    return closest if abs(closest - x) <= near else float(x)
+
+
+def _top_of_slope(ground: np.ndarray, towards: int, surface: Surface) -> float | None:
+    """x (m) of the top of the slope in which a failure lies; None where the ground does not fall towards the side."""
+    points = ground if towards == LEFT else ground[::-1]  # from the lower end upwards
+    run, rise = np.abs(np.diff(points[:, 0])), np.diff(points[:, 1])
+    low, high = sorted((surface[0][0], surface[-1][0]))
+    ends = np.sort(np.column_stack([points[:-1, 0], points[1:, 0]]), axis=1)
+    share = np.clip(np.minimum(ends[:, 1], high) - np.maximum(ends[:, 0], low), 0.0, None)
+    climbs = share * rise / np.maximum(run, 1e-9)
+    if not len(climbs) or climbs.max() <= 0.0:
+        return None
+    k = int(np.argmax(climbs))
+    while k + 1 < len(rise) and rise[k + 1] >= LEAST_SLOPE * run[k + 1]:
+        k += 1
+    return float(points[k + 1, 0])

@@ -1,0 +1,41 @@
+"""What relations for lateral spreads say of ground that flows after liquefaction."""
+
+from collections.abc import Iterable, Sequence
+
+from workflow.estimates.estimate import Estimate, Kind
+
+SPREADS: tuple[Kind, ...] = ("spread", "regression", "regression as printed")
+
+
+def with_flow_failure(estimates: Iterable[Estimate], factors: Sequence[float]) -> list[Estimate]:
+    """The estimates, with a sentence at lateral spreads where the liquefied ground does not stand without shaking.
+
+    Data of lateral spreads are of ground that stands once shaking ends: it moves in each pulse, up to its strain
+    potential. Ground with a factor of safety below 1 moves by its weight until it is as flat as its residual strength
+    allows. No relation for lateral spreads has this in its data (Youd, Hansen & Bartlett 2002, which excludes flow
+    failures; Idriss & Boulanger 2008, section 4.4).
+
+    Parameters
+    ----------
+    estimates : iterable of Estimate
+        Of all methods.
+    factors : sequence of float
+        Factors of safety without shaking of the cases of liquefied ground that flow; empty where none flows.
+
+    Returns
+    -------
+    list of Estimate
+    """
+    rows = list(estimates)
+    if not factors:
+        return rows
+    low, high = f"{min(factors):.2f}", f"{max(factors):.2f}"
+    factor = low if low == high else f"{low} to {high}"
+    words = (
+        f"does not apply: the liquefied ground does not stand without shaking (factor of safety {factor}), so that it "
+        "flows until it is flat enough, and lateral spreads move only while the ground shakes"
+    )
+    return [
+        row.with_words(f"{row.words}; {words}") if row.kind in SPREADS and row.displacement_m is not None else row
+        for row in rows
+    ]

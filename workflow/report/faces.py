@@ -1,0 +1,285 @@
+"""The faces of structures in one table: critical Kh and factor of safety by every method, displacements, settlement."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from fem.continuum.loads import sign_of
+from workflow.config import Config
+from workflow.estimates.slices import LEFT, RIGHT
+from workflow.estimates.structures import structures_of
+from workflow.report.structures import FaceRow, face_rows
+from workflow.results.cases import MovedSurface
+from workflow.results.faces import FacesAnswer, FaceValue
+from workflow.results.results import Results
+from workflow.results.slices import CirclePart
+
+Side = Literal["left", "right"]
+HALF = 21  # points of half a crest, whose mean level settles
+SMALLEST = 0.05  # m: less is written as 0
+
+
+@dataclass(frozen=True)
+class Strength:
+    """A critical Kh or factor of safety by every method: ψ = φ, and Davis's reduced strength where ψ < φ."""
+
+    elements: float | None = None
+    davis: float | None = None
+    lower: float | None = None
+    upper: float | None = None
+    circles: float | None = None
+    davis_circles: float | None = None
+
+    def pair(self, by: Literal["elements", "circles"], digits: int) -> tuple[str, str]:
+        """The value with ψ = φ and the one with Davis's strength as texts; empty where there is none."""
+        values = (self.elements, self.davis) if by == "elements" else (self.circles, self.davis_circles)
+        full, low = ("" if value is None else f"{value:.{digits}f}" for value in values)
+        return full, low
+
+    def interval(self, digits: int) -> str:
+        """The strict bounds as a text; empty without any."""
+        if self.lower is None and self.upper is None:
+            return ""
+        low, high = ("–" if value is None else f"{value:.{digits}f}" for value in (self.lower, self.upper))
+        return f"{low}–{high}"
+
+
+@dataclass(frozen=True)
+class FaceLine:
+    """One line of the table.
+
+    Attributes
+    ----------
+    name : the structure, or where the failure lies that is of no structure.
+    side : the side to which it slides: "riverward" or "landward" with free water on one side, else "left" or "right".
+    critical, safety : critical Kh, and factor of safety without shaking.
+    block : slide of a rigid block (m) by the critical Kh with ψ = φ of the slip circle; empty without any.
+    slides, settles : of the face after liquefaction, and of its half of the crest, by every method.
+    counts : whether its critical Kh is the smallest of all faces.
+    """
+
+    name: str
+    side: str
+    critical: Strength
+    safety: Strength
+    block: str
+    slides: tuple[str, ...]
+    settles: tuple[str, ...]
+    counts: bool
+
+
+def side_words(config: Config, start: float, end: float, towards: Side) -> str:
+    """The side of a face of a structure between two feet: riverward or landward, where water stands on one side."""
+    points, ground = config.section.water_points(), config.section.ground
+    if points is None:
+        return towards
+    under = ground[np.interp(ground[:, 0], *points.T) > ground[:, 1] + 1e-6, 0]
+    wet = {side for side, x in (("left", under[under <= start]), ("right", under[under >= end])) if len(x)}
+    if len(wet) != 1:
+        return towards
+    return f"riverward, {towards}" if towards in wet else f"landward, {towards}"
+
+
+def face_lines(results: Results) -> list[FaceLine]:
+    """The lines of all faces, and of a failure elsewhere that comes first; none without slip circles."""
+    config = results.config
+    lines = [_line(results, row) for row in face_rows(config, results.slices)]
+    return lines + list(_elsewhere(results)) if lines else []
+
+
+def _line(results: Results, row: FaceRow) -> FaceLine:
+    face, config = row.face, results.config
+    found = results.faces.of(face.structure, face.towards) if results.faces is not None else None
+    critical, safety = (None, None) if found is None else (found.critical, found.safety)
+    least, most = _ends(critical) if critical is None or critical.held else _of_section(results, face.towards)
+    low, high = _ends(safety) if safety is None or safety.held else _of_safety(results)
+    return FaceLine(
+        name=face.structure,
+        side=side_words(config, face.start_m, face.end_m, face.towards),
+        critical=_strength(critical, least, most, row.kc, face.davis_critical),
+        safety=_strength(safety, low, high, face.factor(0.0), face.davis_factor),
+        block="" if row.block is None else row.block.span,
+        slides=tuple(_slides(results, row)),
+        settles=tuple(_settlements(results, row)),
+        counts=row.counts,
+    )
+
+
+def _strength(
+    value: FaceValue | None, lower: float | None, upper: float | None, circle: float | None, davis: CirclePart | None
+) -> Strength:
+    kept = value if value is not None and value.reaches_crest else None
+    return Strength(
+        None if kept is None else kept.value,
+        None if kept is None else kept.davis,
+        lower if kept is not None else None,
+        upper if kept is not None else None,
+        circle,
+        None if davis is None else davis.bishop,
+    )
+
+
+def _ends(value: FaceValue | None) -> tuple[float | None, float | None]:
+    return (None, None) if value is None else (value.lower, value.upper)
+
+
+def _of_section(results: Results, towards: Side) -> tuple[float | None, float | None]:
+    """Strict bounds of the critical Kh of the section with the seismic force to one side."""
+    bounds = results.bounds
+    if bounds is None:
+        return None, None
+    direction = "downhill" if _downhill(results, towards) else "uphill"
+    part = bounds.towards(direction) or (bounds if bounds.direction == direction else None)
+    return (None, None) if part is None else (part.lower, part.upper)
+
+
+def _of_safety(results: Results) -> tuple[float | None, float | None]:
+    parts = results.bounds.safety if results.bounds is not None else ()
+    return next(((part.lower, part.upper) for part in parts if part.kh == 0.0), (None, None))
+
+
+def _moved(results: Results) -> Iterator[tuple[str, list[MovedSurface]]]:
+    """The slides of every method, over all cases."""
+    cases, points = results.case_set()[1], results.mpm.cases if results.mpm is not None else {}
+    if cases:
+        yield "discs", [cases[number] for number in sorted(cases)]
+    if points:
+        yield "points", [points[number] for number in sorted(points)]
+
+
+def _slides(results: Results, row: FaceRow) -> Iterator[str]:
+    """The largest slide of a face towards its side, over the cases of every method."""
+    face = row.face
+    start, end = (face.start_m, face.crest_m[0]) if face.towards == "left" else (face.crest_m[1], face.end_m)
+    sign = 1.0 if _downhill(results, face.towards) else -1.0
+    for method, cases in _moved(results):
+        values = []
+        for case in cases:
+            points = np.array(case.slide_along).reshape(-1, 2)
+            inside = points[(points[:, 0] >= start) & (points[:, 0] <= end), 1]
+            values += [max(float((sign * inside).max()), 0.0)] if len(inside) else []
+        if values:
+            yield f"{_spread(values)} {method}"
+
+
+def _downhill(results: Results, towards: Side) -> bool:
+    return sign_of(results.config.section, "downhill") == (LEFT if towards == "left" else RIGHT)
+
+
+def _settlements(results: Results, row: FaceRow) -> Iterator[str]:
+    """The settlement of the half of the crest beside a face, over the cases of every method."""
+    left, right = row.face.crest_m
+    middle = 0.5 * (left + right)
+    x = np.linspace(left, middle, HALF) if row.face.towards == "left" else np.linspace(middle, right, HALF)
+    for method, cases in _moved(results):
+        values = []
+        for case in cases:
+            before, after = (np.array(line).reshape(-1, 2) for line in (case.surface_before, case.surface_after))
+            if len(before) and len(after):
+                values.append(float(np.mean(np.interp(x, *before.T) - np.interp(x, *_sorted(after).T))))
+        if values:
+            yield f"{_spread(values)} {method}"
+
+
+def _sorted(points: np.ndarray) -> np.ndarray:
+    return points[np.argsort(points[:, 0], kind="stable")]
+
+
+def _spread(values: list[float]) -> str:
+    low, high = (f"{0.0 if abs(value) < SMALLEST else value:.1f}" for value in (min(values), max(values)))
+    return f"{low} m" if low == high else f"{low}–{high} m"
+
+
+def _elsewhere(results: Results) -> Iterator[FaceLine]:
+    """The failure of the section by finite elements where no crest slides with it."""
+    fem, slices, config = results.fem, results.slices, results.config
+    surface = [(float(x), float(z)) for x, z in results.slip_surface]
+    if fem is None or slices is None or results.kc is None or not surface:
+        return
+    if any(structure.slides_with(surface) for structure in structures_of(config.section)):
+        return
+    full, low = fem.kc, None if fem.davis is None else fem.davis.kc
+    if fem.flow != "associated":
+        full, low = (fem.kc if fem.associated is None else fem.associated.kc), fem.kc
+    circle = next((c.bishop for c in slices.critical if c.towards == fem.towards and _meets(c, surface)), None)
+    factor = next((f for f in fem.safety_factors if f.kh == 0.0 and _beside(f.slip_surface, surface)), None)
+    circles = [c for group in slices.factors if group.kh == 0.0 for c in group.circles if _meets(c, surface)]
+    safety = Strength(circles=circles[0].bishop if circles else None)
+    if factor is not None:
+        value, davis = factor.factor, factor.davis
+        if fem.flow != "associated":
+            value, davis = factor.associated or factor.factor, factor.factor
+        safety = Strength(value, davis, *_of_safety(results), safety.circles)
+    yield FaceLine(
+        name=f"x = {surface[0][0]:.0f} to {surface[-1][0]:.0f} m, no crest slides with it",
+        side=fem.towards,
+        critical=Strength(full, low, *_of_section(results, fem.towards), circle),
+        safety=safety,
+        block="",
+        slides=(),
+        settles=(),
+        counts=False,
+    )
+
+
+def _meets(circle: CirclePart, surface: list[tuple[float, float]]) -> bool:
+    return _beside(circle.surface_m, surface)
+
+
+def _beside(line: tuple[tuple[float, float], ...], surface: list[tuple[float, float]]) -> bool:
+    """Whether two slip surfaces lie over each other by more than half of the shorter one."""
+    if not line:
+        return False
+    shared = min(line[-1][0], surface[-1][0]) - max(line[0][0], surface[0][0])
+    return shared > 0.5 * min(line[-1][0] - line[0][0], surface[-1][0] - surface[0][0])
+
+
+def held_sentences(results: Results) -> Iterator[str]:
+    """Which ground was held for the faces, what has no answer, and what was left out of the table."""
+    config, answer = results.config, results.faces
+    for face in answer.faces if answer is not None else ():
+        of = f"{face.structure}, towards the {face.towards}"
+        for what, value in (("critical Kh", face.critical), ("factor of safety", face.safety)):
+            if value is not None and value.held:
+                where = " and ".join(
+                    f"from x = {held.start:.0f} to {held.end:.0f} m"
+                    + (f" down to {held.depth:.1f} m" if held.depth < 1e3 else "")
+                    for held in value.held
+                )
+                yield (
+                    f"{what[0].upper()}{what[1:]} of {of}, by finite elements and bounds: the ground {where} does not "
+                    "fail, because failures there come first."
+                )
+            if value is not None and not value.reaches_crest:
+                yield (
+                    f"{what[0].upper()}{what[1:]} of {of}: the finite elements fail at {value.value:.3g} first, in "
+                    "ground with which no crest slides."
+                )
+        for reason in face.reasons:
+            yield f"{of[0].upper()}{of[1:]}: no {reason.rstrip('.')}."
+    if answer is None:
+        reason = results.missing.get("faces", "")
+        stage = next((stage for stage in results.stages if stage.name == "faces"), None)
+        why = (stage.unwanted(config) if stage is not None else "") or reason or "the stage faces has no answer"
+        yield f"Left out: finite elements and bounds of each face ({why})."
+    elif not config.bounds.safety_factor:
+        yield "Left out for their cost: strict bounds of factors of safety (bounds.safety_factor = true)."
+
+
+def faces_sentences(answer: FacesAnswer) -> Iterator[str]:
+    """The critical Kh and the factor of safety of every face, as commands print them."""
+    for face in answer.faces:
+        phrases = []
+        for name, value, digits in (("critical Kh", face.critical, 3), ("factor of safety", face.safety, 2)):
+            if value is None or not value.reaches_crest:
+                continue
+            low = "" if value.davis is None else f", {value.davis:.{digits}f} with Davis reduced strength"
+            bounds = "" if value.lower is None or value.upper is None else (
+                f", strict bounds {value.lower:.{digits}f} to {value.upper:.{digits}f}"
+            )  # fmt: skip
+            phrases.append(f"{name} {value.value:.{digits}f} with ψ = φ{low}{bounds}")
+        reasons = [reason.rstrip(".") for reason in face.reasons]
+        words = "; ".join([*phrases, *reasons]) or "no failure with which its crest slides"
+        yield f"{face.structure}, towards the {face.towards}: {words}."

@@ -1,0 +1,50 @@
+"""fem/faces.json: critical Kh and factor of safety of every face of the structures by finite elements and bounds."""
+
+from typing import ClassVar, Literal
+
+from pydantic import Field
+
+from workflow.results.answer import Answer, Known, Line, Part, SectionLabel
+
+
+class HeldPart(Part):
+    """A stretch of the ground in which nothing fails, so that an earlier failure elsewhere is excluded."""
+
+    start: float = Field(description="x of its left end (m)")
+    end: float = Field(description="x of its right end (m)")
+    depth: float = Field(description="below the ground (m); 1e6 down to the base")
+
+
+class FaceValue(Part):
+    """A critical Kh or factor of safety of one face."""
+
+    value: float = Field(description="by finite elements with ψ = φ")
+    davis: float | None = Field(default=None, description="Davis's estimate, a low one and no bound; null without any")
+    lower: Known = Field(default=None, description="strict lower bound with ψ = φ, where it was computed for the face")
+    upper: Known = Field(default=None, description="strict upper bound with ψ = φ")
+    slip_surface: Line = Field(default=(), description="points [x, elevation] of the slip surface (m)")
+    held: tuple[HeldPart, ...] = Field(default=(), description="ground held; none where the face fails first")
+    reaches_crest: bool = Field(default=True, description="whether a part of the crest slides")
+
+
+class FaceStrength(Part):
+    """One face of a structure by finite elements."""
+
+    structure: str
+    towards: Literal["left", "right"] = Field(description="the side to which the face slides")
+    critical: FaceValue | None = Field(description="critical Kh; null without an answer")
+    safety: FaceValue | None = Field(description="factor of safety without shaking; null without an answer")
+    reasons: tuple[str, ...] = Field(default=(), description="why an answer is missing, one sentence each")
+
+
+class FacesAnswer(Answer):
+    """The faces of all structures."""
+
+    FILE: ClassVar[str] = "fem/faces.json"
+
+    section: SectionLabel
+    faces: tuple[FaceStrength, ...]
+
+    def of(self, structure: str, towards: str) -> FaceStrength | None:
+        """The answer of one face; None if there is none."""
+        return next((face for face in self.faces if (face.structure, face.towards) == (structure, towards)), None)
