@@ -146,7 +146,7 @@ def test_heads_that_make_no_seepage_are_refused_in_one_sentence(change: dict, se
 
 @pytest.mark.parametrize(
     ("key", "value", "sentence"),
-    [("permeability", None, "permeability: missing"), ("piezometric_level", 5.0, "expected none beside flow = true")],
+    [("permeability", None, "permeability: missing"), ("piezometric_level", 5.0, "expected none with flow = true")],
 )
 def test_a_stratum_that_does_not_fit_flowing_water_is_refused(key: str, value: object, sentence: str) -> None:
     data = flowing([[0, 5], [50, 5]], [[0, 4], [50, 3]])

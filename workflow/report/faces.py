@@ -22,7 +22,7 @@ SMALLEST = 0.05  # m: less is written as 0
 
 
 @dataclass(frozen=True)
-class Strength:
+class MethodValues:
     """A critical Kh or factor of safety by every method: ψ = φ, and Davis's reduced strength where ψ < φ."""
 
     elements: float | None = None
@@ -62,8 +62,8 @@ class FaceLine:
 
     name: str
     side: str
-    critical: Strength
-    safety: Strength
+    critical: MethodValues
+    safety: MethodValues
     block: str
     slides: tuple[str, ...]
     settles: tuple[str, ...]
@@ -109,9 +109,9 @@ def _line(results: Results, row: FaceRow) -> FaceLine:
 
 def _strength(
     value: FaceValue | None, lower: float | None, upper: float | None, circle: float | None, davis: CirclePart | None
-) -> Strength:
+) -> MethodValues:
     kept = value if value is not None and value.reaches_crest else None
-    return Strength(
+    return MethodValues(
         None if kept is None else kept.value,
         None if kept is None else kept.davis,
         lower if kept is not None else None,
@@ -206,16 +206,16 @@ def _elsewhere(results: Results) -> Iterator[FaceLine]:
     circle = next((c.bishop for c in slices.critical if c.towards == fem.towards and _meets(c, surface)), None)
     factor = next((f for f in fem.safety_factors if f.kh == 0.0 and _beside(f.slip_surface, surface)), None)
     circles = [c for group in slices.factors if group.kh == 0.0 for c in group.circles if _meets(c, surface)]
-    safety = Strength(circles=circles[0].bishop if circles else None)
+    safety = MethodValues(circles=circles[0].bishop if circles else None)
     if factor is not None:
         value, davis = factor.factor, factor.davis
         if fem.flow != "associated":
             value, davis = factor.associated or factor.factor, factor.factor
-        safety = Strength(value, davis, *_of_safety(results), safety.circles)
+        safety = MethodValues(value, davis, *_of_safety(results), safety.circles)
     yield FaceLine(
         name=f"x = {surface[0][0]:.0f} to {surface[-1][0]:.0f} m, no crest slides with it",
         side=fem.towards,
-        critical=Strength(full, low, *_of_section(results, fem.towards), circle),
+        critical=MethodValues(full, low, *_of_section(results, fem.towards), circle),
         safety=safety,
         block="",
         slides=(),

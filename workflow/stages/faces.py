@@ -39,7 +39,7 @@ class Found:
 
 
 @dataclass(frozen=True, eq=False)
-class Task:
+class FaceTask:
     """One quantity of one face.
 
     Attributes
@@ -93,7 +93,7 @@ def work(job: Job) -> None:
     FacesAnswer(section=SectionLabel.of(config.section), faces=tuple(faces)).write(job.store)
 
 
-def _tasks(config: Config, structure: Standing, side: int, part: FacePart, fem: FemAnswer) -> list[Task]:
+def _tasks(config: Config, structure: Standing, side: int, part: FacePart, fem: FemAnswer) -> list[FaceTask]:
     from fem.continuum.loads import sign_of
 
     critical = safety = None
@@ -106,12 +106,12 @@ def _tasks(config: Config, structure: Standing, side: int, part: FacePart, fem: 
     circle = part.critical.surface_m if part.critical is not None else ()
     at_rest = next((c.surface_m for group in part.factors if group.kh == 0.0 for c in group.circles), ())
     return [
-        Task(config, structure, side, "critical Kh", critical, circle),
-        Task(config, structure, side, "factor of safety", safety, at_rest or circle),
+        FaceTask(config, structure, side, "critical Kh", critical, circle),
+        FaceTask(config, structure, side, "factor of safety", safety, at_rest or circle),
     ]
 
 
-def face_value(task: Task, tell: Tell) -> FaceValue | str:
+def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
     """The quantity of a face, with as much of the ground held as it takes; or why there is none."""
     held: tuple[Held, ...] = ()
     found = task.first
@@ -145,20 +145,20 @@ def face_value(task: Task, tell: Tell) -> FaceValue | str:
     )
 
 
-def _direction(task: Task) -> Literal["downhill", "uphill"]:
+def _direction(task: FaceTask) -> Literal["downhill", "uphill"]:
     from fem.continuum.loads import sign_of
 
     return "downhill" if sign_of(task.config.section, "downhill") == task.side else "uphill"
 
 
-def _computed(task: Task, held: tuple[Held, ...]) -> Found:
+def _computed(task: FaceTask, held: tuple[Held, ...]) -> Found:
     """The quantity by finite elements; raises InputError, NoAnswerError."""
     search = _search(task, held)
     limit = search.critical(_direction(task)) if task.quantity == "critical Kh" else search.safety()
     return Found(limit.value, limit.davis, line(limit.surface))
 
 
-def _bounded(task: Task, held: tuple[Held, ...]) -> tuple[float | None, float | None]:
+def _bounded(task: FaceTask, held: tuple[Held, ...]) -> tuple[float | None, float | None]:
     """Strict bounds with ψ = φ where ground is held; those of the section are of faces that fail first."""
     from fem.limit.bounds import kh_bounds
     from fem.limit.safety_bounds import safety_bounds
@@ -180,13 +180,13 @@ def _bounded(task: Task, held: tuple[Held, ...]) -> tuple[float | None, float | 
     return None, None
 
 
-def _ground(task: Task, held: tuple[Held, ...]) -> "Section":
+def _ground(task: FaceTask, held: tuple[Held, ...]) -> "Section":
     from fem.search.held_ground import with_held_ground
 
     return with_held_ground(task.config.section, held) if held else task.config.section
 
 
-def _search(task: Task, held: tuple[Held, ...]) -> "HeldSearch":
+def _search(task: FaceTask, held: tuple[Held, ...]) -> "HeldSearch":
     from mpi4py import MPI
 
     from fem.search.held_limits import HeldSearch
