@@ -63,7 +63,7 @@ class HeldSearch:
         if mechanism is None:
             raise NoAnswerError(f"no failure up to Kh = {self.settings.kh_limit:g}")
         try:
-            davis = search.davis_beside(result, full)[1].result.kc
+            davis = search.with_davis(result, full)[1].result.kc
         except NoAnswerError:
             davis = None
         return HeldLimit(result.result.kc, davis, slip_surface(result.mesh, mechanism))
@@ -77,7 +77,7 @@ class HeldSearch:
         if mechanism is None:
             raise NoAnswerError("the finite elements have no factor of safety")
         try:
-            davis = search.safety_beside(result, full.changed(flow="davis"), 0.0)
+            davis = search.safety_by_other_rule(result, full.changed(flow="davis"), 0.0)
         except NoAnswerError:
             davis = None
         return HeldLimit(result.result.factor, davis, slip_surface(result.mesh, mechanism))

@@ -247,7 +247,7 @@ class Config(Tables):
         try:
             ground = config.tension_crack.cut(section.thinned().cut_at_water())
         except InputError as error:  # such as heads from which no water flows
-            raise error.found_in(section.name, Path(source)) from None
+            raise error.of_file(section.name, Path(source)) from None
         return config.analysed(ground, config.slide, (), ())
 
     @property

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from fem.continuum.loads import sign_of
+from fem.continuum.loads import Direction, sign_of
 from workflow.config import Config
 from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.structures import structures_of
@@ -130,7 +130,7 @@ def _of_section(results: Results, towards: Side) -> tuple[float | None, float | 
     bounds = results.bounds
     if bounds is None:
         return None, None
-    direction = "downhill" if _downhill(results, towards) else "uphill"
+    direction: Direction = "downhill" if _downhill(results, towards) else "uphill"
     part = bounds.towards(direction) or (bounds if bounds.direction == direction else None)
     return (None, None) if part is None else (part.lower, part.upper)
 

@@ -173,7 +173,7 @@ def _bounded(task: FaceTask, held: tuple[Held, ...]) -> tuple[float | None, floa
             of_kh = kh_bounds(ground, full, share)
             return (of_kh.lower if of_kh.stress else None), (of_kh.upper if of_kh.mechanism else None)
         if config.bounds.safety_factor:
-            of_factor = safety_bounds(ground, full, share.of_factors, 0.0, held=True)
+            of_factor = safety_bounds(ground, full, share.of_factors, 0.0, smooth_sides=True)
             return of_factor.lower or None, (of_factor.upper if math.isfinite(of_factor.upper) else None)
     except NoAnswerError:
         pass
