@@ -126,7 +126,7 @@ def test_a_mesh_that_no_longer_fits_is_told_with_where_it_comes_from(
     (out / ".noshiro/mesh_options.json").write_text('{"size": -1.0}')
     assert run("fem", path, "--out", out) == 2
     said = " ".join(capsys.readouterr().err.split())
-    assert "options of the mesh kept in" in said
+    assert "mesh options stored in" in said
     assert "mesh, size = -1.0" in said
 
 

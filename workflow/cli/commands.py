@@ -223,10 +223,11 @@ def plot(
     json: Json = False,
 ) -> None:
     """Draw the pictures of a run again, or single ones, without computing anything."""
+    from workflow.cli.invocation import stored_job
     from workflow.cli.terminal import redraw, say, say_data
     from workflow.figures.single import draw
 
-    job = stages.stored_job(folder)
+    job = stored_job(folder)
     if field is None and at is None:
         return redraw(job, json)
     paths = [str(path) for path in draw(job, field, at)]
@@ -240,9 +241,10 @@ def view(
     at: Annotated[float | None, typer.Option(help="The seismic coefficient. [default: the last]")] = None,
 ) -> None:
     """Look at the FEM results of a run in a window that can be turned and zoomed. Needs a screen."""
+    from workflow.cli.invocation import stored_job
     from workflow.figures.single import window
 
-    window(stages.stored_job(folder), field, at)
+    window(stored_job(folder), field, at)
 
 
 @app.command(rich_help_panel=Panel.AFTER)
@@ -256,10 +258,11 @@ def report(
     json: Json = False,
 ) -> None:
     """Write summary and report of a run again, from the stored results."""
+    from workflow.cli.invocation import stored_job
     from workflow.cli.terminal import execute, warn_of_old_words
     from workflow.run.plan import Choice
 
-    job, verbosity = stages.stored_job(folder), Verbosity.of(quiet, verbose, json)
+    job, verbosity = stored_job(folder), Verbosity.of(quiet, verbose, json)
     warn_of_old_words(folder / "section.toml", verbosity)
     execute(job, Choice.of(job.stages, only=["report"], force=True), verbosity, pdf=pdf)
 

@@ -16,8 +16,10 @@ from workflow.config import Config, merged, renamed
 from workflow.config.after_triggering import load_config
 from workflow.earthquake.records_in_use import records
 from workflow.run.mesh_options import stored_options
+from workflow.run.record import Record
 from workflow.run.stage import Job
 from workflow.run.store import Store
+from workflow.stages.mesh import MESH_FILE
 
 Tables = Mapping[str, Mapping[str, Any]]
 
@@ -123,6 +125,20 @@ class Invocation:
             *old_words,
             f"The mesh has the options of an earlier command: {message} (noshiro mesh without options removes them).",
         ]
+
+
+def stored_job(folder: Path) -> Job:
+    """The job of the run in a folder; raises InputError if it holds no run."""
+    path = folder / "section.toml"
+    if not path.is_file():
+        expected = "expected a folder that noshiro wrote, such as runs/my_slope"
+        lacking = "is a file" if folder.is_file() else "holds no run: there is no section.toml"
+        raise InputError(str(folder), [f"{lacking}; {expected}"])
+    store = Store(folder)
+    left = Record(store)["mesh"]
+    has_own_mesh = left is not None and MESH_FILE in left.inputs
+    mesh_file = folder / "mesh/section.msh" if has_own_mesh else None
+    return Job(load_config(path), store, stages.STAGES, mesh_file=mesh_file)
 
 
 def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> Config:
