@@ -106,8 +106,8 @@ class Case(Model):
 
     def remains_of(self, section: Section, number: int) -> Remains:
         """The strength of a stratum after liquefaction: its residual strength, or shares of cohesion and friction where
-        these are larger. The two are not added, since back-calculated residual strengths are the whole strength of
-        liquefied soil.
+        these are larger. Residual strength and shares are not added, since back-calculated residual strengths are the
+        whole strength of liquefied soil.
         """
         stratum, field = section.strata[number], section.cohesion_field
         residual = self.residual_remains(stratum.name)

@@ -172,8 +172,8 @@ def longest_look(model: DiscState) -> tuple[float, int]:
     """Longest time (s) for which forces of liquefied ground may be constant, and the disc that limits it; (inf, -1)
     without liquefied ground.
 
-    It follows from the highest frequency of a disc on its bonds and pore water: twice the sum of their stiffness over
-    its mass, as for contacts; sums over pairs are replaced by integrals over a uniform density.
+    The time follows from the highest frequency of a disc on its bonds and pore water: twice the sum of their stiffness
+    over its mass, as for contacts; sums over pairs are replaced by integrals over a uniform density.
     """
     which = np.flatnonzero(is_liquefying(model))
     if not len(which):

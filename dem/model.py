@@ -214,7 +214,7 @@ class DiscModel(DiscState):
     def cut_pore_springs(self, layers: Sequence[int] | None = None) -> int:
         """Remove the pore springs with one or both discs in these layers; all of them without ``layers``.
 
-        Unlike cracked springs they do not resist compression. Returns the number of removed springs.
+        Removed springs, unlike cracked ones, do not resist compression. Returns the number of removed springs.
         """
         chosen = np.ones(len(self.pair_i), bool)
         if layers is not None:

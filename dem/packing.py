@@ -309,7 +309,8 @@ def _checked(outline: np.ndarray) -> np.ndarray:
 def _scatter(rng: np.random.Generator, outline: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Uniformly spaced points in the outline, by Roberts's R2 sequence from a random start, each shifted a little.
 
-    They are uniform because pushing discs apart removes density variations over many discs only very slowly.
+    The points are uniformly spaced because pushing discs apart removes density variations over many discs only very
+    slowly.
     """
     low, high = outline.min(axis=0), outline.max(axis=0)
     plastic = 1.32471795724474602596  # root of x**3 = x + 1

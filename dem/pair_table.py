@@ -40,7 +40,8 @@ class PairTable:
 def pair_table(
     layers: Sequence[LayerSprings], mean: Mean = "arithmetic", law: Law = "paper", widest: float = np.inf
 ) -> PairTable:
-    """The table for contacts within and between layers; largest gap of attraction between discs `widest` (m).
+    """The table of constants for contacts within and between layers. widest: largest gap (m) across which discs attract
+    each other.
 
     Between layers: the mean of stiffness, damping, friction, cohesion, alpha, beta and allowed overlap. A boundary disc
     has the values of its partner, and the stiffness of a liquefied layer before liquefaction, so that no disc passes

@@ -169,12 +169,13 @@ def from_stratum(
 ) -> LayerSprings:
     """The constants of the paper's discs in a stratum.
 
-    The horizontal force acts on the seismic density, the weight on the ordinary one (buoyant below water). Both are
-    densities of the soil, not corrected for the voids between the discs. radius: of the discs (m), b of eq. (17).
-    stiffness_scale: factor on the springs of eqs. (9)-(13); Table 2 was printed with 0.01. damping_ratio: factor on
-    sqrt(m K), which is half of critical for one disc on a fixed spring. Element and pore spring in series make the
-    spring of the soil, eqs. (11)-(13): K_e = (1 + 1/t) K, K_p = t K_e. pore_share: t of eqs. (11)-(13); void_ratio: of
-    the soil (-); alpha: reach of pore springs in radii; beta: of eq. (15), length at which a pore spring cracks.
+    The horizontal force acts on the seismic density, the weight on the ordinary one (buoyant below water). Seismic and
+    ordinary density are those of the soil, not corrected for the voids between the discs. radius: of the discs (m), b
+    of eq. (17). stiffness_scale: factor on the springs of eqs. (9)-(13); Table 2 was printed with 0.01. damping_ratio:
+    factor on sqrt(m K), which is half of critical for one disc on a fixed spring. Element and pore spring in series
+    make the spring of the soil, eqs. (11)-(13): K_e = (1 + 1/t) K, K_p = t K_e. pore_share: t of eqs. (11)-(13);
+    void_ratio: of the soil (-); alpha: reach of pore springs in radii; beta: of eq. (15), length at which a pore spring
+    cracks.
     """
     density = stratum.density_seismic
     vp, vs = wave_speeds(stratum.youngs_modulus, stratum.poissons_ratio, density)

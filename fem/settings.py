@@ -37,8 +37,8 @@ def usual_sides(section: Section) -> Sides:
     """Default sides of a section file: "smooth" where the ground is level at both ends, else "free-field".
 
     Level ground that continues beyond the section stands under any Kh below about tan φ' times buoyant over saturated
-    unit weight. Free-field sides resist with the K0 stress only. They let level ground slide out of the section at
-    about half of this Kh (0.15 in sand below water), long before a slope in the middle may fail. Where the ground
+    unit weight. Free-field sides resist with the K0 stress only. Such sides let level ground slide out of the section
+    at about half of this Kh (0.15 in sand below water), long before a slope in the middle may fail. Where the ground
     slopes at an end, smooth or fixed sides would support the slope.
 
     Parameters
@@ -57,7 +57,7 @@ def usual_sides(section: Section) -> Sides:
 def usual_point_sides(section: Section) -> Sides | None:
     """Default sides for material points of a section file, where they differ from those of the elements.
 
-    They are "smooth" where the higher end of the ground is level and the other one slopes.
+    These sides are "smooth" where the higher end of the ground is level and the other end slopes.
 
     A free-field side keeps the pressure at rest however far the ground has moved, and pushes the level ground behind a
     face downslope. Where the ground slopes at its higher end, the ground there may move with the slope.

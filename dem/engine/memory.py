@@ -27,8 +27,8 @@ def large_zeros(*shape: int) -> np.ndarray:
 class Room:
     """Memory that is reused, by name, for arrays of zeros of about the same size; earlier contents are lost.
 
-    It serves arrays above `LARGEST`, which glibc otherwise returns to the system: for 300,000 discs a quarter of the
-    time of a new neighbour list was spent on new pages.
+    `Room` serves arrays above `LARGEST`, which glibc otherwise returns to the system: for 300,000 discs a quarter of
+    the time of a new neighbour list was spent on new pages.
     """
 
     def __init__(self, discs: int = MANY + 1) -> None:

@@ -36,8 +36,8 @@ def spring(over: float, kn: float, gap: float) -> float:
 
 @device_function(forceinline=True)
 def spring_energy(over: float, kn: float, gap: float) -> tuple[float, float]:
-    """Energy (J) of the spring of `spring`, and energy of the bond. The latter is negative: minus the work that
-    separates attracting discs from the state without spring force.
+    """Energy (J) of the spring of `spring`, and energy of the bond. The energy of the bond is negative: minus the work
+    that separates attracting discs from the state without spring force.
     """
     touch = over > -gap
     return 0.5 * kn * over * over if touch else 0.0, -0.5 * kn * gap * gap if touch else 0.0
@@ -123,13 +123,12 @@ def pore(
 ) -> tuple[float, float, float, float]:
     """Pore spring, eqs. (11)-(17): state 1 pulls, pushes and shears; state 2 works only while compressed.
 
-    length: distance L at which the spring was set (m), negative once cracked, 0 where there is none.
-    distance: D of the centres (m); slip: since the last step (m); kpn, kps: normal and tangential stiffness (N/m); tan:
-    tan(theta) of eq. (16); bc: b C of eq. (16) (N); beta: of eq. (15).
-    contact_normal: what the element spring adds to Fn of eq. (16) (N); shear: tangential force kept (N).
-    It cracks where D >= beta L (eq. 15) or |Ft| > max(Fn tan(theta) + bC, 0) (eq. 16), and is in state 2 from this step
-    on: without cohesion, its shear force is limited by friction under its own compression. Returns (normal force,
-    tangential force before the limit, tangential force kept, new length).
+    length: distance L at which the spring was set (m), negative once cracked, 0 where there is none. distance: D of the
+    centres (m); slip: since the last step (m); kpn, kps: normal and tangential stiffness (N/m); tan: tan(theta) of eq.
+    (16); bc: b C of eq. (16) (N); beta: of eq. (15). contact_normal: what the element spring adds to Fn of eq. (16)
+    (N); shear: tangential force kept (N). A pore spring cracks where D >= beta L (eq. 15) or |Ft| > max(Fn tan(theta) +
+    bC, 0) (eq. 16), and is in state 2 from this step on: without cohesion, its shear force is limited by friction under
+    its own compression. Returns (normal force, tangential force before the limit, tangential force kept, new length).
     """
     size = abs(length)
     normal = kpn * (size - distance)

@@ -1,8 +1,8 @@
 """Kernel: the energies of the discs at one instant, from the layout that the stepping kernel works on.
 
-The kinetic energy is m/2 v(n-1/2) v(n+1/2), which is of second order, and which the scheme conserves exactly. Its
-second velocity requires the forces of this instant. They are computed here, and the work of springs, dashpots and
-boundaries since the last step, without changing the state.
+The kinetic energy is m/2 v(n-1/2) v(n+1/2), which is of second order, and which the scheme conserves exactly. The
+second velocity requires the forces of this instant. This kernel computes these forces, and the work of springs,
+dashpots and boundaries since the last step, without changing the state.
 """
 
 import numpy as np

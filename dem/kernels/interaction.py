@@ -115,8 +115,8 @@ def contact_geometry(d: int, q: int, state: State, buffer: np.ndarray, law: Law,
     """Writes direction, distance and lever arms of the contact in lane q into the rows of `buffer`.
 
     d: where its chunk begins in `state.links`; law: contact law with the period of the ground, which only `soil` discs
-    have. One square root and one division take longer than the rest of the law. So they are computed separately, while
-    the records of the next partners are fetched.
+    have. One square root and one division take longer than the rest of the law. So root and division are computed
+    separately, while the records of the next partners are fetched.
     """
     radii = state.links[d + field.RADII + q]
     dx = buffer[field.X + q] - buffer[OWNED_DISCS + field.X + q]

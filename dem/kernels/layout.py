@@ -216,8 +216,8 @@ def place_incoming(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """For every disc, the places of the forces of contacts that it does not own: partners first, then lines.
 
-    where: partner in every lane; chunk_start, line_disc: as in `Layout`; discs: how many there are.
-    They are in the order of the lanes, so that a sum over them depends only on the layout, and not on the order of the
+    where: partner in every lane; chunk_start, line_disc: as in `Layout`; discs: how many there are. The places are in
+    the order of the lanes, so that a sum of these forces depends only on the layout, and not on the order of the
     contact list. Also returns the first and last slice that owns a contact of each slice.
     """
     slices = len(chunk_start) - 1

@@ -2,9 +2,9 @@
 
 The stress at a disc follows from its pairs and their forces at the last evaluation (virial of Love 1927; half of each
 pair belongs to either disc), tension positive. The displacement gradient is that of its neighbours by least squares.
-Both are means over the liquefied neighbours within reach, since the stress of single discs scatters next to a slip
-plane. The shear stress of ground that flows in the plane without change of volume is its plastic work over its shear
-strain, sigma : grad u / gamma (Tresca).
+Stress and displacement gradient are means over the liquefied neighbours within reach, since the stress of single discs
+scatters next to a slip plane. The shear stress of ground that flows in the plane without change of volume is its
+plastic work over its shear strain, sigma : grad u / gamma (Tresca).
 """
 
 import math
@@ -145,7 +145,7 @@ def _shear_of(mean: np.ndarray) -> tuple[float, float]:
 def _means(discs: np.ndarray, pairs: np.ndarray, width: np.ndarray, reach: float, values: np.ndarray) -> np.ndarray:
     """Means of values (n, k) over liquefied discs within reach, by the kernel (width) and their areas.
 
-    One value after the other, since rows would take seconds more to compile.
+    Means are computed one value after the other, since loops over rows would take seconds more to compile.
     """
     n, count = values.shape
     out, weight = np.zeros((n, count)), np.zeros(n)

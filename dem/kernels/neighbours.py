@@ -1,8 +1,8 @@
 """Kernel: the neighbour list. A cell grid finds the pairs whose distance is below the sum of their radii plus a skin.
 
-The list holds until some disc has moved half the skin. It also holds every pair with a pore spring, intact or cracked,
-at any distance: a cracked spring resists again when the discs return to its length, so that removing it would make the
-result depend on the skin. History variables of springs are copied to the new list.
+The list holds until some disc has moved half the skin. The list also contains every pair with a pore spring, intact or
+cracked, at any distance: a cracked spring resists again when the discs return to its length, so that removing it would
+make the result depend on the skin. History variables of springs are copied to the new list.
 """
 
 from typing import NamedTuple

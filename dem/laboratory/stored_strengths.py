@@ -1,7 +1,7 @@
 """Results of element tests, stored in the cache folder of the user: patches of equal dimensionless numbers are tested
 once.
 
-They are stored next to the compiled kernels, in one folder for each version of the sources of the discs, so that
+The results are stored next to the compiled kernels, in one folder for each version of the sources of the discs, so that
 results of another contact law are never used. Stored and new results are equal to the last bit.
 """
 

@@ -5,7 +5,7 @@ ratio is constant); friction: of elements and pore springs; pore_strength: cohes
 break, cohesion of soil discs; strength: friction and pore_strength together; all: stiffness and strength together.
 
 For soil discs one factor multiplies the strength, as in strength reduction: friction and cohesion, but not rolling
-friction and stiffness. Their uncalibrated critical Kh is a prediction.
+friction and stiffness. The uncalibrated critical Kh of soil discs is a prediction.
 """
 
 from collections.abc import Callable, Iterator, Sequence

@@ -36,8 +36,8 @@ def misfit(section: Section, model: DiscModel, radius: float) -> np.ndarray:
 def levelled(section: Section, packing: Packing, radius: float, spread: float) -> Packing:
     """The packing without the discs whose tops are above the surface, and with its hollows filled.
 
-    Its free discs have no stratum yet (number 0): the caller assigns each to the stratum in which it lies.
-    section: the ground; radius: mean of the discs (m); spread: half the width of the radii over the mean.
+    The free discs of this packing have no stratum yet (number 0): the caller assigns each to the stratum in which it
+    lies. section: the ground; radius: mean of the discs (m); spread: half the width of the radii over the mean.
     """
     discs = np.column_stack([packing.x, packing.z, packing.radius])
     fixed, discs = discs[~packing.free], discs[packing.free]
@@ -114,7 +114,7 @@ def _fillings(
 ) -> np.ndarray:
     """New discs (n, 3: centre and radius) that rest on two others each, those with tops nearest to the surface first.
 
-    Their centres are between two ends (m).
+    The centres of the new discs are between two ends (m).
     """
     # behind a steep face discs lie deep below their own surface and yet beside the places at its toe
     lowest = np.min([_level(section, discs[:, 0] + DEEP * way) for way in (-radius, 0.0, radius)], axis=0)

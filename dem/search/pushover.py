@@ -2,11 +2,11 @@
 is measured.
 
 So the curve continues beyond the largest Kh, like the equilibrium path of the FEM model. Both curves are Kh over the
-mass-weighted mean displacement in the direction of the seismic force (m). They are compared at the same displacement,
-since neither has a limit load in a box: loose ground hardens as it is compressed. The critical Kh of the discs is the
-largest Kh, averaged over a fifth of the displacement, up to `DemSettings.ductility` times the yield displacement of the
-FEM model. Grains need this larger strain to reach the same strength as an elastic-plastic body with the same E:
-`settings.GROWTH` describes how it was measured.
+mass-weighted mean displacement in the direction of the seismic force (m). Both curves are compared at the same
+displacement, since neither has a limit load in a box: loose ground hardens as it is compressed. The critical Kh of the
+discs is the largest Kh, averaged over a fifth of the displacement, up to `DemSettings.ductility` times the yield
+displacement of the FEM model. Grains need this larger strain to reach the same strength as an elastic-plastic body with
+the same E: `settings.GROWTH` describes how it was measured.
 
 The place of failure is visible only later: at their critical Kh discs still harden, and shear everywhere. So the test
 continues, and the discs at its end have a slip surface.

@@ -63,10 +63,10 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
     """State of soil discs at the onset of liquefaction: overburden, and residual strength by the case.
 
     The strength is given as a ratio of the vertical effective stress at that time, as a stress, or as shares of the
-    friction and cohesion of the soil (`Case.remains_of`). It is reached at a shear strain s/G, with the shear modulus G
-    by the case, but at most `MOST_STRAIN`; ground with a strain potential reaches it only beyond that potential
-    (`meshes.section.strain_potential`). model: the discs; ground: in which they lie; strata: numbers of those that
-    liquefy; case: stiffness and strength after liquefaction.
+    friction and cohesion of the soil (`Case.remains_of`). The residual strength is reached at a shear strain s/G, with
+    the shear modulus G by the case, but at most `MOST_STRAIN`; ground with a strain potential reaches it only beyond
+    that potential (`meshes.section.strain_potential`). model: the discs; ground: in which they lie; strata: numbers of
+    those that liquefy; case: stiffness and strength after liquefaction.
     """
     pressure, section = effective_overburden(model), ground.section
     consolidated = pressure - _not_consolidated(model, ground)

@@ -53,7 +53,7 @@ def area_per_disc(model: DiscModel, start: DiscModel) -> np.ndarray:
 def volume_change(start: DiscModel, model: DiscModel) -> np.ndarray:
     """Relative growth of the area of the ground of each stratum (n,), negative where it got denser.
 
-    It is 0 for a stratum of which no three discs are neighbours any more.
+    The growth is 0 for a stratum of which no three discs are neighbours any more.
     """
     return np.nan_to_num(area_per_disc(model, start) / area_per_disc(start, start) - 1.0)
 

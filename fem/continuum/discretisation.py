@@ -190,8 +190,8 @@ def _project_volumetric_strain(matrix: np.ndarray, weights: np.ndarray, modes: n
 def _hourglass_stiffness(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Stiffness (nc, nd, nd) against hourglass strain, the part of the strain that is zero at the 2 x 2 points.
 
-    It is the strain at 3 x 3 points less the bilinear field through its values at the 2 x 2 points, so that a
-    displacement whose strain is linear over the cell is not resisted.
+    The hourglass strain is the strain at 3 x 3 points less the bilinear field through its values at the 2 x 2 points,
+    so that a displacement whose strain is linear over the cell is not resisted.
     """
     gauss, weight = _gauss(3)
     full, weights = _strain_matrix(2, gauss, weight, points)

@@ -1,9 +1,9 @@
 """Sections with periodic sides: one period of an endless row of equal sections, each of them higher or lower than the
 one before.
 
-Weight, strength and effective stress repeat from period to period. So does the gradient of the pore pressure, through
-which the water acts on the skeleton. The pore pressure itself need not repeat: under still water it is larger in a
-lower period, by γw times the difference in height. This is a load on the section, -u n on both sides, since the
+Weight, strength and effective stress repeat from period to period. The gradient of the pore pressure, through which the
+water acts on the skeleton, repeats as well. The pore pressure itself need not repeat: under still water it is larger in
+a lower period, by γw times the difference in height. This is a load on the section, -u n on both sides, since the
 effective stresses on periodic sides balance each other and the total stresses do not.
 """
 

@@ -190,9 +190,9 @@ def least_rolling_factor(
     """The smallest factor of safety of the shallow failures of ``faces`` whose strata have ``friction`` (rad), None
     without any.
 
-    It is tan φ / tan(β + atan k) with k = Kh γs / (γ - Kv γs). Seepage out of the face increases k by the amount by
-    which it reduces the Kh of the face. ``section``: the ground; ``kh``: seismic coefficient, positive in the direction
-    of the faces.
+    The factor of a face is tan φ / tan(β + atan k) with k = Kh γs / (γ - Kv γs). Seepage out of the face increases k by
+    the amount by which it reduces the Kh of the face. ``section``: the ground; ``kh``: seismic coefficient, positive in
+    the direction of the faces.
     """
     factors = []
     for face in faces:
@@ -237,9 +237,9 @@ def _is_stable_anyway(section: Section, piece: _Piece, excess_pressure: bool) ->
 def _forces(
     section: Section, piece: _Piece, settings: FemSettings, excess_pressure: bool
 ) -> Iterator[tuple[float, float]]:
-    """Two forces over the seismic weight: weight less Kv and uplift, and the seepage force to the right. They are given
-    for the soil just below a piece of ground, and for the layer down to the least depth where this layer reaches into
-    water.
+    """Two forces over the seismic weight: weight less Kv and uplift, and the seepage force to the right. Both forces
+    are given for the soil just below a piece of ground, and for the layer down to the least depth where this layer
+    reaches into water.
 
     Between the two depths the forces vary linearly, so that no layer of a depth in between slides before one of these
     two.

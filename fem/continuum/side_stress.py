@@ -1,9 +1,9 @@
 """The K0 stress that stays on free-field sides: for finite elements and limit analysis alike.
 
-It grows with depth as it does without horizontal strain, ν / (1 - ν) of the weight of the column above, times a factor
-for each stratum. The factor makes the resultant in the stratum equal to the one of plane elasticity under weight with
-the sides held horizontally. Where the ground slopes, it is above 1 on one side and below 1 on the other. The stress is
-nearer to the plain K0 stress than to Rankine's active and passive stresses.
+The K0 stress grows with depth as without horizontal strain: ν / (1 - ν) of the weight of the column above, times a
+factor for each stratum. The factor makes the resultant in the stratum equal to the one of plane elasticity under weight
+with the sides held horizontally. Where the ground slopes, it is above 1 on one side and below 1 on the other. The
+stress is nearer to the plain K0 stress than to Rankine's active and passive stresses.
 """
 
 from collections.abc import Sequence

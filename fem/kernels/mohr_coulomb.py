@@ -217,7 +217,7 @@ def _circle(stress: Floats) -> tuple[Floats, Floats]:
 def mobilised_strength(stress: Floats, material: Integers, table: Floats) -> Floats:
     """Mobilised share of strength, the paper's local safety factor: 1 at yield, less inside. Shape (n,).
 
-    It is the greatest tau / (c + N tan phi) over all planes through a point.
+    The mobilised share is the greatest tau / (c + N tan phi) over all planes through a point.
 
     N is the normal stress, positive in compression. Where s and t are the centre and radius of the largest
     Mohr circle and A = c - s tan phi, the plane at twice the angle x has t sin x / (A + t tan phi cos x),
@@ -225,8 +225,8 @@ def mobilised_strength(stress: Floats, material: Integers, table: Floats) -> Flo
 
         t / sqrt(A^2 - t^2 tan^2 phi).
 
-    It is infinite where a plane has no strength (A <= t tan phi), as anywhere beyond the apex. At the apex, with
-    neither shear nor strength, it is 1. The tension cut-off is disregarded.
+    The mobilised share is infinite where a plane has no strength (A <= t tan phi), as anywhere beyond the apex. At the
+    apex, with neither shear nor strength, it is 1. The tension cut-off is disregarded.
     """
     s, t = _circle(stress)
     rows = table[material]

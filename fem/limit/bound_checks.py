@@ -103,7 +103,7 @@ class VelocityCheck:
 def yield_slack(problem: LimitProblem, stress: np.ndarray) -> np.ndarray:
     """Distance (m, 3) of the stress (m, 3, 3) at every corner to the yield surface.
 
-    It is c cos φ - σm sin φ less the radius of Mohr's circle, σm the mean stress, tension positive.
+    The distance is c cos φ - σm sin φ less the radius of Mohr's circle, σm the mean stress, tension positive.
     """
     mean = 0.5 * (stress[..., 0] + stress[..., 1])
     radius = np.hypot(0.5 * (stress[..., 0] - stress[..., 1]), stress[..., 2])
@@ -227,7 +227,8 @@ def _with_cut_off(
     """Dissipation (n, 3) per area of rates with volume >= sin φ shear, ``strength`` = c cos φ, and a cut-off T (n,).
 
     The largest work of a stress with R <= c cos φ - σm sin φ and R <= T - σm, where R is the radius of Mohr's circle
-    and σm its centre. It is the work at σm = T, or at σm = (T - c cos φ) / (1 - sin φ), where the two lines meet.
+    and σm its centre. The largest work is that at σm = T, or at σm = (T - c cos φ) / (1 - sin φ), where the two lines
+    meet.
     """
     limit = tension[:, None]
     both = (limit * (volume - sin * shear) + strength * (shear - volume)) / (1.0 - sin)

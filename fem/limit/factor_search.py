@@ -232,7 +232,7 @@ class FactorSearch:
         return place if abs(math.log(factor / last)) < NEAR else None
 
     def settle(self) -> None:
-        """Try factors on this mesh until the bracket is small."""
+        """Try factors on this mesh until the bracket of the factor is within the required gap."""
         last = self.regauged(self.measure(self.factor))
         safe, unsafe = 0.0, math.inf
         for _ in range(TRIALS):

@@ -12,8 +12,8 @@ Gauge = Literal["kh", "loads"]
 class BoundsTrial:
     """Bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None where no bound was proven.
 
-    They bound Kh, or the share of all loads that the ground resists (inf where friction alone resists any load);
-    ``unborne``: no stress balances the weight at any Kh. ``work`` is in seconds of the reference machine.
+    The bounds are those of Kh, or of the share of all loads that the ground resists (inf where friction alone resists
+    any load); ``unborne``: no stress balances the weight at any Kh. ``work`` is in seconds of the reference machine.
     """
 
     factor: float

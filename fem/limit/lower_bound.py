@@ -277,7 +277,7 @@ def _repetition(problem: LimitProblem) -> Equations:
 
 
 def _normals(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Outward normals (k, 2) of edges of cells, as long as half of the edge."""
+    """Outward normals (k, 2) of edges of cells, each with half the length of its edge."""
     points = problem.mesh.points
     along = points[ends[:, 1]] - points[ends[:, 0]]
     normal = 0.5 * np.column_stack([along[:, 1], -along[:, 0]])

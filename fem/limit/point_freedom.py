@@ -147,8 +147,8 @@ def unstrained_points(problem: LimitProblem) -> np.ndarray:
     """Points (n,), as a mask, on held boundaries where the flow rule lets no cell strain.
 
     Such points are corners between two held edges, where φ is larger than half of their angle, and points of a straight
-    held edge where ground that cannot dilate begins. There the velocity gradient of a cell follows from the derivatives
-    of the velocity along its edges, which are zero on held edges.
+    held edge where ground that cannot dilate begins. At such a point the velocity gradient of a cell follows from the
+    derivatives of the velocity along its edges, which are zero on held edges.
     """
     mesh, outline = problem.mesh, problem.outline
     fixed = np.zeros((len(mesh.edges), 2), dtype=bool)

@@ -3,9 +3,9 @@ at the quadrature points, within the yield surface, are in equilibrium with the 
 
 By the duality of limit analysis (Krabbenhoft & Damkilde 2003, Int. J. Numer. Meth. Engng 56, 165; the program is that
 of ``cone_program.py``) it is also the smallest multiplier at which the dissipation of a velocity field of the same
-elements equals the work of the loads. It is the limit of an equilibrium path with associated flow, computed without
-steps and elastic strains in some twenty factorisations. It is no bound, since the yield condition is required at the
-quadrature points only.
+elements equals the work of the loads. This limit load is the limit of an equilibrium path with associated flow,
+computed without steps and elastic strains in some twenty factorisations. The limit load is not a bound, since the yield
+condition is required at the quadrature points only.
 """
 
 from collections.abc import Callable

@@ -149,8 +149,8 @@ class EquilibriumPath:
 
     def reach(self, factor: float) -> bool:
         """Go to a given multiplier and relax there; False, with the state unchanged, if no equilibrium is found. The
-        first guess is the last increment scaled with the multiplier, which saves a quarter of the iterations; after a
-        relaxation it is zero.
+        first guess of the increment is the last increment scaled with the multiplier, which saves a quarter of the
+        iterations; after a relaxation the first guess is zero.
         """
         increment = np.zeros_like(self.control)
         if self._last is not None and self._last[2] > 0.0:

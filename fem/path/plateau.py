@@ -130,7 +130,8 @@ def find_limit_load(
 
 def _equilibrium_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) -> float:
     """The multiplier in equilibrium without overstress at the peak of a path or a little below it; the path is not
-    changed. The relaxed states along the path are too far apart to find this value, and beyond a peak they are lower.
+    changed. The relaxed states along the path are too far apart to find this multiplier, and beyond a peak their
+    multipliers are lower.
     """
     end, steps, in_equilibrium = path.mark(), list(path.steps), -np.inf
     for less in path.settings.reductions:

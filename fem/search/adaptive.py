@@ -47,10 +47,9 @@ FAILS_BY_ITSELF = "the ground fails under its own weight"
 def is_adapted(section: Section, meshing: MeshSettings, first: QuadMesh, settings: FemSettings) -> bool:
     """Whether meshes are adapted to the mechanism.
 
-    They are not adapted where the settings require no accuracy; where the flow is not associated, so that the limit
-    load is not unique; and where columns and rows, or the mesh itself, are given.
-    ``section``: the ground; ``meshing``: settings of meshes; ``first``: the mesh to begin with; ``settings``: of the
-    elements.
+    Meshes are not adapted where the settings require no accuracy; where the flow is not associated, so that the limit
+    load is not unique; and where columns and rows, or the mesh itself, are given. ``section``: the ground; ``meshing``:
+    settings of meshes; ``first``: the mesh to begin with; ``settings``: of the elements.
     """
     chosen = meshing.columns or meshing.rows or first.method == "given"
     return settings.accuracy > 0.0 and not chosen and is_associated(section.strata, settings.flow)
@@ -70,10 +69,10 @@ def next_mesh(
 
     With the setting of a mapped mesh, columns and rows are added where the mechanism is; else the mesh is free. Cell
     sizes follow the shear displacement across the cells of the last mesh, which along a shear band does not depend on
-    their width; shear strains would draw all new cells to the narrowest ones. They follow the strips of the ``strong``
-    section, too, whose cohesionless faces are strengthened: a cell with half of its points in a strip would be neither
-    strengthened nor unchanged. Sides that are periodic (``repeats``) get the same points. Raises what ``adapted`` does.
-    ``section``: the ground; ``meshing``: settings of meshes; ``mesh``: the last mesh.
+    their width; shear strains would draw all new cells to the narrowest ones. Cell sizes follow the strips of the
+    ``strong`` section, too, whose cohesionless faces are strengthened: a cell with half of its points in a strip would
+    be neither strengthened nor unchanged. Sides that are periodic (``repeats``) get the same points. Raises what
+    ``adapted`` does. ``section``: the ground; ``meshing``: settings of meshes; ``mesh``: the last mesh.
     """
     if meshing.method == "mapped":
         return with_finer_strips(mesh, strain, cells)

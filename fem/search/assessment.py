@@ -113,9 +113,9 @@ def critical_as_discs(
     """The critical Kh in one direction with the sides of the settings, on meshes refined for it; failures shallower
     than ``settings.least_depth`` below cohesionless faces do not count.
 
-    It follows from Davis's estimate instead of ψ = φ where the ground then stands under its weight: discs hardly
-    dilate. Raises InputError, NoEquilibriumError, UnstableError.
-    ``section``, ``meshing``, ``first``, ``comm``, ``listener``: as in ``assess``.
+    The critical Kh follows from Davis's estimate instead of ψ = φ where the ground then stands under its weight: discs
+    hardly dilate. Raises InputError, NoEquilibriumError, UnstableError. ``section``, ``meshing``, ``first``, ``comm``,
+    ``listener``: as in ``assess``.
     """
     own_flow = settings.changed(flow=flow_of(section.strata, settings.flow), kh=())
     with one_more_thread(comm.size == 1) as executor:

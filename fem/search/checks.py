@@ -1,6 +1,6 @@
 """Checks of an answer: each returns warnings of contradictions and uncertainties, with remedies.
 
-A check compares answers that are already computed. It computes no new answer.
+A check compares answers that are already computed. No check computes a new answer.
 """
 
 from collections.abc import Iterator

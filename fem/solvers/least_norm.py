@@ -22,10 +22,10 @@ MANY, NEARLY = 500, 1e-13
 def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.ndarray:
     """The shortest d with ``matrix`` d = ``residual`` to rounding; rows may be linearly dependent.
 
-    It is Aᵀ (A Aᵀ)⁻¹ ``residual``, by CHOLMOD. Clarabel corrects the remaining residual, or all of it where CHOLMOD is
-    missing: it solves min |d|²/2 with these equations by one factorisation of [[1, Aᵀ], [A, 0]], in an approximate
-    minimum degree ordering (Amestoy, Davis & Duff 1996), in twice the time. SuperLU's multiple minimum degree takes a
-    hundred times as long to order A Aᵀ of thin layers: 81 s for 75,000 equations.
+    The solution is Aᵀ (A Aᵀ)⁻¹ ``residual``, by CHOLMOD. Clarabel corrects the remaining residual, or all of it where
+    CHOLMOD is missing: it solves min |d|²/2 with these equations by one factorisation of [[1, Aᵀ], [A, 0]], in an
+    approximate minimum degree ordering (Amestoy, Davis & Duff 1996), in twice the time. SuperLU's multiple minimum
+    degree takes a hundred times as long to order A Aᵀ of thin layers: 81 s for 75,000 equations.
     """
     rows = matrix.shape[0]
     if rows == 0 or not np.any(residual):

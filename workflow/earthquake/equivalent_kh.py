@@ -1,7 +1,8 @@
 """The cyclic seismic coefficient that is equivalent to an earthquake where there is no record.
 
-Uniform cycles of 0.65 of the peak are equivalent to the irregular ones (Seed & Idriss 1971). Their number is that of
-the magnitude scaling factor of the triggering relations; their period is the mean period of the motion.
+Uniform cycles of 0.65 of the peak are equivalent to the irregular ones (Seed & Idriss 1971). The number of cycles
+follows from the magnitude scaling factor of the triggering relations; the period of the cycles is the mean period of
+the motion.
 """
 
 import math

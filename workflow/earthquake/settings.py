@@ -91,7 +91,8 @@ class EarthquakeSettings(Model):
 
     def contradiction(self) -> str:
         """A sentence if the given peak differs from the one by magnitude and distance by more than one standard
-        deviation, else empty. Then the peak counts; relations of magnitude and distance alone take both as given.
+        deviation, else empty. In case of a contradiction the peak is used; relations of magnitude and distance
+        alone use both as given.
         """
         has_peak = self.peak_acceleration is not None or bool(self.record)
         if not has_peak or self.magnitude is None or self.distance is None:
@@ -179,7 +180,9 @@ class EarthquakeSettings(Model):
         return self.equivalent() is None and not slide.accelerogram and loading == assumed_loading(self.magnitude)
 
     def equivalent(self) -> EquivalentKh | None:
-        """The equivalent cycles of Kh; those of a record also if its own peak is given. None without a peak."""
+        """The equivalent cycles of Kh; with a record, the cycles of the record, also if the peak is given. None without
+        a peak acceleration.
+        """
         try:
             motion = self.motion()
             record = self._recorded if self.record and not self._unlike_record() else None
@@ -230,9 +233,9 @@ class SiteResponseSettings(Model):
 def loading_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], source: str) -> dict[str, Any]:
     """Kh of the slides, its cycles and their period, where the earthquake of the input determines them.
 
-    Empty without an earthquake, or if its table has errors, which are reported elsewhere. With a given Kh or duration
-    there are no cycles unless the settings request them. Raises InputError if a setting is ``"earthquake"`` and there
-    is no peak, or a record shakes the slides instead.
+    The result is empty without an earthquake, or if the table [earthquake] has errors, which are reported elsewhere.
+    With a given Kh or duration there are no cycles unless the settings request them. Raises InputError if a setting is
+    ``"earthquake"`` and there is no peak, or a record shakes the slides instead.
     """
     requested = [key for key in ("kh", *CYCLES) if slide.get(key) == EARTHQUAKE]
     kh_left = slide.get("kh", EARTHQUAKE) == EARTHQUAKE

@@ -105,7 +105,7 @@ class BlockSlide:
 
     @property
     def span(self) -> str:
-        """The interval in words."""
+        """The interval of the slide in words."""
         low, high = f"{self.low:.2f}", f"{self.high:.2f}"
         return f"{low} m" if low == high else f"{low} to {high} m"
 
@@ -114,7 +114,7 @@ def block_slide(settings: Tables, kc: float) -> BlockSlide | None:
     """The slide of a rigid block with yield coefficient ``kc`` (above 0): in both directions of the record, else under
     Kh.
 
-    None if Kh is constant without end and exceeds ``kc``, so that the block never stops.
+    The slide is None if Kh is constant without end and exceeds ``kc``, so that the block never stops.
     """
     if not settings.sliding_block.accelerogram:
         kh, drive = constant_kh(settings), block_drive(settings)

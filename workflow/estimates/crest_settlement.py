@@ -13,7 +13,7 @@ def crest_level(surface: np.ndarray, crest: Crest) -> float | None:
     """Elevation of the highest ground as wide as the crest between the feet of a structure.
 
     Water flows over a structure where its highest ground is lower than the water. The level is a mean over the width of
-    the crest, because a surface of discs is rough. It is taken at the highest place, because a crest that moved
+    the crest, because a surface of discs is rough. The level is taken at the highest place, because a crest that moved
     sideways still retains water.
 
     Parameters

@@ -23,8 +23,8 @@ def ground_of_circles(
     """The ground in which slip circles are sought, and the critical circle in it.
 
     Where a cohesionless face fails before any circle slides, as an infinite slope, the critical circle would be the
-    shallowest one of the search. Then the ground has an apparent cohesion below such faces, as in finite elements and
-    bounds, so that all methods describe the whole slope.
+    shallowest one of the search. In this case the ground has an apparent cohesion below such faces, as in finite
+    elements and bounds, so that all methods describe the whole slope.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ def hamada(thickness: float, gradient: float) -> float:
 
 
 def hamada_as_printed(thickness: float, gradient: float) -> float:
-    """D = 0.75 ∛H ∛θ (m), as eq. (18) of the paper prints it; every other source has the square root of H."""
+    """D = 0.75 ∛H ∛θ (m) as printed in the paper (its equation 18); every other source has the square root of H."""
     return 0.75 * float(np.cbrt(thickness)) * float(np.cbrt(gradient))
 
 

@@ -49,8 +49,8 @@ class Truss:
 def truss_of(section: Section, case: int) -> Truss | None:
     """The strata above the uppermost one that liquefies in a case, as one bar; None where nothing lies above it.
 
-    Its length is that of the part of the section with liquefying layers; density and modulus are means over its area;
-    its inclination is the mean of its lower boundary.
+    The length of the bar is that of the part of the section with liquefying layers; density and modulus are means over
+    the area of the strata; the inclination of the bar is the mean of its lower boundary.
     """
     which = [k for k, stratum in enumerate(section.strata) if case in stratum.liquefies_in]
     left, right = section.given_extent

@@ -123,8 +123,8 @@ def render(
 ) -> np.ndarray:
     """Render what ``draw`` adds to a plotter as an image (height, width, 3) of exactly the window.
 
-    Heights are multiplied by ``exaggeration``; a tall window gets a narrower image. It is rendered twice as large and
-    averaged: VTK's own supersampling takes four times each way, and 0.2 s for a picture.
+    Heights are multiplied by ``exaggeration``; a tall window gets a narrower image. The image is rendered twice as
+    large and averaged: VTK's own supersampling takes four times each way, and 0.2 s for a picture.
     """
     import pyvista as pv
 

@@ -172,7 +172,8 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
 
 def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Texts) -> str:
     """The interval of a factor of safety: strict bounds of the same conditions, else the error of its mesh, else the
-    distance of the critical Kh of the same mesh from its strict bounds. Empty without any of them.
+    distance of the critical Kh of the same mesh from its strict bounds. The interval is empty if none of these is
+    known.
     """
     bounds = results.bounds
     if bounds is not None and bounds.sides == fem.settings.sides and fem.flow == "associated":

@@ -39,8 +39,8 @@ Known = Annotated[float | None, BeforeValidator(_finite)]
 
 
 class Part(BaseModel):
-    """A part of an answer. It is immutable, refuses unknown keys, and can be made from any object with attributes of
-    the same names (``model_validate``).
+    """A part of an answer. A part is immutable, refuses unknown keys, and can be made from any object with attributes
+    of the same names (``model_validate``).
 
     A field without a default is always in the file, as null if there is no value. A field with the default None is only
     in the file if it has a value.

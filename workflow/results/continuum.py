@@ -102,9 +102,9 @@ class MeshStep(Part):
 def displacement_at(path: Sequence[PathStep], kc: float, share: float) -> float:
     """The displacement (m) at which a path of rising Kh reaches a share of the critical Kh, ``kc``.
 
-    A path may end below this share if limit analysis gave the critical Kh. Then it is extrapolated: the difference to
-    kc decays exponentially with displacement, at the rate of the last step. For S-13 in a rigid box, paths cut off at
-    0.8 and 0.95 of kc give the displacement at 0.99 of kc within 7 %.
+    A path may end below this share if limit analysis gave the critical Kh. In this case the path is extrapolated: the
+    difference to kc decays exponentially with displacement, at the rate of the last step. For S-13 in a rigid box,
+    paths cut off at 0.8 and 0.95 of kc give the displacement at 0.99 of kc within 7 %.
     """
     near = [step.displacement for step in path if step.factor >= share * kc]
     if near or len(path) < 2:

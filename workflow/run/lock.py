@@ -19,7 +19,7 @@ NAME = ".noshiro/lock"
 def locked(folder: Path) -> Iterator[None]:
     """Lock the folder, which is created if necessary, until the end of the block.
 
-    It is a lock of the operating system, which is released when the process ends in any way, and is not inherited by
+    The lock is one of the operating system, which is released when the process ends in any way, and is not inherited by
     child processes. The content of the file only informs about the owner. Raises InputError if another run has locked
     the folder, or if nothing can be written.
     """

@@ -1,6 +1,6 @@
 """The options with which a folder was meshed: commands after `noshiro mesh --refine 2` use the same mesh.
 
-They are settings of [mesh] from the command line; the section.toml of the folder has the resulting settings.
+The options are settings of [mesh] from the command line; the section.toml of the folder has the resulting settings.
 """
 
 from collections.abc import Mapping

@@ -107,7 +107,8 @@ def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
 def is_of_this_input(stage: Stage, job: Job, record: Record) -> bool:
     """Whether the stored answer of a stage may be reported and drawn.
 
-    It may if it is of this input and of a readable version, and no stage that it needs was computed again since then.
+    The answer may be used if it is of this input and of a readable version, and no stage that it needs was computed
+    again since then.
     """
     entry = record[stage.name]
     if entry is None:

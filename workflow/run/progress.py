@@ -29,11 +29,11 @@ class Verbosity(Enum):
 
 
 class TimeLeft:
-    """The remaining time of a stage, which never rises. It is extrapolated from the finished share at constant speed.
-    Work is reported in pieces: during a piece the share is constant, and the remaining time counts down. If a piece
-    takes longer than expected, the remaining time is constant, as a lower bound, until the piece is finished. Before a
-    share of `EARLY` is finished, the slow start (compilation, meshes) would give far too long times, and no time is
-    shown.
+    """The remaining time of a stage, which never rises. The time is extrapolated from the finished share at constant
+    speed. Work is reported in pieces: during a piece the share is constant, and the remaining time counts down. If a
+    piece takes longer than expected, the remaining time is constant, as a lower bound, until the piece is finished.
+    Before a share of `EARLY` is finished, the slow start (compilation, meshes) would give far too long times, and no
+    time is shown.
     """
 
     EARLY = 0.03

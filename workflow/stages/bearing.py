@@ -132,9 +132,9 @@ def _critical(
 
 
 def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float:
-    """The multiple of its weight that the ground resists by finite elements. It is infinite where it is not found, or
-    where the flow is not associated: a path would search for an equilibrium for minutes, and ground that flows has
-    none.
+    """The multiple of its weight that the ground resists by finite elements. The multiple is infinite where it is not
+    found, or where the flow is not associated: a path would search for an equilibrium for minutes, and ground that
+    flows has none.
 
     ``section``: with changed strength; ``mesh``: of it; ``fem``: settings.
     """

@@ -1,7 +1,8 @@
 """The work of the stage `calibrate`: discs of the section, calibrated to the critical Kh of the finite elements.
 
-It writes dem/settled.npz and calibrated.npz (discs at rest before and after), trials.jsonl (a line for every search for
-a critical Kh, from which a stopped run continues), critical.json, calibration.json and the states that are drawn.
+The stage writes dem/settled.npz and calibrated.npz (discs at rest before and after), trials.jsonl (a line for every
+search for a critical Kh, from which a stopped run continues), critical.json, calibration.json and the states that are
+drawn.
 """
 
 from collections.abc import Callable

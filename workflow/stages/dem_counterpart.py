@@ -82,7 +82,7 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
 
 def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tell) -> DemCounterpart | None:
     """The answer with the sides of the discs, for failures below cohesionless faces that are deep enough for discs to
-    resolve. None if it is not requested, is that of the stage `fem`, or does not exist.
+    resolve. None if this answer is not requested, is equal to that of the stage `fem`, or does not exist.
     """
     from mpi4py import MPI
 

@@ -1,7 +1,7 @@
 """The work of the stage `slide`: every case of liquefaction, from the discs at rest to the end of the slide.
 
-It writes dem/cases.json, history.csv, and for every case a .pvd with discs and pore springs in time. With checkpoints
-in dem/slide_* an interrupted run continues.
+The stage writes dem/cases.json, history.csv, and for every case a .pvd with discs and pore springs in time. With
+checkpoints in dem/slide_* an interrupted run continues.
 """
 
 from collections.abc import Sequence

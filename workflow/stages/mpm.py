@@ -237,7 +237,7 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
     """The answer of a case from its governing slide, and those in coarse cells with both decays.
 
     Slides converge with the first power of the size of the cells, so that the second slide gives the limit of fine
-    cells (Richardson's extrapolation). The third one shows the influence of the decay.
+    cells (Richardson's extrapolation). The third slide shows the influence of the decay.
     """
     from fem.mpm.slide import LOSS
 

@@ -17,8 +17,8 @@ from workflow.stages.liquefaction import lowest_factors
 def shaking_of(config: Config, strata: Sequence[int]) -> Shaking | None:
     """The base motion, with the times at which strata begin to liquefy; None for a constant Kh.
 
-    It is a record of the base, or the average acceleration in time of the soil above the slip surface (Makdisi & Seed
-    1978) from a site response to a record of the rock.
+    The base motion is a record of the base, or the average acceleration in time of the soil above the slip surface
+    (Makdisi & Seed 1978) from a site response to a record of the rock.
 
     F_L is strength over stress, and the stress is proportional to the peak acceleration: ground with F_L = 0.6
     liquefies under a record with 0.6 of the peak, so it liquefies when this acceleration is reached. Raises InputError.

@@ -138,8 +138,8 @@ def _under(record: Accelerogram, peak: float, kc: float) -> float:
 def block(config: Config, kc: float | None) -> float | None:
     """The slide (m) of the rigid block of one sample, under its record or its constant Kh.
 
-    None without kc, and for a constant Kh without end: the block then is at rest or never stops, and a mean over
-    samples has no meaning.
+    The slide is None without kc, and for a constant Kh without end: the block then is at rest or never stops, and a
+    mean over samples has no meaning.
     """
     drive, recorded = block_drive(config), bool(config.sliding_block.accelerogram)
     if kc is None or (not recorded and math.isinf(drive.seconds)):
