@@ -170,9 +170,10 @@ def solve(
     """Stress, velocities and multiplier of a cone program of bounds.
 
     Where Clarabel ends without an answer, or almost meets its tolerances but with large residuals, it is called again
-    with the next of the ``regularisations``. Its forces are multiplied by ``magnified``, since it takes residuals below
-    one as absolute. After ``most_work`` (s of the reference machine) both methods end with their last iterate. The
-    built-in interior-point method begins at a ``start`` that suits the program, which changes only its computing time.
+    with the next of the ``regularisations``. The forces that Clarabel gets are multiplied by ``magnified``, since
+    Clarabel takes residuals below one as absolute. After ``most_work`` (s of the reference machine) both methods end
+    with their last iterate. The built-in interior-point method begins at a ``start`` that suits the program, which
+    changes only its computing time.
     """
     feasibility = FEASIBILITY_TORN if len(program.torn) else FEASIBILITY
     ask = partial(_by_clarabel, regularisations, feasibility)

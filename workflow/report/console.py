@@ -395,5 +395,5 @@ def run_lines(answer: Summary) -> list[str]:
     lines += [f"- {line}" for line in shown]
     if len(warnings) > len(shown):
         rest = len(warnings) - len(shown)
-        lines.append(f"{rest} more {'warning stands' if rest == 1 else 'warnings stand'} in the report.")
+        lines.append(f"{rest} more {'warning is' if rest == 1 else 'warnings are'} in the report.")
     return lines
