@@ -48,7 +48,7 @@ def ground(packing: TiedPacking) -> DiscModel:
 
 
 def advance(model: DiscModel, seconds: float) -> None:
-    Engine(dt=0.4 * largest_step(model).seconds, energies=False, threads=2).run(model, seconds)
+    Engine(dt=0.4 * largest_step(model).seconds, energies=False).run(model, seconds)
 
 
 def critical_kh(model: DiscModel) -> float:

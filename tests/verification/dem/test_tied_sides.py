@@ -97,7 +97,7 @@ def test_row_slides_on_for_ever() -> None:
         gravity=tilted_gravity(beta, GRAVITY),
     )
     model.set_velocity(10.0, 0.0)
-    Engine(dt=1e-4, threads=2).run(model, 4.0)
+    Engine(dt=1e-4).run(model, 4.0)
     due = GRAVITY * (np.sin(beta) - 0.3 * np.cos(beta))
     assert model.vx == pytest.approx(10.0 + due * 4.0, rel=1e-4)
     assert np.ptp(model.x - 2.0 * RADIUS * np.arange(COLUMNS)) < 1e-6
