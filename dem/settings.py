@@ -8,12 +8,17 @@ import numpy as np
 from pydantic import Field, StrictBool
 
 from dem.case import LOOSE_SAND, SOFTENED, Case
+from dem.springs import Mean
 from meshes.section.motion_units import RecordComponent, RecordUnit
 from meshes.section.quantity import Length
 from meshes.section.recorded_kh import RecordedKh
 from meshes.section.section import Model, Section
 
 DiscModelName = Literal["soil", "paper"]
+SlideMethod = Literal["discs", "mpm"]
+# Of one Kh, and of the search for the critical one.
+TrialVerdict = Literal["stands", "fails", "undecided"]
+SearchVerdict = Literal["bracketed", "stands everywhere", "fails under its own weight", "undecided"]
 TABLE2_STRATA = 10
 # Patches of soil discs have 0.99 of what is left to them after the peak at 3.4 times the strain at which an elastic
 # body of the same E has it (3.8 in the sands of S-13, 2.7 in its clays); the continuum, too, is looked at at 0.99
@@ -71,9 +76,7 @@ class DemSettings(Model):
     )
     stiffness_scale: float = Field(default=0.01, gt=0.0, description="factor on the springs of eqs. (9)-(13)")
     damping_ratio: float = Field(default=1.0, ge=0.0, description="factor on the dashpots sqrt(m K)")
-    mean: Literal["arithmetic", "harmonic"] = Field(
-        default="arithmetic", description="mean of two layers' constants at a contact between them"
-    )
+    mean: Mean = Field(default="arithmetic", description="mean of two layers' constants at a contact between them")
     kh: RecordedKh = Field(default=(0.2, 0.3), description="seismic coefficients whose states are stored")
     kh_limit: float = Field(default=1.0, gt=0.0, description="seismic coefficient beyond which to stop")
     resolution: float = Field(default=0.005, gt=0.0, le=0.1, description="width of the bracket of the critical Kh")
@@ -234,7 +237,7 @@ class SlideSettings(Model):
         "points that or 0.2 % of the slide, twice in a row",
     )
     duration: float = Field(default=60.0, gt=0.0, description="largest duration of a slide in seconds")
-    methods: tuple[Literal["discs", "mpm"], ...] = Field(
+    methods: tuple[SlideMethod, ...] = Field(
         default=("discs", "mpm"),
         min_length=1,
         description='methods by which the slides are computed: "discs", "mpm" (material point method), or both',

@@ -22,7 +22,7 @@ EDGE = 2.0
 
 Places = tuple[np.ndarray, np.ndarray]  # x and z (n,) of all discs in the section (m)
 # Traction (k, 2) in Pa on the skeleton at the middles (k, 2) of edges of the ground, whose outward normals are (k, 2).
-Traction = Callable[[np.ndarray, np.ndarray], np.ndarray]
+WaterTraction = Callable[[np.ndarray, np.ndarray], np.ndarray]
 # Pressure (k,) in Pa of the water at points (k, 2) of the ground, with points near them.
 Outside = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
@@ -126,7 +126,7 @@ def _of_pores(
     return acceleration + _at_nearest(discs, places, mesh.points[jumps.ends].mean(axis=1), between)
 
 
-def _on_ground(mesh: TriMesh, traction: Traction) -> tuple[np.ndarray, np.ndarray]:
+def _on_ground(mesh: TriMesh, traction: WaterTraction) -> tuple[np.ndarray, np.ndarray]:
     """Middles (k, 2) in m of the edges of the ground surface, and forces (k, 2) in N/m of a traction on them."""
     ends = mesh.boundaries["surface"]
     normal = outward_normals(mesh, mesh.edge_cells[mesh.edge_numbers(ends), 0], ends)

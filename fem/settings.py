@@ -13,6 +13,8 @@ from meshes.section.section import Model, Section
 Element = Literal["quadratic", "reduced", "bilinear"]
 Sides = Literal["free-field", "smooth", "fixed", "periodic"]
 DirectionSetting = Literal["both", "downhill", "uphill"]
+FlowSetting = Literal["auto", "davis", "associated", "section"]
+DavisForm = Literal["A", "B", "C"]
 
 # Accuracies are shares of Kh, or of this Kh where Kh is smaller: nobody designs by the fourth decimal. In the factor of
 # safety they are half as large a share: where Kh changes by 0.002, that changes by some 0.5 %.
@@ -132,13 +134,13 @@ class FemSettings(Model):
     )
     max_cells: int = Field(default=6000, ge=100, le=500_000, description="cells of the finest of these meshes")
     vertical: float = Field(default=0.0, gt=-1.0, lt=1.0, description="vertical seismic coefficient, positive upwards")
-    flow: Literal["auto", "davis", "associated", "section"] = Field(
+    flow: FlowSetting = Field(
         default="auto",
         description='"associated" sets ψ = φ, "davis" takes Davis\'s estimate where ψ < φ (less strength, associated '
         'flow), "section" follows the non-associated path with the ψ of the strata; "auto": "associated", or "davis" '
         "where the strata give a dilation angle below φ. Results have the other one of the first two in the same line",
     )
-    davis: Literal["A", "B", "C"] = Field(
+    davis: DavisForm = Field(
         default="B", description="form of Davis's reduced strength in the factor of safety: A, B or C"
     )
     kh: RecordedKh = Field(

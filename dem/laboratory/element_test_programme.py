@@ -18,7 +18,7 @@ from meshes.executor import Tell
 SEEDS = (101, 102, 103, 104)  # none of those that the map was made with
 
 Task = tuple[ContactNumbers, int]  # a patch, and the seed of its packing
-Outcome = PatchStrength | str  # the result of a test, or the reason why there is none
+TestOutcome = PatchStrength | str  # the result of a test, or the reason why there is none
 
 
 @dataclass(frozen=True)
@@ -53,12 +53,12 @@ class ElementTestProgramme:
         """Whether all patches were compressed in earlier runs, whose results are stored."""
         return all(is_stored(*task) for task in self.tasks)
 
-    def checks(self, done: Sequence[Outcome]) -> list[LayerCheck]:
+    def checks(self, done: Sequence[TestOutcome]) -> list[LayerCheck]:
         """The comparison of every layer with its discs, from the results of the ``tasks``."""
         outcomes = dict(zip(self.tasks, done, strict=True))
         return [self._check(layer, outcomes) for layer in self.layers]
 
-    def _check(self, layer: SoilLayer, outcomes: dict[Task, Outcome]) -> LayerCheck:
+    def _check(self, layer: SoilLayer, outcomes: dict[Task, TestOutcome]) -> LayerCheck:
         patches = [
             _scaled(outcomes[numbers.nearest, seed], numbers, float(p), seed)
             for p in layer.pressures
@@ -68,12 +68,12 @@ class ElementTestProgramme:
         return _check(layer, layer.springs(self.radius, VOID_RATIO), patches)
 
 
-def compressed(task: Task, _: Tell) -> Outcome:
+def compressed(task: Task, _: Tell) -> TestOutcome:
     """The result of one compressed patch, or the reason why it has no strength."""
     return strength_of_patch(*task)
 
 
-def _scaled(patch: Outcome, numbers: ContactNumbers, pressure: float, seed: int) -> Outcome:
+def _scaled(patch: TestOutcome, numbers: ContactNumbers, pressure: float, seed: int) -> TestOutcome:
     """The result of a patch, converted to other dimensionless numbers and another pressure (Pa)."""
     if isinstance(patch, str):
         return f"{pressure / 1e3:.3g} kPa, seed {seed}, scaled to {PRESSURE / 1e3:.3g} kPa: {patch}"

@@ -13,7 +13,7 @@ from dem.errors import ConfinementError, DemError
 from dem.laboratory.patch import Patch, Press, StressState
 from dem.laboratory.plane_elastic import PlaneElastic, lattice_elastic
 
-Kind = Literal["biaxial", "simple shear"]
+LoadingKind = Literal["biaxial", "simple shear"]
 
 AT_REST = 1e-3  # of the pressure, and of the mean contact force
 PATIENCE = 20_000.0  # time units until a patch must have come to rest
@@ -54,7 +54,7 @@ class Curve:
         Why the test ended before the largest strain; empty if it did not.
     """
 
-    kind: Kind
+    kind: LoadingKind
     pressure: float
     strain: np.ndarray
     stress: np.ndarray
@@ -146,7 +146,7 @@ def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
 
 def load(
     patch: Patch,
-    kind: Kind,
+    kind: LoadingKind,
     pressure: float,
     strain: float,
     rate: float,
@@ -192,7 +192,7 @@ def load(
     )  # fmt: skip
 
 
-def _is_over(rows: list[np.ndarray], kind: Kind) -> bool:
+def _is_over(rows: list[np.ndarray], kind: LoadingKind) -> bool:
     """Whether the last record is well past the peak."""
     if len(rows) % AVERAGE or len(rows) < INTERVALS // 4:
         return False
@@ -204,6 +204,6 @@ def _is_over(rows: list[np.ndarray], kind: Kind) -> bool:
     return bool(means[-1, 0] > strain * means[at, 0] and resistance[-1] < left * resistance[at])
 
 
-def _record(f: np.ndarray, kind: Kind, now: StressState, bonds: int) -> np.ndarray:
+def _record(f: np.ndarray, kind: LoadingKind, now: StressState, bonds: int) -> np.ndarray:
     strain = -np.log(f[1, 1]) if kind == "biaxial" else f[0, 1] / f[1, 1]
     return np.array([strain, *now.stress.ravel(), np.log(np.linalg.det(f)), now.unbalanced, now.cracked / bonds])

@@ -34,7 +34,7 @@ NARROWINGS = 12  # searches at most once the target is bracketed
 NARROWEST = 1.01
 SHORTEST = 0.1  # of a bracket, that a new factor keeps away from its ends
 
-Verdict = Literal["calibrated", "out of reach"]
+CalibrationVerdict = Literal["calibrated", "out of reach"]
 Key = tuple[str, float]  # parameter and factor
 OnSearch = Callable[[str, float, Search], None]
 
@@ -73,7 +73,7 @@ class Calibration:
     parameter: str
     value: float
     range: tuple[float, float]
-    verdict: Verdict
+    verdict: CalibrationVerdict
     reason: str
     search: Search
     sensitivity: tuple[tuple[str, float, Search], ...]
@@ -337,7 +337,7 @@ def calibrate(
         tried[factor] = calibrator.search(parameter, factor)
     tried = dict(sorted(tried.items(), key=lambda pair: pair[0]))
     value = min(tried, key=lambda f: (tried[f].verdict != "bracketed", abs(middle(tried[f]) - target)))
-    verdict: Verdict = "calibrated" if _met(tried[value], target, settings.tolerance) else "out of reach"
+    verdict: CalibrationVerdict = "calibrated" if _met(tried[value], target, settings.tolerance) else "out of reach"
     reason = f"critical Kh {middle(tried[value]):.4f} for a target of {target:.4f}"
     if verdict != "calibrated":
         reason = _out_of_reach(settings, parameter, tried, value, target)

@@ -4,19 +4,17 @@ which they do not.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.search.equilibrium import Rise, Trial, displacement, try_kh
-from dem.settings import DemSettings
+from dem.settings import DemSettings, SearchVerdict
 
 PROBE = 0.02  # Kh that shows how far the ground gives way before anything slips
 STRIDE = 0.08  # Kh of the first steps, or the power of two of the width that is nearest
 
-Answer = Literal["bracketed", "stands everywhere", "fails under its own weight", "undecided"]
 OnTrial = Callable[[Trial, DiscModel], None]
 
 
@@ -44,7 +42,7 @@ class Search:
 
     kc_lower: float = 0.0
     kc_upper: float | None = None
-    verdict: Answer = "undecided"
+    verdict: SearchVerdict = "undecided"
     reason: str = ""
     flexibility_m: float = 0.0
     trials: list[Trial] = field(default_factory=list)

@@ -8,7 +8,7 @@ force.
 """
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from dem.engine.pulses import Pulses
 from dem.errors import DemError
 from dem.ground import Ground
 from dem.model import DiscModel
-from dem.settings import DemSettings
+from dem.settings import DemSettings, TrialVerdict
 from dem.springs import LayerSprings
 
 STEP = 0.6  # of the stable one: what is looked for is rest, and no energies are summed on the way to it
@@ -26,8 +26,6 @@ SETTLED = 1e-4  # unbalanced force ratio under weight
 RISE = 0.05  # Kh that is raised in one period of the ground
 LOOK = 0.25  # of a period between two looks
 PULSE = 1.0 / 32.0  # of a period between two looks while settling
-
-Verdict = Literal["stands", "fails", "undecided"]
 
 
 class NotSettledError(DemError):
@@ -95,7 +93,7 @@ class Trial:
     """
 
     kh: float
-    verdict: Verdict
+    verdict: TrialVerdict
     reason: str
     unbalanced_ratio: float
     kinetic_ratio: float
@@ -321,6 +319,6 @@ def try_kh(
     return _trial(kh, "undecided", reason, seen, elastic, model.time - start)
 
 
-def _trial(kh: float, verdict: Verdict, reason: str, seen: list[Rest], elastic: float, seconds: float) -> Trial:
+def _trial(kh: float, verdict: TrialVerdict, reason: str, seen: list[Rest], elastic: float, seconds: float) -> Trial:
     last = seen[-1] if seen else Rest(0.0, float("inf"), float("inf"), 0.0)
     return Trial(kh, verdict, reason, last.unbalanced_ratio, last.kinetic_ratio, last.displacement, elastic, seconds)

@@ -11,9 +11,9 @@ import numpy as np
 
 from fem.continuum.discretisation import Discretisation, discretise, tied
 from fem.continuum.linear_solver import Exchange, LinearSolver
-from fem.continuum.strength import DavisForm, FlowSetting, is_associated, strength_of
+from fem.continuum.strength import is_associated, strength_of
 from fem.kernels import assembly, mohr_coulomb, viscoplastic
-from fem.settings import Element
+from fem.settings import DavisForm, Element, FlowSetting
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section, Stratum

@@ -24,11 +24,10 @@ from typing import Literal, assert_never
 
 import numpy as np
 
+from fem.settings import DavisForm, FlowSetting
 from meshes.section.section import Section, Stratum
 
 Flow = Literal["davis", "associated", "section"]
-FlowSetting = Literal["auto", "davis", "associated", "section"]
-DavisForm = Literal["A", "B", "C"]
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,15 @@ from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import BoundSearch, proven_upper_bound
 from fem.limit.bracket import COST_EXPONENT, Limits
 from fem.limit.directions import DirectionSearch, KhObserver, SectionSide, SmallerKhBounds, search_all
-from fem.limit.limit_problem import CornerCohesion, Places, RigidPlasticBody, Side, Traction, limit_problem, units_of
+from fem.limit.limit_problem import (
+    CornerCohesion,
+    EdgeTraction,
+    Places,
+    RigidPlasticBody,
+    Side,
+    limit_problem,
+    units_of,
+)
 from fem.limit.side_stress import SideStress, side_stresses
 from fem.settings import LEAST_KH, BoundsSettings, FemSettings, Sides
 from meshes.bisection import fan_out
@@ -353,7 +361,7 @@ def _ground(section: Section, sign: int) -> Side:
     )
 
 
-def _pressing(stress: SideStress, outwards: float) -> Traction:
+def _pressing(stress: SideStress, outwards: float) -> EdgeTraction:
     def traction(at: Places) -> np.ndarray:
         return np.column_stack([outwards * stress.at(at.points[:, 1], at.stratum), np.zeros(len(at.points))])
 

@@ -38,7 +38,7 @@ class Places:
 
 
 # Traction (k, 2) in Pa on a boundary, and pressure (k,) in Pa outside; linear along every edge of the mesh.
-Traction = Callable[[Places], np.ndarray]
+EdgeTraction = Callable[[Places], np.ndarray]
 Outside = Callable[[Places], np.ndarray]
 # Cohesion (m, 3) in Pa at the corners of the cells of a mesh: the linear one between them is nowhere above the true
 # one, or nowhere below it where that is asked for.
@@ -54,9 +54,9 @@ class Side:
     fixed : str
         Components of the velocity that are zero: "", "x", "y" or "xy". In these components the traction is an unknown
         reaction.
-    dead : Traction or None
+    dead : EdgeTraction or None
         Traction in the other components that does not depend on the multiplier; None for zero.
-    live : Traction or None
+    live : EdgeTraction or None
         Traction in the other components that is multiplied by the load multiplier; None for zero.
     pressure : Outside or None
         Pressure of the water outside, which acts in addition to the dead traction; None for zero.
@@ -65,8 +65,8 @@ class Side:
     """
 
     fixed: str = ""
-    dead: Traction | None = None
-    live: Traction | None = None
+    dead: EdgeTraction | None = None
+    live: EdgeTraction | None = None
     pressure: Outside | None = None
     periodic: bool = False
 
@@ -364,6 +364,6 @@ def edge_ends(mesh: TriMesh, ends: np.ndarray, cells: np.ndarray) -> Places:
     )
 
 
-def _traction(traction: Traction | None, places: Places) -> np.ndarray:
+def _traction(traction: EdgeTraction | None, places: Places) -> np.ndarray:
     """A traction at both ends of edges, (k, 2, 2)."""
     return np.zeros((len(places.points) // 2, 2, 2)) if traction is None else traction(places).reshape(-1, 2, 2)

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from fem.continuum.loads import excess_pressure_advice, lifted
-from fem.continuum.strength import FlowSetting, davis_words, flow_of, is_associated, is_dilating_fully
+from fem.continuum.strength import davis_words, flow_of, is_associated, is_dilating_fully
 from fem.errors import UnstableError
 from fem.limit_load.limit_load import LimitLoadResult
 from fem.path.equilibrium_path import EquilibriumPath
@@ -20,7 +20,7 @@ from fem.search.critical import CriticalResult, critical_coefficient
 from fem.search.mesh_sequence import AdaptiveResult
 from fem.search.result_warnings import ResultWarning
 from fem.search.strength_reduction import SafetyFactor, safety_factor
-from fem.settings import FemSettings
+from fem.settings import FemSettings, FlowSetting
 from fem.solvers.blas_threads import one_more_thread
 from meshes.errors import NoAnswerError
 from meshes.executor import Executor, check_cancelled

@@ -19,6 +19,8 @@ from workflow.earthquake.settings import EarthquakeSettings, SiteResponseSetting
 from workflow.earthquake.triggering.settings import FreeFaceSettings, TriggeringSettings
 from workflow.uncertain.settings import StudySettings, UncertainSettings
 
+Language = Literal["en", "ja"]
+
 
 class FigureSettings(Model):
     """Settings of the pictures and of the report, a table [figures]."""
@@ -51,7 +53,7 @@ class ReportSettings(Model):
     number: str = Field(default="", description="the number of the report, or its revision")
     standard: str = Field(default="", description="the standard that it follows")
     logo: str = Field(default="", description="a picture, .png, .jpg or .svg, beside this file")
-    language: Literal["en", "ja"] = Field(default="en", description='of the report: "en" (English) or "ja" (Japanese)')
+    language: Language = Field(default="en", description='of the report: "en" (English) or "ja" (Japanese)')
     appendix: bool = Field(
         default=False, description="true adds the appendices: comparison with the paper, input and provenance"
     )

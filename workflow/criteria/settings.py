@@ -122,10 +122,10 @@ class CriteriaSettings(Model):
         return self.preset is not None and self.factor_of_safety is None
 
 
-Verdict = Literal["satisfied", "not satisfied", "not decided"]
+CriterionVerdict = Literal["satisfied", "not satisfied", "not decided"]
 
 
-def judge(low: float | None, high: float | None, limit: float, at_least: bool) -> Verdict:
+def judge(low: float | None, high: float | None, limit: float, at_least: bool) -> CriterionVerdict:
     """Compare the interval of a quantity with its limit.
 
     Parameters
@@ -139,7 +139,7 @@ def judge(low: float | None, high: float | None, limit: float, at_least: bool) -
 
     Returns
     -------
-    Verdict
+    CriterionVerdict
         "not decided" without an answer, and where the limit lies inside the interval.
     """
     if low is None or high is None:
@@ -148,7 +148,7 @@ def judge(low: float | None, high: float | None, limit: float, at_least: bool) -
     return "satisfied" if all(keeps) else "not decided" if any(keeps) else "not satisfied"
 
 
-def together(verdicts: tuple[Verdict, ...]) -> Verdict:
+def together(verdicts: tuple[CriterionVerdict, ...]) -> CriterionVerdict:
     """The verdict on several criteria together, all of which must be satisfied."""
     if "not satisfied" in verdicts:
         return "not satisfied"

@@ -11,7 +11,7 @@ from dem.slides.cycles import cyclic_acceleration
 from meshes.section.section import Section
 from workflow.config.tables import Tables
 from workflow.estimates.empirical import empirical
-from workflow.estimates.estimate import Estimate, Kind, flow_words, mean_inclination
+from workflow.estimates.estimate import Estimate, EstimateKind, flow_words, mean_inclination
 from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
 from workflow.estimates.sliding_block import SmoothPlane, newmark, rectangular_pulse
 
@@ -29,7 +29,7 @@ S13_STRATA = ("1 Ts", "2 Ac1", "3 Asd", "4 Asd", "5 Asd", "6 As1", "7 Ac2", "8 A
 
 NO_LINE = np.zeros((0, 2))
 
-__all__ = ["BlockDrive", "Estimate", "Kind", "block_drive", "constant_kh", "estimates", "mean_inclination"]
+__all__ = ["BlockDrive", "Estimate", "EstimateKind", "block_drive", "constant_kh", "estimates", "mean_inclination"]
 
 
 def constant_kh(settings: Tables) -> float:

@@ -6,10 +6,13 @@ from typing import Literal
 
 import numpy as np
 
-from fem.continuum.strength import FlowSetting, davis_words, flow_of
+from fem.continuum.strength import davis_words, flow_of
+from fem.settings import FlowSetting
 from meshes.section.section import Section
 
-Kind = Literal["block", "smooth block", "regression", "regression as printed", "spread", "block regression", "truss"]
+EstimateKind = Literal[
+    "block", "smooth block", "regression", "regression as printed", "spread", "block regression", "truss"
+]
 
 
 @dataclass(frozen=True)
@@ -26,7 +29,7 @@ class Estimate:
     validity : range of validity
     """
 
-    kind: Kind
+    kind: EstimateKind
     method: str
     displacement_m: float | None
     words: str

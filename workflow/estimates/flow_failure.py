@@ -2,9 +2,9 @@
 
 from collections.abc import Iterable, Sequence
 
-from workflow.estimates.estimate import Estimate, Kind
+from workflow.estimates.estimate import Estimate, EstimateKind
 
-SPREADS: tuple[Kind, ...] = ("spread", "regression", "regression as printed")
+SPREADS: tuple[EstimateKind, ...] = ("spread", "regression", "regression as printed")
 
 
 def with_flow_failure(estimates: Iterable[Estimate], factors: Sequence[float]) -> list[Estimate]:

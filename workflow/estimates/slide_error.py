@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from statistics import median
-from typing import Literal
 
-SlideMethod = Literal["discs", "mpm"]
+from dem.settings import SlideMethod
+
 BY: dict[SlideMethod, str] = {"discs": "", "mpm": " by material points"}
 TABLE = "slide_errors.csv"
 FACTORS = (1.5, 2.0, 3.0, 5.0, 10.0)

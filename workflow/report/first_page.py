@@ -2,11 +2,12 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from dem.settings import SlideMethod
 from meshes.section.cutting import shown_name
 from meshes.section.quantity import GRAVITY
 from workflow.earthquake.settings import EarthquakeSettings
 from workflow.estimates.comparison import estimates
-from workflow.estimates.slide_error import SlideMethod, slide_error
+from workflow.estimates.slide_error import slide_error
 from workflow.estimates.structures import structures_of
 from workflow.report.accuracy import METHODS, Accuracy, accuracy, proven_by, rounded_up
 from workflow.report.numbers import coefficient, of_cases, rough_range, span

@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 
-from workflow.estimates.slide_error import SlideMethod, slide_error
+from dem.settings import SlideMethod
+from workflow.estimates.slide_error import slide_error
 from workflow.report.numbers import rough_range
 from workflow.results.results import Results
 

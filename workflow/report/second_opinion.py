@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from workflow.estimates.slide_error import SlideMethod, slide_error
+from dem.settings import SlideMethod
+from workflow.estimates.slide_error import slide_error
 from workflow.report.model_error import NAMES
 from workflow.report.numbers import rough_range
 from workflow.report.summary_text import at_rest

@@ -13,10 +13,10 @@ from workflow.results.cases import Spread
 from workflow.results.study import WORDS, Result, StudyAnswer
 from workflow.run.store import Store
 from workflow.uncertain.distribution import Distribution
-from workflow.uncertain.settings import Method
+from workflow.uncertain.settings import SamplingMethod
 
 FILE = "study.html"
-METHODS: Mapping[Method, str] = {
+METHODS: Mapping[SamplingMethod, str] = {
     "sobol": "a scrambled Sobol' sequence",
     "latin": "a Latin hypercube",
     "saltelli": "Saltelli's design for Sobol' indices",

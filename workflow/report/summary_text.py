@@ -7,7 +7,7 @@ from typing import Any
 
 from meshes.section.cutting import shown_name
 from workflow.config import Config
-from workflow.estimates.comparison import Kind, estimates
+from workflow.estimates.comparison import EstimateKind, estimates
 from workflow.report.accuracy import Accuracy, accuracy, numerical_error
 from workflow.report.contradictions import is_weaker, liquefied_strata
 from workflow.report.flow_rule import WHEN
@@ -333,7 +333,7 @@ def _measured(results: Results) -> Iterator[str]:
         yield f"{phrase}; the discs slide {where} {numbers} in {of_cases(list(cases))}."
 
 
-def _displacements(results: Results, kind: Kind) -> list[float]:
+def _displacements(results: Results, kind: EstimateKind) -> list[float]:
     rows = (
         row
         for row in estimates(results.config.section, results.config, results.kc, results.slip_surface)

@@ -8,10 +8,9 @@ import re
 import tomllib
 from functools import cache
 from importlib.resources import files
-from typing import Any, Literal
+from typing import Any
 
-Language = Literal["en", "ja"]
-
+from workflow.config.tables import Language
 
 SENTENCES = "sentences"  # the table of the catalogue with whole sentences, whose values are written {}
 CASES = re.compile(r"cases? ([\d, and]+)")

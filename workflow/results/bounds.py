@@ -8,7 +8,7 @@ from fem.continuum.loads import Direction
 from fem.settings import BoundsSettings, Sides
 from workflow.results.answer import FORCE, Answer, Part, SectionLabel
 
-Verdict = Literal["bracketed", "wide", "no bracket", "unstable"]
+BoundsVerdict = Literal["bracketed", "wide", "no bracket", "unstable"]
 
 
 class StressResiduals(Part):
@@ -91,7 +91,7 @@ class BracketPart(Part):
         description="each direction that was asked for, the one that fails first in front"
     )
     gap: float | None = Field(description="(upper - lower) over their mean")
-    verdict: Verdict
+    verdict: BoundsVerdict
     reason: str
     words: str = Field(description="the bracket as a person reads it")
     cells: int = Field(description="triangles of the last mesh")

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 from pydantic import Field
 
 from dem.laboratory.layer_check import LayerCheck
+from dem.settings import SearchVerdict
 from workflow.results.answer import Answer, Known, Part
-from workflow.results.discs import SearchVerdict
 
 if TYPE_CHECKING:
     from dem.search.calibration import Calibration

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 from pydantic import Field
 
+from fem.continuum.loads import Direction
 from fem.continuum.strength import Flow, davis_words
 from fem.path.path_step import PathStep
 from fem.search.result_warnings import ResultWarning
@@ -74,7 +75,7 @@ class OtherWay(Part):
     kc_upper: float
     verdict: PathVerdict
     reason: str
-    direction: Literal["downhill", "uphill"]
+    direction: Direction
     at_sides: tuple[str, ...] = Field(description="sides, left or right, that the ground that fails reaches")
 
 
@@ -132,7 +133,7 @@ class FemAnswer(Answer):
     remedy: str = Field(description="what to try for a better answer; empty where there is nothing to say")
     judgement: Literal["sound", "doubtful"] = Field(description="doubtful where a warning contradicts the answer")
     warnings: tuple[ResultWarning, ...]
-    direction: Literal["downhill", "uphill"] = Field(description="where the ground fails, by the ends of its surface")
+    direction: Direction = Field(description="where the ground fails, by the ends of its surface")
     towards: Literal["left", "right"]
     at_sides: tuple[str, ...] = Field(
         default=(), description="sides, left or right, that the ground that fails reaches"

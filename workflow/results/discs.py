@@ -4,10 +4,10 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
+from dem.settings import DiscModelName, SearchVerdict, TrialVerdict
+from dem.springs import Mean
 from workflow.results.answer import Answer, Known, Line, Part, Point, SectionLabel
 
-TrialVerdict = Literal["stands", "fails", "undecided"]
-SearchVerdict = Literal["bracketed", "stands everywhere", "fails under its own weight", "undecided"]
 SetOfSprings = Literal["before", "after", "paper"]
 SETS: dict[SetOfSprings, str] = {"before": "before calibration", "after": "calibrated", "paper": "of the paper"}
 
@@ -15,7 +15,7 @@ SETS: dict[SetOfSprings, str] = {"before": "before calibration", "after": "calib
 class DiscModelAnswer(Part):
     """The discs at rest under their weight."""
 
-    discs: Literal["soil", "paper"] = Field(description="soil discs, or the paper's own")
+    discs: DiscModelName = Field(description="soil discs, or the paper's own")
     packing: str
     rows: int
     radius_m: float
@@ -40,7 +40,7 @@ class Parameters(Part):
 
     springs: Literal["soil", "table2", "element tests"]
     stiffness_scale: float
-    mean: Literal["arithmetic", "harmonic"]
+    mean: Mean
     stiffness: float | None = None
     friction: float | None = None
     pore_strength: float | None = None

@@ -30,7 +30,7 @@ class Bearing(Part):
     notes: tuple[str, ...] = Field(description="what could not be found, and why")
 
 
-Verdict = Literal["stands", "would continue", "fails", "undecided"]
+ResidualVerdict = Literal["stands", "would continue", "fails", "undecided"]
 
 
 class SoftenedStratum(Part):
@@ -53,7 +53,7 @@ class TwoSteps(Part):
     """The verdict of two steps: peak strength first, then residual strength."""
 
     strata: tuple[SoftenedStratum, ...]
-    verdict: Verdict = Field(
+    verdict: ResidualVerdict = Field(
         description="stands: with residual strength, too; would continue: with peak strength alone; undecided: not "
         "with residual strength, and peak strength has no answer"
     )

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from workflow.results.answer import Answer, Known, Part, SectionLabel
 from workflow.results.cases import QUANTITIES, Spread
-from workflow.uncertain.settings import Method
+from workflow.uncertain.settings import SamplingMethod
 
 WORDS = {
     "kc": "critical Kh",
@@ -103,7 +103,7 @@ class StudyAnswer(Answer):
 
     section: SectionLabel
     parts: tuple[str, ...]
-    method: Method
+    method: SamplingMethod
     seed: int
     samples: int
     failed: int

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from workflow.criteria.settings import Verdict
+from workflow.criteria.settings import CriterionVerdict
 from workflow.results.answer import Part
 
 Criterion = Literal["factor of safety", "critical Kh", "displacement", "crest settlement", "freeboard"]
@@ -57,5 +57,5 @@ class VerdictPart(Part):
     limit: float
     kh: float | None = Field(default=None, description="at which a factor of safety is asked for")
     source: str = Field(description="where the limit stands; empty where the file does not say")
-    verdict: Verdict
+    verdict: CriterionVerdict
     reason: str = Field(default="", description="why it is not decided")

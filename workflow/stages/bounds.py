@@ -13,6 +13,7 @@ from workflow.results.answer import FORCE, SectionLabel
 from workflow.results.bounds import (
     BoundsAnswer,
     BoundsRound,
+    BoundsVerdict,
     BracketPart,
     DirectionPart,
     Residuals,
@@ -20,7 +21,6 @@ from workflow.results.bounds import (
     ShallowBoundPart,
     StressResiduals,
     VelocityResiduals,
-    Verdict,
 )
 from workflow.run.stage import Job, Stage
 
@@ -159,7 +159,7 @@ def _direction_part(bounds: "DirectionBounds") -> DirectionPart:
     )
 
 
-def _verdict(bracket: "Bracket", settings: BoundsSettings) -> tuple[Verdict, str]:
+def _verdict(bracket: "Bracket", settings: BoundsSettings) -> tuple[BoundsVerdict, str]:
     gap = f"The gap of {_gap(bracket)}"
     if bracket.ended == "gap":
         return "bracketed", f"{gap} is within the required {_wanted(bracket, settings)}."

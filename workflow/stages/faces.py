@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from fem.continuum.loads import Direction
 from fem.search.held_ground import Held
 from fem.settings import WITHOUT_EFFECT
 from meshes.errors import InputError, NoAnswerError
@@ -145,7 +146,7 @@ def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
     )
 
 
-def _direction(task: FaceTask) -> Literal["downhill", "uphill"]:
+def _direction(task: FaceTask) -> Direction:
     from fem.continuum.loads import sign_of
 
     return "downhill" if sign_of(task.config.section, "downhill") == task.side else "uphill"

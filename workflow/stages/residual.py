@@ -13,7 +13,7 @@ import numpy as np
 from meshes.errors import InputError
 from workflow.config import Config
 from workflow.results.answer import SectionLabel, line
-from workflow.results.stability import AlongSurface, ResidualAnswer, SoftenedStratum, TwoSteps, Verdict
+from workflow.results.stability import AlongSurface, ResidualAnswer, ResidualVerdict, SoftenedStratum, TwoSteps
 from workflow.run.stage import Job, Stage
 from workflow.stages.bearing import WITHOUT_EFFECT, bearing_of, tried
 
@@ -106,7 +106,7 @@ def _without_residual(config: Config) -> str:
     return "" if any(stratum.softens for stratum in config.section.strata) else "no stratum has a residual strength"
 
 
-def verdict_of(factor: float | None, everywhere: "Bearing") -> Verdict:
+def verdict_of(factor: float | None, everywhere: "Bearing") -> ResidualVerdict:
     """The verdict from the factors of safety with peak and with residual strength."""
     if everywhere.stands == "stands":
         return "stands"

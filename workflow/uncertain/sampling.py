@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from workflow.uncertain.limits import Reach
-from workflow.uncertain.settings import Method, StudySettings, UncertainSettings
+from workflow.uncertain.settings import SamplingMethod, StudySettings, UncertainSettings
 
 SMALLEST = 2.0**-54  # a chance of nothing at all would be infinitely far away
 
 
-def chances(dimensions: int, count: int, method: Method, seed: int) -> np.ndarray:
+def chances(dimensions: int, count: int, method: SamplingMethod, seed: int) -> np.ndarray:
     """Points (n, dimensions) in the unit cube.
 
     "sobol": the first ``count`` of a scrambled sequence (Owen 1998), which a longer study continues.

@@ -10,7 +10,7 @@ from pydantic import ConfigDict, Field, model_validator
 from meshes.section.model import Model
 from workflow.uncertain.distribution import Distribution
 
-Method = Literal["sobol", "latin", "saltelli"]
+SamplingMethod = Literal["sobol", "latin", "saltelli"]
 
 
 class Correlation(Model):
@@ -111,7 +111,7 @@ class StudySettings(Model):
     """Number and method of the samples of a study, and the slides whose probability it gives."""
 
     samples: int = Field(default=64, ge=2, le=1_000_000, description="samples; a power of two fills the space best")
-    method: Method = Field(
+    method: SamplingMethod = Field(
         default="sobol",
         description='"sobol" (scrambled sequence; more samples continue fewer), "latin" (Latin hypercube), or '
         '"saltelli" (Sobol\' indices, which takes 2 more sets of samples and one for each uncertain number)',

@@ -10,7 +10,7 @@ from dem.errors import ConfinementError
 from dem.laboratory import stored_strengths
 from dem.laboratory.compression import BINS, PatchStrength, compress
 from dem.laboratory.contact_numbers import PRESSURE, RADIUS, ContactNumbers
-from dem.laboratory.element_test_programme import SEEDS, ElementTestProgramme, Outcome, Task
+from dem.laboratory.element_test_programme import SEEDS, ElementTestProgramme, Task, TestOutcome
 from dem.laboratory.patch import PatchSample
 from dem.laboratory.soil_layers import SoilLayer, soil_layers
 from dem.laboratory.stored_strengths import strength_of_patch
@@ -70,7 +70,7 @@ def test_patches_that_are_as_strong_as_the_map_make_layers_that_are(layers: list
     """What is carried over from the nearest numbers is the difference of the map, and nothing else."""
     programme = ElementTestProgramme(layers, 0.5)
 
-    def by_the_map(task: Task) -> Outcome:
+    def by_the_map(task: Task) -> TestOutcome:
         numbers, _ = task
         return strength(numbers.strength * PRESSURE, numbers.modulus * numbers.stiffness * PRESSURE)
 

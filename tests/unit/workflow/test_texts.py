@@ -9,12 +9,13 @@ from jinja2 import Environment
 from jinja2.ext import extract_from_ast
 from pydantic import BaseModel
 
+from dem.settings import SlideMethod
 from tests.support import TOP
 from tests.support.answers import bounds, fem, results
 from tests.support.sections import analysed, slope
 from workflow.config import Config
 from workflow.config.tables import ReportSettings
-from workflow.estimates.slide_error import SlideError, SlideMethod
+from workflow.estimates.slide_error import SlideError
 from workflow.report import assumptions, model_error, uncertainty
 from workflow.report.accuracy import METHODS
 from workflow.report.captions import CAPTIONS

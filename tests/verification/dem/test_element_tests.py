@@ -7,7 +7,7 @@ import pytest
 
 from dem.laboratory.compression import compress
 from dem.laboratory.element_test import element_test
-from dem.laboratory.loading import Curve, Kind, confine, load, probe
+from dem.laboratory.loading import Curve, LoadingKind, confine, load, probe
 from dem.laboratory.patch import Patch, PatchSample, lattice_patch
 from dem.laboratory.plane_elastic import lattice_elastic
 from dem.laboratory.strength import dilation
@@ -28,7 +28,7 @@ def confined(friction: float, turns: bool = True, pressure: float = STIFF, **cha
     return patch
 
 
-def run(patch: Patch, kind: Kind) -> Curve:
+def run(patch: Patch, kind: LoadingKind) -> Curve:
     """A test slow enough for strains of a few thousandths."""
     stiffness, _ = probe(patch, STIFF)
     return load(patch, kind, STIFF, 0.018, 2e-4, stiffness)

@@ -8,7 +8,7 @@ from typing import Any, Literal
 from workflow.earthquake.triggering import boulanger_idriss, highway_code, idriss_boulanger
 from workflow.earthquake.triggering.blow_count import BlowCount, Resistance, SurfaceMotion
 from workflow.earthquake.triggering.boulanger_idriss import ConeTest
-from workflow.earthquake.triggering.settings import Method, TriggeringSettings
+from workflow.earthquake.triggering.settings import TriggeringMethod, TriggeringSettings
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def _highway(form: str, find: Callable[[BlowCount, SurfaceMotion, TriggeringSett
     return Relation(title, f"{highway_code.SOURCE} ({form})", highway_code.VALIDITY, find, highway_code.why_not, None)
 
 
-RELATIONS: dict[Method, Relation] = {
+RELATIONS: dict[TriggeringMethod, Relation] = {
     "idriss_boulanger_2008": Relation(
         "Idriss & Boulanger (2008)",
         idriss_boulanger.SOURCE,

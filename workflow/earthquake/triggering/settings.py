@@ -12,7 +12,9 @@ from meshes.section.quantity import Coordinate, Length
 from meshes.section.section import Model
 from workflow.earthquake.triggering.highway_code import MotionType
 
-Method = Literal["idriss_boulanger_2008", "boulanger_idriss_2014", "highway_1990", "highway_2012", "highway_2017"]
+TriggeringMethod = Literal[
+    "idriss_boulanger_2008", "boulanger_idriss_2014", "highway_1990", "highway_2012", "highway_2017"
+]
 
 CaseName = Literal["median", "low strength", "high strength"]
 CASE_NAMES: tuple[CaseName, ...] = get_args(CaseName)
@@ -22,7 +24,7 @@ Residual = Literal["strength", "ratio"]
 class TriggeringSettings(Model):
     """Relation, energy of the hammer, and borings of the triggering analysis."""
 
-    method: Method = Field(
+    method: TriggeringMethod = Field(
         default="idriss_boulanger_2008",
         description='"idriss_boulanger_2008", or a form of the Japanese highway code: "highway_1990" (that behind the '
         'paper), "highway_2012", "highway_2017"; "boulanger_idriss_2014" for cone penetration tests',
