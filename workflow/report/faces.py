@@ -8,6 +8,7 @@ import numpy as np
 
 from fem.continuum.loads import Direction, sign_of
 from workflow.config import Config
+from workflow.estimates.comparison import block_slide
 from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.structures import structures_of
 from workflow.report.structures import FaceRow, face_rows
@@ -55,7 +56,8 @@ class FaceLine:
     name : the structure, or where the failure lies that is of no structure.
     side : the side to which it slides: "riverward" or "landward" with free water on one side, else "left" or "right".
     critical, safety : critical Kh, and factor of safety without shaking.
-    block : slide of a rigid block (m) by the critical Kh with ψ = φ of the slip circle; empty without any.
+    block : slide of a rigid block (m) by the critical Kh of the slip circle with ψ = φ, and in parentheses with Davis's
+        strength; empty without any.
     slides, settles : of the face after liquefaction, and of its half of the crest, by every method.
     counts : whether its critical Kh is the smallest of all faces.
     """
@@ -100,11 +102,20 @@ def _line(results: Results, row: FaceRow) -> FaceLine:
         side=side_words(config, face.start_m, face.end_m, face.towards),
         critical=_strength(critical, least, most, row.kc, face.davis_critical),
         safety=_strength(safety, low, high, face.factor(0.0), face.davis_factor),
-        block="" if row.block is None else row.block.span,
+        block=_blocks(config, row),
         slides=tuple(_slides(results, row)),
         settles=tuple(_settlements(results, row)),
         counts=row.counts,
     )
+
+
+def _blocks(config: Config, row: FaceRow) -> str:
+    """The slides of rigid blocks with the critical Kh of both circles as a text."""
+    if row.block is None:
+        return ""
+    davis = row.face.davis_critical
+    low = block_slide(config, davis.bishop) if davis is not None and davis.bishop > 0.0 else None
+    return row.block.span + ("" if low is None else f" ({low.span})")
 
 
 def _strength(
