@@ -60,6 +60,7 @@ class FaceLine:
         strength; empty without any.
     slides, settles : of the face after liquefaction, and of its half of the crest, by every method.
     counts : whether its critical Kh is the smallest of all faces.
+    of_structure : whether it is a face of a structure; a failure elsewhere is none.
     """
 
     name: str
@@ -70,6 +71,7 @@ class FaceLine:
     slides: tuple[str, ...]
     settles: tuple[str, ...]
     counts: bool
+    of_structure: bool = True
 
 
 def side_words(config: Config, start: float, end: float, towards: Side) -> str:
@@ -232,6 +234,7 @@ def _elsewhere(results: Results) -> Iterator[FaceLine]:
         slides=(),
         settles=(),
         counts=False,
+        of_structure=False,
     )
 
 
@@ -252,7 +255,10 @@ def held_sentences(results: Results) -> Iterator[str]:
     config, answer = results.config, results.faces
     for face in answer.faces if answer is not None else ():
         of = f"{face.structure}, towards the {face.towards}"
-        for what, value in (("critical Kh", face.critical), ("factor of safety", face.safety)):
+        values = {"critical Kh": face.critical, "factor of safety": face.safety}
+        if face.critical is not None and face.safety is not None and face.critical.held == face.safety.held:
+            values = {"critical Kh and factor of safety": face.critical}
+        for what, value in values.items():
             if value is not None and value.held:
                 where = " and ".join(
                     f"from x = {held.start:.0f} to {held.end:.0f} m"
@@ -263,6 +269,7 @@ def held_sentences(results: Results) -> Iterator[str]:
                     f"{what[0].upper()}{what[1:]} of {of}, by finite elements and bounds: the ground {where} does not "
                     "fail, because failures there come first."
                 )
+        for what, value in (("critical Kh", face.critical), ("factor of safety", face.safety)):
             if value is not None and not value.reaches_crest:
                 yield (
                     f"{what[0].upper()}{what[1:]} of {of}: the finite elements fail at {value.value:.3g} first, in "

@@ -10,6 +10,7 @@ from workflow.estimates.comparison import estimates
 from workflow.estimates.slide_error import slide_error
 from workflow.estimates.structures import structures_of
 from workflow.report.accuracy import METHODS, Accuracy, accuracy, proven_by, rounded_up
+from workflow.report.faces import face_lines
 from workflow.report.numbers import coefficient, of_cases, rough_range, span
 from workflow.report.paper import rows
 from workflow.report.residual import residual_verdict
@@ -90,7 +91,28 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
             right=f"{max(x):.0f}",
             structures=_.listed(names),
         )
+        phrase += _first_face(results, _)
     return HeadlinePart(name=name, value=coefficient(fem.kc), interval=_interval(error, _), conclusion=phrase)
+
+
+def _first_face(results: Results, _: Texts) -> str:
+    """The face of a structure that fails first by finite elements, as a sentence after a blank; empty without any."""
+    lines = [(line.critical.elements, line) for line in face_lines(results) if line.of_structure]
+    known = [(kc, line) for kc, line in lines if kc is not None]
+    if not known:
+        return ""
+    kc, line = min(known, key=lambda pair: pair[0])
+    low = line.critical.davis
+    values = {"structure": line.name, "side": _.sentence(line.side), "kc": coefficient(kc)}
+    if low is None or line.safety.elements is None:
+        return " " + _("Of the crests, {structure} slides first ({side}), at Kh = {kc}.", **values)
+    return " " + _(
+        "Of the crests, {structure} slides first ({side}), at Kh = {kc} ({davis} with Davis reduced strength); without "
+        "shaking its factor of safety is {factor}.",
+        **values,
+        davis=coefficient(low),
+        factor=f"{line.safety.elements:.2f}",
+    )
 
 
 def _way(results: Results, fem: FemAnswer, _: Texts) -> str:

@@ -9,6 +9,8 @@ from workflow.estimates.face_holds import hold_against, is_of_face
 from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.structures import structures_of
 from workflow.report.faces import face_lines, faces_sentences, held_sentences, side_words
+from workflow.report.first_page import headlines
+from workflow.report.texts import Texts
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CasesAnswer
 from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue, HeldPart
@@ -105,8 +107,13 @@ def test_every_face_is_a_line_with_all_methods_and_the_bank_is_one_of_its_own() 
     assert bank.critical.interval(3) == "0.077–0.079"
     told = list(held_sentences(found))
     assert told[0] == (
-        "Critical Kh of embankment at x = 69 m, towards the left, by finite elements and bounds: the ground from x = "
-        "40 to 66 m down to 0.9 m does not fail, because failures there come first."
+        "Critical Kh and factor of safety of embankment at x = 69 m, towards the left, by finite elements and bounds: "
+        "the ground from x = 40 to 66 m down to 0.9 m does not fail, because failures there come first."
+    )
+    first = headlines(found, Texts())[0].conclusion
+    assert first.endswith(
+        "Of the crests, embankment at x = 69 m slides first (riverward, left), at Kh = 0.148 (0.102 with Davis reduced "
+        "strength); without shaking its factor of safety is 1.65."
     )
     assert any(text.startswith("Left out for their cost: strict bounds of factors of safety") for text in told)
 
