@@ -17,6 +17,7 @@ ANY_TEXT = {
     "meshes/borings/blows.py": {"MILLIMETRES"},
     "meshes/borings/table.py": {"PLAIN"},
     "meshes/section/motion_units.py": {"LENGTHS"},
+    "workflow/figures/symbols.py": {"SYMBOLS"},
     "workflow/results/cases.py": {"QUANTITIES"},
     "workflow/run/spelling.py": {"SIGNS"},
 }

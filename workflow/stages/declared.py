@@ -4,6 +4,7 @@ from workflow.run.stage import Stage
 from workflow.stages import (
     bounds,
     calibrate,
+    faces,
     fem,
     liquefied,
     mesh,
@@ -18,6 +19,6 @@ from workflow.stages import (
 )
 
 STAGES: tuple[Stage, ...] = (
-    triggering.STAGE, response.STAGE, mesh.STAGE, fem.STAGE, variants.STAGE, bounds.STAGE, slices.STAGE, residual.STAGE,
-    liquefied.STAGE, mpm.STAGE, calibrate.STAGE, slide.STAGE, report.STAGE,
+    triggering.STAGE, response.STAGE, mesh.STAGE, fem.STAGE, variants.STAGE, bounds.STAGE, slices.STAGE, faces.STAGE,
+    residual.STAGE, liquefied.STAGE, mpm.STAGE, calibrate.STAGE, slide.STAGE, report.STAGE,
 )  # fmt: skip

@@ -129,7 +129,7 @@ def test_a_folded_cell_is_refused_by_its_place() -> None:
     points[5] = [1.4, 0.4]  # on the diagonal of the right-hand cell's other corners, or below it
     with pytest.raises(BadMeshError) as caught:
         check(QuadMesh(points, cells, np.array([0, 1]), ("clay", "sand"), {}))
-    assert str(caught.value).startswith("1 of 2 cells are folded, the worst near x = 1.35 m, z = 0.35 m")
+    assert str(caught.value).startswith("1 of 2 cells is folded, the worst near x = 1.35 m, z = 0.35 m")
     assert 'in stratum "sand"' in str(caught.value)
 
 

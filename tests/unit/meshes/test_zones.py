@@ -109,7 +109,7 @@ def test_a_cut_in_a_zone_that_holds_the_whole_mechanism() -> None:
     data = {"name": "cut", "surface": [[-30.0, 0.0], [0.0, 0.0], [0.0, 4.0], [30.0, 4.0]], "base": {"elevation": -8.0}}
     section = Section.parse({**data, "strata": [rock], "zones": [clay]})
     assert section.ground[:, 1].max() == 5.0
-    bounds = safety_bounds(section, FemSettings(sides="fixed"), BoundsSettings(gap=0.2, max_cells=500))
+    bounds = safety_bounds(section, FemSettings(sides="fixed"), BoundsSettings(gap=0.1, max_cells=2000))
     exact = 3.7764 * 10e3 / (1000.0 * 9.80665 * 4.0)
     assert 0.9 * exact < bounds.lower <= 1.001 * exact
     assert 0.999 * exact <= bounds.upper < 1.1 * exact
