@@ -89,7 +89,7 @@ def test_the_allowed_work_is_a_limit(seconds):
     assert sum(mesh.work for direction in every for mesh in direction.meshes) <= 1.01 * seconds
     assert found.ended == "time"
     assert found.lower < found.upper < 2.0 * found.lower
-    factor = safety_bounds(section, FemSettings(), asked, held=True)
+    factor = safety_bounds(section, FemSettings(), asked, smooth_sides=True)
     assert sum(trial.work for trial in factor.trials) <= 1.01 * seconds
     assert factor.ended == "time"
     assert 0.0 < factor.lower < factor.upper < 2.0 * factor.lower
