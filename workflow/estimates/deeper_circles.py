@@ -11,6 +11,10 @@ from meshes.section.section import Section
 from meshes.section.tension_crack import TensionCrack
 from workflow.estimates.slip_circles import NO_CRACK, SlipCircle, critical_circle
 
+# A circle with at most so many times the factor of safety of a face, or so much more Kh, is the shallow failure of this
+# face: where the pore pressure rises along the face, a circle has a little less than the straight face.
+SAME_FACTOR, SAME_KH = 1.03, 0.005
+
 
 def ground_of_circles(
     section: Section,
@@ -61,7 +65,7 @@ def ground_of_circles(
 def _slides_first(section: Section, faces: list[ShallowFailure], kh: float | None, circle: float) -> bool:
     """Whether one of the faces has a smaller factor of safety, or critical Kh, than the ``circle``."""
     if kh is None:
-        return any(face.kh < circle for face in faces)
+        return any(face.kh < circle + SAME_KH for face in faces)
     friction = np.array([stratum.friction_angle for stratum in section.strata])
     factor = least_rolling_factor(section, faces, kh, friction)
-    return factor is not None and factor < circle
+    return factor is not None and factor < SAME_FACTOR * circle

@@ -1,4 +1,6 @@
-"""Slip circles that strict bounds contradict, and those that a side of the section cuts off, each with what to do."""
+"""Slip circles that strict bounds contradict or that lie far from elements, and those that a side of the section cuts
+off, each with what to do.
+"""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -7,6 +9,7 @@ import numpy as np
 
 from meshes.section.cutting import shown_name
 from meshes.section.section import Section
+from workflow.estimates.slip_circles import least_balance
 from workflow.report.numbers import coefficient, listed
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.results import Results
@@ -16,10 +19,17 @@ from workflow.results.slices import CirclePart
 # which a circle fails that ground in equilibrium bears; and by how much in Kh, at least.
 NO_CIRCLE, ABOVE = 1.05, 0.01
 NO_BALANCE, BELOW = 0.97, 0.002
+# Times the result of the elements, and by how much in Kh at least, beyond which slip circles are far from it; and the
+# share up to which Spencer's method on the slip surface of the elements confirms them.
+FAR, FAR_IN_KH, CONFIRMS = 1.1, 0.02, 0.1
 STEEP = math.tan(math.radians(45.0))  # of a slip surface where it cuts down from the crest
 SHORT = 0.98  # times its critical Kh, below which the circle of a longer section is told
 MATTERS = 1.5  # times the least critical Kh of both directions, beyond which a circle in a longer section is not told
 ROUND = 5.0  # m, to which the length of ground to add is rounded up
+STEEPLY = (
+    ", since they cut steeply through {strata}, where the normal force on a circle is an assumption of the method; "
+    "with ψ = φ the ground resists a larger Kh"
+)
 RELY = "rely on elements and bounds, since the critical mechanism is no circle, as along a weak layer"
 
 
@@ -51,6 +61,64 @@ def of_circles(results: Results) -> Iterator[str]:
         yield f"{what}, above the strict upper bound of {coefficient(bounds.upper)}: {_slides_out(bounds) or RELY}"
     if bounds.lower is not None and circle.bishop < min(NO_BALANCE * bounds.lower, bounds.lower - BELOW):
         yield f"{what}, below the strict lower bound of {coefficient(bounds.lower)}{_assumed(section, circle)}"
+
+
+def beside_elements(results: Results) -> Iterator[str]:
+    """Slip circles far from the elements with ψ = φ, where strict bounds do not contradict the circles already."""
+    circles, fem, bounds = results.slices, results.fem, results.bounds
+    if circles is None or fem is None or fem.flow != "associated" or results.config.fem.direction != "both":
+        return
+    least = {group.kh: min(group.circles, key=_value) for group in circles.factors if group.circles}
+    strict = {part.kh: (part.lower, part.upper) for part in bounds.safety} if bounds is not None else {}
+    for factor in fem.safety_factors:
+        circle = least.get(factor.kh)
+        if circle is None or _contradicted(circle.bishop, *strict.get(factor.kh, (None, None))):
+            continue
+        if abs(math.log(max(circle.bishop, 1e-9) / factor.factor)) > math.log(FAR):
+            both = (
+                f"slip circles have a factor of safety of {circle.bishop:.2f} at Kh = {factor.kh:g}, where elements "
+                f"have {factor.factor:.2f}"
+            )
+            yield both + _why_far(results, circle, factor.factor, np.array(factor.slip_surface), factor.kh)
+    if not circles.critical or not fem.has_kc:
+        return
+    circle, kh = min(circles.critical, key=_value), (None, None) if bounds is None else (bounds.lower, bounds.upper)
+    apart = abs(circle.bishop - fem.kc)
+    if apart > max(FAR_IN_KH, (FAR - 1.0) * fem.kc) and not _contradicted(circle.bishop, *kh):
+        state = fem.last_in_equilibrium()
+        line = np.array(state.slip_surface if state is not None else ())
+        both = f"slip circles have a critical Kh of {coefficient(circle.bishop)}, where elements have "
+        yield f"{both}{coefficient(fem.kc)}{_why_far(results, circle, fem.kc, line, None)}"
+
+
+def _contradicted(value: float, lower: float | None, upper: float | None) -> bool:
+    """Whether a factor of safety or critical Kh of circles is so far outside strict bounds that `of_circles` reports
+    it.
+    """
+    above = upper is not None and value > NO_CIRCLE * upper + ABOVE
+    return above or (lower is not None and value < min(NO_BALANCE * lower, lower - BELOW))
+
+
+def _why_far(results: Results, circle: CirclePart, elements: float, line: np.ndarray, kh: float | None) -> str:
+    """Why a circle is far from the number of the ``elements``, which slip along a ``line`` (m), and what to do."""
+    section, fem = results.config.section, results.fem
+    where = ""
+    if len(line):
+        where = f", which slip from x = {line[0, 0]:.1f} to {line[-1, 0]:.1f} m, down to z = {line[:, 1].min():.1f} m"
+    if circle.bishop < elements:
+        strata = listed([shown_name(name) for name in _cut_steeply(section, circle)])
+        steeply = STEEPLY.format(strata=strata) if strata else ""
+        return f"{where}{steeply}: find strict bounds (bounds.run), and report the circles as the more cautious result"
+    if fem is not None and fem.at_sides and kh is None:
+        return (
+            f"{where}: these slide out at the {listed(list(fem.at_sides))} side, where the section was cut off; take a "
+            "longer section"
+        )
+    spencer = least_balance(section, line, kh, results.config.fem.vertical)
+    if spencer is not None and abs(spencer - elements) <= CONFIRMS * elements:
+        value = coefficient(spencer) if kh is None else f"{spencer:.2f}"
+        where += f", where Spencer's method has {value}"
+    return f"{where}: rely on the elements, whose slip surface is no circle"
 
 
 def of_longer_sections(circles: Sequence[CirclePart]) -> Iterator[str]:
@@ -94,11 +162,8 @@ def _assumed(section: Section, circle: CirclePart) -> str:
             ", although the circles cut no ground with friction steeply: compare both results with the finite "
             "elements before using one of them"
         )
-    return (
-        f", since they cut steeply through {listed(strata)}, where the normal force on a circle is an assumption of "
-        f"the method; with ψ = φ the ground resists a larger Kh: rely on the strict bounds, and report the circles "
-        f"as the more cautious result"
-    )
+    what = STEEPLY.format(strata=listed(strata))
+    return f"{what}: rely on the strict bounds, and report the circles as the more cautious result"
 
 
 def _cut_steeply(section: Section, circle: CirclePart) -> list[str]:

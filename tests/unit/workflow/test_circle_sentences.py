@@ -6,9 +6,10 @@ from meshes.section.section import Section
 from tests.support.answers import bounds, results
 from tests.support.sections import analysed, layer, slope
 from workflow.config import Config
-from workflow.report.circles import of_circles, of_longer_sections
+from workflow.report.circles import beside_elements, of_circles, of_longer_sections
 from workflow.report.slices import slices_sentences
 from workflow.results.bounds import DirectionPart, SafetyPart
+from workflow.results.continuum import FactorOfSafety, FemAnswer, StoredState
 from workflow.results.slices import CirclePart, FactorCircles, LongerCircle, SlicesAnswer
 
 
@@ -96,3 +97,36 @@ def test_a_circle_that_a_side_cuts_off_is_told_with_the_length_that_is_missing()
     assert list(of_longer_sections((alike,))) == []
     weaker = CirclePart.model_construct(towards="right", bishop=0.05, longer=None)
     assert list(of_longer_sections((item, weaker))) == [], "the other direction fails at half of that"
+
+
+def test_circles_far_from_the_elements_are_told_with_the_surface_of_the_elements(run: Config) -> None:
+    """A levee: 1.65 and 0.119 by circles, 1.36 and 0.078 by elements, which slip along the face below water."""
+
+    def circles(factor: float, kc: float) -> SlicesAnswer:
+        item = [
+            CirclePart.model_construct(towards="right", bishop=value, spencer=None, surface_m=((0.0, 0.0), (9.0, 0.0)))
+            for value in (factor, kc)
+        ]
+        factors = (FactorCircles.model_construct(kh=0.0, circles=(item[0],)),)
+        return SlicesAnswer.model_construct(factors=factors, critical=(item[1],), faces=(), reason="")
+
+    line = ((39.9, 5.8), (42.7, 6.5), (45.5, 7.8))
+    state = StoredState.model_construct(slip_surface=line, past_equilibrium=False)
+    factor = FactorOfSafety.model_construct(kh=0.0, factor=1.36, slip_surface=line)
+    fem = FemAnswer.model_construct(
+        kc=0.078, verdict="plateau", flow="associated", at_sides=(), states=(state,), safety_factors=(factor,)
+    )
+    both = run.with_settings("fem", direction="both")
+    first, second = beside_elements(results(both, slices=circles(1.65, 0.119), fem=fem))
+    start = (
+        "slip circles have a factor of safety of 1.65 at Kh = 0, where elements have 1.36, which slip from x = 39.9 to"
+    )
+    assert first.startswith(start)
+    assert second.startswith("slip circles have a critical Kh of 0.119, where elements have 0.078, which slip")
+    assert second.endswith("rely on the elements, whose slip surface is no circle")
+    assert list(beside_elements(results(both, slices=circles(1.4, 0.08), fem=fem))) == []
+    (cautious,) = beside_elements(results(both, slices=circles(1.2, 0.08), fem=fem))
+    assert cautious.endswith("find strict bounds (bounds.run), and report the circles as the more cautious result")
+    strict = bounds(run, 0.077, 0.079)  # these contradict the circles already
+    (factors,) = beside_elements(results(both, slices=circles(1.65, 0.119), fem=fem, bounds=strict))
+    assert "factor of safety" in factors

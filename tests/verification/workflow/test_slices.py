@@ -316,3 +316,21 @@ def test_a_circle_that_ends_at_a_side_slides_at_less_in_a_longer_section() -> No
     assert longer.past_m > 2.0
     assert longer.bishop < 0.97 * circle.bishop
     assert circle_of_longer_section(section, (5.0, 40.0), circle.bishop, LEFT, 0.5) is None
+
+
+def test_a_circle_along_a_wet_face_is_the_failure_of_this_face() -> None:
+    """A river bank of sand, φ = 31° at 1:2: tan φ / tan β = 1.2017 below water; where the water table rises behind the
+    face a circle has 0.4 % less, and was reported as the failure of the whole slope.
+    """
+    weight = dict.fromkeys(("density_ordinary", "density_seismic", "density_saturated"), "18.5 kN/m^3/g_0")
+    sand = layer("Sand", cohesion="0 kPa", friction_angle="31 deg", **weight)
+    line = {"elevation": [[46.0, 9.0], [80.0, 9.0]]}
+    crust = layer("Crust", cohesion="25 kPa", friction_angle="0 deg", bottom=line, **weight)
+    section = Section.parse({
+        "name": "bank", "surface": [[0, 6], [40, 6], [48, 10], [80, 10]], "base": {"elevation": 0.0},
+        "water": {"table": [[0, 8.5], [45, 8.5], [56, 9.8], [80, 9.8]]}, "strata": [crust, sand],
+    })  # fmt: skip
+    ground, circle = ground_of_circles(section, LEFT, 0.0, 0.5)
+    assert ground is not section
+    assert circle is not None
+    assert circle.bishop > 1.03 * math.tan(math.radians(31.0)) / 0.5
