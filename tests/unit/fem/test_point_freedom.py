@@ -7,8 +7,10 @@ import pytest
 
 from fem.continuum.shallow_failure import shallow_failures, strengthened
 from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound
-from fem.limit.bounds import body_of, first_mesh, kh_bounds
+from fem.limit.bounds import as_analysed, body_of, first_mesh, kh_bounds
 from fem.limit.bracket import Limits
+from fem.limit.factor_search import FactorSearch
+from fem.limit.factor_trial import FactorWork, TrialStart
 from fem.limit.limit_problem import LimitProblem, Side, limit_problem, units_of
 from fem.limit.point_freedom import pressed_all_round, stress_free_corners, unstrained_points
 from fem.limit.safety_bounds import safety_bounds
@@ -129,3 +131,16 @@ def test_a_slope_of_46_degrees_of_friction_has_both_bounds(sides):
     data["strata"][0]["friction_angle"] = "46 deg"
     bounds = kh_bounds(Section.parse(data), FemSettings(sides=sides), BoundsSettings(gap=0.1, max_cells=4000))
     assert bounds.gap <= 0.1
+
+
+@pytest.mark.parametrize("factor", [0.845, 0.95])
+def test_ground_whose_side_hardly_strains_at_a_point_has_a_mechanism(factor: float) -> None:
+    """On the left side of S-13 a layer of sand meets clay: the slack there is 0.018 and 0.0203 at these factors."""
+    fem = FemSettings()
+    section = as_analysed(Section.read(SECTIONS / "s13.toml"), fem)
+    start = TrialStart(0.3, factor, False)
+    mesh = first_mesh(section, 8000, fem.sides)
+    search = FactorSearch(section, mesh, fem, BoundsSettings(), 1, start, FactorWork(20.0))
+    upper = search.measure(factor, lower=False).upper
+    assert upper is not None
+    assert upper < 0.4
