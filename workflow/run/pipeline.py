@@ -100,7 +100,8 @@ class Run:
             for future in self.pending:
                 if future.done():
                     future.result()
-            self.do(decision)
+            if self.has_to_work(decision):
+                self.work(decision)
         self._wait()
 
     def _wait(self) -> None:
@@ -121,15 +122,19 @@ class Run:
             for other in waiting
         )
 
-    def do(self, decision: Decision) -> None:
-        """Carry out the decision about a stage, unless one that it needs has no answer."""
+    def has_to_work(self, decision: Decision) -> bool:
+        """Whether a stage has to work. If not, the decision is carried out: the stage is skipped, for its settings or
+        since one that it needs has no answer, or its results are reused.
+        """
         stage, left = decision.stage, self.record[decision.stage.name]
         if decision.action == "off":
-            return self.listener.skip(decision, decision.why)
+            self.listener.skip(decision, decision.why)
+            return False
         without = [name for name in stage.needs if name in self.failures]
         if without and not stage.of_all:
             self.failures[stage.name] = self.failures[without[0]]
-            return self.listener.skip(decision, f"{without[0]} has no answer")
+            self.listener.skip(decision, f"{without[0]} has no answer")
+            return False
         if decision.action == "reuse" and left is not None:
             self.listener.end(decision, left)
             self.log.line(f"{stage.name}: reused, made in {left.seconds:.1f} s until {left.ended}")
@@ -137,11 +142,11 @@ class Run:
             self.redraw(decision, stage.draw)
             self.log.line(f"{stage.name}: pictures drawn again")
         else:
-            return self.work(decision)
+            return True
         entry = self.record.entries[stage.name]
         if entry.outcome == "no answer":
             self.failures[stage.name] = NoAnswerError(entry.reason, entry.remedy)
-        return None
+        return False
 
     def work(self, decision: Decision) -> None:
         """Run the work of a stage, and record its outcome."""
