@@ -1,8 +1,8 @@
 """The stage `variants`: the critical Kh with one assumption changed at a time."""
 
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from fem.continuum.strength import Flow, flow_of, is_dilating_fully
@@ -11,6 +11,7 @@ from meshes.errors import NoAnswerError
 from meshes.executor import Tell
 from workflow.config import Config
 from workflow.results.continuum import FemAnswer, Variant, VariantsAnswer
+from workflow.run.progress import Progress
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 
@@ -44,6 +45,7 @@ def work(job: Job) -> None:
         for name in config.variants.which
         if (change := changed(one_way, name, answer.element))
     ]
+    changes = like_with_like(changes, one_way, progress)
     ended: list[Variant] = []
 
     def heard(place: int, message: str) -> None:
@@ -92,7 +94,24 @@ def on_a_mesh(
         halved = with_it.mesh != config.mesh
         return Change(name, words, with_it, last, halved)
     words = f"{words}, on the first mesh of {first.cells} cells"
-    return Change(name, words, with_it, stored_mesh(config.section, store), False, first.kc)
+    return Change(name, words, with_it, stored_mesh(config.section, store), with_it.mesh != config.mesh, first.kc)
+
+
+def like_with_like(changes: Sequence[Change], config: Config, progress: Progress) -> list[Change]:
+    """The changes, each on the first mesh beside the path of the unchanged ``config`` there if the answer is a path.
+
+    Critical Kh of a sequence of meshes are limit loads of the reduced element. Another element has another critical Kh
+    on the same mesh, which is no effect of the change. Without a result of this path such changes are left out.
+    """
+    from fem.limit_load.limit_load import is_unique
+
+    first = [change for change in changes if change.kc_without is not None]
+    if not first or is_unique(config.section, config.fem):
+        return list(changes)
+    words = "the first mesh without a change"
+    own = variant(Change("first", words, config, first[0].mesh, False), lambda text: progress(f"{words}: {text}", None))
+    return [change if change.kc_without is None else replace(change, kc_without=own.kc)
+            for change in changes if change.kc_without is None or own.kc is not None]  # fmt: skip
 
 
 def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] | None:

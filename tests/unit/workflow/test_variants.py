@@ -10,8 +10,10 @@ from tests.support.sections import slope
 from workflow.config import Config
 from workflow.results import stored_mesh
 from workflow.results.continuum import MeshCount, MeshStep
+from workflow.run.progress import silent
 from workflow.run.store import Store
-from workflow.stages.variants import PATH_CELLS, changed, on_a_mesh
+from workflow.stages import variants
+from workflow.stages.variants import PATH_CELLS, Change, changed, like_with_like, on_a_mesh
 
 
 @pytest.mark.parametrize(
@@ -84,6 +86,22 @@ def test_a_path_is_followed_on_the_first_mesh_where_the_last_has_many_cells(
     expected = ("the last mesh" if first is None else "the first mesh", first)
     assert of("element") == of("dilation") == expected
     assert of("sides") == ("the last mesh", None)  # a limit load at once, whatever the number of cells
+
+
+def test_changes_of_a_path_are_compared_with_a_path_on_the_same_mesh(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bilinear cells have 0.31 on the first mesh where the limit load of the reduced element is 0.25."""
+    run = Config.parse(slope()).with_settings("fem", element="bilinear")
+    mesh = cast(QuadMesh, "the first mesh")
+    own = variant("first", "no change", 0.31)
+    monkeypatch.setattr(variants, "variant", lambda *_: own)
+    changes = [
+        Change("mesh", "cells of half the size", run, mesh, True, 0.25),
+        Change("step", "step", run, mesh, False),
+    ]
+    assert [change.kc_without for change in like_with_like(changes, run, silent)] == [0.31, None]
+    assert [change.kc_without for change in like_with_like(changes, Config.parse(slope()), silent)] == [0.25, None]
+    own = variant("first", "no change", None)
+    assert [change.name for change in like_with_like(changes, run, silent)] == ["step"]
 
 
 def test_a_change_on_another_mesh_counts_by_its_ratio() -> None:
