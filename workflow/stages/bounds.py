@@ -172,7 +172,18 @@ def _verdict(bracket: "Bracket", settings: BoundsSettings) -> tuple[BoundsVerdic
     if math.isfinite(bracket.gap):
         return "wide", f"{gap} is above the required {_wanted(bracket, settings)}: {why}"
     bounds = (("lower", bracket.stress), ("upper", bracket.mechanism))
-    return "no bracket", f"There is no {' and no '.join(name for name, bound in bounds if bound is None)} bound: {why}"
+    missing = " and no ".join(name for name, bound in bounds if bound is None)
+    return "no bracket", f"There is no {missing} bound: {why}{''.join(_bracketed_directions(bracket))}"
+
+
+def _bracketed_directions(bracket: "Bracket") -> Iterator[str]:
+    """The directions that have both bounds where the smaller Kh of all has not, a sentence each after a blank."""
+    for direction in getattr(bracket, "directions", ()):
+        if direction.stress is not None and direction.mechanism is not None:
+            yield (
+                f" With the seismic force {FORCE[direction.direction]} there are both bounds: {direction.lower:.4f} <= "
+                f"Kh <= {direction.upper:.4f}."
+            )
 
 
 def _gap(bracket: "Bracket") -> str:

@@ -7,7 +7,7 @@ import pytest
 from fem.limit.bracket import EndReason, MeshBounds, OpenEnd
 from fem.limit.directions import DirectionBounds, SmallerKhBounds
 from fem.settings import BoundsSettings
-from workflow.stages.bounds import bracket_part, in_words
+from workflow.stages.bounds import _verdict, bracket_part, in_words
 
 
 class ComputedBounds(DirectionBounds):
@@ -75,3 +75,22 @@ def test_ground_that_no_force_could_hold_has_no_kh():
     meshes = result("triangles").meshes
     sinking = Sinking(None, object(), meshes, None, directions=(ComputedBounds(None, None, meshes, None),))
     assert in_words(sinking) == "it fails under its own weight, 900 triangles"
+
+
+def test_where_one_direction_lacks_a_bound_the_other_one_is_reported():
+    """A lower bound of the smaller Kh needs one in both directions; without it a bracket of 3 % was not reported."""
+
+    class Bracketed(ComputedBounds):
+        lower, upper = 0.0484, 0.0501
+
+    class Missing(Smaller):
+        gap = float("inf")
+
+    without = result("solver")
+    with_both = Bracketed(object(), object(), without.meshes, None, "gap", None, direction="downhill")
+    smaller = Missing(
+        None, None, without.meshes, None, "solver", (1.0, 2.0), directions=(with_both, *without.directions)
+    )
+    verdict, reason = _verdict(smaller, BoundsSettings())
+    assert verdict == "no bracket"
+    assert reason.endswith("With the seismic force downslope there are both bounds: 0.0484 <= Kh <= 0.0501.")
