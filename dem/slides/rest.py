@@ -52,7 +52,5 @@ def residual_motion_source(times: Sequence[float], weight: Sequence[float], shak
     if total <= LITTLE * float(np.ptp(weight) + np.ptp(shaking)):
         return "no energy is supplied any more: the slide slows down, or oscillates"
     share = by_weight / total
-    message = (
-        f"in its last {WINDOW:g} s {100.0 * share:.0f} % of the energy came from its weight, the rest from shaking"
-    )
-    return f"{message}: it would continue without shaking" if share > 0.9 else message
+    message = f"in its last {WINDOW:g} s {100.0 * share:.0f} % of the energy came from weight, the rest from shaking"
+    return f"{message}: the slide would continue without shaking" if share > 0.9 else message

@@ -170,7 +170,7 @@ def _limit_load_of(section: Section, mesh: QuadMesh, settings: FemSettings, grou
     assert ground.limit is not None
     kc, cells = min(ground.limit.multiplier, settings.kh_limit), len(mesh.cells)
     verdict: PathVerdict = "plateau" if kc == ground.limit.multiplier else "no failure"
-    reason = f"it is the limit load of {cells} cells" if verdict == "plateau" else f"no failure up to {kc:g}"
+    reason = f"the limit load of a mesh of {cells} cells" if verdict == "plateau" else f"no failure up to {kc:g}"
     sand = [*cohesionless_faces(section, settings), *faces_failing_at_rest(section, settings)]
     rolling = [face for face in sand if ground.faces and face.kh < kc]
     flow = flow_of(section.strata, settings.flow)

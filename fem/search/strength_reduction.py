@@ -118,7 +118,7 @@ def limit_load_safety_factor(
         constant = constant + kh * seismic_load(problem, mesh, section, seismic_sign(section, settings))
     limit = conic_safety_factor(problem, mesh, constant, kh, guess, start)
     shallow = least_rolling_factor(section, faces, kh, _friction(section, settings))
-    reason = f"it is that of {len(mesh.cells)} cells"
+    reason = f"the factor of safety of a mesh of {len(mesh.cells)} cells"
     return SafetyFactor(
         kh, limit.factor, limit.factor, "plateau", reason, "", [], shallow, limit.mechanism, start=limit.start
     )

@@ -114,7 +114,7 @@ CHECKS: tuple[tuple[str, Check], ...] = (
         rf"^The section fails \w+, to the \w+, at Kh = {NUMBER} \({NUMBER} m/s²\)",
         lambda s, kh, a: _near(kh, s["fem"]["kc"]) and _near(a, GRAVITY * s["fem"]["kc"]),
     ),
-    (rf"^With Davis reduced strength it is {NUMBER}\.", lambda s, factor: _safe(s, factor, "davis")),
+    (rf"^With Davis reduced strength the factor of safety is {NUMBER}\.", lambda s, factor: _safe(s, factor, "davis")),
     (rf"^With Davis reduced strength, .* it is {NUMBER}\.", lambda s, kh: _near(kh, s["fem"]["kc_davis"])),
     (
         rf"^The section fails at Kh = {NUMBER} by (?:strict )?bounds[\w ]*, below the {NUMBER} ",

@@ -1,4 +1,4 @@
-"""Spread behind a bank, integrated over its depth, against closed forms; what it says of known slides of the field."""
+"""Spread behind a bank, integrated over its depth, against closed forms; what it says of known field slides."""
 
 import numpy as np
 import pytest

@@ -63,7 +63,7 @@ class SlideError:
 
 
 def slide_error(flows: bool | None = None, method: SlideMethod = "discs") -> SlideError | None:
-    """The error in predicting known slides of the field; only of flow failures, or only of spreads, if there are enough
+    """The error in predicting known field slides; only of flow failures, or only of spreads, if there are enough
     of them.
 
     Parameters
@@ -85,7 +85,7 @@ def slide_error(flows: bool | None = None, method: SlideMethod = "discs") -> Sli
         chosen = [ratio for kind, ratio in field if kind == wanted]
         if len(chosen) >= FEW:
             return error_of("flow failures" if flows else "lateral spreads", chosen, method)
-    return error_of("slides of the field", [ratio for _, ratio in field], method)
+    return error_of("field slides", [ratio for _, ratio in field], method)
 
 
 def error_of(kind: str, ratios: Sequence[float], method: SlideMethod = "discs") -> SlideError | None:

@@ -107,10 +107,9 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = Tru
     if factor.slip_surface:
         x, z = zip(*factor.slip_surface, strict=True)
         start, end = f"{min(x):.1f}", f"{max(x):.1f}"
-        where = f"slips from x = {start} to {end} m, down to z = {min(z):.1f} m"
-        phrase += (
-            f" It {where if start != end else f'fails first in a few cells at x = {start} m, z = {min(z):.1f} m'}."
-        )
+        slips = f"slips from x = {start} to {end} m, down to z = {min(z):.1f} m"
+        fails = f"fails first in a few cells at x = {start} m, z = {min(z):.1f} m"
+        phrase += f" The ground {slips if start != end else fails}."
     if factor.shallow_failure is not None and factor.shallow_failure < factor.factor:
         depth, faces = answer.settings.least_depth, answer.shallow_failures
         edges = bool(faces) and all(face.is_edge(depth) for face in faces)
@@ -134,7 +133,7 @@ def comparison_sentences(answer: FemAnswer) -> Iterator[str]:
     other = answer.opposite
     if other is not None:
         kh = f"{'above ' if other.verdict == 'no failure' else ''}{coefficient(other.kc)}"
-        yield f"With the seismic force {FORCE[other.direction]} it is {kh}{_out_at(other.at_sides)}."
+        yield f"With the seismic force {FORCE[other.direction]} the critical Kh is {kh}{_out_at(other.at_sides)}."
     for face in answer.shallow_failures:
         if face.is_edge(answer.settings.least_depth):
             yield edge_sentence(face.stratum, face.start_x_m, face.end_x_m, face.kh)
@@ -252,7 +251,7 @@ def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
     if phrases:
         yield f"Factors and residual strengths of the layers that liquefy: {'; '.join(phrases)}."
     for name, which, case in answer.each():
-        settled = "" if case.settled else f"; it has not come to rest: {case.reason}"
+        settled = "" if case.settled else f"; not at rest: {case.reason}"
         if not case.settled and lies_still(case):
             settled = f"; it moved {moved_lately([case])} in the last 10 s"
         if case.stopped_by is not None:

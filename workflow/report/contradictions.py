@@ -122,8 +122,8 @@ def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
     along = [number for number, end in far.items() if ALONG[0] < end / points[number].slide_max_m < ALONG[1]]
     if along:
         yield (
-            f"the uphill end of the section slides along by {span([ends[n] for n in along])} in "
-            f"{of_cases(along)}, and the ground behind it is missing: take a longer section uphill"
+            f"the uphill end of the section moves with the slide by {span([ends[n] for n in along])} in "
+            f"{of_cases(along)}, and the model has no ground behind this end: take a longer section uphill"
         )
 
 

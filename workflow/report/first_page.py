@@ -186,7 +186,7 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
         word = "Without shaking the section does not stand: its factor of safety is {factor} ({flow})."
     phrase = _(word, factor=f"{factor.factor:.2f}", flow=_(FLOW[fem.flow]))
     if factor.davis is not None:
-        phrase += " " + _("With Davis reduced strength it is {factor}.", factor=f"{factor.davis:.2f}")
+        phrase += " " + _("With Davis reduced strength the factor of safety is {factor}.", factor=f"{factor.davis:.2f}")
     interval = _of_safety(results, fem, factor, _)
     value = f"{factor.factor:.2f}" if interval else "–"  # a number whose error nobody knows is no headline
     unknown = _("numerical error not known: one mesh, no strict bounds")

@@ -49,7 +49,7 @@ class SecondOpinion:
         """A sentence that compares both slides."""
         both = f"discs slide {metres(self.discs)} and material points {metres(self.points)}"
         if self.agreed:
-            return f"{both}, and they agree" + ("" if any(self.resting) else " that it does not come to rest")
+            return f"{both}, and both agree" + ("" if any(self.resting) else " that the slide does not come to rest")
         if self.resting[0] != self.resting[1]:
             return f"{both}, and only {'discs' if self.resting[0] else 'material points'} come to rest{self._nearer()}"
         intervals = f"{rough_range(*self.discs_span)} and {rough_range(*self.points_span)}"

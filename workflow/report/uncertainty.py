@@ -57,12 +57,12 @@ def _meshes(fem: FemAnswer) -> Iterator[str]:
 def _seen(variant: Variant, kc: float | None) -> str:
     """The result of a variant, in words."""
     if variant.kc is None or kc is None:
-        return f"Here, {variant.change}: {variant.verdict}, {variant.reason}."
+        return f"In this run, with {variant.change}: {variant.verdict}, {variant.reason}."
     without = variant.kc_without or kc
     comparison = f" instead of {coefficient(without)}" if variant.kc_without is not None else ""
     by = 100.0 * (variant.kc / without - 1.0)
     much = f"{by:+.1f} %" if abs(by) >= 0.05 else "no change"
-    return f"Here, {variant.change}: critical Kh = {coefficient(variant.kc)}{comparison} ({much})."
+    return f"In this run, with {variant.change}: critical Kh = {coefficient(variant.kc)}{comparison} ({much})."
 
 
 def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str]]:
@@ -70,7 +70,8 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
     settings, mesh = fem.settings, fem.mesh
     yield (
         "Bracket",
-        f"Kh = {coefficient(fem.kc_lower)} stood, every step converged to {settings.tolerance:g} of the weight; on "
+        f"At Kh = {coefficient(fem.kc_lower)} the ground was in equilibrium, with every step converged to "
+        f"{settings.tolerance:g} of the weight; on "
         f"this mesh the path rises to at most {coefficient(fem.kc_upper)}. Why the path ended: {fem.reason}.",
         "",
     )

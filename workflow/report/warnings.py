@@ -81,7 +81,7 @@ def _of_cases(results: Results) -> Iterator[str]:
         for number, case in points.items()
     }
     for text in joined(warned):
-        yield f"in the slide by material points {text}: compare it with the slide of the discs"
+        yield f"in the slide by material points {text}: compare this slide with that of the discs"
 
 
 def _residual_strength(results: Results) -> Iterator[str]:

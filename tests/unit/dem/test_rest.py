@@ -44,7 +44,7 @@ def test_what_moved_lately_is_that_of_the_last_ten_seconds() -> None:
 def test_what_drives_a_slide_is_told_by_its_last_five_seconds() -> None:
     weight = np.where(TIMES < 6.0, 0.0, 95.0 * (TIMES - 6.0))
     shaking = np.where(TIMES < 6.0, 1e6, 1e6 + 5.0 * (TIMES - 6.0))
-    assert "95 % of the energy came from its weight" in residual_motion_source(TIMES, weight, shaking)
+    assert "95 % of the energy came from weight" in residual_motion_source(TIMES, weight, shaking)
     assert "would continue without" in residual_motion_source(TIMES, weight, shaking)
     assert "would continue without" not in residual_motion_source(TIMES, shaking - 1e6, weight)
     assert "slows down" in residual_motion_source(TIMES, -weight, np.zeros(len(TIMES)))

@@ -238,7 +238,7 @@ def test_a_slip_surface_of_no_length_is_told_as_a_place(run: Config) -> None:
     )
     for line, item in (
         (((41.62, -4.0), (41.64, -4.0)), "It fails first in a few cells at x = 41.6 m, z = -4.0 m."),
-        (((30.0, 0.0), (42.0, -4.0)), "It slips from x = 30.0 to 42.0 m, down to z = -4.0 m."),
+        (((30.0, 0.0), (42.0, -4.0)), "The ground slips from x = 30.0 to 42.0 m, down to z = -4.0 m."),
     ):
         assert safety_sentence(factor.model_copy(update={"slip_surface": line}), fem(run)).endswith(item)
 
@@ -323,7 +323,7 @@ def test_points_that_leave_the_section_or_take_its_uphill_end_along_are_found() 
     [warning] = ends_of({1: leaves, 2: stays}, "fixed")
     assert warning.startswith("material points reach the fixed side of the section in case 1: 63 m is")
     [warning] = ends_of({3: point_slide([(0.0, 8.0), (40.0, 20.0)])})
-    assert warning.startswith("the uphill end of the section slides along by 8.0 m in case 3")
+    assert warning.startswith("the uphill end of the section moves with the slide by 8.0 m in case 3")
     falls_left = point_slide([(0.0, 20.0), (40.0, 8.0)], surface_before=((0.0, 0.0), (40.0, 10.0)))
     [warning] = ends_of({3: falls_left})
     assert "8.0 m" in warning

@@ -111,7 +111,7 @@ def test_a_warning_is_translated_with_its_numbers() -> None:
 
 
 @pytest.mark.parametrize("factor", [2.0, 5.0, 10.0])
-@pytest.mark.parametrize("kind", ["flow failures", "lateral spreads", "slides of the field"])
+@pytest.mark.parametrize("kind", ["flow failures", "lateral spreads", "field slides"])
 @pytest.mark.parametrize("method", ["discs", "mpm"])
 def test_the_error_on_known_slides_has_its_japanese(
     monkeypatch: pytest.MonkeyPatch, factor: float, kind: str, method: SlideMethod
