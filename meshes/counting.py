@@ -1,12 +1,12 @@
 """Counts in words."""
 
 
-def counted(count: int, one: str, several: str) -> str:
+def counted(count: int, singular: str, plural: str) -> str:
     """A count with its noun and, where the verb follows, the verb: "1 disc overlaps", "2 discs overlap".
 
     Parameters
     ----------
     count : how many there are
-    one, several : the words behind 1, and behind every other count
+    singular, plural : the words behind 1, and behind every other count
     """
-    return f"{count} {one if count == 1 else several}"
+    return f"{count} {singular if count == 1 else plural}"

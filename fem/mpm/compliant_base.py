@@ -47,9 +47,9 @@ class CompliantBase:
 
     def _step(self, engine: MaterialPointEngine, dt: float, shaking: ShakingHistory) -> None:
         rate, (before, mass) = self.rate, _momentum(engine)
-        given = float(shaking(np.array([engine.time + 0.5 * dt]))[0])
+        acceleration = float(shaking(np.array([engine.time + 0.5 * dt]))[0])
         engine.run(dt, lambda times: shaking(times) - rate)
-        force = mass * (given - rate) - (_momentum(engine)[0] - before) / dt
+        force = mass * (acceleration - rate) - (_momentum(engine)[0] - before) / dt
         self.velocity += dt * rate
         self.rate = (force / self.impedance - self.velocity) / DELAY
 

@@ -92,8 +92,8 @@ def test_heads_from_which_nothing_flows_and_walls_down_to_the_base_are_told() ->
     ground = [[0, 2], [20, 2], [36, 10], [40, 10], [56, 2], [76, 2]]
     level = Section.parse(flowing(ground, [[0, 5], [76, 5]]))
     assert level.water_pressure.flow.discharge == 0.0
-    (told,) = (text for text in level.notices if "no water flows" in text)
-    assert "because the table has one level, 5 m; expected levels that differ" in told
+    (notice,) = (text for text in level.notices if "no water flows" in text)
+    assert "because the table has one level, 5 m; expected levels that differ" in notice
     base = float(level.outline()[:, 1].min())
     walled = flowing(ground, [[0, 8], [32, 8], [56, 2], [76, 2]], cutoffs=[{"x": 38, "bottom": base}])
     closed = Section.parse(walled)
@@ -117,9 +117,9 @@ def test_a_water_table_above_inclined_ground_is_told(table: list, at: str) -> No
     """Water above the ground is a pond, and a pond is level."""
     data = tomllib.loads((TOP / "tests/support/levee/levee.toml").read_text(encoding="utf-8"))
     data["water"] = {"table": table}
-    told = [text for text in Section.parse(data).notices if "its surface is not level there" in text]
-    assert len(told) == bool(at)
-    assert all(f"stands on the ground at {at}" in text for text in told)
+    notices = [text for text in Section.parse(data).notices if "its surface is not level there" in text]
+    assert len(notices) == bool(at)
+    assert all(f"stands on the ground at {at}" in text for text in notices)
 
 
 @pytest.mark.parametrize(

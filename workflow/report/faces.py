@@ -95,8 +95,8 @@ def face_lines(results: Results) -> list[FaceLine]:
 
 def _line(results: Results, row: FaceRow) -> FaceLine:
     face, config = row.face, results.config
-    found = results.faces.of(face.structure, face.towards) if results.faces is not None else None
-    critical, safety = (None, None) if found is None else (found.critical, found.safety)
+    strength = results.faces.of(face.structure, face.towards) if results.faces is not None else None
+    critical, safety = (None, None) if strength is None else (strength.critical, strength.safety)
     least, most = _ends(critical) if critical is None or critical.held else _of_section(results, face.towards)
     low, high = _ends(safety) if safety is None or safety.held else _of_safety(results)
     return FaceLine(
@@ -123,12 +123,12 @@ def _blocks(config: Config, row: FaceRow) -> str:
 def _strength(
     value: FaceValue | None, lower: float | None, upper: float | None, circle: float | None, davis: CirclePart | None
 ) -> MethodValues:
-    kept = value if value is not None and value.reaches_crest else None
+    valid = value if value is not None and value.reaches_crest else None
     return MethodValues(
-        None if kept is None else kept.value,
-        None if kept is None else kept.davis,
-        lower if kept is not None else None,
-        upper if kept is not None else None,
+        None if valid is None else valid.value,
+        None if valid is None else valid.davis,
+        lower if valid is not None else None,
+        upper if valid is not None else None,
         circle,
         None if davis is None else davis.bishop,
     )
@@ -217,7 +217,7 @@ def _elsewhere(results: Results) -> Iterator[FaceLine]:
     if fem.flow != "associated":
         full, low = (fem.kc if fem.associated is None else fem.associated.kc), fem.kc
     circle = next((c.bishop for c in slices.critical if c.towards == fem.towards and _meets(c, surface)), None)
-    factor = next((f for f in fem.safety_factors if f.kh == 0.0 and _beside(f.slip_surface, surface)), None)
+    factor = next((f for f in fem.safety_factors if f.kh == 0.0 and _overlap(f.slip_surface, surface)), None)
     circles = [c for group in slices.factors if group.kh == 0.0 for c in group.circles if _meets(c, surface)]
     safety = MethodValues(circles=circles[0].bishop if circles else None)
     if factor is not None:
@@ -239,10 +239,10 @@ def _elsewhere(results: Results) -> Iterator[FaceLine]:
 
 
 def _meets(circle: CirclePart, surface: list[tuple[float, float]]) -> bool:
-    return _beside(circle.surface_m, surface)
+    return _overlap(circle.surface_m, surface)
 
 
-def _beside(line: tuple[tuple[float, float], ...], surface: list[tuple[float, float]]) -> bool:
+def _overlap(line: tuple[tuple[float, float], ...], surface: list[tuple[float, float]]) -> bool:
     """Whether two slip surfaces lie over each other by more than half of the shorter one."""
     if not line:
         return False
@@ -250,8 +250,8 @@ def _beside(line: tuple[tuple[float, float], ...], surface: list[tuple[float, fl
     return shared > 0.5 * min(line[-1][0] - line[0][0], surface[-1][0] - surface[0][0])
 
 
-def held_sentences(results: Results) -> Iterator[str]:
-    """Which ground was held for the faces, what has no answer, and what was left out of the table."""
+def note_sentences(results: Results) -> Iterator[str]:
+    """The strong zones of the faces, values without an answer, and values left out of the table."""
     config, answer = results.config, results.faces
     for face in answer.faces if answer is not None else ():
         of = f"{face.structure}, towards the {face.towards}"
@@ -261,9 +261,9 @@ def held_sentences(results: Results) -> Iterator[str]:
         for what, value in values.items():
             if value is not None and value.held:
                 where = " and ".join(
-                    f"from x = {held.start:.0f} to {held.end:.0f} m"
-                    + (f" down to {held.depth:.1f} m" if held.depth < 1e3 else "")
-                    for held in value.held
+                    f"from x = {zone.start:.0f} to {zone.end:.0f} m"
+                    + (f" down to {zone.depth:.1f} m" if zone.depth < 1e3 else "")
+                    for zone in value.held
                 )
                 yield (
                     f"{what[0].upper()}{what[1:]} of {of}, by finite elements and bounds: the ground {where} does not "

@@ -24,7 +24,7 @@ from workflow.report import tables
 from workflow.report.assumptions import assumptions
 from workflow.report.captions import collect
 from workflow.report.crests import holds_water
-from workflow.report.faces import face_lines, held_sentences
+from workflow.report.faces import face_lines, note_sentences
 from workflow.report.numbering import Labels, Notes
 from workflow.report.numbers import joined, number, scaled
 from workflow.report.other_methods import reported_estimates
@@ -114,7 +114,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "interval_words": interval_words,
         "elsewhere": list(elsewhere(config, results.slices)),
         "lines_of_faces": face_lines(results),
-        "held_ground": list(held_sentences(results)) if faces else [],
+        "face_notes": list(note_sentences(results)) if faces else [],
         "estimates": reported_estimates(results),
         "slides": list(slides(results)),
         "paper": rows(results),

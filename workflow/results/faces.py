@@ -7,8 +7,8 @@ from pydantic import Field
 from workflow.results.answer import Answer, Known, Line, Part, SectionLabel
 
 
-class HeldPart(Part):
-    """A stretch of the ground in which nothing fails, so that an earlier failure elsewhere is excluded."""
+class StrongZonePart(Part):
+    """A zone along the ground in which nothing fails, so that an earlier failure elsewhere is excluded."""
 
     start: float = Field(description="x of its left end (m)")
     end: float = Field(description="x of its right end (m)")
@@ -23,7 +23,7 @@ class FaceValue(Part):
     lower: Known = Field(default=None, description="strict lower bound with ψ = φ, where it was computed for the face")
     upper: Known = Field(default=None, description="strict upper bound with ψ = φ")
     slip_surface: Line = Field(default=(), description="points [x, elevation] of the slip surface (m)")
-    held: tuple[HeldPart, ...] = Field(default=(), description="ground held; none where the face fails first")
+    held: tuple[StrongZonePart, ...] = Field(default=(), description="strong zones; none where the face fails first")
     reaches_crest: bool = Field(default=True, description="whether a part of the crest slides")
 
 

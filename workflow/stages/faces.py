@@ -5,22 +5,22 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from fem.continuum.loads import Direction
-from fem.search.held_ground import Held
+from fem.search.strong_zones import StrongZone
 from fem.settings import WITHOUT_EFFECT
 from meshes.errors import InputError, NoAnswerError
 from meshes.executor import Tell
 from workflow.config import Config
-from workflow.estimates.face_holds import Surface, hold_against, is_of_face
+from workflow.estimates.face_zones import Surface, is_of_face, zones_against
 from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.structures import Standing, structures_of
 from workflow.results.answer import SectionLabel, line
 from workflow.results.continuum import FemAnswer
-from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue, HeldPart
+from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue, StrongZonePart
 from workflow.results.slices import FacePart, SlicesAnswer
 from workflow.run.stage import Job, Stage
 
 if TYPE_CHECKING:
-    from fem.search.held_limits import HeldSearch
+    from fem.search.face_limits import FaceSearch
     from meshes.section.section import Section
 
 Quantity = Literal["critical Kh", "factor of safety"]
@@ -31,7 +31,7 @@ BOUNDS_SHARE = 0.5  # of the work of the bounds of the section, for each face
 
 
 @dataclass(frozen=True)
-class Found:
+class ElementValue:
     """A value by finite elements, and its slip surface (m)."""
 
     value: float
@@ -48,7 +48,7 @@ class FaceTask:
     config : of the run.
     structure, side : the face.
     quantity : what is computed.
-    first : what the finite elements of the whole section found; None where it has to be computed.
+    first : what the finite elements of the whole section say; None where it has to be computed.
     circle : the critical slip circle of the face; empty without one.
     """
 
@@ -56,7 +56,7 @@ class FaceTask:
     structure: Standing
     side: int
     quantity: Quantity
-    first: Found | None
+    first: ElementValue | None
     circle: Surface
 
 
@@ -76,19 +76,19 @@ def work(job: Job) -> None:
     def heard(place: int, message: str) -> None:
         job.progress(f"{tasks[place].structure.name}, {tasks[place].quantity}: {message}", None)
 
-    found = job.executor.compute(face_value, tasks, heard)
+    answers = job.executor.compute(face_value, tasks, heard)
     faces = []
     for structure, towards, side in places:
-        mine = {task.quantity: value for task, value in zip(tasks, found, strict=True)
+        of_face = {task.quantity: value for task, value in zip(tasks, answers, strict=True)
                 if (task.structure.name, task.side) == (structure.name, side)}  # fmt: skip
-        values = {name: value if isinstance(value, FaceValue) else None for name, value in mine.items()}
+        values = {name: value if isinstance(value, FaceValue) else None for name, value in of_face.items()}
         faces.append(
             FaceStrength(
                 structure=structure.name,
                 towards=towards,
                 critical=values.get("critical Kh"),
                 safety=values.get("factor of safety"),
-                reasons=tuple(f"{name}: {value}" for name, value in mine.items() if isinstance(value, str)),
+                reasons=tuple(f"{name}: {value}" for name, value in of_face.items() if isinstance(value, str)),
             )
         )
     FacesAnswer(section=SectionLabel.of(config.section), faces=tuple(faces)).write(job.store)
@@ -100,10 +100,10 @@ def _tasks(config: Config, structure: Standing, side: int, part: FacePart, fem: 
     critical = safety = None
     mechanism, full = fem.last_in_equilibrium(), fem.flow == "associated"
     if full and fem.has_kc and mechanism is not None and sign_of(config.section, fem.direction) == side:
-        critical = Found(fem.kc, None if fem.davis is None else fem.davis.kc, mechanism.slip_surface)
+        critical = ElementValue(fem.kc, None if fem.davis is None else fem.davis.kc, mechanism.slip_surface)
     for factor in fem.safety_factors if full else ():
         if factor.kh == 0.0 and factor.slip_surface:
-            safety = Found(factor.factor, factor.davis, factor.slip_surface)
+            safety = ElementValue(factor.factor, factor.davis, factor.slip_surface)
     circle = part.critical.surface_m if part.critical is not None else ()
     at_rest = next((c.surface_m for group in part.factors if group.kh == 0.0 for c in group.circles), ())
     return [
@@ -113,36 +113,36 @@ def _tasks(config: Config, structure: Standing, side: int, part: FacePart, fem: 
 
 
 def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
-    """The quantity of a face, with as much of the ground held as it takes; or why there is none."""
-    held: tuple[Held, ...] = ()
-    found = task.first
+    """The quantity of a face, with as many strong zones as necessary; or why there is none."""
+    zones: tuple[StrongZone, ...] = ()
+    result = task.first
     try:
         for attempt in range(ATTEMPTS + 1):
-            if found is None:
-                tell("finite elements" + (", with ground held elsewhere" if held else ""))
-                found = _computed(task, held)
-            if is_of_face(task.structure, task.side, found.surface) or attempt == ATTEMPTS:
+            if result is None:
+                tell("finite elements" + (", with strong zones elsewhere" if zones else ""))
+                result = _computed(task, zones)
+            if is_of_face(task.structure, task.side, result.surface) or attempt == ATTEMPTS:
                 break
-            more = hold_against(
-                task.config.section, task.structure, task.side, found.surface, task.circle, held,
+            more = zones_against(
+                task.config.section, task.structure, task.side, result.surface, task.circle, zones,
                 task.config.fem.least_depth,
             )  # fmt: skip
             if more is None:
                 break
-            held, found = more, None
+            zones, result = more, None
     except (InputError, NoAnswerError) as error:
         return str(error)
-    assert found is not None
+    assert result is not None
     tell("strict bounds")
-    low, high = _bounded(task, held)
+    low, high = _bounded(task, zones)
     return FaceValue(
-        value=found.value,
-        davis=found.davis,
+        value=result.value,
+        davis=result.davis,
         lower=low,
         upper=high,
-        slip_surface=tuple((float(x), float(z)) for x, z in found.surface),
-        held=tuple(HeldPart.model_validate(each) for each in held),
-        reaches_crest=is_of_face(task.structure, task.side, found.surface),
+        slip_surface=tuple((float(x), float(z)) for x, z in result.surface),
+        held=tuple(StrongZonePart.model_validate(each) for each in zones),
+        reaches_crest=is_of_face(task.structure, task.side, result.surface),
     )
 
 
@@ -152,23 +152,23 @@ def _direction(task: FaceTask) -> Direction:
     return "downhill" if sign_of(task.config.section, "downhill") == task.side else "uphill"
 
 
-def _computed(task: FaceTask, held: tuple[Held, ...]) -> Found:
+def _computed(task: FaceTask, zones: tuple[StrongZone, ...]) -> ElementValue:
     """The quantity by finite elements; raises InputError, NoAnswerError."""
-    search = _search(task, held)
+    search = _search(task, zones)
     limit = search.critical(_direction(task)) if task.quantity == "critical Kh" else search.safety()
-    return Found(limit.value, limit.davis, line(limit.surface))
+    return ElementValue(limit.value, limit.davis, line(limit.surface))
 
 
-def _bounded(task: FaceTask, held: tuple[Held, ...]) -> tuple[float | None, float | None]:
-    """Strict bounds with ψ = φ where ground is held; those of the section are of faces that fail first."""
+def _bounded(task: FaceTask, zones: tuple[StrongZone, ...]) -> tuple[float | None, float | None]:
+    """Strict bounds with ψ = φ in ground with strong zones; those of the section are of faces that fail first."""
     from fem.limit.bounds import kh_bounds
     from fem.limit.safety_bounds import safety_bounds
 
     config = task.config
-    if not held or not config.faces.bounds or config.bounds.run is False:
+    if not zones or not config.faces.bounds or config.bounds.run is False:
         return None, None
     share = config.bounds.model_copy(update={"seconds": BOUNDS_SHARE * config.bounds.seconds})
-    ground, full = _ground(task, held), config.fem.changed(direction=_direction(task), flow="associated")
+    ground, full = _ground(task, zones), config.fem.changed(direction=_direction(task), flow="associated")
     try:
         if task.quantity == "critical Kh":
             of_kh = kh_bounds(ground, full, share)
@@ -181,18 +181,18 @@ def _bounded(task: FaceTask, held: tuple[Held, ...]) -> tuple[float | None, floa
     return None, None
 
 
-def _ground(task: FaceTask, held: tuple[Held, ...]) -> "Section":
-    from fem.search.held_ground import with_held_ground
+def _ground(task: FaceTask, zones: tuple[StrongZone, ...]) -> "Section":
+    from fem.search.strong_zones import with_strong_zones
 
-    return with_held_ground(task.config.section, held) if held else task.config.section
+    return with_strong_zones(task.config.section, zones) if zones else task.config.section
 
 
-def _search(task: FaceTask, held: tuple[Held, ...]) -> "HeldSearch":
+def _search(task: FaceTask, zones: tuple[StrongZone, ...]) -> "FaceSearch":
     from mpi4py import MPI
 
-    from fem.search.held_limits import HeldSearch
+    from fem.search.face_limits import FaceSearch
 
-    return HeldSearch(_ground(task, held), task.config.mesh, task.config.fem, MPI.COMM_SELF)
+    return FaceSearch(_ground(task, zones), task.config.mesh, task.config.fem, MPI.COMM_SELF)
 
 
 def unwanted(config: Config) -> str:

@@ -268,10 +268,10 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
         )
     if ground.softened:
         listed = ", ".join(f'"{name}"' for name in ground.softened)
-        one = len(ground.softened) == 1
+        single = len(ground.softened) == 1
         notes.append(
-            f"{listed} {'has' if one else 'have'} a reduced stiffness, so that longer time steps are stable; "
-            f"{'its strength is' if one else 'their strengths are'} unchanged"
+            f"{listed} {'has' if single else 'have'} a reduced stiffness, so that longer time steps are stable; "
+            f"{'its strength is' if single else 'their strengths are'} unchanged"
         )
     largest = int(np.argmax(slide))
     return PointCase(

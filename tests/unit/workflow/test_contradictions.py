@@ -237,7 +237,7 @@ def test_a_slip_surface_of_no_length_is_told_as_a_place(run: Config) -> None:
         kh=0.0, factor=1.338, upper=1.338, verdict="plateau", reason="", curve=(), shallow_failure=None
     )
     for line, item in (
-        (((41.62, -4.0), (41.64, -4.0)), "It fails first in a few cells at x = 41.6 m, z = -4.0 m."),
+        (((41.62, -4.0), (41.64, -4.0)), "The ground fails first in a few cells at x = 41.6 m, z = -4.0 m."),
         (((30.0, 0.0), (42.0, -4.0)), "The ground slips from x = 30.0 to 42.0 m, down to z = -4.0 m."),
     ):
         assert safety_sentence(factor.model_copy(update={"slip_surface": line}), fem(run)).endswith(item)

@@ -1,19 +1,19 @@
-"""The faces of structures in one table, and the ground that is held for them."""
+"""The faces of structures in one table, and their strong zones."""
 
 import pytest
 
-from fem.search.held_ground import ALL, Held
+from fem.search.strong_zones import ALL, StrongZone
 from tests.support.answers import bounds, fem, results
 from tests.unit.workflow.test_verdicts import by_slices, levee, sunk
-from workflow.estimates.face_holds import hold_against, is_of_face
+from workflow.estimates.face_zones import is_of_face, zones_against
 from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.structures import structures_of
-from workflow.report.faces import face_lines, faces_sentences, held_sentences, side_words
+from workflow.report.faces import face_lines, faces_sentences, note_sentences, side_words
 from workflow.report.first_page import headlines
 from workflow.report.texts import Texts
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CasesAnswer
-from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue, HeldPart
+from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue, StrongZonePart
 
 BANK = ((40.0, 6.0), (43.0, 6.5), (46.0, 9.0))
 WHOLE = ((35.6, 6.0), (53.0, 5.0), (71.4, 15.0))
@@ -30,26 +30,28 @@ def test_a_failure_is_of_the_face_whose_crest_slides_to_its_side() -> None:
 
 
 def test_ground_in_front_of_the_levee_moves_as_one_body_where_its_circle_passes_below() -> None:
-    """From the foot of the bank at x = 40 m to the crest at 66 m, 9 m higher: 0.9 m are held."""
+    """From the foot of the bank at x = 40 m to the crest at 66 m, 9 m higher: the zone is 0.9 m thick."""
     section = levee().section
     (structure,) = structures_of(section)
-    assert hold_against(section, structure, LEFT, BANK, WHOLE, (), 0.5) == (Held(40.0, 66.0, pytest.approx(0.9)),)
+    assert zones_against(section, structure, LEFT, BANK, WHOLE, (), 0.5) == (
+        StrongZone(40.0, 66.0, pytest.approx(0.9)),
+    )
 
 
 def test_ground_in_front_of_the_levee_is_held_where_its_circle_ends_before() -> None:
     section = levee().section
     (structure,) = structures_of(section)
     near = ((52.0, 10.0), (60.0, 9.0), (70.0, 15.0))
-    assert hold_against(section, structure, LEFT, BANK, near, (), 0.5) == (Held(0.0, 48.0, ALL),)
+    assert zones_against(section, structure, LEFT, BANK, near, (), 0.5) == (StrongZone(0.0, 48.0, ALL),)
 
 
 def test_a_failure_to_the_other_side_is_excluded_behind_the_crest() -> None:
     section = levee().section
     (structure,) = structures_of(section)
-    held = hold_against(section, structure, LEFT, LANDWARD, WHOLE, (), 0.5)
-    assert held == (Held(72.0, 140.0, ALL),)
-    assert hold_against(section, structure, LEFT, LANDWARD, WHOLE, held, 0.5) is None  # it is held already
-    assert hold_against(section, structure, RIGHT, BANK, LANDWARD, (), 0.5) == (Held(0.0, 66.0, ALL),)
+    zones = zones_against(section, structure, LEFT, LANDWARD, WHOLE, (), 0.5)
+    assert zones == (StrongZone(72.0, 140.0, ALL),)
+    assert zones_against(section, structure, LEFT, LANDWARD, WHOLE, zones, 0.5) is None  # the zone exists already
+    assert zones_against(section, structure, RIGHT, BANK, LANDWARD, (), 0.5) == (StrongZone(0.0, 66.0, ALL),)
 
 
 def test_the_side_of_the_river_is_that_of_free_water() -> None:
@@ -61,11 +63,11 @@ def test_the_side_of_the_river_is_that_of_free_water() -> None:
 
 
 def answer() -> FacesAnswer:
-    held = (HeldPart(start=40.0, end=66.0, depth=0.9),)
+    zones = (StrongZonePart(start=40.0, end=66.0, depth=0.9),)
     left = FaceStrength(
         structure="embankment at x = 69 m", towards="left",
-        critical=FaceValue(value=0.1478, davis=0.1017, lower=0.14, upper=0.149, slip_surface=WHOLE, held=held),
-        safety=FaceValue(value=1.648, davis=1.548, slip_surface=WHOLE, held=held),
+        critical=FaceValue(value=0.1478, davis=0.1017, lower=0.14, upper=0.149, slip_surface=WHOLE, held=zones),
+        safety=FaceValue(value=1.648, davis=1.548, slip_surface=WHOLE, held=zones),
     )  # fmt: skip
     right = FaceStrength(
         structure="embankment at x = 69 m", towards="right",
@@ -83,7 +85,7 @@ def test_every_face_is_a_line_with_all_methods_and_the_bank_is_one_of_its_own() 
     of_fem = fem(config, 0.078)
     state = of_fem.states[-1].model_copy(update={"slip_surface": BANK, "past_equilibrium": False})
     of_fem = of_fem.model_copy(update={"states": (state,), "towards": "left"})
-    found = results(
+    answers = results(
         config,
         slices=by_slices(config),
         faces=answer(),
@@ -91,7 +93,7 @@ def test_every_face_is_a_line_with_all_methods_and_the_bank_is_one_of_its_own() 
         fem=of_fem,
         bounds=bounds(config, 0.0773, 0.0785),
     )
-    left, right, bank = face_lines(found)
+    left, right, bank = face_lines(answers)
     assert (left.side, right.side) == ("riverward, left", "landward, right")
     assert left.critical.pair("elements", 3) == ("0.148", "0.102")
     assert left.critical.pair("circles", 3) == ("0.144", "")
@@ -105,17 +107,17 @@ def test_every_face_is_a_line_with_all_methods_and_the_bank_is_one_of_its_own() 
     assert bank.name == "x = 40 to 46 m, no crest slides with it"
     assert bank.critical.pair("elements", 3)[0] == "0.078"
     assert bank.critical.interval(3) == "0.077–0.079"
-    told = list(held_sentences(found))
-    assert told[0] == (
+    notes = list(note_sentences(answers))
+    assert notes[0] == (
         "Critical Kh and factor of safety of embankment at x = 69 m, towards the left, by finite elements and bounds: "
         "the ground from x = 40 to 66 m down to 0.9 m does not fail, because failures there come first."
     )
-    first = headlines(found, Texts())[0].conclusion
+    first = headlines(answers, Texts())[0].conclusion
     assert first.endswith(
         "Of the crests, embankment at x = 69 m slides first (riverward, left), at Kh = 0.148 (0.102 with Davis reduced "
         "strength); without shaking its factor of safety is 1.65."
     )
-    assert any(text.startswith("Left out for their cost: strict bounds of factors of safety") for text in told)
+    assert any(text.startswith("Left out for their cost: strict bounds of factors of safety") for text in notes)
 
 
 def test_the_command_prints_every_face() -> None:

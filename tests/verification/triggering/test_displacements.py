@@ -184,17 +184,17 @@ def test_hand_numbers_of_the_levee_and_ground_that_flows() -> None:
 
     Without shaking it flows, so that neither relation applies, and both say so.
     """
-    given = Config.load(LEVEE)
-    found = list(empirical(given.section, given, 0.1, np.zeros((0, 2))))
-    told = {one.method: one for one in with_flow_failure(found, [0.3455, 0.3255])}
-    youd_row, zhang_row = told["Youd, Hansen & Bartlett (2002)"], told["Zhang, Robertson & Brachman (2004)"]
+    config = Config.load(LEVEE)
+    rows = list(empirical(config.section, config, 0.1, np.zeros((0, 2))))
+    by_method = {row.method: row for row in with_flow_failure(rows, [0.3455, 0.3255])}
+    youd_row, zhang_row = by_method["Youd, Hansen & Bartlett (2002)"], by_method["Zhang, Robertson & Brachman (2004)"]
     assert youd_row.displacement_m == pytest.approx(0.29, abs=0.005)
     assert zhang_row.displacement_m == pytest.approx(3.0, abs=0.05)
     why = "does not apply: the liquefied ground does not stand without shaking (factor of safety 0.33 to 0.35)"
     assert why in youd_row.words
     assert why in zhang_row.words
-    assert "does not apply" not in told["Bray & Travasarou (2007)"].words
-    assert with_flow_failure(found, []) == found
+    assert "does not apply" not in by_method["Bray & Travasarou (2007)"].words
+    assert with_flow_failure(rows, []) == rows
 
 
 def test_the_submerged_bank_of_the_levee_by_davis() -> None:

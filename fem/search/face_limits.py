@@ -1,4 +1,4 @@
-"""Critical Kh and factor of safety of ground held in places, by limit analysis on adapted meshes."""
+"""Critical Kh and factor of safety of ground with strong zones, by limit analysis on adapted meshes."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -15,8 +15,8 @@ from meshes.settings import MeshSettings
 
 
 @dataclass(frozen=True, eq=False)
-class HeldLimit:
-    """A limit of held ground.
+class FaceLimit:
+    """A critical Kh or factor of safety of ground with strong zones.
 
     Attributes
     ----------
@@ -34,13 +34,13 @@ class HeldLimit:
 
 
 @dataclass(frozen=True)
-class HeldSearch:
-    """The searches in one ground.
+class FaceSearch:
+    """The searches in ground with strong zones.
 
     Attributes
     ----------
     section : Section
-        The ground, held in places.
+        The ground with its strong zones.
     meshing : MeshSettings
         Settings of its meshes.
     settings : FemSettings
@@ -54,7 +54,7 @@ class HeldSearch:
     settings: FemSettings
     comm: Any
 
-    def critical(self, direction: str) -> HeldLimit:
+    def critical(self, direction: str) -> FaceLimit:
         """The critical Kh in one direction, "downhill" or "uphill"; raises NoAnswerError."""
         search = AdaptiveSearch(self.section, self.meshing, generate(self.section, self.meshing), self.comm)
         full = self.settings.changed(direction=direction, flow="associated")
@@ -66,9 +66,9 @@ class HeldSearch:
             davis = search.with_davis(result, full)[1].result.kc
         except NoAnswerError:
             davis = None
-        return HeldLimit(result.result.kc, davis, slip_surface(result.mesh, mechanism))
+        return FaceLimit(result.result.kc, davis, slip_surface(result.mesh, mechanism))
 
-    def safety(self) -> HeldLimit:
+    def safety(self) -> FaceLimit:
         """The factor of safety without shaking; raises NoAnswerError."""
         search = AdaptiveSearch(self.section, self.meshing, generate(self.section, self.meshing), self.comm)
         full = self.settings.changed(flow="associated")
@@ -80,4 +80,4 @@ class HeldSearch:
             davis = search.safety_by_other_rule(result, full.changed(flow="davis"), 0.0)
         except NoAnswerError:
             davis = None
-        return HeldLimit(result.result.factor, davis, slip_surface(result.mesh, mechanism))
+        return FaceLimit(result.result.factor, davis, slip_surface(result.mesh, mechanism))

@@ -1,5 +1,5 @@
-"""Ground that is held in places, so that the failure of one face of a structure is found and not an earlier one
-elsewhere.
+"""Zones of the ground with so much cohesion that nothing fails there: the failure of one face of a structure is then
+computed, and not an earlier failure elsewhere.
 """
 
 from collections.abc import Sequence
@@ -11,14 +11,14 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.section.stratum import Stratum
 
-HELD = ", held from x = "  # what the name of held ground has behind that of its stratum
-TIMES = 10.0  # of the largest overburden pressure: the cohesion that held ground has in addition
+STRENGTHENED = ", strengthened from x = "  # between the name of the stratum and the start of the zone
+TIMES = 10.0  # of the largest overburden pressure: the additional cohesion of a strong zone
 ALL = 1e6  # m: a depth below the base
 
 
 @dataclass(frozen=True)
-class Held:
-    """A stretch of the ground in which nothing fails.
+class StrongZone:
+    """A zone along the ground in which nothing fails.
 
     Attributes
     ----------
@@ -33,18 +33,18 @@ class Held:
     depth: float = ALL
 
 
-def with_held_ground(section: Section, stretches: Sequence[Held]) -> Section:
-    """The section with an additional cohesion, at which nothing fails, in stretches that do not overlap.
+def with_strong_zones(section: Section, zones: Sequence[StrongZone]) -> Section:
+    """The section with an additional cohesion, at which nothing fails, in zones that do not overlap.
 
-    Loads, pore pressures and elastic stiffness stay the same. Failures that do not cut through held ground keep their
-    critical Kh and factor of safety; all others are excluded. Held ground may move as a rigid body.
+    Loads, pore pressures and elastic stiffness stay the same. Failures that do not cut through a zone keep their
+    critical Kh and factor of safety; all others are excluded. A zone may move as a rigid body.
 
     Parameters
     ----------
     section : Section
         The ground.
-    stretches : sequence of Held
-        Where it is held.
+    zones : sequence of StrongZone
+        The zones.
 
     Returns
     -------
@@ -56,10 +56,10 @@ def with_held_ground(section: Section, stretches: Sequence[Held]) -> Section:
     added = TIMES * GRAVITY * heaviest * height
     divided: list[Stratum] = []
     for k, soil in enumerate(strata):
-        for held in stretches:
-            points = strip_bottom(layers, held.start, held.end, k, held.depth)
+        for zone in zones:
+            points = strip_bottom(layers, zone.start, zone.end, k, zone.depth)
             if points:
-                name = f"{soil.name}{HELD}{held.start:.10g} m"
+                name = f"{soil.name}{STRENGTHENED}{zone.start:.10g} m"
                 change = {"cohesion": soil.cohesion + added, "tension": None}
                 divided.append(soil.model_copy(update={"name": name, "bottom": Line(elevation=points), **change}))
         divided.append(soil)

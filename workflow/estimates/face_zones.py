@@ -1,10 +1,10 @@
-"""Where ground is held so that finite elements find the failure of one face, and not an earlier one elsewhere."""
+"""Strong zones with which finite elements compute the failure of one face, and not an earlier failure elsewhere."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from fem.search.held_ground import Held
+from fem.search.strong_zones import StrongZone
 from meshes.section.section import Section
 from workflow.estimates.crest import LEAST_SLOPE
 from workflow.estimates.slices import LEFT
@@ -25,22 +25,22 @@ def _slides(surface: Surface) -> int:
     return LEFT if surface[0][1] < surface[-1][1] else -LEFT
 
 
-def hold_against(
+def zones_against(
     section: Section,
     structure: Standing,
     towards: int,
     surface: Surface,
     circle: Surface,
-    held: Sequence[Held],
+    zones: Sequence[StrongZone],
     least_depth: float,
-) -> tuple[Held, ...] | None:
-    """The stretches to hold so that a failure that is not of the face no longer comes first.
+) -> tuple[StrongZone, ...] | None:
+    """The strong zones with which a failure that is not of the face no longer comes first.
 
-    A failure towards the other side, or behind the crest, is excluded by holding the ground behind the crest. A failure
+    A failure towards the other side, or behind the crest, is excluded by a strong zone behind the crest. A failure
     in front of the crest is excluded in one of two ways. Where the critical circle of the face leaves the ground
-    farther out, the surface between that failure's exit and the crest is held, down to a small depth: it moves as one
-    body, and no part of it without the crest. Elsewhere the ground is held from the top of the slope in which that
-    failure lies.
+    farther out, the strong zone reaches from that failure's exit to the crest, down to a small depth: it moves as one
+    body, and no part of it without the crest. Elsewhere the zone begins at the top of the slope in which that failure
+    lies.
 
     Parameters
     ----------
@@ -54,36 +54,36 @@ def hold_against(
         The failure to exclude, from left to right (m).
     circle : sequence of points
         The critical circle of the face; empty where there is none.
-    held : sequence of Held
-        What is held so far.
+    zones : sequence of StrongZone
+        The zones so far.
     least_depth : float
         Smallest depth that a failure may have (m).
 
     Returns
     -------
-    tuple of Held or None
-        None where nothing more can be held.
+    tuple of StrongZone or None
+        None where no zone can be added.
     """
     first, last = section.extent
     crest, middle = structure.crest, 0.5 * (surface[0][0] + surface[-1][0])
     near, far = (crest.left, crest.right) if towards == LEFT else (crest.right, crest.left)
     if _slides(surface) != towards or (middle - far) * towards < 0.0:
-        new = Held(far, last) if towards == LEFT else Held(first, far)
+        new = StrongZone(far, last) if towards == LEFT else StrongZone(first, far)
     else:
         end = 0 if towards == LEFT else -1
         exit_x = _snapped(section, surface[end][0], least_depth)
         if len(circle) and (circle[end][0] - exit_x) * towards >= -least_depth:
             low, high = np.interp([exit_x, near], *section.ground.T)
             ends = sorted((exit_x, near))
-            new = Held(ends[0], ends[1], max(least_depth, SKIN * float(high - low)))
+            new = StrongZone(ends[0], ends[1], max(least_depth, SKIN * float(high - low)))
         else:
             top = _top_of_slope(section.ground, towards, surface)
             if top is None or (top - near) * towards <= 0.0:
                 return None
-            new = Held(first, top) if towards == LEFT else Held(top, last)
-    if new.end - new.start <= 0.0 or any(new.start < other.end and other.start < new.end for other in held):
+            new = StrongZone(first, top) if towards == LEFT else StrongZone(top, last)
+    if new.end - new.start <= 0.0 or any(new.start < other.end and other.start < new.end for other in zones):
         return None
-    return (*held, new)
+    return (*zones, new)
 
 
 def _snapped(section: Section, x: float, near: float) -> float:
