@@ -63,7 +63,7 @@ def of_circles(results: Results) -> Iterator[str]:
         yield f"{what}, below the strict lower bound of {coefficient(bounds.lower)}{_assumed(section, circle)}"
 
 
-def beside_elements(results: Results) -> Iterator[str]:
+def against_elements(results: Results) -> Iterator[str]:
     """Slip circles far from the elements with ψ = φ, where strict bounds do not contradict the circles already."""
     circles, fem, bounds = results.slices, results.fem, results.bounds
     if circles is None or fem is None or fem.flow != "associated" or results.config.fem.direction != "both":

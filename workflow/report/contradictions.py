@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from dem.case import Case
-from workflow.report.circles import beside_elements, of_circles, of_longer_sections
+from workflow.report.circles import against_elements, of_circles, of_longer_sections
 from workflow.report.numbers import coefficient, of_cases, span
 from workflow.results.cases import CaseAnswer, MovedSurface, RandomPackings
 from workflow.results.discs import DiscsAnswer, DiscSearch
@@ -46,7 +46,7 @@ def contradictions(results: Results) -> Iterator[tuple[Weight, str]]:
     yield from ((2, text) for text in of_settlement({k: (case, case.settlement_uphill_m) for k, case in cases.items()}))
     crests = {number: (case, case.settlement_crest_m) for number, case in points.items()}
     yield from ((2, text) for text in of_settlement(crests, "material points"))
-    yield from ((3, text) for text in (*of_circles(results), *beside_elements(results)))
+    yield from ((3, text) for text in (*of_circles(results), *against_elements(results)))
     if results.slices is not None:
         yield from ((2, text) for text in of_longer_sections(results.slices.critical))
 

@@ -83,13 +83,13 @@ def test_bounds_of_a_small_kh_are_close_enough_at_the_same_difference_in_kh():
 def test_the_allowed_work_is_a_limit(seconds):
     """All programs of both directions, Davis's estimate and the trials of a factor; the bounds found by then count."""
     section = Section.read(SECTIONS / "slope_2to1.toml")
-    asked = BoundsSettings(gap=1e-4, seconds=seconds, davis=True)
-    found = kh_bounds(section, FemSettings(), asked)
-    every = [*found.directions, *(found.substitute.directions if found.substitute else ())]
+    limits = BoundsSettings(gap=1e-4, seconds=seconds, davis=True)
+    answer = kh_bounds(section, FemSettings(), limits)
+    every = [*answer.directions, *(answer.substitute.directions if answer.substitute else ())]
     assert sum(mesh.work for direction in every for mesh in direction.meshes) <= 1.01 * seconds
-    assert found.ended == "time"
-    assert found.lower < found.upper < 2.0 * found.lower
-    factor = safety_bounds(section, FemSettings(), asked, smooth_sides=True)
+    assert answer.ended == "time"
+    assert answer.lower < answer.upper < 2.0 * answer.lower
+    factor = safety_bounds(section, FemSettings(), limits, smooth_sides=True)
     assert sum(trial.work for trial in factor.trials) <= 1.01 * seconds
     assert factor.ended == "time"
     assert 0.0 < factor.lower < factor.upper < 2.0 * factor.lower

@@ -6,7 +6,7 @@ from meshes.section.section import Section
 from tests.support.answers import bounds, results
 from tests.support.sections import analysed, layer, slope
 from workflow.config import Config
-from workflow.report.circles import beside_elements, of_circles, of_longer_sections
+from workflow.report.circles import against_elements, of_circles, of_longer_sections
 from workflow.report.slices import slices_sentences
 from workflow.results.bounds import DirectionPart, SafetyPart
 from workflow.results.continuum import FactorOfSafety, FemAnswer, StoredState
@@ -117,16 +117,16 @@ def test_circles_far_from_the_elements_are_told_with_the_surface_of_the_elements
         kc=0.078, verdict="plateau", flow="associated", at_sides=(), states=(state,), safety_factors=(factor,)
     )
     both = run.with_settings("fem", direction="both")
-    first, second = beside_elements(results(both, slices=circles(1.65, 0.119), fem=fem))
+    first, second = against_elements(results(both, slices=circles(1.65, 0.119), fem=fem))
     start = (
         "slip circles have a factor of safety of 1.65 at Kh = 0, where elements have 1.36, which slip from x = 39.9 to"
     )
     assert first.startswith(start)
     assert second.startswith("slip circles have a critical Kh of 0.119, where elements have 0.078, which slip")
     assert second.endswith("rely on the elements, whose slip surface is no circle")
-    assert list(beside_elements(results(both, slices=circles(1.4, 0.08), fem=fem))) == []
-    (cautious,) = beside_elements(results(both, slices=circles(1.2, 0.08), fem=fem))
+    assert list(against_elements(results(both, slices=circles(1.4, 0.08), fem=fem))) == []
+    (cautious,) = against_elements(results(both, slices=circles(1.2, 0.08), fem=fem))
     assert cautious.endswith("find strict bounds (bounds.run), and report the circles as the more cautious result")
     strict = bounds(run, 0.077, 0.079)  # these contradict the circles already
-    (factors,) = beside_elements(results(both, slices=circles(1.65, 0.119), fem=fem, bounds=strict))
+    (factors,) = against_elements(results(both, slices=circles(1.65, 0.119), fem=fem, bounds=strict))
     assert "factor of safety" in factors
