@@ -133,7 +133,7 @@ def _unknown(sheet: _Sheet, columns: Mapping[str, str], known: Sequence[str], ne
     problems += [f"column {name}: there are {names.count(name)}" for name in dict.fromkeys(names)
                  if name in known and names.count(name) > 1]  # fmt: skip
     if placeless:
-        problems.append("column x: missing; expected it, or easting and northing")
+        problems.append("column x: missing; expected column x, or easting and northing")
     return problems
 
 

@@ -105,7 +105,7 @@ def _bounds(results: Results, bounds: BoundsAnswer) -> str:
     """
     phrase = f"{bounds.words} ({bounds.sides} sides; {bounds.flow.rstrip('.')})."
     contradictions = [f"{warning.what} To do: {warning.remedy}." for warning in results.warnings_by_bounds()]
-    return " ".join([phrase, *(contradictions or ["No result of the finite elements contradicts it."])])
+    return " ".join([phrase, *(contradictions or ["No result of the finite elements contradicts these bounds."])])
 
 
 def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:

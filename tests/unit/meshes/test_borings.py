@@ -139,7 +139,7 @@ def test_bad_columns_are_named(tmp_path: Path) -> None:
     messages = problems(tmp_path, "boring,depth,top,bottom\nA,1,2,3\n")
     assert "column 'depth': expected one of" in messages
     assert "column layer: missing" in messages
-    assert "expected it, or easting and northing" in messages
+    assert "expected column x, or easting and northing" in messages
 
 
 def log(name: str, place: tuple[float, float], *names: str) -> Log:
