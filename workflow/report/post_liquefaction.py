@@ -176,7 +176,8 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
     """Every case with its numbers, for the terminal."""
     for case in answer.cases:
         yield outcome(case)
-        yield f"    Residual strength: {listed([f'{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa' for s in case.strata])}."
+        strengths = [f"{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa" for s in case.strata]
+        yield f"    Residual strength: {listed(strengths)}."
         if case.factor is not None or case.factor_lower is not None:
             yield f"    Factor of safety at Kh = 0, between sides held horizontally: {factors(case)}."
         if case.kc is not None and case.kc_lower is not None:

@@ -109,9 +109,11 @@ def like_with_like(changes: Sequence[Change], config: Config, progress: Progress
     if not first or is_unique(config.section, config.fem):
         return list(changes)
     words = "the first mesh without a change"
-    own = variant(Change("first", words, config, first[0].mesh, False), lambda text: progress(f"{words}: {text}", None))
-    return [change if change.kc_without is None else replace(change, kc_without=own.kc)
-            for change in changes if change.kc_without is None or own.kc is not None]  # fmt: skip
+    unchanged = variant(
+        Change("first", words, config, first[0].mesh, False), lambda text: progress(f"{words}: {text}", None)
+    )
+    return [change if change.kc_without is None else replace(change, kc_without=unchanged.kc)
+            for change in changes if change.kc_without is None or unchanged.kc is not None]  # fmt: skip
 
 
 def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] | None:

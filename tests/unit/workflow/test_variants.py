@@ -92,15 +92,15 @@ def test_changes_of_a_path_are_compared_with_a_path_on_the_same_mesh(monkeypatch
     """Bilinear cells have 0.31 on the first mesh where the limit load of the reduced element is 0.25."""
     run = Config.parse(slope()).with_settings("fem", element="bilinear")
     mesh = cast(QuadMesh, "the first mesh")
-    own = variant("first", "no change", 0.31)
-    monkeypatch.setattr(variants, "variant", lambda *_: own)
+    unchanged = variant("first", "no change", 0.31)
+    monkeypatch.setattr(variants, "variant", lambda *_: unchanged)
     changes = [
         Change("mesh", "cells of half the size", run, mesh, True, 0.25),
         Change("step", "step", run, mesh, False),
     ]
     assert [change.kc_without for change in like_with_like(changes, run, silent)] == [0.31, None]
     assert [change.kc_without for change in like_with_like(changes, Config.parse(slope()), silent)] == [0.25, None]
-    own = variant("first", "no change", None)
+    unchanged = variant("first", "no change", None)
     assert [change.name for change in like_with_like(changes, run, silent)] == ["step"]
 
 
