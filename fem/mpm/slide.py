@@ -9,7 +9,6 @@ import numpy as np
 
 from fem.continuum.liquefied_ground import LEAST, UNDRAINED
 from fem.kernels import material_points as kernel
-from fem.mpm.compliant_base import CompliantBase
 from fem.mpm.engine import MaterialPointEngine, ShakingHistory
 from fem.mpm.ground import FAR, PointGround, with_free_sides
 from fem.mpm.points import UNLIMITED
@@ -66,8 +65,6 @@ class SlideProgramme:
         from one window of 5 s to the next, twice in a row.
     drained : float
         Volumetric strain by drainage during the onset (-).
-    base_impedance : float
-        ρ V_s L of a compliant base (kg/s per metre), see `fem.mpm.compliant_base`; 0 for a rigid one.
     """
 
     shaking: ShakingHistory
@@ -78,7 +75,6 @@ class SlideProgramme:
     duration: float
     still: float = 0.01
     drained: float = 0.0
-    base_impedance: float = 0.0
 
 
 class PointSlider:
@@ -98,7 +94,6 @@ class PointSlider:
         self.ground, self.sign = ground, downslope
         self.engine = MaterialPointEngine(ground.points, ground.grid, threads=threads)
         self.began: dict[str, np.ndarray] = {}
-        self.base = CompliantBase(0.0)
 
     def settle(self) -> float:
         """Bring the ground to equilibrium under its weight, and return the largest movement of its surface (m).
@@ -150,7 +145,6 @@ class PointSlider:
         """
         slide = PointSlide(before=self._surface(), cell=self.ground.grid.cell)
         self.engine.decay = decay
-        self.base = CompliantBase(programme.base_impedance)
         self._remember(programme)
         shares: dict[int, float] = dict.fromkeys(programme.starts, 0.0)
         if checkpoint is not None:
@@ -160,7 +154,7 @@ class PointSlider:
             self._liquefy(programme, shares)
             under_way = self._under_way(programme, self.engine.time)
             seconds = min(LOOK, programme.onset / ONSET_STEPS) if under_way else LOOK
-            self.base.run(self.engine, seconds, lambda times: self.sign * programme.shaking(times))
+            self.engine.run(seconds, lambda times: self.sign * programme.shaking(times))
             self._look(slide)
             if on_look is not None:
                 on_look(self.engine.time, slide.slide[-1])
@@ -186,7 +180,6 @@ class PointSlider:
         arrays |= {name: np.array(getattr(slide, name)) for name in (*LISTS, "before")}
         plain = {
             "shares": [*shares.values()],
-            "base": [self.base.velocity, self.base.rate],
             **{name: getattr(slide, name) for name in ENDED},
         }
         write_checkpoint(path, arrays | {BEGAN + name: array for name, array in self.began.items()}, plain)
@@ -210,7 +203,6 @@ class PointSlider:
         )
         for name in ENDED:
             setattr(slide, name, plain[name])
-        self.base.velocity, self.base.rate = plain["base"]
 
     def _remember(self, programme: SlideProgramme) -> None:
         """Store strength and shear stiffness of every point before and after liquefaction, and the number of the
