@@ -107,8 +107,8 @@ class SoilColumn:
     def settle(self) -> None:
         """Let the column settle with the gate closed; clay is undrained from then on. Raises DemError."""
         self._come_to_rest()
-        replace_contacts_of_clay(self.model, FADES * self.unit)
-        self._come_to_rest()
+        if replace_contacts_of_clay(self.model, FADES * self.unit):
+            self._come_to_rest()
 
     def _come_to_rest(self) -> None:
         free = ~self.model.fixed

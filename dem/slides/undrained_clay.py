@@ -21,7 +21,7 @@ STEPS = 20  # in which contacts fade out
 SHARE = 0.5  # of the stable step
 
 
-def replace_contacts_of_clay(model: DiscModel, seconds: float) -> None:
+def replace_contacts_of_clay(model: DiscModel, seconds: float) -> bool:
     """Replace the contacts of clay by pore pressure and bonds of its undrained strength; other layers keep theirs.
 
     Parameters
@@ -31,6 +31,11 @@ def replace_contacts_of_clay(model: DiscModel, seconds: float) -> None:
     seconds
         Time in which its contacts fade out (s).
 
+    Returns
+    -------
+    bool
+        Whether there is clay.
+
     Raises
     ------
     DemError
@@ -39,13 +44,14 @@ def replace_contacts_of_clay(model: DiscModel, seconds: float) -> None:
     layers = list(model.springs.layers)
     clay = [k for k, layer in enumerate(layers) if layer.undrained_strength > 0.0]
     if not clay:
-        return
+        return False
     discs = np.isin(model.layer, clay) & ~model.fixed
     liquefy(model, _state_of_clay(model, discs))
     for share in np.linspace(0.0, 1.0, STEPS + 1)[1:]:
         model.set_springs([replace(s, faded=float(share)) if k in clay else s for k, s in enumerate(layers)])
         set_share(model, np.where(discs, share, 0.0))
         Engine(dt=SHARE * largest_step(model).seconds, energies=False).run(model, seconds / STEPS)
+    return True
 
 
 def _state_of_clay(model: DiscModel, discs: np.ndarray) -> Onset:
