@@ -311,7 +311,9 @@ def _peak(settings: Tables) -> float | None:
 
 
 def _is_unknown_table(key: str, value: Any) -> bool:
-    return isinstance(value, Mapping) and key not in Section.model_fields
+    """Whether it is no key of a section but a table, or a list of tables, so that names of tables are offered, too."""
+    several = isinstance(value, list) and bool(value) and all(isinstance(entry, Mapping) for entry in value)
+    return (isinstance(value, Mapping) or several) and key not in Section.model_fields
 
 
 def _find_files(data: Mapping[str, Any], folder: Path) -> None:

@@ -79,6 +79,6 @@ def _marks(axes: Axes, results: Results) -> None:
         arrowprops={"arrowstyle": "-|>", "color": CRITICAL, "linewidth": 2.0, "shrinkA": 0.0, "shrinkB": 0.0},
     )  # fmt: skip
     axes.annotate(
-        "Kh", (start + sign * 0.5 * ARROW * (right - left), z), (0, 3), textcoords="offset points", fontsize=8,
+        "Kh", (start + sign * 0.5 * ARROW * (right - left), z), (0, 6), textcoords="offset points", fontsize=8,
         ha="center", color=CRITICAL,
     )  # fmt: skip

@@ -42,6 +42,7 @@ HATCH = "...."
 SURVEYED = (0, (1, 3))  # dashes of the ends of the ground that was given
 LEAST_NUMBERED = 0.02  # of the height of a section: a number would not fit into a thinner stratum
 NUMBER_SIZE = 6.5  # points
+NAME_ABOVE = 15.0  # of the name of a boring over the ground (points): clear of the numbers of thin layers there
 HALO = [withStroke(linewidth=2.5, foreground="white")]
 LABEL_SPACING = 0.015  # of the width: from number to number above the ground
 FOOT_CHARACTERS = 190
@@ -69,8 +70,9 @@ def mark_borings(axes: Axes, section: Section, borings: Iterable[tuple[str, floa
         top = float(np.interp(x, *section.ground.T))
         axes.plot([x, x], [top - depth, top], color=INK, linewidth=1.6)
         axes.annotate(
-            name, (x, top), (0, 3), textcoords="offset points", fontsize=NUMBER_SIZE, ha="center", color=INK,
+            name, (x, top), (0, NAME_ABOVE), textcoords="offset points", fontsize=NUMBER_SIZE, ha="center", color=INK,
             path_effects=HALO, parse_math=False,
+            arrowprops={"arrowstyle": "-", "color": INK, "linewidth": 1.6, "shrinkA": 0.0, "shrinkB": 0.0},
         )  # fmt: skip
 
 

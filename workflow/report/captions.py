@@ -35,8 +35,8 @@ CAPTIONS = (
     Caption(
         r"front",
         "front",
-        "The section in true proportions, with its layers, water, borings, the direction of the seismic force, the "
-        "slip surface at the critical Kh, and the surface after the largest slide.",
+        "The section in true proportions, with its layers and the direction of the seismic force; where there are any, "
+        "with water, borings, the slip surface at the critical Kh, and the surface after the largest slide.",
         True,
     ),
     Caption(r"section", "ground", "The layers. Dotted: liquefiable. Dashed line: water table.", True),

@@ -65,6 +65,13 @@ def test_the_command_line_stands_above_the_file(tmp_path: Path) -> None:
         Config.load(path, dotted(["figures.report_width=10"]))
 
 
+def test_borings_outside_their_table_are_told_where_they_stand() -> None:
+    with pytest.raises(InputError, match=r"borings: unknown key; expected triggering, where \[\[triggering.borings"):
+        Config.parse({**slope(), "borings": [{"x": 45.0}]})
+    with pytest.raises(InputError, match='earthquakes: unknown key; did you mean "earthquake"'):
+        Config.parse({**slope(), "earthquakes": [{"magnitude": 7.5}]})
+
+
 def test_merging_leaves_its_parts_alone() -> None:
     lower, upper = {"a": {"x": 1, "y": 2}, "b": 1}, {"a": {"y": 3}}
     assert merged(lower, upper) == {"a": {"x": 1, "y": 3}, "b": 1}
