@@ -127,7 +127,7 @@ def footing(element, phi, cells, surcharge=False, growth=1.15, psi=None, flow="s
     control = np.zeros(problem.grid.size)
     control[2 * below[0] + 1] = -1.0
     outcome, path = limit_load(problem, fixed, (c + q) * exact * control, control, **settings)
-    return exact * outcome.held + (q > 0.0), outcome, path
+    return exact * outcome.in_equilibrium + (q > 0.0), outcome, path
 
 
 def weight_limit(mesh, law, element, sides, **settings):
@@ -137,7 +137,7 @@ def weight_limit(mesh, law, element, sides, **settings):
     load = problem.body_force([1.0], (0.0, -1.0))
     control = load / problem.exchange.norm(load)
     outcome, path = limit_load(problem, np.zeros_like(load), law.cohesion * load, control, **settings)
-    return outcome.held, outcome, path
+    return outcome.in_equilibrium, outcome, path
 
 
 def points_of(problem):

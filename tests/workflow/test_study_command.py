@@ -67,7 +67,7 @@ def test_a_study_leaves_a_table_an_answer_and_a_page(alone: str, section: Path) 
     assert groups["fixed"] > groups["free-field"]  # a rigid box holds more
     page = (folder / "study.html").read_text()
     assert "what if?" in page
-    assert "which blocks resist with as well, is with ψ = φ." in page
+    assert "which is also the yield coefficient of the blocks, is with ψ = φ." in page
     assert page.count("<img") == 4
 
 

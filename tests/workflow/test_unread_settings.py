@@ -34,7 +34,7 @@ def test_a_setting_that_a_command_does_not_read_is_told(tmp_path: Path, capsys: 
     )
     assert run("mesh", written(tmp_path), "--out", tmp_path / "out", *requested) == 0
     words = message(capsys)
-    assert "noshiro mesh does not read bounds.run; it is read by noshiro run." in words
+    assert "noshiro mesh does not read bounds.run; it is read by noshiro faces and noshiro run." in words
     assert "noshiro mesh does not read fem.sides; it is read by noshiro fem and" in words
     assert "noshiro mesh does not read study.samples; it is read by noshiro study." in words
     assert "does not read mesh" not in words
@@ -47,7 +47,7 @@ def test_it_is_told_beside_an_output_without_sentences(
     requested = ("--set", "bounds.run=false", way)
     assert run("mesh", written(tmp_path), "--out", tmp_path / "out", *requested) == 0
     heard = capsys.readouterr()
-    line = "Warning: noshiro mesh does not read bounds.run; it is read by noshiro run."
+    line = "Warning: noshiro mesh does not read bounds.run; it is read by noshiro faces and noshiro run."
     assert line in heard.err
     if way == "--json":
         assert line in json.loads(heard.out)["warnings"]
@@ -104,7 +104,7 @@ def test_bounds_by_their_own_command_do_not_ask_whether_they_are_wanted(tmp_path
     assert invocation.unread(["bounds"]) == ["bounds.run"]
     assert invocation.unread(NAMES) == invocation.unread(["mesh", "fem", "bounds"]) == []
     [line] = in_words(["bounds.run"], "bounds", [command_of(name) for name in NAMES])
-    assert line == "Warning: noshiro bounds does not read bounds.run; it is read by noshiro run."
+    assert line == "Warning: noshiro bounds does not read bounds.run; it is read by noshiro faces and noshiro run."
 
 
 @pytest.mark.parametrize(("options", "message"), [((), False), (("--set", "bounds.run=false"), True)])
