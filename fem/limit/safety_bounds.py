@@ -103,7 +103,8 @@ def safety_bounds(
         return replace(deeper, shallow_failure=unchanged.upper, trials=trials)
     if 0.0 < deeper.lower <= unchanged.lower:
         return replace(deeper, trials=trials)  # what the stronger ground does not bear fails this one, too
-    return replace(unchanged, trials=trials)
+    # A mechanism of the stronger ground fails this one, too, whatever work was left for its own.
+    return replace(unchanged, upper=min(unchanged.upper, deeper.upper), trials=trials)
 
 
 @dataclass(frozen=True)

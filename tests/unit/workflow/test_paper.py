@@ -104,10 +104,10 @@ def test_states_of_the_discs(s13: Config) -> None:
 @pytest.mark.parametrize(
     ("lower", "upper", "flow", "words"),
     [
-        (0.22, 0.26, "associated", "contradicts it"),
+        (0.22, 0.26, "associated", "contradicts these bounds"),
         (0.25, 0.26, "associated", "below the strict lower bound"),
         (0.22, 0.23, "associated", "above the strict upper bound"),
-        (0.25, 0.26, "davis", "contradicts it"),
+        (0.25, 0.26, "davis", "contradicts these bounds"),
         (0.22, 0.23, "davis", "no smaller ψ can exceed"),
         (0.22, 0.23, "section", "no smaller ψ can exceed"),
     ],
