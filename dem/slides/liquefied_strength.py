@@ -11,7 +11,7 @@ from dem.kernels.liquefied_pairs import FITTED
 from dem.liquefied_ground import LEAST_STRAIN, MOST_STRAIN, Onset
 from dem.model import DiscModel
 from dem.slides.overburden import effective_overburden
-from dem.slides.volume import area_per_disc
+from dem.slides.volume import area_with_voids
 from dem.springs import Law, LayerSprings
 from meshes.section.section import Section
 from meshes.section.strain_potential import BEYOND, stress_at_potential
@@ -92,10 +92,8 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
             strain[here] = ELASTIC * (remaining.strain_potential + BEYOND)
             knee[here] = stress_at_potential(pressure[here], wanted) / wanted
             soft_to[here] = remaining.strain_potential / (remaining.strain_potential + BEYOND)
-    ratio = area_per_disc(model, model)
-    with_voids = np.append(np.where(np.isfinite(ratio), ratio, np.nanmean(ratio)), np.nanmean(ratio))
-    area = with_voids[model.layer] * np.pi * model.radius**2
-    return Onset(np.isin(model.layer, strata) & ~model.fixed, area, pressure, strength, strain, knee, soft_to)
+    discs = np.isin(model.layer, strata) & ~model.fixed
+    return Onset(discs, area_with_voids(model), pressure, strength, strain, knee, soft_to)
 
 
 def _not_consolidated(model: DiscModel, ground: Ground) -> np.ndarray:

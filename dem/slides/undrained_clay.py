@@ -15,7 +15,7 @@ from dem.liquefied_ground import LEAST_STRAIN, MOST_STRAIN, Onset, liquefy, set_
 from dem.model import DiscModel
 from dem.slides.liquefied_strength import SHEAR_MODULUS
 from dem.slides.overburden import effective_overburden
-from dem.slides.volume import area_per_disc
+from dem.slides.volume import area_with_voids
 
 STEPS = 20  # in which contacts fade out
 SHARE = 0.5  # of the stable step
@@ -65,6 +65,4 @@ def _state_of_clay(model: DiscModel, discs: np.ndarray) -> Onset:
         here = discs & (model.layer == k)
         strength[here], modulus[here] = layer.undrained_strength, SHEAR_MODULUS * layer.kn
     strain = np.clip(strength / modulus, LEAST_STRAIN, MOST_STRAIN)
-    ratio = area_per_disc(model, model)
-    area = np.append(np.where(np.isfinite(ratio), ratio, np.nanmean(ratio)), np.nanmean(ratio))[model.layer]
-    return Onset(discs, area * np.pi * model.radius**2, effective_overburden(model), strength, strain)
+    return Onset(discs, area_with_voids(model), effective_overburden(model), strength, strain)

@@ -50,6 +50,17 @@ def area_per_disc(model: DiscModel, start: DiscModel) -> np.ndarray:
     return np.divide(ground, discs, out=np.full(count, np.nan), where=discs > 0.0)
 
 
+def area_with_voids(model: DiscModel) -> np.ndarray:
+    """Area of every disc with its voids (n,) in m2: the area of its stratum is shared in proportion to the discs.
+
+    Fixed discs, and strata without triangles, have the mean ratio of the others.
+    """
+    ratio = area_per_disc(model, model)
+    mean = np.nanmean(ratio)
+    of_layers = np.append(np.where(np.isfinite(ratio), ratio, mean), mean)  # the boundary comes last
+    return np.asarray(of_layers[model.layer] * np.pi * model.radius**2)
+
+
 def volume_change(start: DiscModel, model: DiscModel) -> np.ndarray:
     """Relative growth of the area of the ground of each stratum (n,), negative where it got denser.
 
