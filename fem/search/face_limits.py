@@ -56,7 +56,7 @@ class FaceSearch:
 
     def critical(self, direction: str) -> FaceLimit:
         """The critical Kh in one direction, "downhill" or "uphill"; raises NoAnswerError."""
-        search = AdaptiveSearch(self.section, self.meshing, generate(self.section, self.meshing), self.comm)
+        search = self._adaptive()
         full = self.settings.changed(direction=direction, flow="associated")
         result = search.critical(full)
         mechanism = result.result.mechanism
@@ -70,7 +70,7 @@ class FaceSearch:
 
     def safety(self) -> FaceLimit:
         """The factor of safety without shaking; raises NoAnswerError."""
-        search = AdaptiveSearch(self.section, self.meshing, generate(self.section, self.meshing), self.comm)
+        search = self._adaptive()
         full = self.settings.changed(flow="associated")
         result = search.safety(full, 0.0)
         mechanism = result.result.mechanism
@@ -81,3 +81,6 @@ class FaceSearch:
         except NoAnswerError:
             davis = None
         return FaceLimit(result.result.factor, davis, slip_surface(result.mesh, mechanism))
+
+    def _adaptive(self) -> AdaptiveSearch:
+        return AdaptiveSearch(self.section, self.meshing, generate(self.section, self.meshing), self.comm)

@@ -89,7 +89,7 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Borin
         if min(top, bottom) < 0.0:
             depths = f"top = {cells['top']}, bottom = {cells['bottom']}"
             table.problems.append(f"line {number}, {depths}: {DEPTHS_EXPECTED}")
-        elif cells.get("N", "").lower() not in NOT_MEASURED and math.isfinite(middle):  # else it has been messages
+        elif cells.get("N", "").lower() not in NOT_MEASURED and math.isfinite(middle):  # else it has been reported
             sample = _sample(number, cells, middle, table)
             samples += [sample] if sample is not None else []
     number, first = lines[0]

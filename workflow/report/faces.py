@@ -213,18 +213,15 @@ def _elsewhere(results: Results) -> Iterator[FaceLine]:
         return
     if any(structure.slides_with(surface) for structure in structures_of(config.section)):
         return
-    full, low = fem.kc, None if fem.davis is None else fem.davis.kc
-    if fem.flow != "associated":
-        full, low = (fem.kc if fem.associated is None else fem.associated.kc), fem.kc
+    others = (None if other is None else other.kc for other in (fem.davis, fem.associated))
+    full, low = _by_both_rules(fem.flow, fem.kc, *others)
     circle = next((c.bishop for c in slices.critical if c.towards == fem.towards and _meets(c, surface)), None)
     factor = next((f for f in fem.safety_factors if f.kh == 0.0 and _overlap(f.slip_surface, surface)), None)
     circles = [c for group in slices.factors if group.kh == 0.0 for c in group.circles if _meets(c, surface)]
     safety = MethodValues(circles=circles[0].bishop if circles else None)
     if factor is not None:
-        value, davis = factor.factor, factor.davis
-        if fem.flow != "associated":
-            value, davis = factor.associated or factor.factor, factor.factor
-        safety = MethodValues(value, davis, *_of_safety(results), safety.circles)
+        both = _by_both_rules(fem.flow, factor.factor, factor.davis, factor.associated)
+        safety = MethodValues(*both, *_of_safety(results), safety.circles)
     yield FaceLine(
         name=f"x = {surface[0][0]:.0f} to {surface[-1][0]:.0f} m, no crest slides with it",
         side=fem.towards,
@@ -236,6 +233,15 @@ def _elsewhere(results: Results) -> Iterator[FaceLine]:
         counts=False,
         of_structure=False,
     )
+
+
+def _by_both_rules(
+    flow: str, value: float | None, davis: float | None, associated: float | None
+) -> tuple[float | None, float | None]:
+    """An answer with ψ = φ and with Davis's strength; ``value`` is the one by the flow rule of the finite elements."""
+    if flow == "associated":
+        return value, davis
+    return value if associated is None else associated, value
 
 
 def _meets(circle: CirclePart, surface: list[tuple[float, float]]) -> bool:

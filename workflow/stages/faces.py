@@ -167,7 +167,7 @@ def _bounded(task: FaceTask, zones: tuple[StrongZone, ...]) -> tuple[float | Non
     config = task.config
     if not zones or not config.faces.bounds or config.bounds.run is False:
         return None, None
-    share = config.bounds.model_copy(update={"seconds": BOUNDS_SHARE * config.bounds.seconds})
+    share = config.bounds.changed(seconds=BOUNDS_SHARE * config.bounds.seconds)
     ground, full = _ground(task, zones), config.fem.changed(direction=_direction(task), flow="associated")
     try:
         if task.quantity == "critical Kh":
