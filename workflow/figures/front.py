@@ -2,7 +2,7 @@
 slide.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,10 +10,10 @@ from matplotlib.axes import Axes
 from workflow.figures.canvas import CRITICAL, DISCS
 from workflow.figures.ground import Overlay, draw_section, mark_borings
 from workflow.figures.material_points import seen_from_above
-from workflow.figures.slides import smoothed
-from workflow.results.cases import CaseAnswer
+from workflow.results.cases import CaseAnswer, alike
+from workflow.results.governing import governing_kh, slides_by_weight
 from workflow.results.lengths import metres
-from workflow.results.material_points import PointCase
+from workflow.results.resolved_surface import smoothed
 from workflow.results.results import Results
 
 FRONT = "figures/front.png"
@@ -24,17 +24,21 @@ ABOVE = 0.25  # of the height of the section: room for the arrow above it
 def front(results: Results, name: str) -> bool:
     """Draw the section with slip surface, largest slide, borings and the seismic force; False without any of them."""
     lines: list[Overlay] = []
-    if results.kc is not None and len(results.slip_surface):
-        label = f"slip surface at Kh = {results.kc:.3f}"
+    governing = governing_kh(results)
+    if governing is not None and len(results.slip_surface):
+        label = f"slip surface at Kh = {governing.text}"
         lines.append(Overlay(results.slip_surface, CRITICAL, (0, ()), label))
-    number, case = _largest(results)
+    slides = slides_by_weight(results)
+    number, case = slides[0].of_largest if slides else (0, None)
     if case is not None:
+        numbers = next(group for group in alike(slides[0].cases) if number in group)
+        called = f"case{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers))}"
         after, by = np.array(case.surface_after), "material points"
         if isinstance(case, CaseAnswer) and results.dem is not None:
             after, by = smoothed(after, 2.0 * results.dem.model.radius_m), "discs"
         elif results.mpm is not None:
             after = seen_from_above(after, results.mpm.cell_m)
-        label = f"surface after the slide by {by}, case {number}: {metres(case.slide_max_m)}"
+        label = f"surface after the slide by {by}, {called}: {metres(case.slide_max_m)}"
         lines.append(Overlay(after, DISCS, (0, ()), label))
     if not lines and results.fem is None:
         return False
@@ -42,18 +46,6 @@ def front(results: Results, name: str) -> bool:
         what = "failure" if case is None else "failure and slide"
         draw_section(results.config.section, path, what, lines, lambda axes: _marks(axes, results), ABOVE)
     return True
-
-
-def _largest(results: Results) -> tuple[int, CaseAnswer | PointCase | None]:
-    """The case with the largest slide, by the governing set of discs or else by material points; None without
-    slides.
-    """
-    _, discs = results.case_set()
-    cases: Mapping[int, CaseAnswer | PointCase] = discs or (results.mpm.cases if results.mpm is not None else {})
-    if not cases:
-        return 0, None
-    number = max(cases, key=lambda case: cases[case].slide_max_m)
-    return number, cases[number]
 
 
 def _judged(results: Results) -> Iterator[tuple[str, float, float]]:

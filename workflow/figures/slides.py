@@ -35,6 +35,7 @@ from workflow.results.cases import CaseAnswer, Profile, alike
 from workflow.results.history import SlideHistory
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
+from workflow.results.resolved_surface import smoothed
 
 SPRINGS = {"calibrated": "calibrated discs", "table2": "springs of Table 2", "mpm": "material points"}
 FRAME_WIDTH = 1000  # px
@@ -83,32 +84,6 @@ def shown_window(states: Sequence[Frame], springs: str, line: np.ndarray = NO_LI
         return window_of(states[0], line)
     free = {name: [getattr(state, name)[state.free] for state in states] for name in ("x", "z", "radius")}
     return window_of(replace(states[0], **{name: np.concatenate(parts) for name, parts in free.items()}), line)
-
-
-def smoothed(line: np.ndarray, size: float) -> np.ndarray:
-    """The surface that discs of a diameter ``size`` (m) resolve, without spikes by single additional or missing discs.
-
-    Parameters
-    ----------
-    line : array (n, 2)
-        Tops of the discs of the surface: x and elevation (m).
-    size : float
-        Diameter of the discs (m): the surface is a running median over three diameters, then a mean over two.
-
-    Returns
-    -------
-    array (m, 2)
-        Points half a diameter apart.
-    """
-    line = line[np.argsort(line[:, 0], kind="stable")]
-    if len(line) < 2 or not size > 0.0 or np.ptp(line[:, 0]) < 4.0 * size:
-        return line
-    x = np.arange(line[0, 0], line[-1, 0] + 0.25 * size, 0.5 * size)
-    z = np.interp(x, *line.T)
-    for width, average in ((7, np.median), (5, np.mean)):
-        padded = np.pad(z, width // 2, mode="reflect")
-        z = average(np.lib.stride_tricks.sliding_window_view(padded, width), axis=1)
-    return np.column_stack([x, z])
 
 
 def name_of(config: Config, springs: str, case: int) -> str:

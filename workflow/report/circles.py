@@ -13,7 +13,7 @@ from workflow.estimates.slip_circles import least_balance
 from workflow.report.numbers import coefficient, listed
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.results import Results
-from workflow.results.slices import CirclePart
+from workflow.results.slices import CirclePart, LongerCircle
 
 # Times a strict upper bound, beyond which a slip circle is not what fails first; times a strict lower bound, below
 # which a circle fails that ground in equilibrium bears; and by how much in Kh, at least.
@@ -127,15 +127,19 @@ def of_longer_sections(circles: Sequence[CirclePart]) -> Iterator[str]:
     A circle in the other direction, which fails at a much larger Kh even there, is not reported.
     """
     least = min((circle.bishop for circle in circles), default=0.0)
+    ends: dict[str, list[tuple[CirclePart, LongerCircle]]] = {}
     for circle in circles:
         longer = circle.longer
-        if longer is None or longer.bishop > min(SHORT * circle.bishop, max(MATTERS * least, least + ABOVE)):
-            continue
-        more = min(max(math.ceil(longer.past_m / ROUND), 1) * ROUND, longer.beyond_m)
+        if longer is not None and longer.bishop <= min(SHORT * circle.bishop, max(MATTERS * least, least + ABOVE)):
+            ends.setdefault(longer.side, []).append((circle, longer))
+    for side, pairs in ends.items():
+        more = max(min(max(math.ceil(far.past_m / ROUND), 1) * ROUND, far.beyond_m) for _, far in pairs)
+        ways = listed([f"the {circle.towards}" for circle, _ in pairs])
+        values = listed([f"{coefficient(far.bishop)} instead of {coefficient(circle.bishop)}" for circle, far in pairs])
+        which, has = ("circles", "end") if len(pairs) > 1 else ("circle", "ends")
         yield (
-            f"the critical slip circle towards the {circle.towards} ends at the {longer.side} side of the section, and "
-            f"has a critical Kh of {coefficient(longer.bishop)} instead of {coefficient(circle.bishop)} where the "
-            f'ground continues: give {more:g} m more of the ground there, or beyond = "{more:g} m"'
+            f"the critical slip {which} towards {ways} {has} at the {side} side of the section, with a critical Kh of "
+            f'{values} where the ground continues: give {more:g} m more of the ground there, or beyond = "{more:g} m"'
         )
 
 

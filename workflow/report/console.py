@@ -7,7 +7,6 @@ from meshes.section.section import Section
 from workflow.config import Config, notice_lines
 from workflow.earthquake.site_response import CLOSE as CAME_TO_REST
 from workflow.report import post_liquefaction
-from workflow.report.accuracy import accuracy, of_meshes
 from workflow.report.contradictions import FALLS, FALLS_TIMES
 from workflow.report.crests import crest_parts, crest_sentences
 from workflow.report.faces import faces_sentences
@@ -17,16 +16,18 @@ from workflow.report.residual import residual_sentences
 from workflow.report.second_opinion import agreeing, contradicting, second_opinions
 from workflow.report.slices import slices_sentences
 from workflow.report.structures import structure_sentences
-from workflow.report.summary_text import CONTRADICTED, lies_still, moved_lately
+from workflow.report.summary_text import lies_still, moved_lately
 from workflow.report.tables import case_heads, case_rows
 from workflow.report.verdicts import verdict_paragraph
 from workflow.report.warnings import sides_warning, split
+from workflow.results.accuracy import accuracy, of_meshes
 from workflow.results.answer import FORCE, SectionLabel
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.faces import FacesAnswer
+from workflow.results.governing import CONTRADICTED
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.results import Results

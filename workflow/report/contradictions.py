@@ -10,6 +10,7 @@ from workflow.report.circles import against_elements, of_circles, of_longer_sect
 from workflow.report.numbers import coefficient, of_cases, span
 from workflow.results.cases import CaseAnswer, MovedSurface, RandomPackings
 from workflow.results.discs import DiscsAnswer, DiscSearch
+from workflow.results.governing import governing_kh
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase, PointSlidesAnswer
 from workflow.results.results import Results
@@ -48,7 +49,9 @@ def contradictions(results: Results) -> Iterator[tuple[Weight, str]]:
     yield from ((2, text) for text in of_settlement(crests, "material points"))
     yield from ((3, text) for text in (*of_circles(results), *against_elements(results)))
     if results.slices is not None:
-        yield from ((2, text) for text in of_longer_sections(results.slices.critical))
+        least, governing = results.slices.least_of_longer, governing_kh(results)
+        smaller = least is None or governing is None or least < governing.value
+        yield from ((2 if smaller else 3, text) for text in of_longer_sections(results.slices.critical))
 
 
 def of_curve(discs: DiscsAnswer) -> Iterator[str]:
@@ -205,12 +208,12 @@ def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "di
     elif by == "discs":
         yield (
             f"the surface falls by {fall} at x = {at} m in {of}, far more than the mean settlement of any third of "
-            "the section: use this value for the settlement of a crest"
+            "the section: use this value for what stands there"
         )
     else:
         yield (
             f"the surface of material points falls by {fall} at x = {at} m in {of}, far more than the highest point of "
-            "the ground: use this value for the settlement of a crest"
+            "the ground: use this value for what stands there"
         )
 
 

@@ -1,33 +1,24 @@
 """The first page of the report: three numbers with their intervals, and one sentence of conclusion for each."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 
-from dem.settings import SlideMethod
-from meshes.section.cutting import shown_name
 from meshes.section.quantity import GRAVITY
-from workflow.earthquake.settings import EarthquakeSettings
-from workflow.estimates.comparison import estimates
-from workflow.estimates.slide_error import slide_error
 from workflow.estimates.structures import structures_of
-from workflow.report.accuracy import METHODS, Accuracy, accuracy, proven_by, rounded_up
 from workflow.report.faces import face_lines
-from workflow.report.numbers import coefficient, of_cases, rough_range, span
+from workflow.report.numbers import coefficient, of_cases
+from workflow.report.numerical_error import rounded_up
 from workflow.report.paper import rows
 from workflow.report.residual import residual_verdict
-from workflow.report.summary_text import CONTRADICTED, at_rest
+from workflow.report.slide_headline import slide_headline
 from workflow.report.texts import Texts
 from workflow.report.verdicts import spared
+from workflow.results.accuracy import METHODS, Accuracy, accuracy, proven_by
 from workflow.results.answer import FORCE
-from workflow.results.cases import CaseAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer
-from workflow.results.lengths import metres
-from workflow.results.material_points import PointCase
+from workflow.results.governing import GoverningKh, governing_kh
 from workflow.results.results import Results
 from workflow.results.verdicts import HeadlinePart
 
-CLOSE_BOUNDS = 0.95  # of the upper bound: a lower one above it tells the critical Kh better than coarse elements
-LEAST_SLIDE = 0.1  # m: discs do not resolve less
-NAMES: Mapping[SlideMethod, str] = {"discs": "discs", "mpm": "material points"}
 FLOW: Mapping[str, str] = {
     "associated": "associated flow, ψ = φ",
     "davis": "Davis reduced strength",
@@ -50,7 +41,7 @@ def headlines(results: Results, _: Texts) -> tuple[HeadlinePart, ...]:
     _ : Texts
         The texts in the language of the report.
     """
-    three = (_critical(results, _), _safety(results, _), _slide(results, _))
+    three = (_critical(results, _), _safety(results, _), slide_headline(results, _))
     return tuple(headline.model_copy(update={"value": _.sentence(headline.value)}) for headline in three)
 
 
@@ -67,10 +58,11 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
             return HeadlinePart(name=name, value=f"> {least}", interval="", conclusion=phrase)
         phrase = _("The critical Kh was not found: {reason}.", reason=fem.reason)
         return HeadlinePart(name=name, value=f"≥ {least}", interval="", conclusion=phrase)
-    error = accuracy(results, fem)
+    governing = governing_kh(results)
+    assert governing is not None
     conditions = _("{sides}, {flow}", sides=_(SIDES[fem.settings.sides]), flow=_(IN_FULL[fem.flow]))
-    if error is not None and fem.kc > CONTRADICTED * error.high:
-        return _contradicted(results, fem, error, conditions, _)
+    if not governing.by_elements:
+        return _contradicted(results, fem, governing, conditions, _)
     phrase = _(
         "The section fails {way} at Kh = {kc} ({acceleration} m/s²), with {conditions}.",
         way=_way(results, fem, _),
@@ -92,7 +84,9 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
             structures=_.listed(names),
         )
         phrase += _first_face(results, _)
-    return HeadlinePart(name=name, value=coefficient(fem.kc), interval=_interval(error, _), conclusion=phrase)
+    return HeadlinePart(
+        name=name, value=coefficient(fem.kc), interval=_interval(governing.interval, _), conclusion=phrase
+    )
 
 
 def _first_face(results: Results, _: Texts) -> str:
@@ -122,34 +116,27 @@ def _way(results: Results, fem: FemAnswer, _: Texts) -> str:
     return _("{direction}, to the {side},", direction=_(FORCE[fem.direction]), side=_(fem.towards))
 
 
-def _contradicted(results: Results, fem: FemAnswer, error: Accuracy, conditions: str, _: Texts) -> HeadlinePart:
-    """The sentence on the critical Kh if strict bounds are below the finite elements: the bounds themselves if they are
-    close, else the upper bound as a limit.
+def _contradicted(results: Results, fem: FemAnswer, kh: GoverningKh, conditions: str, _: Texts) -> HeadlinePart:
+    """The sentence on the critical Kh if strict bounds are below the finite elements: the upper end of the interval
+    counts, as the critical Kh if the bounds are close, else as a limit; the elements are a second opinion.
     """
-    if error.low >= CLOSE_BOUNDS * error.high:
-        phrase = _(
-            "The section fails {way} at Kh = {low} to {high} {method}; the finite elements give {kc}, which is "
-            "{excess} % more ({conditions}).",
-            way=_way(results, fem, _),
-            low=coefficient(error.low),
-            high=coefficient(error.high),
-            method=_(error.method),
-            kc=coefficient(fem.kc),
-            excess=f"{100.0 * (fem.kc / error.high - 1.0):.1f}",
-            conditions=conditions,
+    word = (
+        "The section fails {way} at Kh = {kc} ({conditions}). The finite elements give {excess} % more; no mechanism "
+        "needs more than the upper bound, so that the upper bound counts."
+    )
+    if kh.is_limit:
+        word = (
+            "The section fails {way} at Kh = {kc} or less ({conditions}). The finite elements give {excess} % more; no "
+            "mechanism needs more than the upper bound, so that the upper bound counts, as a limit."
         )
-        value = coefficient(error.high)
-    else:
-        phrase = _(
-            "The section fails at Kh = {high} {method}, below the {kc} of the finite elements: use {high} as an upper "
-            "limit ({conditions}).",
-            high=coefficient(error.high),
-            method=_(error.method),
-            kc=coefficient(fem.kc),
-            conditions=conditions,
-        )
-        value = f"≤ {coefficient(error.high)}"
-    return HeadlinePart(name=_("critical Kh"), value=value, interval=_interval(error, _), conclusion=phrase)
+    phrase = _(
+        word,
+        way=_way(results, fem, _),
+        kc=coefficient(kh.value),
+        conditions=conditions,
+        excess=f"{100.0 * (fem.kc / kh.value - 1.0):.1f}",
+    )
+    return HeadlinePart(name=_("critical Kh"), value=kh.text, interval=_interval(kh.interval, _), conclusion=phrase)
 
 
 def _interval(error: Accuracy | None, _: Texts) -> str:
@@ -217,117 +204,6 @@ def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Text
     )
 
 
-def _slide(results: Results, _: Texts) -> HeadlinePart:
-    name = _("slide after liquefaction")
-    _set, cases = results.case_set()
-    points = dict(results.mpm.cases) if results.mpm is not None else {}
-    if not cases and not points:
-        if not results.config.section.liquefies:
-            return _block(results, _)
-        entry = results.no_answer("calibrate") or results.no_answer("slide")
-        reason = entry.reason if entry is not None else _("the slides were not computed")
-        phrase = _("The slide after liquefaction is not known: {reason}.", reason=reason)
-        return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
-    count = max(len(cases), len(points))
-    by = [_("{slide} by calibrated discs", slide=_span(cases))] if cases else []
-    by += [_("{slide} by material points", slide=_span(points))] if points else []
-    names = (shown_name(s.name, quoted=False) for s in results.config.section.strata if s.liquefies_in)
-    phrase = _(
-        "After liquefaction of {layers}, under {shaking}, the surface slides {slide} ({count}) and {end}.",
-        layers=_.listed(list(dict.fromkeys(names))),
-        shaking=_.sentence(results.config.slide.shaking),
-        slide=_.listed(by),
-        count=_("one case") if count == 1 else _("{number} cases of residual strength", number=count),
-        end=_end([*cases.values(), *points.values()], _),
-    )
-    value = _span({**cases, **{-number: point for number, point in points.items()}})
-    return HeadlinePart(name=name, value=value, interval=_of_slides(results, _), conclusion=phrase)
-
-
-def _block(results: Results, _: Texts) -> HeadlinePart:
-    """The displacement of a rigid block in the earthquake, where nothing liquefies."""
-    config = results.config
-    has_shaking = config.earthquake != EarthquakeSettings() or bool(config.sliding_block.accelerogram)
-    slides = {
-        _("Newmark's block") if row.kind == "block" else row.method: row.displacement_m
-        for row in (estimates(config.section, config, results.kc, results.slip_surface) if has_shaking else ())
-        if row.kind in ("block", "block regression") and row.displacement_m is not None
-    }
-    if not slides:
-        phrase = _("No layer of the section liquefies, so no slide was computed.")
-        return HeadlinePart(name=_("slide after liquefaction"), value="–", interval="", conclusion=phrase)
-    each = [_("{slide} by {method}", slide=metres(slide), method=method) for method, slide in slides.items()]
-    phrase = _(
-        "No layer of the section liquefies. In the earthquake the ground that fails slides as a rigid block: {each}.",
-        each=_.listed(each),
-    )
-    interval = _("by {number} methods for a rigid block without loss of strength", number=len(slides))
-    name = _("displacement in the earthquake")
-    return HeadlinePart(name=name, value=span(list(slides.values())), interval=interval, conclusion=phrase)
-
-
-Slides = Mapping[int, CaseAnswer] | Mapping[int, PointCase] | Mapping[int, CaseAnswer | PointCase]
-
-
-def _span(cases: Slides) -> str:
-    slides = [max(case.slide_max_m, 0.0) for case in cases.values()]
-    return f"< {LEAST_SLIDE:g} m" if max(slides) < LEAST_SLIDE else span(slides)
-
-
-def _end(cases: Sequence[CaseAnswer | PointCase], _: Texts) -> str:
-    if any(isinstance(case, CaseAnswer) and case.flows for case in cases):
-        return _("flows by its weight alone")
-    if all(at_rest(case) for case in cases):
-        return _("comes to rest")
-    if any(case.stopped_by is not None for case in cases):
-        return _("reaches a side of the model, so that it would slide farther in a longer section")
-    return _("was still moving when the computation ended")
-
-
-def _of_slides(results: Results, _: Texts) -> str:
-    """The interval of the largest slide by the method that predicted known slides better, with its error."""
-    predicted = _predicted(results)
-    known = {case.flows for case in results.case_set()[1].values()}
-    flows = known.pop() if len(known) == 1 else None
-    errors = [error for method in predicted if (error := slide_error(flows, method)) is not None]
-    if not errors:
-        return _("the error on known slides is not known")
-    error = min(errors, key=lambda error: error.middle)
-    moved, method = predicted[error.method], _(NAMES[error.method])
-    if 2 * error.within < error.cases:
-        return _("no interval: {method} did not predict the known slides of this kind", method=method)
-    if not error.bounds_slides:
-        return _(
-            "uncertain by a factor of {factor}: {within} of {cases} known slides were predicted within it by {method}, "
-            "half of them within a factor of {middle}",
-            factor=f"{error.factor:g}",
-            within=error.within,
-            cases=error.cases,
-            method=method,
-            middle=f"{error.middle:.2g}",
-        )
-    return _(
-        "{span} by the error of {method}: they predicted {within} of {cases} known slides within a factor of {factor}",
-        span=rough_range(*error.interval(min(moved), max(moved))),
-        within=error.within,
-        cases=error.cases,
-        factor=f"{error.factor:g}",
-        method=method,
-    )
-
-
-def _predicted(results: Results) -> dict[SlideMethod, list[float]]:
-    """Largest slides (m) by method, over cases and packings that slide downhill."""
-    random = results.cases.random if results.cases is not None else None
-    discs = [case.slide_max_m for case in results.case_set()[1].values()]
-    for case in random.cases.values() if random is not None else ():
-        discs += case.slide_max_m.values
-    points = [case.slide_max_m for case in results.mpm.cases.values()] if results.mpm is not None else []
-    slides: dict[SlideMethod, list[float]] = {"discs": discs, "mpm": points}
-    moved = {method: [slide for slide in lengths if slide > 0.0] for method, lengths in slides.items()}
-    return {method: lengths for method, lengths in moved.items() if lengths}
-
-
 def conclusions(results: Results, _: Texts) -> Iterator[str]:
     """Sentences of the first page after the numbers: choice of Kh, governing slide, and the paper."""
     yield from _without_shaking(results, _)
@@ -335,10 +211,7 @@ def conclusions(results: Results, _: Texts) -> Iterator[str]:
         yield residual_verdict(results.residual.steps, _)
     yield from _why_kh(results, _)
     if results.cases is not None and len([name for name, cases in results.cases.sets.items() if cases]) > 1:
-        yield _(
-            "The slides of the calibrated discs govern; those of discs with the springs of the paper are for "
-            "comparison."
-        )
+        yield _("Discs are calibrated unless the text says so; discs with the springs of the paper are for comparison.")
     compared = [row for row in rows(results) if row.agrees is not None]
     off = [row for row in compared if not row.agrees]
     if off:

@@ -1,6 +1,7 @@
 """report.html: one page for screen and paper, with all its pictures."""
 
 import base64
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -25,6 +26,7 @@ from workflow.report.assumptions import assumptions
 from workflow.report.captions import collect
 from workflow.report.crests import holds_water
 from workflow.report.faces import face_lines, note_sentences
+from workflow.report.narrow import labelled
 from workflow.report.numbering import Labels, Notes
 from workflow.report.numbers import joined, number, scaled
 from workflow.report.other_methods import reported_estimates
@@ -44,6 +46,7 @@ from workflow.results.cases import alike
 from workflow.results.lengths import metres
 from workflow.results.results import Results
 from workflow.results.summary import Summary
+from workflow.results.verdicts import WarningPart
 from workflow.run.log import machine, versions
 from workflow.run.progress import duration
 
@@ -72,7 +75,7 @@ def page(results: Results, summary: Summary) -> str:
     first, second = Labels(texts), Labels(texts)
     template.render(content, labels=first)
     second.known, second.contents = first.numbers, first.sections
-    return in_captions(texts.page(template.render(content, labels=second)))
+    return labelled(in_captions(texts.page(template.render(content, labels=second))))
 
 
 def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]:
@@ -80,6 +83,8 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
     config, uncertainty_rows = results.config, list(sources_of_uncertainty(results))
     faces = face_rows(config, results.slices)
     room = MOST_WARNINGS - TABLE * (bool(faces) + bool(summary.crests))
+    first = [warning for warning in summary.warnings if warning.weight < NOTE][:room]
+    checks = [row for row in uncertainty_rows if row[0] not in VARIED]
     return {
         "config": config,
         "results": results,
@@ -94,13 +99,16 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "flow": flow_of(config.section.strata, config.fem.flow),
         "by_davis": not is_dilating_fully(config.section.strata),
         "sensitivity": [row for row in uncertainty_rows if row[0] in VARIED],
-        "checks": [row for row in uncertainty_rows if row[0] not in VARIED],
+        "checks": checks,
+        "later_warnings": [
+            warning for warning in summary.warnings if warning not in first and not _is_checked(warning, checks)
+        ],
         "stability": stability_rows(results, texts),
         "strata_sources": [tables.source_of(config.section, stratum) for stratum in config.section.strata],
         "parameters": list(tables.parameter_rows(config)),
         "cases": results.case_set()[1],
         "opinions": second_opinions(results.cases, results.mpm),
-        "first_warnings": [warning for warning in summary.warnings if warning.weight < NOTE][:room],
+        "first_warnings": first,
         "thirds": _thirds(config.section, texts),
         "weights": {1: texts("contradiction"), 2: texts("changes the result"), 3: texts("note")},
         "assumptions": list(assumptions(config)),
@@ -135,6 +143,11 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "lines": list(tables.line_rows(config.section)),
         "changed": list(tables.changed_settings(config)),
     }
+
+
+def _is_checked(warning: WarningPart, checks: Sequence[tuple[str, str]]) -> bool:
+    """Whether one of the checks tells a warning already."""
+    return any(warning.what in words for _, words in checks)
 
 
 def _thirds(section: Section, texts: Texts) -> tuple[str, str, str]:

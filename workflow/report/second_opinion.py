@@ -10,6 +10,7 @@ from workflow.report.numbers import rough_range
 from workflow.report.summary_text import at_rest
 from workflow.report.warnings import joined, split
 from workflow.results.cases import CaseAnswer, CasesAnswer
+from workflow.results.governing import by_weight
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase, PointSlidesAnswer
 from workflow.results.verdicts import WarningPart
@@ -60,7 +61,7 @@ class SecondOpinion:
         discs, points = slide_error(self.flows), slide_error(self.flows, "mpm")
         if discs is None or points is None:
             return ""
-        near, far = sorted((discs, points), key=lambda error: error.middle)
+        near, far = (discs, points) if by_weight((discs, points))[0] == "discs" else (points, discs)
         return (
             f": rely on {NAMES[near.method].removeprefix('these ')} first, which were within a factor of "
             f"{near.middle:.2g} in half of the known {near.kind}, the other model within {far.middle:.2g}"

@@ -108,7 +108,7 @@ def _summaries(results: Results, cases: dict[int, CaseAnswer]) -> dict[int, Case
     summaries = {}
     for number, numbers in _numbers(cases).items():
         spread = random.cases[number].slide_max_m if random is not None and number in random.cases else None
-        interval = {} if spread is None or spread.mean_ci95 is None else {
+        interval = {} if spread is None or len(spread.values) < 2 else {
             "seeds": len(spread.values), "slide_max_m_mean": spread.mean, "slide_max_m_ci95": spread.mean_ci95
         }  # fmt: skip
         summaries[number] = CaseSummary.model_validate({**dict(numbers), **interval})

@@ -8,22 +8,23 @@ from typing import Any
 from meshes.section.cutting import shown_name
 from workflow.config import Config
 from workflow.estimates.comparison import EstimateKind, estimates
-from workflow.report.accuracy import Accuracy, accuracy, numerical_error
 from workflow.report.contradictions import is_weaker, liquefied_strata
 from workflow.report.flow_rule import WHEN
 from workflow.report.model_error import model_error
 from workflow.report.numbers import about, coefficient, listed, of_cases, span
+from workflow.report.numerical_error import numerical_error
 from workflow.report.post_liquefaction import in_short
 from workflow.report.tables import factor
+from workflow.results.accuracy import Accuracy, accuracy
 from workflow.results.cases import CaseAnswer, CaseNumbers
 from workflow.results.continuum import FemAnswer
+from workflow.results.governing import governing_kh
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 
 ASSUMED = ("dilation", "sides")  # variants that tell what an assumption is worth
 MESH_ERROR = 1.02  # times the limit for ψ = φ, which the elements may exceed for their mesh
-CONTRADICTED = 1.005  # times the upper end of its interval: a larger critical Kh is contradicted by strict bounds
 DISAGREE = 3.0  # times: beyond this, methods do not say the same
 # A slide that moves less in its last 10 s is told to lie still, though its discs may not: in m, and of all its way.
 STILL, STILL_SHARE = 0.01, 0.001
@@ -77,9 +78,8 @@ def _failure(results: Results) -> Iterator[str]:
         return
     if fem.davis is not None or fem.associated is not None:
         yield WHEN
-    error = accuracy(results, fem)
-    if error is None or fem.kc <= CONTRADICTED * error.high:
-        yield numerical_error(error, fem.kc)
+    error, governing = accuracy(results, fem), governing_kh(results)
+    yield numerical_error(error, fem.kc if governing is None else governing.value)
     yield from _assumed(results, fem, error)
     yield from _shallow(results, fem)
 
@@ -98,7 +98,7 @@ def _assumed(results: Results, fem: FemAnswer, error: Accuracy | None) -> Iterat
     if error is None:
         yield f"With other assumptions: {listed(phrases)}."
     else:
-        how = "more than this error" if largest > error.error(fem.kc) else "no more than this error"
+        how = "more than the numerical error" if largest > error.error(fem.kc) else "no more than the numerical error"
         yield f"The assumptions matter {how}: {listed(phrases)}."
 
 
@@ -135,7 +135,7 @@ def _slides(results: Results) -> Iterator[str]:
     if not cases:
         return
     springs = springs_of(results)
-    yield f"The governing slides are those of {springs.get(first, first)}."
+    yield f"Slides of {springs.get(first, first)}:"
     yield from _prediction(results)
     yield from _by_end(cases)
     yield _interval(results)
@@ -269,7 +269,7 @@ def _interval(results: Results) -> str:
     spreads = {number: case.slide_max_m for number, case in random.cases.items()} if random is not None else {}
     cases_of: dict[str, list[int]] = {}
     for number, spread in spreads.items():
-        if spread.mean is not None and spread.mean_ci95 is not None:
+        if spread.mean is not None and len(spread.values) > 1:
             cases_of.setdefault(_spread(spread.mean, spread.values, spread.mean_ci95), []).append(number)
     phrases = [f"{phrase} in {of_cases(numbers)}" for phrase, numbers in cases_of.items()]
     if not phrases:
@@ -278,16 +278,17 @@ def _interval(results: Results) -> str:
     order = ""
     strata, cases = liquefied_strata(results), enumerate(results.config.cases, start=1)
     weaker = all(is_weaker(case, before, strata[k], strata[j]) for (j, before), (k, case) in pairwise(cases))
-    if random is not None and random.rising is not None and weaker:
-        on = {0: "none", count: "each"}.get(random.rising, str(random.rising))
+    if random is not None and random.rising and weaker:
+        on = "each" if random.rising == count else str(random.rising)
         order = f" Each case slides further than the case before on {on} of these packings."
     return f"On {count} random packings {fail_alike(results)} the largest slide is {listed(phrases)}.{order}"
 
 
-def _spread(mean: float, values: Sequence[float], interval: Sequence[float]) -> str:
+def _spread(mean: float, values: Sequence[float], interval: Sequence[float] | None) -> str:
     """A slide on several packings: its mean, and the range of packings if it is larger than the digits shown."""
     phrases = [span(values)] if span(values) != about([mean]) else []
-    phrases += [f"mean of all packings {span(interval)} with 95 %"] if span(interval) != about([mean]) else []
+    if interval is not None and span(interval) != about([mean]):
+        phrases.append(f"mean of all packings {span(interval)} with 95 %")
     return about([mean]) + (f" ({'; '.join(phrases)})" if phrases else "")
 
 

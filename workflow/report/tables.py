@@ -11,6 +11,7 @@ from dem.case import SOFTENED, Case, cases_of_loose_sand
 from meshes.section.polyline import Line
 from meshes.section.section import Section, Stratum
 from workflow.config import FILES, Config
+from workflow.earthquake.settings import EarthquakeSettings
 
 STRATA_HEADS = (
     "stratum", "area\nm²", "thickness\nm", "from-to x\nm", "E\nMPa", "ν\n", "ρ\nt/m³", "c\nkPa", "φ/ψ\ndeg",
@@ -90,8 +91,8 @@ def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
         low, high = water[:, 1].min(), water[:, 1].max()
         yield "water table", f"elevation {low:.4g} to {high:.4g} m" if high > low else f"elevation {low:.4g} m", FILE
     earthquake = config.earthquake
-    if earthquake.magnitude is not None:
-        yield "earthquake", f"M {earthquake.magnitude:g}", "[earthquake]"
+    if facts := _of_earthquake(earthquake):
+        yield "earthquake", ", ".join(facts), "[earthquake]"
     if config.section.liquefies:
         default = earthquake.is_assumed(config.slide)
         derived = "kh" in config.left_open or earthquake.driving(config.slide) is not None  # also of a stored section
@@ -104,6 +105,15 @@ def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
         derived = int(number) > len(config.slide.cases)
         by = "borings ([triggering])" if derived else "default" if assumed else "slide.cases"
         yield config.called(int(number)), f"{names}: {phrase}", by
+
+
+def _of_earthquake(earthquake: EarthquakeSettings) -> list[str]:
+    """Magnitude, distance and peak acceleration, as far as they are known."""
+    facts = [] if earthquake.magnitude is None else [f"M {earthquake.magnitude:g}"]
+    facts += [] if earthquake.distance is None else [f"at {earthquake.distance / 1e3:.3g} km"]
+    if earthquake.peak_acceleration is not None:
+        facts.append(f"peak acceleration {earthquake.peak_acceleration * 100.0:.3g} gal")
+    return facts
 
 
 def texts(section: Section) -> list[str]:

@@ -158,8 +158,14 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
                 f"{remedy}",
             )
     elif not 1.0 / DECIDE <= other / fem.kc <= DECIDE:
-        kc, what = f"{coefficient(other)} instead of {coefficient(fem.kc)}", change.change
-        yield 2, f"with {what} the critical Kh is {kc}, so that the boundary condition at the sides governs: {remedy}"
+        much = f"{abs(100.0 * (other / fem.kc - 1.0)):.0f} % {'larger' if other > fem.kc else 'smaller'}"
+        yield (
+            2,
+            (
+                f"with {change.change} the critical Kh is {much}, so that the boundary condition at the sides governs: "
+                f"{remedy}"
+            ),
+        )
 
 
 def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:

@@ -8,11 +8,14 @@ import numpy as np
 from pydantic import Field
 
 from workflow.results.answer import Answer, Line, Part
+from workflow.results.resolved_surface import smoothed
 
 if TYPE_CHECKING:
     from dem.slides.slide import Slide
 
 Answered = TypeVar("Answered", bound=Part)
+ROW = 30  # points of a surface with a disc or a cell for each; a line of fewer points has corners that count
+FEWEST = 3  # values with a confidence interval: that of two is a dozen times as wide as they are apart
 
 
 def _student(freedoms: int) -> float:
@@ -83,14 +86,16 @@ class MovedSurface(Part):
     def largest_fall(self) -> tuple[float, float]:
         """Largest fall of the surface (m), and its x (m).
 
-        The outermost points of the surface lie on the sides of the model, where a single disc that remains or is
-        missing does not show the settlement of the ground. So these two points are left out.
+        Both surfaces are smoothed to the spacing of their points, so that a single missing disc is no fall. The
+        outermost points lie on the sides of the model, where a single disc that remains or is missing does not show
+        the settlement of the ground. So these two points are left out.
         """
         before, after = (np.array(line).reshape(-1, 2) for line in (self.surface_before, self.surface_after))
         if not len(before) or not len(after):
             return 0.0, 0.0
         by_x = [line[np.argsort(line[:, 0], kind="stable")] for line in (before, after)]
-        x = np.unique(np.concatenate([before[:, 0], after[:, 0]]))
+        by_x = [smoothed(line, float(np.median(np.diff(line[:, 0])))) if len(line) >= ROW else line for line in by_x]
+        x = np.unique(np.concatenate([line[:, 0] for line in by_x]))
         first = 1 if min(len(before), len(after)) > 2 else 0  # the place of the first point that is read
         left, right = (choose(line[end, 0] for line in by_x) for choose, end in ((max, first), (min, -1 - first)))
         x = x[(x >= left) & (x <= right)]
@@ -124,7 +129,7 @@ class CaseAnswer(MovedSurface, CaseNumbers):
 
 class Spread(Part):
     """A number on several random packings: mean, standard deviation and confidence interval; None if there are too
-    few.
+    few; the confidence interval takes at least three values.
     """
 
     mean: float | None
@@ -144,7 +149,8 @@ class Spread(Part):
             return cls(mean=None, spread=None, values=())
         mean, several = float(np.mean(values)), len(values) > 1
         spread = float(np.std(values, ddof=1)) if several else None
-        half = _student(len(values) - 1) * spread / np.sqrt(len(values)) if spread is not None else None
+        enough = spread is not None and len(values) >= FEWEST
+        half = _student(len(values) - 1) * spread / np.sqrt(len(values)) if enough and spread is not None else None
         low, median, high = (float(value) for value in np.quantile(values, (0.05, 0.5, 0.95)))
         return cls(
             mean=mean,

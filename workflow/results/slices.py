@@ -79,3 +79,8 @@ class SlicesAnswer(Answer):
     reason: str = Field(description="why there is no circle; empty where there are some")
     weak_layers: tuple[str, ...] = Field(default=(), description="thin, weak layers that circles cannot follow")
     source: str
+
+    @property
+    def least_of_longer(self) -> float | None:
+        """The least critical Kh of circles in a longer section; None where no circle ends at a side."""
+        return min((circle.longer.bishop for circle in self.critical if circle.longer is not None), default=None)

@@ -9,9 +9,9 @@ from tests.support.answers import bounds, fem, results
 from tests.support.dem_fixture import case
 from tests.support.sections import analysed, slope
 from workflow.estimates.slide_error import SlideError
-from workflow.report import first_page
 from workflow.report.first_page import headlines
 from workflow.report.texts import Texts
+from workflow.results import governing
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety
 
@@ -48,12 +48,21 @@ def test_the_interval_of_a_slide_is_that_of_the_method_nearer_to_known_slides(
         "discs": SlideError("lateral spreads", 5.0, 20, 30, 3.2),
         "mpm": SlideError("lateral spreads", 3.0, 20, 28, middle, "mpm"),
     }
-    monkeypatch.setattr(first_page, "slide_error", lambda flows, method: errors[method])
+    monkeypatch.setattr(governing, "slide_error", lambda flows, method: errors[method])
     run = analysed(slope())
     slides = CasesAnswer(sets={"calibrated": {1: case(1.0, 0.2)}}, random=None)
-    point = SimpleNamespace(slide_max_m=1.0, settled=True, reason="", stopped_by=None)
+    point = SimpleNamespace(
+        slide_max_m=1.0, slide_max_low_m=1.0, slide_max_high_m=1.0, settled=True, reason="", stopped_by=None
+    )
     both = results(run, cases=slides, mpm=cast(Any, SimpleNamespace(cases={1: point})))
-    assert headlines(both, Texts())[2].interval.startswith(message)
+    slide = headlines(both, Texts())[2]
+    assert slide.interval.startswith(message)
+    value, other = ("1.0 m", "0.20 m") if middle < 3.2 else ("0.20 m", "1.0 m")
+    assert slide.value == value
+    assert (
+        f"the surface slides {value} by {'material points' if middle < 3.2 else 'discs'} (one case)" in slide.conclusion
+    )
+    assert f": {other} (" in slide.conclusion.partition("Second opinion, by ")[2]
 
 
 def test_where_nothing_liquefies_the_third_number_is_that_of_a_rigid_block_in_the_earthquake() -> None:

@@ -17,13 +17,13 @@ from workflow.config import Config
 from workflow.config.tables import ReportSettings
 from workflow.estimates.slide_error import SlideError
 from workflow.report import assumptions, model_error, uncertainty
-from workflow.report.accuracy import METHODS
 from workflow.report.captions import CAPTIONS
 from workflow.report.first_page import FLOW, IN_FULL, SIDES, headlines
 from workflow.report.page import VARIED
 from workflow.report.tables import STRATA_HEADS
 from workflow.report.texts import Texts, catalogue, sentences
 from workflow.report.warnings import split
+from workflow.results.accuracy import METHODS
 from workflow.results.answer import FORCE
 
 REPORT = TOP / "workflow/report"

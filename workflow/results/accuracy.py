@@ -1,11 +1,9 @@
 """Numerical error of the critical Kh, by the sequence of meshes and by strict bounds."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import assert_never
 
-from workflow.report.numbers import between, coefficient
 from workflow.results.continuum import FemAnswer
 from workflow.results.results import Results
 
@@ -13,7 +11,6 @@ from workflow.results.results import Results
 COARSE = 0.1
 # What is left of the error of a sequence that has not converged, in times of what its last meshes tell.
 WIDER = 2.0
-LEAST = 0.001  # numerical errors are told as no less
 # What an interval can follow from.
 METHODS = (
     "by the sequence of meshes", "by strict bounds", "by bounds of deeper failures",
@@ -82,7 +79,7 @@ def of_meshes(fem: FemAnswer, halved: float | None = None) -> Accuracy | None:
         return None
     ends = [fem.kc, fem.kc_upper, values[-1], limit]
     if _converges(values):
-        return Accuracy(min(ends), max(ends), f"by the sequence of meshes, which tends to {coefficient(limit)}", True)
+        return Accuracy(min(ends), max(ends), f"by the sequence of meshes, which tends to {limit:.3f}", True)
     left = WIDER * max(abs(values[-1] - limit), abs(values[-1] - values[-2]))
     low, high = max(0.0, min(*ends, values[-1] - left)), max(ends)
     return Accuracy(low, high + (left if values[-1] > values[-2] else 0.0), "by the sequence of meshes", False)
@@ -121,26 +118,3 @@ def _strict(results: Results, fem: FemAnswer) -> tuple[float, float] | None:
     if bracket is None or bracket.lower is None or bracket.upper is None:
         return None
     return bracket.lower, bracket.upper
-
-
-def rounded_up(value: float) -> float:
-    """A positive number rounded up to one digit: 0.0043 becomes 0.005."""
-    value = max(value, LEAST)
-    power = 10.0 ** math.floor(math.log10(value) + 1e-9)
-    return float(f"{math.ceil(value / power - 1e-6) * power:.3g}")
-
-
-def numerical_error(estimate: Accuracy | None, kc: float) -> str:
-    """The numerical error of ``kc``, in a sentence."""
-    if estimate is None:
-        return (
-            "The numerical error of the critical Kh is not known, since there is one mesh and no strict bound of the "
-            'same flow rule; variants.which = ["mesh"] computes it.'
-        )
-    error = f"{rounded_up(estimate.error(kc)):g}"
-    if not estimate.sure:
-        return (
-            f"The sequence of meshes has not converged: the numerical error may be {error}, with the critical Kh "
-            f"anywhere from {between([estimate.low, estimate.high])}."
-        )
-    return f"The numerical error of the critical Kh is below {error}, {estimate.by}."

@@ -1,0 +1,151 @@
+"""The third number of the first page: the slide after liquefaction, or the displacement of a rigid block."""
+
+from collections.abc import Mapping, Sequence
+
+from dem.settings import SlideMethod
+from meshes.section.cutting import shown_name
+from workflow.earthquake.settings import EarthquakeSettings
+from workflow.estimates.comparison import estimates
+from workflow.estimates.slide_error import SlideError
+from workflow.report.numbers import rough_range, span
+from workflow.report.summary_text import at_rest
+from workflow.report.texts import Texts
+from workflow.results.cases import CaseAnswer
+from workflow.results.governing import MethodSlides, slides_by_weight
+from workflow.results.lengths import metres
+from workflow.results.material_points import PointCase
+from workflow.results.results import Results
+from workflow.results.verdicts import HeadlinePart
+
+LEAST_SLIDE = 0.1  # m: discs do not resolve less
+NAMES: Mapping[SlideMethod, str] = {"discs": "discs", "mpm": "material points"}
+
+
+def slide_headline(results: Results, _: Texts) -> HeadlinePart:
+    """Write the slide after liquefaction by the method that counts, and the other method as a second opinion."""
+    name = _("slide after liquefaction")
+    _set, cases = results.case_set()
+    points = dict(results.mpm.cases) if results.mpm is not None else {}
+    if not cases and not points:
+        if not results.config.section.liquefies:
+            return _block(results, _)
+        entry = results.no_answer("calibrate") or results.no_answer("slide")
+        reason = entry.reason if entry is not None else _("the slides were not computed")
+        phrase = _("The slide after liquefaction is not known: {reason}.", reason=reason)
+        return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
+    names = (shown_name(s.name, quoted=False) for s in results.config.section.strata if s.liquefies_in)
+    first, *others = slides_by_weight(results)
+    phrase = _(
+        "After liquefaction of {layers}, under {shaking}, the surface slides {slide} by {method} ({count}) and {end}.",
+        layers=_.listed(list(dict.fromkeys(names))),
+        shaking=_.sentence(results.config.slide.shaking),
+        slide=_span(first),
+        method=_(NAMES[first.method]),
+        count=_("one case")
+        if len(first.cases) == 1
+        else _("{number} cases of residual strength", number=len(first.cases)),
+        end=_end(list(first.cases.values()), _),
+    )
+    for other in others:
+        phrase += " " + _second_opinion(first, other, _)
+    stopped = any(case.stopped_by is not None for case in first.cases.values())
+    value = f"≥ {_span(first)}" if stopped else _span(first)
+    return HeadlinePart(name=name, value=value, interval=_of_slides(first, _), conclusion=phrase)
+
+
+def _second_opinion(first: MethodSlides, other: MethodSlides, _: Texts) -> str:
+    """Why the first method counts, and the slide with its interval by the other one."""
+    values = {
+        "first": _(NAMES[first.method]),
+        "other": _(NAMES[other.method]),
+        "slide": _span(other),
+        "interval": _spread(other, _),
+    }
+    if first.error is None or other.error is None:
+        return _("Second opinion, by {other}: {slide} ({interval}).", **values)
+    return _(
+        "This number counts, because {first} predicted half of the known {kind} within a factor of {near}, and {other} "
+        "within {far}. Second opinion, by {other}: {slide} ({interval}).",
+        kind=_(first.error.kind),
+        near=f"{first.error.middle:.2g}",
+        far=f"{other.error.middle:.2g}",
+        **values,
+    )
+
+
+def _spread(slides: MethodSlides, _: Texts) -> str:
+    """The interval of a second opinion, in few words."""
+    if slides.error is None or slides.interval is None:
+        return _("the error on known slides is not known")
+    if 2 * slides.error.within < slides.error.cases:
+        return _("known slides of this kind were not predicted")
+    return _("{span} with the error on known slides", span=rough_range(*slides.interval))
+
+
+def _block(results: Results, _: Texts) -> HeadlinePart:
+    """The displacement of a rigid block in the earthquake, where nothing liquefies."""
+    config = results.config
+    has_shaking = config.earthquake != EarthquakeSettings() or bool(config.sliding_block.accelerogram)
+    slides = {
+        _("Newmark's block") if row.kind == "block" else row.method: row.displacement_m
+        for row in (estimates(config.section, config, results.kc, results.slip_surface) if has_shaking else ())
+        if row.kind in ("block", "block regression") and row.displacement_m is not None
+    }
+    if not slides:
+        phrase = _("No layer of the section liquefies, so no slide was computed.")
+        return HeadlinePart(name=_("slide after liquefaction"), value="–", interval="", conclusion=phrase)
+    each = [_("{slide} by {method}", slide=metres(slide), method=method) for method, slide in slides.items()]
+    phrase = _(
+        "No layer of the section liquefies. In the earthquake the ground that fails slides as a rigid block: {each}.",
+        each=_.listed(each),
+    )
+    interval = _("by {number} methods for a rigid block without loss of strength", number=len(slides))
+    name = _("displacement in the earthquake")
+    return HeadlinePart(name=name, value=span(list(slides.values())), interval=interval, conclusion=phrase)
+
+
+def _span(slides: MethodSlides) -> str:
+    """The largest slides of all cases as a range."""
+    return f"< {LEAST_SLIDE:g} m" if max(slides.largest) < LEAST_SLIDE else span(slides.largest)
+
+
+def _end(cases: Sequence[CaseAnswer | PointCase], _: Texts) -> str:
+    if any(isinstance(case, CaseAnswer) and case.flows for case in cases):
+        return _("flows by its weight alone")
+    if all(at_rest(case) for case in cases):
+        return _("comes to rest")
+    if any(case.stopped_by is not None for case in cases):
+        return _("reaches a side of the model, so that it would slide farther in a longer section")
+    return _("was still moving when the computation ended")
+
+
+def _of_slides(slides: MethodSlides, _: Texts) -> str:
+    """The interval of the largest slide of a method by its error on known slides."""
+    error, method = slides.error, _(NAMES[slides.method])
+    if error is None or slides.interval is None:
+        return _("the error on known slides is not known")
+    if 2 * error.within < error.cases:
+        return _("no interval: {method} did not predict the known slides of this kind", method=method)
+    if not error.bounds_slides:
+        return _uncertain(error, method, _)
+    return _(
+        "{span} by the error of {method}: they predicted {within} of {cases} known slides within a factor of {factor}",
+        span=rough_range(*slides.interval),
+        within=error.within,
+        cases=error.cases,
+        factor=f"{error.factor:g}",
+        method=method,
+    )
+
+
+def _uncertain(error: SlideError, method: str, _: Texts) -> str:
+    """The error of a method that is too large for an interval."""
+    return _(
+        "uncertain by a factor of {factor}: {within} of {cases} known slides were predicted within it by {method}, "
+        "half of them within a factor of {middle}",
+        factor=f"{error.factor:g}",
+        within=error.within,
+        cases=error.cases,
+        method=method,
+        middle=f"{error.middle:.2g}",
+    )

@@ -1,0 +1,125 @@
+"""Which answer counts where several methods give one: decided here for report, console and pictures."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from dem.settings import SlideMethod
+from workflow.estimates.slide_error import SlideError, slide_error
+from workflow.results.accuracy import Accuracy, accuracy
+from workflow.results.cases import CaseAnswer
+from workflow.results.material_points import PointCase
+from workflow.results.results import Results
+
+CONTRADICTED = 1.005  # times the upper end of its interval: a larger critical Kh is contradicted by strict bounds
+CLOSE_BOUNDS = 0.95  # of the upper bound: a lower one above it gives the critical Kh better than coarse elements
+
+
+@dataclass(frozen=True)
+class GoverningKh:
+    """The critical Kh that counts.
+
+    Attributes
+    ----------
+    value : float
+        The critical Kh (-).
+    by_elements : bool
+        Whether it is that of the finite elements; otherwise it is the upper end of its interval, which the elements
+        exceed.
+    is_limit : bool
+        Whether it is only an upper limit, because the ends of its interval are far apart.
+    interval : Accuracy or None
+        Its interval by meshes and strict bounds; None if it is not known.
+    """
+
+    value: float
+    by_elements: bool = True
+    is_limit: bool = False
+    interval: Accuracy | None = None
+
+    @property
+    def text(self) -> str:
+        """The critical Kh to three places, with a sign for an upper limit."""
+        return f"{'≤ ' if self.is_limit else ''}{self.value:.3f}"
+
+
+def governing_kh(results: Results) -> GoverningKh | None:
+    """The critical Kh that counts: that of the finite elements, or the upper bound that they exceed; None without
+    any.
+    """
+    kc, fem = results.kc, results.fem
+    if kc is None or fem is None:
+        return None
+    interval = accuracy(results, fem)
+    if interval is None or kc <= CONTRADICTED * interval.high:
+        return GoverningKh(kc, interval=interval)
+    return GoverningKh(interval.high, False, interval.low < CLOSE_BOUNDS * interval.high, interval)
+
+
+@dataclass(frozen=True)
+class MethodSlides:
+    """The slides after liquefaction by one method.
+
+    Attributes
+    ----------
+    method : SlideMethod
+        "discs" or "mpm", the material points.
+    cases : mapping of int to CaseAnswer or PointCase
+        The cases by number.
+    ends : (float, float)
+        Smallest and largest of the largest slides (m): over the cases, and all packings of discs, or the numerical
+        interval of material points.
+    error : SlideError or None
+        Error of the method on known slides of this kind; None without any known slide.
+    """
+
+    method: SlideMethod
+    cases: Mapping[int, CaseAnswer | PointCase]
+    ends: tuple[float, float]
+    error: SlideError | None
+
+    @property
+    def largest(self) -> tuple[float, ...]:
+        """The largest slide (m) of each case, at least 0."""
+        return tuple(max(case.slide_max_m, 0.0) for case in self.cases.values())
+
+    @property
+    def interval(self) -> tuple[float, float] | None:
+        """The largest slide (m) with the error on known slides; None if it is not known, or nothing slides."""
+        return None if self.error is None or self.ends[1] <= 0.0 else self.error.interval(*self.ends)
+
+    @property
+    def of_largest(self) -> tuple[int, CaseAnswer | PointCase]:
+        """Number and answer of the case with the largest slide."""
+        number = max(self.cases, key=lambda case: self.cases[case].slide_max_m)
+        return number, self.cases[number]
+
+
+def slides_by_weight(results: Results) -> tuple[MethodSlides, ...]:
+    """The slides by every method with any, those that count first: by the method that was nearer to known slides."""
+    discs = results.case_set()[1]
+    points = dict(results.mpm.cases) if results.mpm is not None else {}
+    flowing = {case.flows for case in discs.values()}
+    flows = flowing.pop() if len(flowing) == 1 else None
+    random = results.cases.random if results.cases is not None else None
+    of_discs = [case.slide_max_m for case in discs.values()]
+    for case in random.cases.values() if random is not None else ():
+        of_discs += case.slide_max_m.values
+    of_points = [end for case in points.values() for end in (case.slide_max_low_m, case.slide_max_high_m)]
+    each: dict[SlideMethod, tuple[Mapping[int, CaseAnswer | PointCase], list[float]]] = {
+        "discs": (discs, of_discs),
+        "mpm": (points, of_points),
+    }
+    return tuple(
+        MethodSlides(method, cases, (max(min(ends), 0.0), max(*ends, 0.0)), slide_error(flows, method))
+        for method in by_weight([slide_error(flows, method) for method in each])
+        for cases, ends in (each[method],)
+        if cases
+    )
+
+
+def by_weight(errors: Sequence[SlideError | None]) -> list[SlideMethod]:
+    """The methods, the one with the smaller error on half of the known slides first; discs first if none is known."""
+    known = [error for error in errors if error is not None]
+    methods = [error.method for error in sorted(known, key=lambda error: error.middle)]
+    every: tuple[SlideMethod, ...] = ("discs", "mpm")
+    return [*methods, *(method for method in every if method not in methods)]
