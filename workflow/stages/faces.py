@@ -1,6 +1,7 @@
 """The stage `faces`: critical Kh and factor of safety of every face of the structures by finite elements and bounds."""
 
 import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -20,7 +21,6 @@ from workflow.results.slices import FacePart, SlicesAnswer
 from workflow.run.stage import Job, Stage
 
 if TYPE_CHECKING:
-    from fem.search.face_limits import FaceSearch
     from meshes.section.section import Section
 
 Quantity = Literal["critical Kh", "factor of safety"]
@@ -48,7 +48,7 @@ class FaceTask:
     config : of the run.
     structure, side : the face.
     quantity : what is computed.
-    first : what the finite elements of the whole section say; None where it has to be computed.
+    first : the value in the unchanged section, or why it has none.
     circle : the critical slip circle of the face; empty without one.
     """
 
@@ -56,8 +56,24 @@ class FaceTask:
     structure: Standing
     side: int
     quantity: Quantity
-    first: ElementValue | None
+    first: ElementValue | str
     circle: Surface
+
+
+@dataclass(frozen=True, eq=False)
+class UnchangedTask:
+    """One quantity of the section without strong zones, which all faces of a side share.
+
+    Attributes
+    ----------
+    config : of the run.
+    side : to which the seismic force acts; of a factor of safety any.
+    quantity : what is computed.
+    """
+
+    config: Config
+    side: int
+    quantity: Quantity
 
 
 def work(job: Job) -> None:
@@ -66,11 +82,12 @@ def work(job: Job) -> None:
     fem, slices = FemAnswer.read(job.store), SlicesAnswer.read(job.store)
     parts = {(face.structure, face.towards): face for face in slices.faces}
     places = [(structure, *towards) for structure in structures_of(config.section) for towards in SIDES]
+    sliding = [place for place in places if not parts[place[0].name, place[1]].reason]
+    unchanged = _unchanged(job, fem, [side for _, _, side in sliding])
     tasks = [
         task
-        for structure, towards, side in places
-        if not (part := parts[structure.name, towards]).reason
-        for task in _tasks(config, structure, side, part, fem)
+        for structure, towards, side in sliding
+        for task in _tasks(config, structure, side, parts[structure.name, towards], unchanged)
     ]
 
     def heard(place: int, message: str) -> None:
@@ -94,33 +111,72 @@ def work(job: Job) -> None:
     FacesAnswer(section=SectionLabel.of(config.section), faces=tuple(faces)).write(job.store)
 
 
-def _tasks(config: Config, structure: Standing, side: int, part: FacePart, fem: FemAnswer) -> list[FaceTask]:
+def _unchanged(job: Job, fem: FemAnswer, sides: Sequence[int]) -> dict[tuple[Quantity, int], ElementValue | str]:
+    """Both quantities of the section without strong zones towards ``sides``, each computed once: those of the finite
+    elements where they have them with ψ = φ.
+    """
+    values: dict[tuple[Quantity, int], ElementValue | str] = dict(_of_elements(job.config, fem))
+    wanted: list[tuple[Quantity, int]] = [("critical Kh", side) for side in dict.fromkeys(sides)]
+    wanted += [("factor of safety", side) for side in sides[:1] if ("factor of safety", side) not in values]
+    tasks = [UnchangedTask(job.config, side, quantity) for quantity, side in wanted if (quantity, side) not in values]
+
+    def heard(place: int, message: str) -> None:
+        job.progress(f"unchanged section, {tasks[place].quantity}: {message}", None)
+
+    for task, value in zip(tasks, job.executor.compute(unchanged_value, tasks, heard), strict=True):
+        for side in (LEFT, RIGHT) if task.quantity == "factor of safety" else (task.side,):
+            values[task.quantity, side] = value
+    return values
+
+
+def _of_elements(config: Config, fem: FemAnswer) -> Iterator[tuple[tuple[Quantity, int], ElementValue]]:
+    """The quantities that the stage of the finite elements has with ψ = φ, by side."""
     from fem.continuum.loads import sign_of
 
-    critical = safety = None
-    mechanism, full = fem.last_in_equilibrium(), fem.flow == "associated"
-    if full and fem.has_kc and mechanism is not None and sign_of(config.section, fem.direction) == side:
-        critical = ElementValue(fem.kc, None if fem.davis is None else fem.davis.kc, mechanism.slip_surface)
-    for factor in fem.safety_factors if full else ():
+    if fem.flow != "associated":
+        return
+    mechanism = fem.last_in_equilibrium()
+    if fem.has_kc and mechanism is not None:
+        low = None if fem.davis is None else fem.davis.kc
+        yield ("critical Kh", sign_of(config.section, fem.direction)), ElementValue(fem.kc, low, mechanism.slip_surface)
+    for factor in fem.safety_factors:
         if factor.kh == 0.0 and factor.slip_surface:
-            safety = ElementValue(factor.factor, factor.davis, factor.slip_surface)
+            for side in (LEFT, RIGHT):
+                yield ("factor of safety", side), ElementValue(factor.factor, factor.davis, factor.slip_surface)
+
+
+def unchanged_value(task: UnchangedTask, tell: Tell) -> ElementValue | str:
+    """A quantity of the section without strong zones; or why there is none."""
+    tell("finite elements")
+    try:
+        return _computed(task.config, task.quantity, task.side, ())
+    except (InputError, NoAnswerError) as error:
+        return str(error)
+
+
+def _tasks(
+    config: Config,
+    structure: Standing,
+    side: int,
+    part: FacePart,
+    unchanged: Mapping[tuple[Quantity, int], ElementValue | str],
+) -> list[FaceTask]:
     circle = part.critical.surface_m if part.critical is not None else ()
     at_rest = next((c.surface_m for group in part.factors if group.kh == 0.0 for c in group.circles), ())
     return [
-        FaceTask(config, structure, side, "critical Kh", critical, circle),
-        FaceTask(config, structure, side, "factor of safety", safety, at_rest or circle),
+        FaceTask(config, structure, side, "critical Kh", unchanged["critical Kh", side], circle),
+        FaceTask(config, structure, side, "factor of safety", unchanged["factor of safety", side], at_rest or circle),
     ]
 
 
 def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
     """The quantity of a face, with as many strong zones as necessary; or why there is none."""
     zones: tuple[StrongZone, ...] = ()
+    if isinstance(task.first, str):
+        return task.first
     result = task.first
     try:
         for attempt in range(ATTEMPTS + 1):
-            if result is None:
-                tell("finite elements" + (", with strong zones elsewhere" if zones else ""))
-                result = _computed(task, zones)
             if is_of_face(task.structure, task.side, result.surface) or attempt == ATTEMPTS:
                 break
             more = zones_against(
@@ -129,10 +185,11 @@ def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
             )  # fmt: skip
             if more is None:
                 break
-            zones, result = more, None
+            zones = more
+            tell("finite elements, with strong zones elsewhere")
+            result = _computed(task.config, task.quantity, task.side, zones)
     except (InputError, NoAnswerError) as error:
         return str(error)
-    assert result is not None
     tell("strict bounds")
     low, high = _bounded(task, zones)
     return FaceValue(
@@ -146,16 +203,20 @@ def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
     )
 
 
-def _direction(task: FaceTask) -> Direction:
+def _direction(config: Config, side: int) -> Direction:
     from fem.continuum.loads import sign_of
 
-    return "downhill" if sign_of(task.config.section, "downhill") == task.side else "uphill"
+    return "downhill" if sign_of(config.section, "downhill") == side else "uphill"
 
 
-def _computed(task: FaceTask, zones: tuple[StrongZone, ...]) -> ElementValue:
-    """The quantity by finite elements; raises InputError, NoAnswerError."""
-    search = _search(task, zones)
-    limit = search.critical(_direction(task)) if task.quantity == "critical Kh" else search.safety()
+def _computed(config: Config, quantity: Quantity, side: int, zones: tuple[StrongZone, ...]) -> ElementValue:
+    """A quantity by finite elements, in ground with strong zones; raises InputError, NoAnswerError."""
+    from mpi4py import MPI
+
+    from fem.search.face_limits import FaceSearch
+
+    search = FaceSearch(_ground(config, zones), config.mesh, config.fem, MPI.COMM_SELF)
+    limit = search.critical(_direction(config, side)) if quantity == "critical Kh" else search.safety()
     return ElementValue(limit.value, limit.davis, line(limit.surface))
 
 
@@ -168,7 +229,10 @@ def _bounded(task: FaceTask, zones: tuple[StrongZone, ...]) -> tuple[float | Non
     if not zones or not config.faces.bounds or config.bounds.run is False:
         return None, None
     share = config.bounds.changed(seconds=BOUNDS_SHARE * config.bounds.seconds)
-    ground, full = _ground(task, zones), config.fem.changed(direction=_direction(task), flow="associated")
+    ground, full = (
+        _ground(config, zones),
+        config.fem.changed(direction=_direction(config, task.side), flow="associated"),
+    )
     try:
         if task.quantity == "critical Kh":
             of_kh = kh_bounds(ground, full, share)
@@ -181,18 +245,10 @@ def _bounded(task: FaceTask, zones: tuple[StrongZone, ...]) -> tuple[float | Non
     return None, None
 
 
-def _ground(task: FaceTask, zones: tuple[StrongZone, ...]) -> "Section":
+def _ground(config: Config, zones: tuple[StrongZone, ...]) -> "Section":
     from fem.search.strong_zones import with_strong_zones
 
-    return with_strong_zones(task.config.section, zones) if zones else task.config.section
-
-
-def _search(task: FaceTask, zones: tuple[StrongZone, ...]) -> "FaceSearch":
-    from mpi4py import MPI
-
-    from fem.search.face_limits import FaceSearch
-
-    return FaceSearch(_ground(task, zones), task.config.mesh, task.config.fem, MPI.COMM_SELF)
+    return with_strong_zones(config.section, zones) if zones else config.section
 
 
 def unwanted(config: Config) -> str:

@@ -1,10 +1,15 @@
 """The faces of structures in one table, and their strong zones."""
 
+from types import SimpleNamespace
+from typing import Any, cast
+
 import pytest
 
 from fem.search.strong_zones import ALL, StrongZone
+from meshes.executor import OneThread
 from tests.support.answers import bounds, fem, results
 from tests.unit.workflow.test_verdicts import by_slices, levee, sunk
+from workflow.config import Config
 from workflow.estimates.face_zones import is_of_face, zones_against
 from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.structures import structures_of
@@ -14,6 +19,7 @@ from workflow.report.texts import Texts
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CasesAnswer
 from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue, StrongZonePart
+from workflow.stages import faces
 
 BANK = ((40.0, 6.0), (43.0, 6.5), (46.0, 9.0))
 WHOLE = ((35.6, 6.0), (53.0, 5.0), (71.4, 15.0))
@@ -60,6 +66,26 @@ def test_the_side_of_the_river_is_that_of_free_water() -> None:
     assert side_words(config, 56.0, 86.0, "right") == "landward, right"
     dry = levee(water={"table": [[0, 5.0], [140, 5.0]]})
     assert side_words(dry, 56.0, 86.0, "left") == "left"
+
+
+def test_faces_share_the_searches_in_the_section_without_strong_zones(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With Davis reduced strength the elements have no mechanism with ψ = φ: one search for either way, and one for
+    the factor of safety, instead of one for each quantity of each face. With ψ = φ the search of the elements serves.
+    """
+    asked = []
+
+    def computed(config: Config, quantity: str, side: int, zones: tuple[StrongZone, ...]) -> faces.ElementValue:
+        asked.append((quantity, side, zones))
+        return faces.ElementValue(0.1, None, WHOLE)
+
+    monkeypatch.setattr(faces, "_computed", computed)
+    job = cast(Any, SimpleNamespace(config=levee(), executor=OneThread(), progress=lambda *what: None))
+    found = fem(levee(), 0.1)
+    for flow, searches in (("davis", 3), ("associated", 2)):
+        asked.clear()
+        values = faces._unchanged(job, found.model_copy(update={"flow": flow}), [LEFT, RIGHT, LEFT, RIGHT])
+        assert len(asked) == searches
+        assert len(values) == 4
 
 
 def answer() -> FacesAnswer:
