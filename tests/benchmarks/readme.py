@@ -20,13 +20,17 @@ STAGES = ("mesh", "fem", "bounds", "report")
 def rows_of(folder: Path) -> list[Row]:
     """What the command and the script find."""
     text = (TOP / "README.md").read_text(encoding="utf-8")
-    (section,), (script,) = blocks("toml", text), blocks("python", text)
+    (section, wet), (script,) = blocks("toml", text), blocks("python", text)
     (folder / "my_slope.toml").write_text(section, encoding="utf-8")
+    (folder / "wet.toml").write_text(section + wet, encoding="utf-8")
     only = [word for stage in STAGES for word in ("--only", stage)]
     environment = {**os.environ, "PYTHONPATH": str(TOP)}
     command = [sys.executable, "-m", "workflow.cli", "run", "my_slope.toml", "--quiet", *only]
     subprocess.run(command, cwd=folder, check=True, env=environment)
     summary = json.loads((folder / "runs/my_slope/summary.json").read_text(encoding="utf-8"))
+    judge = [sys.executable, "-m", "workflow.cli", "liquefaction", "wet.toml", "--out", "wet", "--quiet"]
+    subprocess.run(judge, cwd=folder, check=True, env=environment)
+    strata = json.loads((folder / "wet/triggering.json").read_text(encoding="utf-8"))["strata"]
     done = subprocess.run(
         [sys.executable, "-c", script], cwd=folder, check=True, env=environment, capture_output=True, text=True
     )
@@ -36,6 +40,9 @@ def rows_of(folder: Path) -> list[Row]:
             "factor": summary["fem"]["safety_factors"][0]["factor"],
             "lower": summary["bounds"]["lower"],
             "upper": summary["bounds"]["upper"],
+            "factor_of_liquefaction": min(
+                item["lowest_factor"] for item in strata if item["lowest_factor"] is not None
+            ),
             "script": re.findall(r"\d\.\d+", done.stdout),
         }
     ]

@@ -109,11 +109,17 @@ def _base(page: Path) -> dict[str, Any]:
     return base
 
 
+def _blocks(page: Path) -> list[str]:
+    """The examples of files on a page; the second one of the README goes on where the first one ends."""
+    each = blocks("toml", page.read_text(encoding="utf-8"))
+    return [each[0], "".join(each)] if page == TOP / "README.md" else each
+
+
 def _examples_of_files() -> list[Any]:
     return [
         pytest.param(page, block, id=f"{page.stem}-{number}")
         for page in pages()
-        for number, block in enumerate(blocks("toml", page.read_text(encoding="utf-8")))
+        for number, block in enumerate(_blocks(page))
     ]
 
 

@@ -14,7 +14,7 @@ from tests.support.docs import blocks, program
 from workflow.config import Config
 
 README = (TOP / "README.md").read_text(encoding="utf-8")
-(SECTION,) = blocks("toml", README)
+SECTION, WET = blocks("toml", README)  # the second one is what a section with water adds to the first
 
 
 def test_it_is_short() -> None:
@@ -39,7 +39,7 @@ def test_its_numbers_come_from_the_file() -> None:
     packings = sorted(s13["kc_discs_of_packings"])
     expected = [
         slopes["cases"], slopes["right"], slopes["explained"], slopes["wrong"], slopes["gap_percent"],
-        s13["kc_headline"], 0.25, *dict.fromkeys((s13["slide_least_m"], s13["slide_most_m"])), s13["slide_points_m"], 3,
+        s13["kc_headline"], 0.25, s13["slide_points_m"], *dict.fromkeys((s13["slide_least_m"], s13["slide_most_m"])), 3,
         packings[0], packings[-1], round(s13["kc_target"], 3),
         slides["experiment_within_1_5"], slides["experiment_run"], 1.5, slides["field_within_1_5"], slides["field_run"],
         discs["times_lammps"],
@@ -53,12 +53,16 @@ def test_its_answers_come_from_the_file() -> None:
     digits = {"kc": 3, "factor": 3, "lower": 4, "upper": 4}
     shown = [f"{first[name]:.{count}f}" for name, count in digits.items()]
     assert re.findall(r"\d\.\d{3,}", printed) == shown
+    assert re.findall(r"F_L down to (\d\.\d+)", README) == [f"{first['factor_of_liquefaction']:.2f}"]
     messages = README[README.index("prints 0") : README.index("## What it does")]
     assert re.findall(r"\d\.\d+", messages) == first["script"]
 
 
 def test_the_section_is_read_and_what_the_script_imports_is_there() -> None:
     assert Config.parse(tomllib.loads(SECTION)).section.name == "my_slope"
+    wet = Config.parse(tomllib.loads(SECTION + WET))
+    assert wet.section.water_points() is not None
+    assert wet.triggering.borings[0].name == "B-1"
     (example,) = blocks("python", README)
     lines = [line for line in example.splitlines() if line.startswith(("import ", "from "))]
     assert len(lines) >= 3

@@ -129,7 +129,7 @@ def run_all(
     warnings = _warn(verbosity, invocation, "run", choice.chosen)
     if dry_run:
         return show_plan(invocation.job(), choice, verbosity)
-    if verbosity.in_sentences:
+    if verbosity == Verbosity.VERBOSE:
         show_strata(invocation.config.section)
     return execute(invocation.job(), choice, verbosity, warnings)
 

@@ -128,7 +128,7 @@ def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[s
     try:
         if verbosity.in_sentences:
             _announce(plan(job, Record(job.store), choice), job)
-        with Display(out, err, shown, verbosity) as display:
+        with Display(err, shown, verbosity) as display:
             pipeline.execute(replace(job, executor=Processes(job.config.dem.workers)), choice, display, what)
     except InputError as error:
         raise error.of_file(job.config.section.name, job.section_file) from None
@@ -192,7 +192,7 @@ def redraw(job: Job, json: bool) -> None:
     from workflow.run import pipeline
     from workflow.run.display import Display
 
-    with Display(out, err, job.stages, Verbosity.QUIET if json else Verbosity.NORMAL) as display:
+    with Display(err, job.stages, Verbosity.QUIET if json else Verbosity.NORMAL) as display:
         messages = pipeline.redraw_all(job, display)
     if json:
         pictures = [str(job.store.folder / name) for name in job.store.matching(["figures/*"])]

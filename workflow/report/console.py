@@ -41,7 +41,7 @@ from workflow.run.store import Store
 
 NO_NUMBER = "–"  # the value of a headline that has none, only its reason
 LEAST_REST = 5e-4  # of a factor of safety: what a finer mesh may change by less is not worth a sentence
-MOST_LINES = 10  # of a run without -v, before the two that say where the report is
+MOST_LINES = 9  # of a run without -v, after the one on its time, before the two that say where the report is
 
 
 def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
@@ -381,7 +381,7 @@ def sentences(
 
 
 def run_lines(answer: Summary) -> list[str]:
-    """The results of a run in at most ten lines: the three numbers, criteria, stages without answer, warnings."""
+    """The results of a run in at most nine lines: the three numbers, criteria, stages without answer, warnings."""
     lines = [
         f"{part.name}: {part.value}" + (f" ({part.interval})" if part.interval else "")
         if part.value != NO_NUMBER else part.conclusion

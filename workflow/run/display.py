@@ -64,13 +64,13 @@ class StageLine:
 class Display:
     """A listener that displays a run; to be used as a context.
 
-    On a terminal ``err`` shows a list of all stages that is updated in place. Otherwise lines are written to ``out``:
+    On a terminal ``err`` shows a list of all stages that is updated in place. Otherwise lines are written to ``err``:
     one when a stage ends, before that one every `EVERY` seconds, and in verbose mode one when it begins and one for
     every step.
     """
 
-    def __init__(self, out: Console, err: Console, stages: Sequence[Stage], verbosity: Verbosity) -> None:
-        self.out, self.verbosity = out, verbosity
+    def __init__(self, err: Console, stages: Sequence[Stage], verbosity: Verbosity) -> None:
+        self.err, self.verbosity = err, verbosity
         self.lines = {stage.name: StageLine(stage) for stage in stages}
         self.live: Live | None = None
         if err.is_terminal and verbosity == Verbosity.NORMAL:
@@ -135,7 +135,7 @@ class Display:
 
     def _say(self, text: str) -> None:
         if self.live is None and self.verbosity.in_sentences:
-            self.out.print(escape(text), soft_wrap=True)
+            self.err.print(escape(text), soft_wrap=True)
 
     def _table(self) -> Table:
         table = Table.grid(padding=(0, 1))

@@ -72,19 +72,19 @@ def test_faces_share_the_searches_in_the_section_without_strong_zones(monkeypatc
     """With Davis reduced strength the elements have no mechanism with ψ = φ: one search for either way, and one for
     the factor of safety, instead of one for each quantity of each face. With ψ = φ the search of the elements serves.
     """
-    asked = []
+    requested = []
 
     def computed(config: Config, quantity: str, side: int, zones: tuple[StrongZone, ...]) -> faces.ElementValue:
-        asked.append((quantity, side, zones))
+        requested.append((quantity, side, zones))
         return faces.ElementValue(0.1, None, WHOLE)
 
     monkeypatch.setattr(faces, "_computed", computed)
     job = cast(Any, SimpleNamespace(config=levee(), executor=OneThread(), progress=lambda *what: None))
-    found = fem(levee(), 0.1)
+    result = fem(levee(), 0.1)
     for flow, searches in (("davis", 3), ("associated", 2)):
-        asked.clear()
-        values = faces._unchanged(job, found.model_copy(update={"flow": flow}), [LEFT, RIGHT, LEFT, RIGHT])
-        assert len(asked) == searches
+        requested.clear()
+        values = faces._unchanged(job, result.model_copy(update={"flow": flow}), [LEFT, RIGHT, LEFT, RIGHT])
+        assert len(requested) == searches
         assert len(values) == 4
 
 
