@@ -50,6 +50,10 @@ class FactorWork:
     def left(self) -> float:
         return max(self.allowed - self.spent, 0.0)
 
+    def part(self, share: float) -> "FactorWork":
+        """A ``share`` of the work left, which is counted by itself."""
+        return FactorWork(share * self.left)
+
     def allows(self, more: float) -> bool:
         """Whether at least ``more`` work is left."""
         enough = 0.0 < self.left >= more

@@ -26,6 +26,10 @@ from meshes.triangles import TriMesh
 
 # Times that a factor at which shallow ground slips is narrowed down, from between half of a known one and that: to 4 %.
 HALVINGS = 4
+# Share of the work for a slope as a whole where its bare faces meet; the rest is for the ground as it is given.
+SHARE_OF_WHOLE = 0.6
+# Coarse triangles have an upper bound of at most so many times the factor.
+COARSE_EXCESS = 1.1
 # The allowed work is enough for so many trials on the first mesh.
 FACTOR_TRIALS = 12
 
@@ -40,11 +44,11 @@ class SafetyBounds:
     was proven.
 
     ``shallow_failure`` is the factor at which a cohesionless face fails, or shallow ground slips where two faces meet,
-    if it is below ``upper``. The ground down to the least depth below such faces is then strengthened, as in the finite
-    elements, and the bounds are strict for this strengthened ground: they are bounds of the whole slope. Without a
-    shallow failure they are strict for the ground of the section file, except at ends of loads on bare sand
-    (``load_ends.py``). ``direction`` is the direction of the seismic force at failure, None without force; ``ended``
-    says why the bounds are not closer.
+    if it is below ``upper``; it equals ``upper`` if no stress was found in the ground as given. The ground down to the
+    least depth below such faces is then strengthened, as in the finite elements, and the bounds are strict for this
+    strengthened ground: they are bounds of the whole slope. Without a shallow failure they are strict for the ground of
+    the section file, except at ends of loads on bare sand (``load_ends.py``). ``direction`` is the direction of the
+    seismic force at failure, None without force; ``ended`` says why the bounds are not closer.
     """
 
     kh: float
@@ -84,27 +88,48 @@ def safety_bounds(
     if shallow is None or shallow >= LARGEST:
         return _bounds_of(section, fem, settings, start, work)
     whole = strengthened(section, faces, fem)
+    # Where bare faces of unlike water meet, shallow ground may slip before either of them and before the slope as a
+    # whole, by less than coarse triangles tell apart: work is left for the ground as it is given.
+    meet = any(face.end == other.start for face in faces for other in faces)
     deeper: SafetyBounds | None = None
-    if not _coarse(whole, fem, settings, start, work).fails_at(shallow):
-        deeper = _bounds_of(whole, fem, settings, start, work)
+    coarse = _coarse(whole, fem, settings, start, work)
+    if not coarse.fails_at(shallow):
+        share = SHARE_OF_WHOLE if meet and coarse.fails_at(COARSE_EXCESS * shallow) else 1.0
+        deeper = _bounds_of(whole, fem, settings, start, work.part(share))
         if shallow < deeper.upper:
             return replace(deeper, shallow_failure=_coarse(section, fem, settings, start, work).least_failing(shallow))
-    if not any(face.end == other.start for face in faces for other in faces):
+    if not meet:
         return _bounds_of(section, fem, settings, start, work)
-    # Where bare faces of unlike water meet, shallow ground may slip before either of them and before the slope as a
-    # whole, by less than coarse triangles tell apart. Half of the work is left for the ground as it is given: whether
-    # it bears what the whole does, or slips below that.
-    deeper = deeper or _bounds_of(whole, fem, settings, start, FactorWork(0.5 * work.left))
+    deeper = deeper or _bounds_of(whole, fem, settings, start, work.part(SHARE_OF_WHOLE))
+    work.spent += sum(trial.work for trial in deeper.trials)
+    return _with_given_ground(section, deeper, fem, settings, start, work)
+
+
+def _with_given_ground(
+    section: Section,
+    deeper: SafetyBounds,
+    fem: FemSettings,
+    settings: BoundsSettings,
+    start: TrialStart,
+    work: FactorWork,
+) -> SafetyBounds:
+    """The bounds of a section whose strengthened faces meet: those of the ground as given if it bears what the
+    strengthened ground bears (``deeper``), else ``deeper`` with the factor at which shallow ground slips.
+    """
     if deeper.lower > 0.0:
         start = replace(start, factor=deeper.lower, enough=deeper.lower, slips=deeper.lower)
-    unchanged = _bounds_of(section, fem, settings, start, FactorWork(0.5 * work.left))
+    unchanged = _bounds_of(section, fem, settings, start, work.part(1.0))
     trials = [*deeper.trials, *unchanged.trials]
     if unchanged.upper < (deeper.lower if unchanged.lower > 0.0 else deeper.upper):
         return replace(deeper, shallow_failure=unchanged.upper, trials=trials)
     if 0.0 < deeper.lower <= unchanged.lower:
         return replace(deeper, trials=trials)  # what the stronger ground does not bear fails this one, too
-    # A mechanism of the stronger ground fails this one, too, whatever work was left for its own.
-    return replace(unchanged, upper=min(unchanged.upper, deeper.upper), trials=trials)
+    if unchanged.lower > 0.0 or deeper.lower == 0.0:
+        # A mechanism of the stronger ground fails this one, too, whatever work was left for its own.
+        return replace(unchanged, upper=min(unchanged.upper, deeper.upper), trials=trials)
+    # No stress was found in the ground as given: what the slope as a whole bears is no less true for that.
+    least = _coarse(section, fem, settings, start, work).least_failing(deeper.upper)
+    return replace(deeper, shallow_failure=least, trials=trials)
 
 
 @dataclass(frozen=True)

@@ -123,3 +123,12 @@ def test_a_bank_whose_dry_and_wet_faces_meet_has_bounds_of_the_slope_as_a_whole(
     bounds = safety_bounds(bank, FemSettings(), BoundsSettings(gap=0.01, seconds=30.0), smooth_sides=True)
     assert 1.85 < bounds.lower < 1.879 < bounds.upper < 1.91
     assert bounds.shallow_failure == pytest.approx(1.839, abs=0.01)
+
+
+@pytest.mark.slow
+def test_work_is_left_for_a_bank_as_given_where_its_dry_and_wet_faces_meet() -> None:
+    """Moss Landing: the slope as a whole took all work, and no lower bound was told."""
+    bank = Section.read(SECTIONS / "moss_landing.toml")
+    bounds = safety_bounds(bank, FemSettings(), BoundsSettings(gap=0.005, seconds=12.0), smooth_sides=True)
+    assert 1.93 < bounds.lower < bounds.upper < 1.985
+    assert bounds.shallow_failure == pytest.approx(1.865, abs=0.015)
