@@ -4,7 +4,7 @@ from meshes.errors import NoAnswerError
 
 
 class UnstableError(NoAnswerError):
-    """Ground that fails under its own weight.
+    """The ground fails under its own weight.
 
     Attributes
     ----------

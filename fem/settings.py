@@ -36,7 +36,7 @@ PLATEAU = 0.1  # of the steepest stretch: ends that fall by less count as level,
 
 
 def usual_sides(section: Section) -> Sides:
-    """Default sides of a section file: "smooth" where the ground is level at both ends, else "free-field".
+    """Return the default sides of a section file: "smooth" if the ground is level at both ends, else "free-field".
 
     Level ground that continues beyond the section stands under any Kh below about tan φ' times buoyant over saturated
     unit weight. Free-field sides resist with the K0 stress only. Such sides let level ground slide out of the section
@@ -57,9 +57,9 @@ def usual_sides(section: Section) -> Sides:
 
 
 def usual_point_sides(section: Section) -> Sides | None:
-    """Default sides for material points of a section file, where they differ from those of the elements.
+    """Return the default sides for material points of a section file, if they differ from those of the finite elements.
 
-    These sides are "smooth" where the higher end of the ground is level and the other end slopes.
+    The sides are "smooth" if the ground is level at its higher end and slopes at the other end.
 
     A free-field side keeps the pressure at rest however far the ground has moved, and pushes the level ground behind a
     face downslope. Where the ground slopes at its higher end, the ground there may move with the slope.
@@ -198,5 +198,5 @@ class BoundsSettings(Model):
 
     @property
     def of_factors(self) -> "BoundsSettings":
-        """The settings for bounds of factors of safety, whose gap is smaller."""
+        """Return the settings for bounds of factors of safety, whose required gap is smaller."""
         return self.model_copy(update={"gap": FACTOR_SHARE * self.gap})

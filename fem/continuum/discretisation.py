@@ -1,4 +1,5 @@
-"""The elements of a mesh on this rank: strain-displacement matrices, weights, numbering, and exchange between ranks."""
+"""The finite elements of a mesh on one MPI rank: strain-displacement matrices, weights, numbering, and exchange between
+ranks."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -15,7 +16,7 @@ DEGREES: dict[Element, int] = {"bilinear": 1, "quadratic": 2, "reduced": 2}
 
 @dataclass(frozen=True)
 class Discretisation:
-    """The elements of this rank's cells, as flat arrays for the kernels.
+    """Holds the finite elements of the cells on one MPI rank, as flat arrays for the kernels.
 
     There are nc cells with nq quadrature points and nd displacement components each.
 
@@ -28,10 +29,10 @@ class Discretisation:
     matrix : ndarray (nc, nq, 4, nd)
         Strain-displacement matrix B (1/m) of the strain [xx, yy, zz, xy] with engineering shear.
     hourglass : ndarray (nc or 0, nd, nd)
-        Stiffness against hourglass strain, for a shear modulus of 1 (-).
+        Stiffness against hourglass modes, for a shear modulus of 1 (-).
     divergence : ndarray (nc, nq, nd)
-        Volumetric strain (1/m) by the shape functions, on which pore pressure does work; the one in ``matrix`` may be
-        smoothed.
+        Volumetric strain (1/m) by the shape functions, on which pore pressure does work; the volumetric strain in
+        ``matrix`` may be smoothed.
     weights : ndarray (nc, nq)
         Areas (m²) of the quadrature points.
     shapes : ndarray (nq, nodes)
@@ -39,19 +40,19 @@ class Discretisation:
     corner_shapes : ndarray (nq, 4)
         Bilinear shape functions of the corners (-).
     dofs : ndarray (nc, nd)
-        Numbers of a cell's displacement components among those this rank works with.
+        Numbers of the displacement components of each cell, among the components that this rank works with.
     global_dofs : ndarray (needed,)
-        Global numbers of the displacement components this rank works with.
+        Global numbers of the displacement components that this rank works with.
     cell : ndarray (nc,)
-        Numbers of the cells in the undistributed mesh.
+        Number of each cell in the undistributed mesh.
     corners : ndarray (nc, 4)
-        Numbers of their corners in the undistributed mesh.
+        Numbers of the corners of each cell in the undistributed mesh.
     stratum : ndarray (nc,)
-        Numbers of their strata.
+        Number of the stratum of each cell.
     node_points : ndarray (nodes of all ranks, 2)
-        Coordinates (m).
+        Coordinates of the nodes (m).
     size, owned : int
-        Displacement components on all ranks and on this one.
+        Number of displacement components on all ranks, and on this rank.
     sides : dict of str to ndarray
         Global numbers of the nodes on every boundary.
     """
@@ -76,7 +77,8 @@ class Discretisation:
 
     @property
     def inside(self) -> int:
-        """Number of displacement components inside a cell, shared with no other cell; they are the last ones."""
+        """Return the number of displacement components inside a cell; no other cell shares these components, and they
+        are numbered last."""
         return 2 if DEGREES[self.element] == 2 else 0
 
     @property
@@ -132,7 +134,7 @@ def discretise(mesh: QuadMesh, element: Element, comm: Any) -> Discretisation:
 
 
 def tied(d: Discretisation, masters: np.ndarray, slaves: np.ndarray) -> Discretisation:
-    """A copy of the elements whose slave components (k,) are replaced by their masters (k,)."""
+    """Return a copy of the elements in which slave components (k,) are replaced by master components (k,)."""
     replacement = np.arange(d.size, dtype=d.global_dofs.dtype)
     for axis in (0, 1):
         replacement[2 * slaves + axis] = 2 * masters + axis

@@ -19,23 +19,23 @@ STANDS_OUT, TOUCHES = 10.0, 0.1
 
 @dataclass(frozen=True)
 class FieldState:
-    """Fields of the section at one Kh, in the numbering of the mesh; n points, m cells.
+    """Holds the fields of the section at one Kh, in the numbering of the mesh; n points, m cells.
 
     Attributes
     ----------
     label : str
         Name of the state in legends and file names.
     kh : float
-        Its seismic coefficient (-).
+        Seismic coefficient of the state (-).
     displacement : ndarray (n, 2)
-        Displacement since gravity (m).
+        Displacement since the state under gravity alone (m).
     stress : ndarray (m, 4)
-        Mean over the cell [xx, yy, zz, xy], tension positive (Pa).
+        Stress [xx, yy, zz, xy], tension positive, mean over each cell (Pa).
     shear_strain, plastic_shear_strain : ndarray (m,)
         Largest engineering shear strain in the plane, mean over the cell (-).
     mobilised : ndarray (m,)
-        Mobilised share of strength: shear stress over shear strength on the worst plane, 1 at failure (-). The paper
-        calls it the local safety factor.
+        Mobilised strength: shear stress over shear strength on the worst plane, 1 at failure (-). The paper calls this
+        ratio the local safety factor.
     past_equilibrium : bool
         Whether there is no equilibrium at ``kh``, so that the fields are those of the last state of the path.
     repeats : bool
@@ -54,13 +54,13 @@ class FieldState:
 
     @property
     def failed(self) -> np.ndarray:
-        """Which cells (m,) are at failure."""
+        """Return which cells (m,) are at failure."""
         return self.mobilised >= AT_FAILURE
 
 
 def state_of(problem: "PlaneStrain", mesh: QuadMesh, label: str, kh: float) -> FieldState:
-    """The fields of the accepted state of ``problem`` on ``mesh``, gathered on every rank; ``label`` and ``kh`` name
-    it.
+    """Return the fields of the accepted state of ``problem`` on ``mesh``, gathered on every rank; ``label`` and ``kh``
+    name it.
     """
     from fem.kernels import mohr_coulomb  # who only looks at a state needs no compiler
 
@@ -100,8 +100,8 @@ def _shear(strain: np.ndarray) -> np.ndarray:
 
 
 def touched_sides(mesh: QuadMesh, state: FieldState) -> tuple[str, ...]:
-    """Which of the sides, "left" and "right", move by more than a tenth of the largest displacement; none where the
-    section repeats: it ends at no side."""
+    """Return the sides, "left" or "right", that move by more than a tenth of the largest displacement. With periodic
+    sides there is none, since the section repeats."""
     if state.repeats:
         return ()
     moved = np.hypot(*state.displacement.T)
@@ -113,6 +113,7 @@ def touched_sides(mesh: QuadMesh, state: FieldState) -> tuple[str, ...]:
 
 
 def is_mechanism(state: FieldState) -> bool:
-    """Whether the plastic shear strain of a state stands out from the elastic one, as it does once the ground fails."""
+    """Return whether the ground fails: the largest plastic shear strain of the state is then many times the elastic
+    shear strain."""
     elastic = (state.shear_strain - state.plastic_shear_strain).max()
     return bool(state.plastic_shear_strain.max() > STANDS_OUT * max(elastic, 1e-300))

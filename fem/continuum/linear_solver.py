@@ -22,7 +22,8 @@ class SingularMatrixError(ArithmeticError):
 
 
 class Exchange:
-    """Copies and sums between the displacement components that a rank owns and those that its cells need.
+    """Copies displacement components from the rank that owns them to the ranks whose cells need them, and adds up
+    contributions to them.
 
     Vectors of owned components are (owned,), of needed ones (needed,).
 
@@ -41,13 +42,13 @@ class Exchange:
         self._comm = d.comm
 
     def to_local(self, owned: np.ndarray) -> np.ndarray:
-        """Values (needed,) from the values (owned,)."""
+        """Return values (needed,) from the values (owned,)."""
         self._owned.array[:] = owned
         self._scatter.scatter(self._owned, self._local)
         return self._local.array.copy()
 
     def sum_to_owned(self, local: np.ndarray) -> np.ndarray:
-        """Contributions (needed,) of all ranks, added up for the owned components."""
+        """Return contributions (needed,) of all ranks, added up for the owned components."""
         self._local.array[:] = local
         self._owned.set(0.0)
         self._scatter.scatter(
@@ -56,20 +57,20 @@ class Exchange:
         return self._owned.array.copy()
 
     def dot(self, a: np.ndarray, b: np.ndarray) -> float:
-        """The scalar product of two vectors, over all ranks."""
+        """Return the scalar product of two vectors that are distributed over all ranks."""
         return float(self._comm.allreduce(float(a @ b)))
 
     def norm(self, a: np.ndarray) -> float:
-        """Euclidean norm of a vector, over all ranks."""
+        """Return the Euclidean norm of a vector that is distributed over all ranks."""
         return float(np.sqrt(self.dot(a, a)))
 
     def owned_part(self, everything: np.ndarray) -> np.ndarray:
-        """The owned part of a vector (all components,)."""
+        """Return the owned part of a vector (all components,)."""
         return everything[self.first : self.last]
 
 
 class LinearSolver:
-    """Solver of K x = b in which rows and columns of fixed components are those of the unit matrix.
+    """Solves K x = b; rows and columns of fixed components are those of the unit matrix.
 
     Components inside a cell are condensed statically: they are not in the matrix, and are computed after the others.
     The matrix of associated flow is ``symmetric`` and, apart from rounding, positive definite.
@@ -92,10 +93,11 @@ class LinearSolver:
         self._matrix: CholmodMatrix | _ByMumps = CholmodMatrix(self._rows, size) if alone else self._by_mumps()
 
     def factorise(self, tangent: np.ndarray, hourglass: np.ndarray, free: np.ndarray, fixed: np.ndarray) -> None:
-        """Set the matrix from the ``tangent`` (points, 4, 4) in Pa and the ``hourglass`` stiffness, and factorise it.
+        """Assemble the stiffness matrix from the ``tangent`` (points, 4, 4) in Pa and the ``hourglass`` stiffness, and
+        factorise it.
 
-        ``hourglass`` is (nc or 0, nd, nd) in Pa. ``free`` (needed,) marks the components that can move, ``fixed`` are
-        the global numbers of this rank's others. Raises SingularMatrixError.
+        ``hourglass`` is (nc or 0, nd, nd) in Pa. ``free`` (needed,) marks the displacement components that can move;
+        ``fixed`` are the global numbers of the fixed components of this rank. Raises SingularMatrixError.
         """
         d = self._grid
         self._elements[:] = hourglass if len(hourglass) else 0.0
@@ -112,7 +114,8 @@ class LinearSolver:
             self._matrix.factorise(self._elements, ones)
 
     def solve(self, right: np.ndarray) -> np.ndarray:
-        """x for a right-hand side, both as owned components. Raises SingularMatrixError."""
+        """Return the solution x of K x = b; ``b`` and ``x`` contain the components that this rank owns. Raises
+        SingularMatrixError."""
         d, exchange = self._grid, self._exchange
         x = np.array(right)
         if d.inside:
@@ -134,12 +137,13 @@ class LinearSolver:
 
 
 class CholmodMatrix:
-    """The matrix on one rank, by its lower triangle; ``rows`` (nc, border) are the components of the cells in it."""
+    """Holds the stiffness matrix on one rank by its lower triangle; ``rows`` (nc, border) are the numbers of the
+    displacement components of each cell."""
 
     @staticmethod
     def suits(rows: np.ndarray) -> bool:
-        """Whether CHOLMOD is installed, and no cell has the same component twice, as a cell as wide as the period
-        would.
+        """Return whether CHOLMOD is installed and no cell contains the same component twice, as a cell as wide as the
+        period of the section would.
         """
         return not (np.diff(np.sort(rows, axis=1), axis=1) == 0).any() and cholmod.available()
 
@@ -149,7 +153,7 @@ class CholmodMatrix:
         self._lower = LowerTriangle(starts, np.take_along_axis(rows, self._order, axis=1).ravel(), size)
 
     def factorise(self, elements: np.ndarray, ones: np.ndarray) -> None:
-        """Factors of the sum of all ``elements``, with a one at the components ``ones``; raises
+        """Factorise the sum of all ``elements``, with a one on the diagonal at the components ``ones``; raise
         NotPositiveDefiniteError."""
         lower = self._lower
         lower.entries[:] = 0.0
@@ -158,7 +162,7 @@ class CholmodMatrix:
         lower.factorise()
 
     def solve(self, right: np.ndarray) -> np.ndarray:
-        """The solution for a right-hand side."""
+        """Return the solution for a right-hand side."""
         return self._lower.solve(right)
 
 
@@ -188,7 +192,8 @@ class _ByMumps:
         self._x, self._b = self._matrix.createVecs()
 
     def factorise(self, elements: np.ndarray, ones: np.ndarray) -> None:
-        """Factors of the sum of all ``elements``, with a one at the components ``ones``; raises SingularMatrixError."""
+        """Factorise the sum of all ``elements``, with a one on the diagonal at the components ``ones``; raise
+        SingularMatrixError."""
         border = self._rows.shape[1]
         block = np.ascontiguousarray(elements[:, :border, :border]).reshape(len(self._rows), -1)
         self._matrix.zeroEntries()
@@ -201,7 +206,8 @@ class _ByMumps:
             self._ksp.setUp()
 
     def solve(self, right: np.ndarray) -> np.ndarray:
-        """The solution for a right-hand side, both as owned components; raises SingularMatrixError."""
+        """Return the solution for a right-hand side, both as components that this rank owns; raise
+        SingularMatrixError."""
         self._b.array[:] = right
         with _as_singular():
             self._ksp.solve(self._b, self._x)

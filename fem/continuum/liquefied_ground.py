@@ -16,7 +16,8 @@ LEAST = 1e-3
 
 
 def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Section:
-    """The section with the strata of these numbers liquefied; ψ = 0 in them, and ν = 0.49."""
+    """Return the section after liquefaction of the strata with these numbers; liquefied strata have ψ = 0 and ν =
+    0.49."""
     strata = list(section.strata)
     for k, remains_of in remains.items():
         friction = math.atan(remains_of.friction * math.tan(strata[k].friction_angle))

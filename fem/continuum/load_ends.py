@@ -20,7 +20,8 @@ COHESION_SHARE = 0.5
 
 
 def with_strengthened_load_ends(section: Section, least_depth: float) -> Section:
-    """The section with a cohesion in the ground within ``least_depth`` (m) of ends of surcharges on bare sand.
+    """Return the section with an additional cohesion near the ends of surcharges on bare sand, within ``least_depth``
+    (m) of each end.
 
     Parameters
     ----------
@@ -61,8 +62,8 @@ def with_strengthened_load_ends(section: Section, least_depth: float) -> Section
 
 
 def soil_of_strip(name: str) -> str:
-    """Name of the stratum that a strengthened strip was cut from, below a face or the end of a load; the unchanged name
-    of any other stratum.
+    """Return the name of the stratum from which a strengthened strip, below a face or below the end of a load, was cut;
+    other names are returned unchanged.
     """
     for mark in (STRIP, BELOW_END):
         name = name.rpartition(mark)[0] or name

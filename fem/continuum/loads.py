@@ -15,25 +15,26 @@ Direction = Literal["downhill", "uphill"]
 
 
 def seismic_sign(section: Section, settings: FemSettings) -> int:
-    """Direction of the horizontal load: +1 to the right, -1 to the left; for "both" the direction that is computed
-    first.
+    """Return the direction of the seismic force: +1 to the right, -1 to the left. For "both" it is the direction that
+    is computed first.
     """
     return sign_of(section, direction_of(settings))
 
 
 def direction_of(settings: FemSettings, opposite: bool = False) -> Direction:
-    """The direction of the settings, "downhill" for "both", or the opposite direction (``opposite``)."""
+    """Return the direction of the settings, with "downhill" for "both"; return the opposite direction if
+    ``opposite``."""
     return "uphill" if (settings.direction == "uphill") != opposite else "downhill"
 
 
 def sign_of(section: Section, direction: Direction) -> int:
-    """+1 if "downhill" or "uphill" is to the right, -1 if it is to the left."""
+    """Return +1 if "downhill" or "uphill" is to the right, -1 if it is to the left."""
     return downhill(section.ground) * (1 if direction == "downhill" else -1)
 
 
 def soils(section: Section) -> tuple[Stratum, ...]:
-    """The strata; raises InputError for strata without strength, UnstableError if pore water lifts sand without
-    cohesion.
+    """Return the strata of the section; raise InputError for strata without strength, UnstableError if pore water lifts
+    sand without cohesion.
     """
     weak = [
         f"{key_in_file(section.strata, k)}: cohesion and friction angle are both 0; expected some strength"
@@ -48,7 +49,8 @@ def soils(section: Section) -> tuple[Stratum, ...]:
 
 
 def excess_pressure_advice(strata: Sequence[Stratum]) -> str:
-    """What to check where excess pore pressure by shaking leaves no equilibrium; empty without excess pore pressure."""
+    """Return advice on what to check if excess pore pressure by shaking leaves no equilibrium; empty without excess
+    pore pressure."""
     ratios = {s.name: s.excess_pore_pressure_ratio for s in strata if s.excess_pore_pressure_ratio}
     named = ", ".join(f'{ratio:g} in "{name}"' for name, ratio in ratios.items())
     return named and (
@@ -58,5 +60,5 @@ def excess_pressure_advice(strata: Sequence[Stratum]) -> str:
 
 
 def lifted(uplift: Uplift, reason: str = "there is no equilibrium") -> UnstableError:
-    """UnstableError for ground in which pore pressure exceeds the weight of the soil above (uplift)."""
+    """Return the UnstableError for ground in which pore pressure exceeds the weight of the soil above (uplift)."""
     return UnstableError(f"{reason}: {uplift.words}", "check the levels of the water, or relieve its pressure")

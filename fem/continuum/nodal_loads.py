@@ -28,7 +28,7 @@ POINTS_ON_EDGE = 3
 
 
 def still_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | float:
-    """Nodal forces (dofs,) in N/m at rest of pore pressure, water on the ground and surcharges; 0.0 without any."""
+    """Return the nodal forces (dofs,) in N/m of static pore pressure, free water and surcharges; 0.0 without any."""
     load: np.ndarray | float = 0.0
     water, surface = section.water_pressure, section.surface_loads
     if water.present:
@@ -39,16 +39,17 @@ def still_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.nda
 
 
 def excess_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | None:
-    """Nodal forces (dofs,) in N/m of the excess pore pressure by shaking, None without any."""
+    """Return the nodal forces (dofs,) in N/m of the excess pore pressure by shaking, None without any."""
     if not any(s.excess_pore_pressure_ratio for s in section.strata):
         return None
     return pore_force(problem, mesh, section.water_pressure.excess)
 
 
 def seismic_surface_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray | float:
-    """Nodal forces (dofs,) in N/m of Kh = 1 on surcharges and free water; 0.0 without any.
+    """Return the nodal forces (dofs,) in N/m of Kh = 1 on surcharges and free water; 0.0 without any.
 
-    ``problem``: the elements of ``mesh``, a mesh of ``section``; ``sign``: 1 towards the right, -1 towards the left.
+    ``problem`` are the elements of ``mesh``, which is a mesh of ``section``; ``sign`` is 1 towards the right, -1
+    towards the left.
     """
     surface = section.surface_loads
     if not surface.present:
@@ -57,16 +58,18 @@ def seismic_surface_load(problem: PlaneStrain, mesh: QuadMesh, section: Section,
 
 
 def seismic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray:
-    """Nodal forces (dofs,) in N/m of Kh = 1 on the soil, on surcharges and on free water.
+    """Return the nodal forces (dofs,) in N/m of Kh = 1 on the soil, on surcharges and on free water.
 
-    ``problem``: the elements of ``mesh``, a mesh of ``section``; ``sign``: 1 towards the right, -1 towards the left.
+    ``problem`` are the elements of ``mesh``, which is a mesh of ``section``; ``sign`` is 1 towards the right, -1
+    towards the left.
     """
     soil = problem.body_force([s.density_seismic for s in problem.strata], (sign * GRAVITY, 0.0))
     return soil + seismic_surface_load(problem, mesh, section, sign)
 
 
 def pore_force(problem: PlaneStrain, mesh: QuadMesh, pressure: Pressure) -> np.ndarray:
-    """Nodal forces (dofs,) in N/m of a pore pressure: the integral of u times the volumetric strain of the nodes."""
+    """Return the nodal forces (dofs,) in N/m of a pore pressure, by the principle of virtual work: the integral of u
+    times the volumetric strain."""
     grid = problem.grid
     corners = mesh.points[grid.corners]
     points = np.einsum("qa,cai->cqi", grid.corner_shapes, corners)
@@ -88,7 +91,7 @@ def _pressed(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarr
 
 
 def pressed_sides(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | float:
-    """Nodal forces (dofs,) in N/m of the pore pressure at rest on both sides; 0.0 without pore pressure."""
+    """Return the nodal forces (dofs,) in N/m of the static pore pressure on both sides; 0.0 without pore pressure."""
     water = section.water_pressure
     if not water.present:
         return 0.0
@@ -100,9 +103,10 @@ def pressed_sides(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.
 
 
 def ground_force(problem: PlaneStrain, mesh: QuadMesh, traction: Traction, boundary: str = "surface") -> np.ndarray:
-    """Nodal forces (dofs,) in N/m of a ``traction`` (Pa) on the ground surface, or on another ``boundary`` of ``mesh``.
+    """Return the nodal forces (dofs,) in N/m of a ``traction`` (Pa) on the ground surface, or on another ``boundary``
+    of ``mesh``.
 
-    ``problem``: the elements of the mesh.
+    ``problem`` are the elements of the mesh.
     """
     grid, degree = problem.grid, DEGREES[problem.grid.element]
     s, weight = np.polynomial.legendre.leggauss(POINTS_ON_EDGE)

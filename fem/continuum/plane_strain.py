@@ -27,24 +27,25 @@ HOURGLASS_SHARE = 1e-5
 
 @dataclass(frozen=True, eq=False)
 class PartialProblem:
-    """Some cells of a section with their accepted state, in a numbering of their own.
+    """Holds some cells of a section with their accepted state; components and cells are numbered from 0 within this
+    part.
 
     Attributes
     ----------
     components : ndarray (k,)
-        The displacement components of these cells among the owned ones.
+        Numbers of the displacement components of these cells among the components that this rank owns.
     dofs : ndarray (nc, nd)
-        Numbers of the components of every cell among the k components of the part.
+        Numbers of the components of every cell among the k components of this part.
     matrix, weights, hourglass : ndarray
-        As in ``Discretisation``; ``hourglass`` (nc, nd, nd) in Pa.
+        Arrays as in ``Discretisation``; ``hourglass`` (nc, nd, nd) in Pa.
     stress : ndarray (points, 4)
         Accepted stress (Pa).
     material : ndarray (points,)
-        Numbers of the soils in ``table``.
+        Numbers of the soils in ``table``, for every quadrature point.
     table : ndarray
-        The soils, see ``mohr_coulomb.table``.
+        Constants of the soils, as ``mohr_coulomb.table`` returns them.
     least : ndarray (points, 4, 4)
-        Least stiffness, added to the tangent so that it is regular (Pa).
+        Smallest stiffness, added to the tangent so that the matrix is regular (Pa).
     """
 
     components: np.ndarray
@@ -59,14 +60,14 @@ class PartialProblem:
 
 
 class PlaneStrain:
-    """A section discretised, with the last accepted state of equilibrium.
+    """Holds a discretised section in plane strain, with its last accepted state of equilibrium.
 
-    Vectors (dofs,) hold the displacement components that this rank owns, x and y of a node in turn.
+    Vectors (dofs,) contain the displacement components that this rank owns, x and y of a node in turn.
 
     Attributes
     ----------
     strata : tuple of Stratum
-        The strata; ``material`` (points,) holds their numbers.
+        The strata; ``material`` (points,) contains the number of the stratum of each quadrature point.
     flow, form : FlowSetting, DavisForm
         The flow rule of the analysis, see ``strength.py``.
     strength : Strength
@@ -74,7 +75,7 @@ class PlaneStrain:
     grid : Discretisation
         The elements.
     exchange : Exchange
-        Sums and copies between ranks.
+        Sums and copies of displacement components between ranks.
     displacement : ndarray (dofs,)
         Accepted displacement (m).
     stress : ndarray (points, 4)
@@ -82,13 +83,14 @@ class PlaneStrain:
     strain, plastic_strain : ndarray (points, 4)
         Accepted strain, engineering shear (-).
     region : ndarray (points,)
-        Part of the yield surface that every point is on, by the codes of ``return_mapping``.
+        Number of the part of the yield surface on which the stress of every point lies, by the codes of
+        ``return_mapping``.
     repeats : bool
         Whether the sides are periodic.
     free : ndarray (dofs,)
-        Which displacement components are not held.
+        Mask of the displacement components that are not fixed.
     overstress : float
-        Weight b of the elastic stress in the next update, see ``viscoplastic`` (-).
+        Weight b of the elastic stress in the next stress update, see ``viscoplastic`` (-).
     """
 
     def __init__(
@@ -101,9 +103,10 @@ class PlaneStrain:
         flow: FlowSetting = "section",
         form: DavisForm = "B",
     ) -> None:
-        """Discretise ``mesh`` of ``strata`` with elements ``element`` on the ranks of ``comm``, with ``threads`` each.
+        """Discretise ``mesh`` of ``strata`` with finite elements of type ``element`` on the ranks of ``comm``, with
+        ``threads`` threads on each rank.
 
-        ``flow``, ``form``: flow rule and form of Davis's estimate, see ``strength.py``.
+        ``flow`` is the flow rule, and ``form`` the form of Davis's estimate, see ``strength.py``.
         """
         self.strata = tuple(strata)
         self.threads, self.flow, self.form = threads, flow, form
@@ -149,16 +152,16 @@ class PlaneStrain:
 
     @property
     def associated(self) -> bool:
-        """Whether the flow rule is associated everywhere."""
+        """Return whether the flow rule is associated everywhere."""
         return is_associated(self.strata, self.flow)
 
     def points(self) -> np.ndarray:
-        """Coordinates (points, 2) of the quadrature points (m)."""
+        """Return coordinates (points, 2) of the quadrature points (m)."""
         corners = self.grid.node_points[self.grid.global_dofs[self.grid.dofs[:, 0::2]] // 2]
         return np.einsum("qn,cni->cqi", self.grid.shapes, corners).reshape(-1, 2)
 
     def hold(self, components: dict[str, str]) -> None:
-        """Hold the displacement increments of boundaries, such as {"base": "xy", "left": "x"}."""
+        """Fix displacement components on boundaries, such as {"base": "xy", "left": "x"}."""
         fixed = np.zeros(self.grid.size, dtype=bool)
         fixed[2 * self._passive] = fixed[2 * self._passive + 1] = True
         for name, axes in components.items():
@@ -167,15 +170,15 @@ class PlaneStrain:
         self.fix_components(fixed)
 
     def fix_components(self, fixed: np.ndarray) -> None:
-        """Hold the components marked in ``fixed`` (all components, the same on every rank)."""
+        """Fix the components marked in ``fixed`` (all components, the same on every rank)."""
         self.free = ~self.exchange.owned_part(fixed)
         self._free_local = ~fixed[self.grid.global_dofs]
         self._fixed_owned = self.exchange.first + np.flatnonzero(~self.free)
 
     def tie(self, first: str, second: str, section: Section) -> None:
-        """Tie the nodes of boundary ``second`` to those of ``first``, with the base held.
+        """Make the nodes of boundary ``second`` move like those of boundary ``first``, with the base fixed.
 
-        Raises InputError unless the two have the same layers at the same heights, up to a shift.
+        Raises InputError unless both boundaries have the same layers at the same heights, up to a shift.
         """
         grid = self.grid
         masters, slaves = (
@@ -191,12 +194,12 @@ class PlaneStrain:
         self.hold({"base": "xy"})
 
     def tie_nodes(self, masters: np.ndarray, slaves: np.ndarray) -> None:
-        """Tie nodes (global numbers) to others; call ``hold`` again afterwards."""
+        """Make nodes (global numbers) move like other nodes; call ``hold`` again afterwards."""
         self._take(tied(self.grid, masters, slaves))
         self._passive = np.concatenate([self._passive, slaves])
 
     def body_force(self, density: Sequence[float], acceleration: tuple[float, float]) -> np.ndarray:
-        """Nodal forces (N/m) of an acceleration (m/s²) on the densities (kg/m³) of the strata."""
+        """Return the nodal forces (N/m) of an acceleration (m/s²) on the densities (kg/m³) of the strata."""
         per_area = np.asarray(density, dtype=float)[self.material].reshape(self.grid.weights.shape)
         nodal = np.einsum("cq,qn->cn", per_area * self.grid.weights, self.grid.shapes)
         local = np.zeros(len(self.grid.global_dofs))
@@ -205,9 +208,9 @@ class PlaneStrain:
         return self.exchange.sum_to_owned(local)
 
     def internal_force(self, increment: np.ndarray, tangent: bool = True) -> np.ndarray:
-        """Nodal forces of the stress after a displacement increment from the accepted state.
+        """Return the nodal forces of the stress after a displacement increment from the accepted state.
 
-        Keeps this stress, and with ``tangent`` its tangent stiffness, until the next call or ``accept``.
+        This stress, and with ``tangent`` its tangent stiffness, is stored until the next call or ``accept``.
         """
         local = self.exchange.to_local(increment)
         assembly.strains(self.grid.matrix, self.grid.dofs, local, self._strain)
@@ -226,7 +229,7 @@ class PlaneStrain:
         return self.exchange.sum_to_owned(self._forces)
 
     def forces_of(self, stress: np.ndarray) -> np.ndarray:
-        """Nodal forces (N/m) of a stress (points, 4)."""
+        """Return the nodal forces (N/m) of a stress (points, 4)."""
         self._assemble(stress)
         return self.exchange.sum_to_owned(self._forces)
 
@@ -242,12 +245,12 @@ class PlaneStrain:
         self._solver.factorise(self._tangent, self._hourglass, self._free_local, self._fixed_owned)
 
     def solve(self, force: np.ndarray) -> np.ndarray:
-        """Displacement under nodal forces by the last factorised stiffness, zero where it is held."""
+        """Return the displacement under nodal forces by the last factorised stiffness; fixed components are zero."""
         assert self._solver is not None
         return self._solver.solve(np.where(self.free, force, 0.0))
 
     def part(self, cells: np.ndarray) -> PartialProblem:
-        """Some of the cells, given by their numbers; on one rank only."""
+        """Return some of the cells, given by their numbers, as a problem of their own; on one rank only."""
         grid, points = self.grid, self.grid.points_per_cell
         own_points = (cells[:, None] * points + np.arange(points)).ravel()
         components, dofs = np.unique(grid.global_dofs[grid.dofs[cells]], return_inverse=True)
@@ -265,7 +268,7 @@ class PlaneStrain:
         )
 
     def elastic_stiffness(self) -> np.ndarray:
-        """Hooke's law (strata, 4, 4) in plane strain with the out-of-plane stress (Pa)."""
+        """Return Hooke's law (strata, 4, 4) in plane strain with the out-of-plane stress (Pa)."""
         laws = np.zeros((len(self.strata), 4, 4))
         for law, s in zip(laws, self.strata, strict=True):
             shear = s.youngs_modulus / (2.0 * (1.0 + s.poissons_ratio))
@@ -281,11 +284,11 @@ class PlaneStrain:
         self.plastic_strain += self._plastic
 
     def state(self) -> tuple[np.ndarray, ...]:
-        """A copy of the accepted state, for ``restore``."""
+        """Return a copy of the accepted state, for ``restore``."""
         return tuple(a.copy() for a in (self.displacement, self.stress, self.strain, self.plastic_strain))
 
     def restore(self, state: tuple[np.ndarray, ...]) -> None:
-        """Go back to a state."""
+        """Restore an accepted state that ``state`` returned."""
         self.displacement = state[0].copy()
         self.stress[:], self.strain[:], self.plastic_strain[:] = state[1:]
 
@@ -294,6 +297,6 @@ class PlaneStrain:
         self._tangent[:] = self._elastic[self.material]
 
     def plastic_share(self) -> float:
-        """Share of the quadrature points that the last stress update found at yield."""
+        """Return the share of quadrature points that were at yield in the last stress update."""
         count = self.grid.comm.allreduce(np.array([np.count_nonzero(self.region), self.region.size], dtype=float))
         return float(count[0] / count[1])

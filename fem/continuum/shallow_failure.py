@@ -39,25 +39,25 @@ ALIKE = 5e-4
 
 @dataclass(frozen=True)
 class ShallowFailure:
-    """A straight piece of the surface of a stratum without cohesion, inclined in the direction of the seismic force,
-    with the same pore pressure gradient along it.
+    """A straight piece of the surface of a cohesionless stratum, inclined in the direction of the seismic force, with a
+    constant pore pressure gradient.
 
     Attributes
     ----------
     stratum : str
         Name of the stratum.
     start, end : float
-        x of both ends in m, ``start`` the smaller one.
+        Horizontal coordinates of both ends (m); ``start`` is the smaller coordinate.
     angle : float
-        Inclination in rad, above 0.
+        Inclination of the face (rad), positive.
     kh : float
-        Seismic coefficient at which the face fails; below 0 if it fails by its own weight.
+        Critical Kh of the face; negative if the face fails by its own weight.
     ratio : float
-        Weight less Kv and uplift over the seismic weight (-).
+        Weight less vertical inertia and uplift, over the seismic weight (-).
     seepage : float
-        Seepage force in the direction of the seismic force over the seismic weight (-).
+        Seepage force in the direction of the seismic force, over the seismic weight (-).
     into_water : bool
-        Whether the water table lies below the face within the least depth, and reduces its Kh.
+        Whether the water table lies below the face, within the least depth, and so reduces the critical Kh of the face.
     """
 
     stratum: str
@@ -70,7 +70,7 @@ class ShallowFailure:
     into_water: bool = False
 
     def continues_as(self, other: "ShallowFailure") -> bool:
-        """Whether ``other``, the piece to the right, is the same kind of face."""
+        """Return whether the neighbouring piece to the right, ``other``, is a face of the same kind."""
         here, there = ((face.angle, face.kh, face.ratio, face.seepage) for face in (self, other))
         joined = (self.end, self.stratum, self.into_water) == (other.start, other.stratum, other.into_water)
         return joined and bool(np.allclose(here, there, rtol=0.0, atol=SAME))
@@ -89,11 +89,12 @@ class _Piece(NamedTuple):
 
     @property
     def middle(self) -> float:
-        """x (m)."""
+        """Return the horizontal coordinate of the middle of the face (m)."""
         return 0.5 * (self.start + self.end)
 
     def is_long(self, depth: float) -> bool:
-        """Whether the piece is long enough for pore pressure down to a ``depth`` (m) below it to count."""
+        """Return whether the face is long enough that pore pressure down to a ``depth`` (m) below it affects the
+        face."""
         return self.end - self.start >= LONG * depth
 
 
@@ -103,7 +104,7 @@ def shallow_failures(
     friction: Sequence[float] | np.ndarray | None = None,
     excess_pressure: bool = True,
 ) -> list[ShallowFailure]:
-    """All cohesionless faces of a section from left to right; ``friction`` (rad) replaces the φ of the strata.
+    """Find all cohesionless faces of a section from left to right; ``friction`` (rad) replaces the φ of the strata.
 
     On a face inclined by β a layer of any thickness slides when the resultant of weight γ - Kv γs and seismic force Kh
     γs makes the angle φ with the normal of the face: Kh = (γ / γs - Kv) tan(φ - β), γ the ordinary and γs the seismic
@@ -111,8 +112,8 @@ def shallow_failures(
     gradient just below the face reduces γ, and its component in the direction of the seismic force reduces Kh γs. Where
     the water table lies less than the least depth below the face, the layer down to the least depth counts instead if
     it slides first. A face ends where its slope, its stratum or its water change. Faces below a surcharge or free water
-    do not slide in this way and are left out. Excess pore pressure by shaking acts with
-    ``excess_pressure``. ``settings``: of the elements, with the direction of the seismic force and the least depth (m).
+    do not slide in this way and are left out. Excess pore pressure by shaking acts with ``excess_pressure``.
+    ``settings``: settings of the finite elements, with the direction of the seismic force and the least depth (m).
     """
     layers, sign = section.layering, seismic_sign(section, settings)
     faces: list[ShallowFailure] = []
@@ -144,8 +145,8 @@ def shallow_failures(
 def failing_at_rest(
     section: Section, settings: FemSettings, friction: Sequence[float] | np.ndarray | None = None
 ) -> list[ShallowFailure]:
-    """The cohesionless faces inclined against the seismic force that fail by their weight alone, as where seepage
-    leaves the ground.
+    """Find the cohesionless faces inclined against the seismic force that fail by their weight alone, as seepage out of
+    the ground causes.
 
     No stress field is in equilibrium there without a seismic force, and they fail before the slope fails in the
     direction of the force. ``section``, ``settings``, ``friction``: as in ``shallow_failures``.
@@ -155,13 +156,13 @@ def failing_at_rest(
 
 
 def joined(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
-    """Shallow failures from left to right. Neighbouring faces of one stratum, dry or wet, are merged if their Kh is
-    equal to the digits reported; the merged face has the smallest Kh.
+    """Merge neighbouring faces of one stratum, dry or wet, if their Kh is equal to the digits reported; the merged face
+    has the smallest Kh.
 
     Parameters
     ----------
     faces : iterable of ShallowFailure
-        As ``shallow_failures`` returns them.
+        Faces as ``shallow_failures`` returns them.
 
     Returns
     -------
@@ -178,7 +179,8 @@ def joined(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
 
 
 def faces_at(section: Section, settings: FemSettings, kh: float) -> list[ShallowFailure]:
-    """The cohesionless faces inclined in the direction of the seismic force, or in any direction where Kh is 0."""
+    """Return the cohesionless faces inclined in the direction of the seismic force, or in any direction where Kh
+    is 0."""
     directions = ("downhill", "uphill") if kh == 0.0 or settings.direction == "both" else (settings.direction,)
     wishes = [settings.changed(direction=direction) for direction in directions]
     return [face for wish in wishes for face in shallow_failures(section, wish, excess_pressure=kh != 0.0)]
@@ -187,12 +189,12 @@ def faces_at(section: Section, settings: FemSettings, kh: float) -> list[Shallow
 def least_rolling_factor(
     section: Section, faces: Sequence[ShallowFailure], kh: float, friction: Sequence[float] | np.ndarray
 ) -> float | None:
-    """The smallest factor of safety of the shallow failures of ``faces`` whose strata have ``friction`` (rad), None
-    without any.
+    """Return the smallest factor of safety against shallow failure of ``faces`` whose strata have ``friction`` (rad);
+    None without faces.
 
     The factor of a face is tan φ / tan(β + atan k) with k = Kh γs / (γ - Kv γs). Seepage out of the face increases k by
-    the amount by which it reduces the Kh of the face. ``section``: the ground; ``kh``: seismic coefficient, positive in
-    the direction of the faces.
+    the amount by which it reduces the Kh of the face. ``section``: the section of the ground; ``kh``: seismic
+    coefficient, positive in the direction of the faces.
     """
     factors = []
     for face in faces:
@@ -294,7 +296,8 @@ def _steepness(layers: Layering, piece: _Piece) -> float:
 
 
 def strengthened(section: Section, faces: Sequence[ShallowFailure], settings: FemSettings) -> Section:
-    """The section with an additional stratum for the ground down to the least depth below each of the faces.
+    """Return the section with additional strata: the ground from each of the faces down to the least depth,
+    strengthened by a cohesion.
 
     These strata have the soil of the face and an apparent cohesion, Δγ d sin 2β / (2 cos² φ) with Δγ = γ - Kv γs and d
     the least depth, vertically. With this cohesion they resist Kh = (γ / γs - Kv) tan φ, at which the same sand would
@@ -312,7 +315,8 @@ def strengthened(section: Section, faces: Sequence[ShallowFailure], settings: Fe
 
 
 def without_strips(mesh: QuadMesh, section: Section) -> QuadMesh:
-    """A mesh of the strengthened ``section``, with the stratum numbers of the section before it was strengthened."""
+    """Return a mesh of the strengthened ``section`` whose cells have the stratum numbers of the section without
+    strengthening."""
     names = [stratum.name for stratum in section.strata]
     stratum_of = [names.index(name if name in names else name.rpartition(STRIP)[0]) for name in mesh.strata]
     return replace(mesh, stratum=np.array(stratum_of)[mesh.stratum], strata=tuple(names))
@@ -340,8 +344,8 @@ def _strip(section: Section, face: ShallowFailure, k: int, of_face: int, setting
 
 
 def strip_bottom(layers: Layering, start: float, end: float, k: int, depth: float) -> list[list[float]]:
-    """The bottom of a strip down to a ``depth`` (m) from ``start`` to ``end`` (m) in stratum k: points [x, elevation]
-    (m); none where the stratum is absent.
+    """Return the bottom of a strip down to a ``depth`` (m) from ``start`` to ``end`` (m) in stratum k: points [x,
+    elevation] (m); none where the stratum is absent.
     """
     x = np.unique(np.concatenate([[start, end], layers.x]))
     x = x[(x >= start) & (x <= end)]

@@ -19,16 +19,16 @@ UPWARDS = np.array([[0.0, 1.0]])
 
 @dataclass(frozen=True, eq=False)
 class SideStress:
-    """The horizontal stress on a side, linear over the thickness of each of the k strata there.
+    """Holds the horizontal stress on a side of the section, linear over the thickness of each of the k strata there.
 
     Attributes
     ----------
     strata : ndarray (k,)
         Numbers of the strata, from the top down.
     elevation : ndarray (k, 2)
-        Elevation of the top and the bottom of each in m.
+        Elevation of the top and the bottom of each stratum (m).
     stress : ndarray (k, 2)
-        Horizontal stress at both in Pa, tension positive.
+        Horizontal stress at the top and the bottom of each stratum, tension positive (Pa).
     """
 
     strata: np.ndarray
@@ -36,12 +36,12 @@ class SideStress:
     stress: np.ndarray
 
     def stratum_at(self, elevation: np.ndarray) -> np.ndarray:
-        """Numbers of the strata (n,) at elevations (n,) in m."""
+        """Return the numbers of the strata (n,) at elevations (n,) in m."""
         below = np.searchsorted(-self.elevation[:, 1], -np.asarray(elevation))
         return self.strata[np.minimum(below, len(self.strata) - 1)]
 
     def at(self, elevation: np.ndarray, stratum: np.ndarray) -> np.ndarray:
-        """The stress (Pa) at elevations (m) within strata."""
+        """Return the horizontal stress (Pa) at elevations (m) within strata."""
         place = np.searchsorted(self.strata, stratum)
         top, bottom = self.elevation[place].T
         share = np.clip((top - elevation) / (top - bottom), 0.0, 1.0)
@@ -49,8 +49,8 @@ class SideStress:
 
 
 def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndarray) -> SideStress:
-    """The K0 stress on the "left" or "right" side; ``resultants`` (strata,) are the forces of plane elasticity in every
-    stratum there (N/m, tension positive).
+    """Return the K0 stress on the "left" or "right" side; ``resultants`` (strata,) are the forces in every stratum
+    there by plane elasticity (N/m, tension positive).
     """
     layers = section.layering
     elevation = layers.left[0] if side == "left" else layers.right[-1]

@@ -32,7 +32,7 @@ Flow = Literal["davis", "associated", "section"]
 
 @dataclass(frozen=True)
 class StrataStrength:
-    """Strength and flow rule of the strata.
+    """Holds the strength and flow rule of the strata.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class StrataStrength:
     dilation : ndarray (strata,)
         Dilation angle (rad).
     tension : ndarray (strata,)
-        Largest major principal effective stress (Pa, tension positive), inf where only the cone ends it.
+        Largest major principal effective stress (Pa, tension positive); inf without a tension cut-off.
     """
 
     cohesion: np.ndarray
@@ -53,12 +53,13 @@ class StrataStrength:
 
 
 def davis_factor(friction: np.ndarray, dilation: np.ndarray) -> np.ndarray:
-    """β = cos ψ cos φ / (1 - sin ψ sin φ) of angles in rad (Davis 1968); 1 where ψ = φ."""
+    """Return β = cos ψ cos φ / (1 - sin ψ sin φ) of angles in rad (Davis 1968); 1 where ψ = φ."""
     return np.cos(dilation) * np.cos(friction) / (1.0 - np.sin(dilation) * np.sin(friction))
 
 
 def with_davis_strength(section: Section) -> Section:
-    """The section with c and tan φ of its strata times Davis's factor β, for methods that know no flow rule.
+    """Return the section with c and tan φ of its strata multiplied by Davis's factor β, for methods that have no flow
+    rule.
 
     Parameters
     ----------
@@ -81,7 +82,7 @@ def with_davis_strength(section: Section) -> Section:
 
 
 def flow_of(strata: Sequence[Stratum], flow: FlowSetting) -> Flow:
-    """The flow rule that a setting means for these strata.
+    """Return the flow rule that a setting selects for these strata.
 
     Parameters
     ----------
@@ -105,7 +106,7 @@ def flow_of(strata: Sequence[Stratum], flow: FlowSetting) -> Flow:
 def strength_of(
     strata: Sequence[Stratum], flow: FlowSetting, factor: float = 1.0, form: DavisForm = "B"
 ) -> StrataStrength:
-    """The strength of the strata, tension cut-offs among it, divided by ``factor``, and the flow rule of the analysis.
+    """Return the flow rule and the strength of the strata, divided by ``factor``; tension cut-offs are divided, too.
 
     "section" takes ψ as given, but not above the reduced φ; "associated" sets ψ = φ; "davis" reduces c and tan φ in
     one of Davis's three forms and then sets ψ = φ; "auto" is one of these (``flow_of``). Flow at a tension cut-off is
@@ -135,20 +136,20 @@ def strength_of(
 
 
 def davis_words(dilation: Iterable[float]) -> str:
-    """The name of Davis's estimate for these dilation angles."""
+    """Return a name of Davis's estimate that states the dilation angles."""
     return "Davis's estimate for the given ψ" if any(dilation) else "Davis's estimate for ψ = 0"
 
 
 def tensile_strengths(strata: Sequence[Stratum]) -> np.ndarray:
-    """The tension cut-offs (strata,) in Pa, inf where there is none."""
+    """Return the tension cut-offs (strata,) in Pa, inf where there is none."""
     return np.array([np.inf if s.tension is None else s.tension for s in strata])
 
 
 def is_associated(strata: Sequence[Stratum], flow: FlowSetting) -> bool:
-    """Whether the analysis has ψ = φ in every stratum, so that the limit load is unique."""
+    """Return whether the analysis has ψ = φ in every stratum, so that the limit load is unique."""
     return flow != "section" or is_dilating_fully(strata)
 
 
 def is_dilating_fully(strata: Sequence[Stratum]) -> bool:
-    """Whether the section file has ψ = φ in every stratum, so that Davis's estimate changes nothing."""
+    """Return whether the section file has ψ = φ in every stratum, so that Davis's estimate changes nothing."""
     return all(s.dilation == s.friction_angle for s in strata)

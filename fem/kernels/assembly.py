@@ -6,9 +6,10 @@ import numpy as np
 
 @nb.njit(cache=True, nogil=True)
 def strains(matrix: np.ndarray, dofs: np.ndarray, displacement: np.ndarray, out: np.ndarray) -> None:
-    """Strain at every point, B u, written to ``out`` (nc * nq, 4).
+    """Compute the strain at every quadrature point, B u, into ``out`` (nc * nq, 4).
 
-    ``matrix``: B (nc, nq, 4, nd) (1/m); ``dofs``: (nc, nd); ``displacement``: of all degrees of freedom (m).
+    ``matrix`` is B (nc, nq, 4, nd) in 1/m; ``dofs`` (nc, nd) are the components of each cell; ``displacement`` has all
+    degrees of freedom (m).
     """
     cells, points, _, entries = matrix.shape
     for cell in range(cells):
@@ -25,10 +26,10 @@ def strains(matrix: np.ndarray, dofs: np.ndarray, displacement: np.ndarray, out:
 def internal_forces(
     matrix: np.ndarray, weights: np.ndarray, dofs: np.ndarray, stress: np.ndarray, out: np.ndarray
 ) -> None:
-    """Nodal forces ∫ Bᵀσ dA (N/m), written to ``out``.
+    """Compute the nodal forces ∫ Bᵀσ dA (N/m) into ``out``.
 
-    ``matrix``: B (nc, nq, 4, nd) (1/m); ``weights``: area of every point (nc, nq) (m²); ``dofs``: (nc, nd); ``stress``:
-    (nc * nq, 4) in Pa, tension positive.
+    ``matrix`` is B (nc, nq, 4, nd) in 1/m; ``weights`` (nc, nq) are the areas of the points (m²); ``dofs`` (nc, nd) are
+    the components of each cell; ``stress`` (nc * nq, 4) is in Pa, tension positive.
     """
     cells, points, _, entries = matrix.shape
     out[:] = 0.0
@@ -64,8 +65,8 @@ def element_stiffness(
 ) -> None:
     """Add ∫ BᵀCB dA of every cell to ``out`` (nc, nd, nd); rows and columns that are not ``free`` become zero.
 
-    ``matrix``: B (nc, nq, 4, nd) (1/m); ``weights``: area of every point (nc, nq) (m²); ``tangent``: C (nc * nq, 4, 4)
-    (Pa); ``dofs``: (nc, nd).
+    ``matrix`` is B (nc, nq, 4, nd) in 1/m; ``weights`` (nc, nq) are the areas of the points (m²); ``tangent`` is C (nc
+    * nq, 4, 4) in Pa; ``dofs`` (nc, nd) are the components of each cell.
     """
     cells, points, _, entries = matrix.shape
     product = np.empty((4, entries))
@@ -92,7 +93,8 @@ def element_stiffness(
 def add_forces(stiffness: np.ndarray, dofs: np.ndarray, displacement: np.ndarray, out: np.ndarray) -> None:
     """Add the nodal forces K u (N/m) to ``out``.
 
-    ``stiffness``: of every element (nc, nd, nd); ``dofs``: (nc, nd); ``displacement``: of all degrees of freedom (m).
+    ``stiffness`` (nc, nd, nd) is the matrix of every element; ``dofs`` (nc, nd) are the components of each cell;
+    ``displacement`` has all degrees of freedom (m).
     """
     for cell in range(len(stiffness)):
         for a in range(dofs.shape[1]):

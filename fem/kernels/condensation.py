@@ -11,10 +11,12 @@ import numpy as np
 
 @nb.njit(cache=True, nogil=True, error_model="numpy")
 def condense(elements: np.ndarray, inverse: np.ndarray) -> None:
-    """Condense the last two components of every matrix of ``elements`` (nc, nd, nd), in place.
+    """Eliminate the last two components of every stiffness matrix in ``elements`` (nc, nd, nd), in place (static
+    condensation).
 
-    The blocks K_bi and K_ib stay where they are for ``condense_force`` and ``expand``; ``inverse`` (nc, 2, 2) takes
-    K_ii⁻¹, which is not finite where a cell has no stiffness inside. The border block takes the condensed matrix.
+    The blocks K_bi and K_ib stay in the matrices, for ``condense_force`` and ``expand``. K_ii⁻¹ is written to
+    ``inverse`` (nc, 2, 2); it is not finite where a cell has no stiffness inside. The border block takes the condensed
+    matrix.
     """
     cells, entries, _ = elements.shape
     inside = 2
@@ -37,10 +39,11 @@ def condense(elements: np.ndarray, inverse: np.ndarray) -> None:
 def condense_force(
     elements: np.ndarray, inverse: np.ndarray, dofs: np.ndarray, force: np.ndarray, change: np.ndarray
 ) -> None:
-    """The ``change`` (needed,) of the force on the borders, -K_bi K_ii⁻¹ f_i, from the ``force`` (needed,).
+    """Compute the ``change`` (needed,) of the force on the borders of cells, -K_bi K_ii⁻¹ f_i, from the ``force``
+    (needed,).
 
-    ``elements``: stiffness of every cell (nc, nd, nd), borders first; ``inverse``: K_ii⁻¹ of every cell; ``dofs``:
-    (nc, nd).
+    ``elements`` (nc, nd, nd) are the stiffness matrices of the cells, borders first; ``inverse`` is K_ii⁻¹ of every
+    cell; ``dofs`` (nc, nd) are the components of each cell.
     """
     cells, entries, _ = elements.shape
     inside = inverse.shape[1]
@@ -59,9 +62,9 @@ def condense_force(
 def expand(
     elements: np.ndarray, inverse: np.ndarray, dofs: np.ndarray, force: np.ndarray, displacement: np.ndarray
 ) -> None:
-    """Fill in the ``displacement`` (needed,) inside the cells from that of their borders and the ``force``.
+    """Compute the ``displacement`` (needed,) inside the cells from that of the borders of the cells and the ``force``.
 
-    ``elements``, ``inverse``, ``dofs``: as in `condense_force`.
+    ``elements``, ``inverse`` and ``dofs`` are those of `condense_force`.
     """
     cells, entries, _ = elements.shape
     inside = inverse.shape[1]

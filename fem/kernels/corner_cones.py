@@ -13,7 +13,8 @@ from numba import njit
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def scalings(s: np.ndarray, z: np.ndarray, axis: np.ndarray, size: np.ndarray, square: np.ndarray) -> bool:
-    """Scaling of slacks ``s`` and multipliers ``z`` (k, 3); False if one is outside its cone.
+    """Compute the scalings of slacks ``s`` and multipliers ``z`` (k, 3); return False if one of them lies outside its
+    cone.
 
     Writes w to ``axis`` (k, 3), η to ``size`` (k,) and W² to ``square`` (k, 3, 3).
     """
@@ -60,7 +61,7 @@ def _divided(l0: float, l1: float, l2: float, d0: float, d1: float, d2: float) -
 def corrections(
     axis: np.ndarray, size: np.ndarray, z: np.ndarray, ds: np.ndarray, dz: np.ndarray, aim: float, out: np.ndarray
 ) -> None:
-    """W (λ \\ (λ ∘ λ + (W⁻¹ ds) ∘ (W dz) - aim e)) (k, 3), the right-hand side of Mehrotra (1992).
+    """Compute W (λ \\ (λ ∘ λ + (W⁻¹ ds) ∘ (W dz) - aim e)) (k, 3), the right-hand side of Mehrotra's corrector (1992).
 
     ``axis``, ``size``: w and η of `scalings`; ``z``: multipliers; ``ds``, ``dz``: step of the predictor; ``aim``:
     target of the products; ``out``: (k, 3).
@@ -81,8 +82,8 @@ def centrality(
     axis: np.ndarray, size: np.ndarray, z: np.ndarray, s_next: np.ndarray, z_next: np.ndarray,
     aim: float, low: float, high: float, out: np.ndarray,
 ) -> None:  # fmt: skip
-    """W (λ \\ t) (k, 3) with the t that takes the products of a longer step back to ``low`` to ``high`` times the
-    ``aim``.
+    """Compute Gondzio's right-hand side W (λ \\ t) (k, 3); t moves the products of a longer step into the range ``low``
+    to ``high`` times the ``aim``.
 
     The products are the eigenvalues of (W⁻¹ s) ∘ (W z); none is taken back by more than ``high`` times the aim (Gondzio
     1996). ``axis``, ``size``: w and η of `scalings`; ``z``: multipliers; ``s_next``, ``z_next``: after the longer step;
@@ -104,7 +105,7 @@ def centrality(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def longest_step(v: np.ndarray, dv: np.ndarray) -> float:
-    """The largest a for which all v + a dv (k, 3) are in their cones; 1e30 if there is none."""
+    """Return the largest a for which all v + a dv (k, 3) lie in their cones; 1e30 if there is no limit."""
     best = 1e30
     for k in range(len(v)):
         v0, v1, v2, d0, d1, d2 = v[k, 0], v[k, 1], v[k, 2], dv[k, 0], dv[k, 1], dv[k, 2]

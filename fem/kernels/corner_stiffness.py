@@ -25,7 +25,7 @@ def stiffnesses(
     axis: np.ndarray, size: np.ndarray, lone: np.ndarray, sine: np.ndarray, clay: np.ndarray, single: np.ndarray,
     triple: np.ndarray, torn_sine: float, soft: float, out: np.ndarray,
 ) -> None:  # fmt: skip
-    """C⁻¹ of all corners, written to ``out`` (k, 3, 3).
+    """Compute C⁻¹ of all corners into ``out`` (k, 3, 3).
 
     ``axis``: w (cones, 3); ``size``: η (cones,); ``lone``: w² of the scalar constraints of cut-offs (singles,). The
     compliance δ of a corner is ``soft`` times its η². ``sine``, ``clay``, ``single``, ``triple``: see above;
@@ -107,7 +107,8 @@ def condense(
     clay: np.ndarray, single: np.ndarray, triple: np.ndarray, torn_sine: float, velocities: int, clays: int,
     openings: int, g: np.ndarray, force: np.ndarray,
 ) -> None:  # fmt: skip
-    """``g`` (k, 3) of the right-hand sides ``ry`` and ``rz``, and ``force`` C⁻¹ g (k, 3), which acts on the velocities.
+    """Compute ``g`` (k, 3) from the right-hand sides ``ry`` and ``rz``, and ``force`` C⁻¹ g (k, 3), which acts on the
+    velocities.
 
     ``stiffness``: C⁻¹ of `stiffnesses`; ``square``: W² of the cones; ``lone``, ``sine``, ``clay``, ``single``,
     ``triple``, ``torn_sine``: as in `stiffnesses`; ``velocities``, ``clays``: their numbers; ``openings``: the
@@ -145,8 +146,7 @@ def expand(
     lone: np.ndarray, sine: np.ndarray, clay: np.ndarray, single: np.ndarray, triple: np.ndarray, torn_sine: float,
     velocities: int, clays: int, openings: int, dy: np.ndarray, dz: np.ndarray,
 ) -> None:  # fmt: skip
-    """The entries of ``dy`` after the velocities, and those of ``dz`` except the load, from the strain rates of the
-    velocities.
+    """Compute the entries of ``dy`` after the velocities, and those of ``dz`` except the load, from the strain rates.
 
     ``rates``: (k, [volume, difference, shear]); ``g``, ``ry``, ``rz``, ``stiffness``, ``square``, ``lone``, ``sine``,
     ``clay``, ``single``, ``triple``, ``torn_sine``, ``velocities``, ``clays``, ``openings``: as in `condense`.

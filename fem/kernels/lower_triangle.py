@@ -9,8 +9,8 @@ def find_places(
     starts: np.ndarray, columns: np.ndarray, pointers: np.ndarray, indices: np.ndarray, first: np.ndarray,
     places: np.ndarray,
 ) -> None:  # fmt: skip
-    """Places of the entries of small matrices, row by row of their lower triangles, among the entries of a sorted csc
-    matrix.
+    """Find the places of the entries of small matrices, row by row of their lower triangles, among the entries of a
+    sorted csc matrix.
 
     Matrix k has the unknowns ``columns`` from ``starts[k]`` on, and its ``places`` begin at ``first[k]``; ``pointers``
     and ``indices`` are those of the csc matrix.
@@ -32,8 +32,8 @@ def find_places(
 
 @njit(cache=True, nogil=True)
 def add_matrices(matrices: np.ndarray, order: np.ndarray, places: np.ndarray, entries: np.ndarray) -> None:
-    """Add symmetric ``matrices`` (k, at least n, n) to the ``entries`` at their ``places``; ``order`` (k, n) are their
-    rows by rising unknowns."""
+    """Add symmetric ``matrices`` (k, at least n, n) to the ``entries`` at their ``places``; ``order`` (k, n) sorts the
+    rows of each matrix by rising unknowns."""
     place = 0
     for k in range(len(order)):
         for i in order[k]:

@@ -261,9 +261,9 @@ def gather(
 ) -> None:  # fmt: skip
     """Move the points of some stripes with the grid, and update their stress.
 
-    ``velocity`` (nx, nz, 4): of the nodes, see `move_grid`; ``properties`` (n, PROPERTIES); ``dt``: time step (s);
-    ``keep``: share α, 0 or 1, of the part of its velocity that a point keeps although the grid cannot resolve it;
-    ``sums`` (stripes, 2) take energies (J/m). ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``,
+    ``velocity`` (nx, nz, 4): velocities of the nodes, see `move_grid`; ``properties`` (n, PROPERTIES); ``dt``: time
+    step (s); ``keep``: share α, 0 or 1, of the part of its velocity that a point keeps although the grid cannot resolve
+    it; ``sums`` (stripes, 2) take energies (J/m). ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``,
     ``state``, ``side``, ``cell``, ``slope``, ``periodic``, ``shaking``, ``gravity_x``, ``gravity_z``: as in `scatter`.
     """
     inverse, columns, rows = 1.0 / cell, velocity.shape[0], velocity.shape[1]
@@ -338,10 +338,10 @@ def take_off(
     stripes: Integers, offsets: Integers, velocity: Floats, cell: float, slope: float, periodic: bool, x: Floats,
     v: Floats, affine: Floats,
 ) -> None:  # fmt: skip
-    """Subtract from the velocities of the points of some stripes the part that the grid resolves: (I - S) (v, C).
+    """Subtract the velocity that the grid resolves from the velocities of the points of some stripes: (I - S) (v, C).
 
-    ``velocity`` (nx, nz, 4): of the nodes; ``v`` (n, 2), ``affine`` (n, 4) are changed; ``stripes``, ``offsets``,
-    ``x``, ``cell``, ``slope``, ``periodic``: as in `scatter`.
+    ``velocity`` (nx, nz, 4): velocities of the nodes; ``v`` (n, 2), ``affine`` (n, 4) are changed; ``stripes``,
+    ``offsets``, ``x``, ``cell``, ``slope``, ``periodic``: as in `scatter`.
     """
     inverse, columns = 1.0 / cell, velocity.shape[0]
     stiff = 4.0 * inverse
@@ -371,7 +371,7 @@ def advance(
     support: NDArray[np.int8], x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats, side: Floats,
     properties: Floats, grid: Floats, velocity: Floats, gained: Floats, sums: Floats,
 ) -> None:  # fmt: skip
-    """Take some steps on one thread.
+    """Advance the material points by some time steps on one thread.
 
     ``accelerations`` (steps,): accelerations by shaking (m/s²); ``steps``: how many. ``uplift``, ``support``,
     ``damping``, ``velocity``, ``gained``: as in `move_grid`; ``keep``, ``properties``, ``sums``: as in `gather`;

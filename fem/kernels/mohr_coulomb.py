@@ -33,7 +33,7 @@ def table(
     dilation: ArrayLike,
     tension: ArrayLike = np.nan,
 ) -> Floats:
-    """Constants of m materials for `update`: shape (m, COLUMNS).
+    """Return the constants of m materials for `update`: shape (m, COLUMNS).
 
     Arguments are numbers or arrays of shape (m,): ``young`` modulus (Pa), ``poisson`` ratio in [0, 0.5), ``cohesion``
     (Pa), ``friction`` angle in [0, pi/2) and ``dilation`` angle in [0, friction] (rad), ``tension``: tensile strength
@@ -125,7 +125,7 @@ def update(
     region: NDArray[np.int8] | None = None,
     threads: int = 1,
 ) -> None:
-    """Stress after a strain increment at n points; optional arrays that are not None are filled.
+    """Update the stress after a strain increment at n points; optional arrays that are not None are filled.
 
     strain_increment (n, 4)            its zz need not be zero, since B-bar averages it over a cell
     stress_old (n, 4)                  Pa; may be the same array as `stress`
@@ -215,9 +215,10 @@ def _circle(stress: Floats) -> tuple[Floats, Floats]:
 
 
 def mobilised_strength(stress: Floats, material: Integers, table: Floats) -> Floats:
-    """Mobilised share of strength, the paper's local safety factor: 1 at yield, less inside. Shape (n,).
+    """Return the mobilised strength (n,), the paper's local safety factor: 1 at yield, less than 1 inside the yield
+    surface.
 
-    The mobilised share is the greatest tau / (c + N tan phi) over all planes through a point.
+    The mobilised strength is the greatest tau / (c + N tan phi) over all planes through a point.
 
     N is the normal stress, positive in compression. Where s and t are the centre and radius of the largest
     Mohr circle and A = c - s tan phi, the plane at twice the angle x has t sin x / (A + t tan phi cos x),

@@ -216,7 +216,7 @@ def update_points(
     with_plastic: bool,
     with_regions: bool,
 ) -> None:
-    """The loop of `mohr_coulomb.update`, point by point.
+    """Update the stress point by point, for `mohr_coulomb.update`.
 
     ``strain``: increment (n, 4); ``stress_old``: (n, 4) in Pa; ``material``: (n,) row of ``table``. Fills ``stress``
     (n, 4) and, where ``with_tangent``, ``with_plastic`` and ``with_regions`` say so, ``tangent`` (n, 4, 4), ``plastic``

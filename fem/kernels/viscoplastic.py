@@ -23,7 +23,7 @@ def add_overstress(
     tangent: np.ndarray,
     plastic_strain_increment: np.ndarray,
 ) -> None:
-    """Mix the elastic stress into the inviscid one, in place; ``b``: the weight of the elastic stress.
+    """Add a share of the elastic stress to the inviscid one, in place; ``b`` is the weight of the elastic stress.
 
     ``strain_increment``, ``stress_old``, ``stress`` and ``plastic_strain_increment`` are (n, 4), ``tangent`` is
     (n, 4, 4) or empty, ``material`` (n,) points into ``elastic`` (materials, 4, 4).

@@ -38,12 +38,12 @@ ATTEMPTS, SHORTFALLS = 3, 5.0
 
 
 class BoundSearch:
-    """Lower and upper bound of the load multiplier of a body on a sequence of ever finer meshes.
+    """Finds lower and upper bounds of the load multiplier of a body on a sequence of ever finer meshes.
 
     Attributes
     ----------
     bracket : Bracket
-        The best bounds so far, and why the search has ended; no reason while it continues.
+        Best bounds so far, and the reason why the search has ended (none while the search continues).
     """
 
     def __init__(self, mesh: TriMesh, body: RigidPlasticBody, limits: Limits) -> None:
@@ -53,11 +53,11 @@ class BoundSearch:
 
     @property
     def work(self) -> float:
-        """Work so far, in seconds of the reference machine."""
+        """Return the work so far, in seconds of the reference machine."""
         return sum(mesh.work for mesh in self.bracket.meshes)
 
     def advance(self, others: float = 0.0) -> None:
-        """Bounds on the next mesh; ``others`` is the work of other searches under the same limits."""
+        """Find bounds on the next mesh; ``others`` is the work of other searches that share the same limits."""
         best, mesh = self.bracket, self.bracket.mesh if self._seen is None else self._finer(*self._seen)
         problem = limit_problem(mesh, self._body, self._units)
         left = max(self._limits.seconds - self.work - others, 0.0)
@@ -105,15 +105,16 @@ class BoundSearch:
 
 
 def share_of_lower_bound(low: LowerBound, high: UpperBound) -> float:
-    """The share of the next mesh's work that its lower bound may take, as on the last mesh."""
+    """Return the share of the work on the next mesh that the lower bound may take: the same share as on the last
+    mesh."""
     return float(np.clip(low.solution.work / max(low.solution.work + high.solution.work, 1e-300), *SHARES))
 
 
 def proven_lower_bound(
     problem: LimitProblem, most_work: float = math.inf, start: Warm | None = None
 ) -> tuple[LowerBound, list[str], StressField | None]:
-    """The stress field of the solver, the reason if there is no bound, and the field with its strict bound if it passes
-    the check.
+    """Find a strict lower bound. Returns the stress field of the solver, the reason if there is no bound, and the field
+    with its bound if it passes the check.
 
     After ``most_work`` (s of the reference machine) the solver returns its last iterate; ``start`` is the iterate at
     which it begins.
@@ -135,8 +136,8 @@ def proven_lower_bound(
 def proven_upper_bound(
     problem: LimitProblem, most_work: float = math.inf, start: Warm | None = None
 ) -> tuple[UpperBound, list[str], Mechanism | None]:
-    """The mechanism of the solver, the reason if there is no bound, and the mechanism with its strict bound if it
-    passes the check.
+    """Find a strict upper bound. Returns the mechanism of the solver, the reason if there is no bound, and the
+    mechanism with its bound if it passes the check.
 
     After ``most_work`` (s of the reference machine) the solver returns its last iterate; ``start`` is the iterate at
     which it begins.
@@ -215,10 +216,11 @@ NONE_FOUND: Mapping[NoSolution, str] = {
 
 
 def gap_shares(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.ndarray:
-    """Contribution of every cell (m,) to the gap: its dissipation less the work of the lower bound's stress on its
-    strain.
+    """Return the contribution of every cell (m,) to the gap between the bounds: its dissipation less the work of the
+    lower bound's stress on its strain rate.
 
-    Apart from rounding none is negative, and their sum is upper less lower bound (Ciria, Peraire & Bonet 2008).
+    Apart from rounding no contribution is negative, and their sum is the upper less the lower bound (Ciria, Peraire &
+    Bonet 2008).
     """
     if high.solution.none:
         return problem.mesh.areas
@@ -231,8 +233,8 @@ def gap_shares(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.n
 
 
 def refinement_indicator(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.ndarray:
-    """Refinement indicator (m,) of every cell: its share of the gap plus its share of the yield work of the lower
-    bound.
+    """Return the refinement indicator (m,) of every cell: its share of the gap between the bounds plus its share of the
+    yield work of the lower bound.
 
     Yield work may be far from the mechanism of the upper bound: a stress field that is too coarse at one corner can
     reduce the lower bound, or leave no lower bound.
@@ -245,7 +247,7 @@ def refinement_indicator(problem: LimitProblem, low: LowerBound, high: UpperBoun
 
 
 def singular_points(problem: LimitProblem, low: LowerBound) -> np.ndarray:
-    """Points (n,), as a mask, around which the principal directions rotate more from cell to cell than the cells can
+    """Find the singular points (n,), as a mask: the principal directions rotate more around them than the cells can
     follow.
 
     The edge of a footing is such a point: its few cells reduce the lower bound, however small they are.
@@ -257,7 +259,7 @@ def singular_points(problem: LimitProblem, low: LowerBound) -> np.ndarray:
 
 
 def refined(mesh: TriMesh, indicator: np.ndarray, wanted: float) -> TriMesh:
-    """The mesh with about ``wanted`` cells, bisected where the ``indicator`` (m,) is largest."""
+    """Return the mesh with about ``wanted`` cells, bisected where the ``indicator`` (m,) is largest."""
     while len(mesh.cells) < 0.95 * wanted:
         order = np.argsort(-indicator, kind="stable")
         enough = int(np.searchsorted(np.cumsum(indicator[order]), BULK_SHARE * indicator.sum())) + 1

@@ -24,7 +24,7 @@ LAST_BITS = 16.0 * np.finfo(float).eps
 
 @dataclass(frozen=True)
 class StressCheck:
-    """How far a stress field is from being statically admissible.
+    """Errors of a stress field against the conditions of static admissibility.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class StressCheck:
 
     @property
     def holds(self) -> bool:
-        """Whether the stress proves its multiplier to be a lower bound."""
+        """Return whether the stress field proves that its multiplier is a lower bound."""
         return (
             self.yield_slack >= 0.0
             and self.tension_slack >= -NO_TENSION
@@ -64,7 +64,8 @@ class StressCheck:
 
 @dataclass(frozen=True)
 class VelocityCheck:
-    """The upper bound that velocities give, and how far they are from being kinematically admissible.
+    """The upper bound from a velocity field, and errors of this field against the conditions of kinematic
+    admissibility.
 
     Attributes
     ----------
@@ -89,7 +90,7 @@ class VelocityCheck:
 
     @property
     def holds(self) -> bool:
-        """Whether the velocities prove the multiplier to be an upper bound."""
+        """Return whether the velocity field proves that the multiplier is an upper bound."""
         return self.flow_slack >= 0.0 and max(self.volume, self.boundary, self.jump) <= ROUNDING
 
     def __str__(self) -> str:
@@ -101,7 +102,7 @@ class VelocityCheck:
 
 
 def yield_slack(problem: LimitProblem, stress: np.ndarray) -> np.ndarray:
-    """Distance (m, 3) of the stress (m, 3, 3) at every corner to the yield surface.
+    """Return the distance (m, 3) of the stress (m, 3, 3) at every corner to the yield surface.
 
     The distance is c cos φ - σm sin φ less the radius of Mohr's circle, σm the mean stress, tension positive.
     """
@@ -112,13 +113,14 @@ def yield_slack(problem: LimitProblem, stress: np.ndarray) -> np.ndarray:
 
 
 def tension_slack(problem: LimitProblem, stress: np.ndarray) -> np.ndarray:
-    """The tension cut-off less the major principal stress (m, 3) of the stress (m, 3, 3) at every corner."""
+    """Return the tension cut-off less the major principal stress (m, 3) of the stress (m, 3, 3) at every corner."""
     mean = 0.5 * (stress[..., 0] + stress[..., 1])
     return problem.tension[:, None] - mean - np.hypot(0.5 * (stress[..., 0] - stress[..., 1]), stress[..., 2])
 
 
 def check_stress(problem: LimitProblem, stress: np.ndarray, multiplier: float) -> StressCheck:
-    """Equilibrium, tractions and yield of a stress field (m, 3 corners, 3) under the loads at a load multiplier."""
+    """Check equilibrium, tractions and yield of a stress field (m, 3 corners, 3) under the loads at a load
+    multiplier."""
     mesh, outline = problem.mesh, problem.outline
     scale = max(float(np.abs(stress).max()), 1.0)
     # The slopes of the stress from its differences along two sides.
@@ -177,7 +179,8 @@ def _unit_normals(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray) ->
 
 
 def corner_rates(problem: LimitProblem, velocity: np.ndarray) -> np.ndarray:
-    """Strain rates (m, 3 corners, [xx, yy, engineering xy]) of velocities (m, 6, 2), by differences along the sides.
+    """Return the strain rates (m, 3 corners, [xx, yy, engineering xy]) of velocities (m, 6, 2), by differences along
+    the sides.
 
     On a side from a corner, the velocity is quadratic: its slope there is -3 v + 4 v(middle) - v(end). Where this slope
     is as small as rounding errors of the velocities, as at a corner between held sides, the strain rate is zero.
@@ -203,7 +206,8 @@ def corner_rates(problem: LimitProblem, velocity: np.ndarray) -> np.ndarray:
 
 
 def dissipation(problem: LimitProblem, rates: np.ndarray) -> np.ndarray:
-    """An upper limit of the dissipation in every cell (m,), of strain rates (m, 3, 3) that obey the flow rule."""
+    """Return an upper limit of the dissipation in every cell (m,), for strain rates (m, 3, 3) that obey the flow
+    rule."""
     volume, shear = rates[..., 0] + rates[..., 1], np.hypot(rates[..., 0] - rates[..., 1], rates[..., 2])
     cohesion, friction = problem.spread_cohesion, problem.friction[:, None]
     clay = friction == 0.0
@@ -236,7 +240,7 @@ def _with_cut_off(
 
 
 def work(problem: LimitProblem, velocity: np.ndarray) -> tuple[float, float]:
-    """Power of the dead and of the live load on velocities (m, 6 nodes, 2)."""
+    """Return the power of the dead load and of the live load on velocities (m, 6 nodes, 2)."""
     mesh, outline = problem.mesh, problem.outline
     mean = velocity[:, 3:].mean(axis=1)
     points = mesh.points
@@ -271,7 +275,8 @@ def _node(problem: LimitProblem, velocity: np.ndarray, points: np.ndarray) -> np
 
 
 def check_velocity(problem: LimitProblem, velocity: np.ndarray) -> VelocityCheck:
-    """Flow rule, boundary and work of velocities (m, 6 nodes, 2), and the upper bound that they give."""
+    """Check flow rule, boundary conditions and work of velocities (m, 6 nodes, 2), and compute the upper bound from
+    them."""
     mesh, outline = problem.mesh, problem.outline
     rates = corner_rates(problem, velocity)
     volume = rates[..., 0] + rates[..., 1]

@@ -58,7 +58,7 @@ SLIPS = 0.5
 
 @dataclass(frozen=True, eq=False)
 class KhBounds(SmallerKhBounds):
-    """Bounds of the critical Kh with ψ = φ, and the bounds of both directions.
+    """Holds the bounds of the critical Kh with ψ = φ, and the bounds of both directions.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class KhBounds(SmallerKhBounds):
 
 @dataclass(frozen=True)
 class DirectionGround:
-    """The ground to be analysed for one direction of the seismic force.
+    """Holds the ground that is analysed for one direction of the seismic force.
 
     ``shallow_failures`` are the faces that may fail at a smaller Kh than the whole slope. ``as_given`` is an upper
     bound, on coarse triangles, of the section without strengthening (inf if there are no such faces). ``section`` is
@@ -101,7 +101,7 @@ class DirectionGround:
 
     @classmethod
     def of(cls, section: Section, fem: FemSettings, max_cells: int) -> "DirectionGround":
-        """The ground for the direction of the settings.
+        """Return the ground that is analysed for the direction of the settings.
 
         The Kh of each face is compared with an upper bound on one coarse mesh of the section with all its faces
         strengthened. This bound is rather too large, so that a few faces too many may be listed, but none is missing.
@@ -120,8 +120,8 @@ class DirectionGround:
         return cls(fem, max_cells, (*govern, *always), as_given, ground, work + more_work)
 
     def search(self, limits: Limits, after: BoundSearch | None = None) -> DirectionSearch:
-        """The search for bounds. For Davis's estimate, ``after`` is the search for ψ = φ, on whose last mesh this one
-        begins if the work left allows that.
+        """Return the search for bounds. For Davis's estimate, ``after`` is the search for ψ = φ; the new search begins
+        on its last mesh if enough work is left.
         """
         ground = as_analysed(self.section, self.fem)
         if after is not None and 2.0 * after.bracket.meshes[-1].work < limits.seconds:
@@ -212,7 +212,7 @@ def kh_bounds(
 
 
 def directions_of(fem: FemSettings) -> tuple[Direction, ...]:
-    """The directions of the seismic force that the settings request."""
+    """Return the directions of the seismic force that the settings request."""
     return ("downhill", "uphill") if fem.direction == "both" else (fem.direction,)
 
 
@@ -230,8 +230,9 @@ def _unstable(section: Section, upper: float) -> UnstableError:
 
 
 def as_analysed(section: Section, fem: FemSettings) -> Section:
-    """The section with strengthened ends of loads on bare sand. Strata are also divided at the water table where a part
-    is too thin for elements, and at elevations where a strength begins to increase.
+    """Return the section in the form that is analysed: ends of loads on bare sand are strengthened. Strata are also
+    divided at the water table where a part is too thin for elements, and at elevations where a strength begins to
+    increase.
     """
     return cut_at_least_strength(with_strengthened_load_ends(section, fem.least_depth).cut_at_films)
 
@@ -246,13 +247,14 @@ def _coarse_upper_bound(section: Section, fem: FemSettings) -> tuple[float, floa
 
 
 def cells_of_first_search(max_cells: int, seconds: float) -> int:
-    """The largest number of triangles for `first_mesh`, whose first mesh takes ``seconds`` of the reference machine."""
+    """Return the largest number of triangles with which `first_mesh` can be solved in ``seconds`` of the reference
+    machine."""
     cells = CELLS_SOLVED * (max(seconds, 0.0) / SECONDS_SOLVED) ** (1.0 / COST_EXPONENT)
     return int(min(max_cells, cells / FIRST_SHARE + 1.0))
 
 
 def first_mesh(section: Section, max_cells: int, sides: Sides = "free-field") -> TriMesh:
-    """Triangles about as large as the layers are thick, larger where there would be too many of them. Periodic
+    """Make triangles about as large as the layers are thick, or larger if there would be too many triangles. Periodic
     ``sides`` have the same edges; raises InputError if their layers differ.
 
     Where the water table divides a stratum, triangles of a thin part are as thin as this part and as long as other
@@ -294,7 +296,8 @@ def body_of(
     excess_pressure: bool = True,
     smooth_sides: bool = False,
 ) -> RigidPlasticBody:
-    """The section, with its own strength or by Davis's estimate, as a problem of limit analysis whose multiplier is Kh.
+    """Return the section as a problem of limit analysis whose multiplier is Kh; the strength is that of the strata, or
+    Davis's estimate.
 
     Excess pore pressure by shaking acts with ``excess_pressure``. Smooth sides have no normal velocity and no shear
     traction. Free-field sides carry the K0 stress and move horizontally; with ``smooth_sides`` they are treated as
@@ -369,8 +372,8 @@ def _pressing(stress: SideStress, outwards: float) -> EdgeTraction:
 
 
 def strengths(strata: Sequence[Stratum], davis: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Cohesion (Pa) and friction angle (rad) of the strata, reduced by Davis's factor if ``davis``; where the cohesion
-    varies, its constant part.
+    """Return cohesion (Pa) and friction angle (rad) of the strata, reduced by Davis's factor if ``davis``; of a varying
+    cohesion the constant part.
     """
     cohesion = np.array([s.cohesion for s in strata])
     friction = np.array([s.friction_angle for s in strata])
@@ -381,6 +384,6 @@ def strengths(strata: Sequence[Stratum], davis: bool = False) -> tuple[np.ndarra
 
 
 def davis_factors(strata: Sequence[Stratum]) -> np.ndarray:
-    """Davis's β (strata,) for the dilation angles of the strata."""
+    """Return Davis's β (strata,) for the dilation angles of the strata."""
     friction = np.array([s.friction_angle for s in strata])
     return davis_factor(friction, np.array([s.dilation for s in strata]))

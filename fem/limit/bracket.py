@@ -32,7 +32,7 @@ BoundSide = Literal["lower", "upper"]
 
 @dataclass(frozen=True, eq=False)
 class StressField:
-    """A stress field that was checked to be statically admissible, dimensionless.
+    """Holds a dimensionless stress field that was checked to be statically admissible.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class StressField:
 
 @dataclass(frozen=True, eq=False)
 class Mechanism:
-    """Velocities that were checked to be kinematically admissible, dimensionless.
+    """Holds a dimensionless velocity field that was checked to be kinematically admissible.
 
     Attributes
     ----------
@@ -75,18 +75,18 @@ class Mechanism:
 
     @property
     def dissipation(self) -> np.ndarray:
-        """Plastic dissipation (m,) of every cell."""
+        """Return the plastic dissipation (m,) of every cell."""
         return dissipation(self.problem, corner_rates(self.problem, self.velocity))
 
 
 @dataclass(frozen=True)
 class MeshBounds:
-    """The bounds on one mesh.
+    """Holds the bounds on one mesh.
 
     Attributes
     ----------
     cells : int
-        Number of its triangles.
+        Number of triangles of the mesh.
     lower, upper : float or None
         The strict bounds of the load multiplier, None where there is none.
     notes : tuple of str
@@ -111,7 +111,7 @@ class MeshBounds:
 
 @dataclass(frozen=True, eq=False)
 class Bracket:
-    """The best lower and upper bound over all meshes so far.
+    """Holds the best lower and upper bound over all meshes so far.
 
     Attributes
     ----------
@@ -138,17 +138,17 @@ class Bracket:
 
     @property
     def lower(self) -> float:
-        """The lower bound, -inf without one."""
+        """Return the lower bound, -inf without one."""
         return self.stress.multiplier if self.stress else -np.inf
 
     @property
     def upper(self) -> float:
-        """The upper bound, inf without one."""
+        """Return the upper bound, inf without one."""
         return self.mechanism.multiplier if self.mechanism else np.inf
 
     @property
     def gap(self) -> float:
-        """Upper less lower bound over the mean of their sizes; inf where one is missing."""
+        """Return the upper less lower bound over the mean of their sizes; inf where one is missing."""
         if not (self.stress and self.mechanism):
             return np.inf
         return (self.upper - self.lower) / max(0.5 * (abs(self.upper) + abs(self.lower)), 1e-12)
@@ -156,15 +156,14 @@ class Bracket:
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits at which the search for bounds ends.
+    """Holds the limits at which the search for bounds ends.
 
     Attributes
     ----------
     gap : float
-        Gap between the bounds that is small enough, as a share of their mean, or of ``least`` where the mean is
-        smaller.
+        Required gap between the bounds, as a share of their mean, or of ``least`` if the mean is smaller.
     max_cells : int
-        Triangles of the last mesh, at most.
+        Largest number of triangles of a mesh.
     seconds : float
         Work for all meshes, in seconds of the reference machine. A further mesh is begun if it is likely to be solved
         within this work. Work is computed from the iterations, not measured, so that the same input has the same meshes
@@ -182,14 +181,14 @@ class Limits:
     least: float = 0.0
 
     def open(self, lower: float, upper: float) -> float:
-        """The gap of two bounds over the required gap; inf where a bound is missing."""
+        """Return the gap of two bounds over the required gap; inf where a bound is missing."""
         if not (np.isfinite(lower) and np.isfinite(upper)):
             return np.inf
         return (upper - lower) / max(self.gap * max(0.5 * (abs(upper) + abs(lower)), self.least), 1e-12)
 
     def growth(self, bracket: Bracket, cells: int) -> float:
-        """Ratio of the numbers of cells of the next mesh and the last one: large enough to close the gap, if one step
-        can do that.
+        """Return the ratio of the number of cells of the next mesh to that of the last mesh: large enough to close the
+        gap, if one step can do that.
 
         The gap is about proportional to one over the number of cells, or falls a little faster.
         """
@@ -197,7 +196,8 @@ class Limits:
         return min(max(needed, LEAST_GROWTH) if needed <= MOST_GROWTH else GROWTH, self.max_cells / cells)
 
     def reached(self, bracket: Bracket, cells: int, others: float = 0.0) -> EndReason | None:
-        """The name of the limit that ends the search; ``others``: work of other searches under the same limits."""
+        """Return the name of the limit that ends the search; ``others`` is the work of other searches that share the
+        same limits."""
         if self.open(bracket.lower, bracket.upper) <= 1.0:
             return "gap"
         if bracket.upper < self.enough:

@@ -25,16 +25,16 @@ SectionSide = Literal["left", "right"]
 
 @dataclass(frozen=True, eq=False)
 class DirectionBounds(Bracket):
-    """Bounds of Kh in one direction.
+    """Holds the bounds of Kh in one direction of the seismic force.
 
     Attributes
     ----------
     direction : Direction
-        Where the seismic force acts, "downhill" or "uphill" by the ends of the surface.
+        Direction of the seismic force, "downhill" or "uphill" by the ends of the surface.
     towards : SectionSide
-        The same direction as a side of the section.
+        The same direction as a side of the section, "left" or "right".
     leaves : tuple of SectionSide
-        Sides of the section through which the mechanism leaves it.
+        Sides through which the mechanism leaves the section.
     """
 
     direction: Direction = "downhill"
@@ -44,7 +44,7 @@ class DirectionBounds(Bracket):
 
 @dataclass(frozen=True, eq=False)
 class SmallerKhBounds(Bracket):
-    """Bounds of the smallest Kh over the requested directions that count.
+    """Holds the bounds of the smallest Kh over all directions that count.
 
     As in the finite elements, the uphill direction does not count if its mechanism leaves the section through a side
     and the downhill direction was analysed: the side is where the section was cut off.
@@ -68,21 +68,22 @@ class DirectionSearch(BoundSearch):
     def __init__(
         self, mesh: TriMesh, body: RigidPlasticBody, limits: Limits, direction: Direction, towards: SectionSide
     ) -> None:
-        """Search on ``mesh`` for ``body``, within ``limits``, with the seismic force in ``direction``, on the side
-        ``towards``.
+        """Prepare the search on ``mesh`` for the bounds of ``body``, within ``limits``; the seismic force acts in
+        ``direction``, on the side ``towards``.
         """
         super().__init__(mesh, body, limits)
         self.direction, self.towards = direction, towards
 
     @property
     def bounds(self) -> DirectionBounds:
-        """The best bounds of the search so far."""
+        """Return the best bounds of the search so far."""
         leaves = sides_left_through(self.bracket.mechanism) if self.bracket.mechanism else ()
         return DirectionBounds(**_values(self.bracket), direction=self.direction, towards=self.towards, leaves=leaves)
 
 
 def sides_left_through(mechanism: Mechanism) -> tuple[SectionSide, ...]:
-    """Which sides of the section move by more than a tenth of the largest velocity; none where the section repeats."""
+    """Return the sides of the section that move by more than a tenth of the largest velocity; none if the section
+    repeats."""
     mesh = mechanism.problem.mesh
     if mesh.repeats:
         return ()
@@ -93,7 +94,7 @@ def sides_left_through(mechanism: Mechanism) -> tuple[SectionSide, ...]:
 
 
 def smaller_of(directions: Iterable[DirectionBounds]) -> SmallerKhBounds:
-    """The bounds of the smallest Kh over all directions that count (`counting_of`).
+    """Return the bounds of the smallest Kh over all directions that count (`counting_of`).
 
     Work and meshes are those of the direction with the smallest upper bound.
     """
@@ -114,7 +115,7 @@ def smaller_of(directions: Iterable[DirectionBounds]) -> SmallerKhBounds:
 
 
 def counting_of(directions: Sequence[DirectionBounds]) -> list[DirectionBounds]:
-    """The directions that count for the smaller Kh.
+    """Return the directions whose bounds count for the smaller Kh.
 
     An uphill mechanism that leaves the section through a side does not count where there is a downhill one.
     """
@@ -126,7 +127,7 @@ def counting_of(directions: Sequence[DirectionBounds]) -> list[DirectionBounds]:
 def search_all(
     searches: Sequence[DirectionSearch], limits: Limits, observer: KhObserver | None = None
 ) -> SmallerKhBounds:
-    """Bounds of the smallest Kh of all ``searches``, which share the work of ``limits``."""
+    """Find the bounds of the smallest Kh of all ``searches``, which share the work of ``limits``."""
     while True:
         for search in searches:
             if not search.bracket.meshes:

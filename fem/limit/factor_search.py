@@ -58,7 +58,7 @@ WORK_OF_A_MESH = 1.5
 
 
 class FactorSearch:
-    """The factor of safety at ``kh`` with the force to one side (``sign`` 1: the side of ``fem``)."""
+    """Searches the factor of safety at ``kh`` with the seismic force to one side (``sign`` 1: the side of ``fem``)."""
 
     def __init__(
         self,
@@ -70,7 +70,7 @@ class FactorSearch:
         start: TrialStart,
         work: FactorWork,
     ) -> None:
-        """Search in ``section`` with ``mesh``, settings of the elements ``fem`` and of the bounds ``settings``.
+        """Prepare the search in ``section`` on ``mesh``, with settings ``fem`` of elements and ``settings`` of bounds.
 
         ``sign``: 1 for a seismic force to the side of ``fem``, -1 for the other side; ``start``: Kh and first factor;
         ``work``: budget of the search.
@@ -105,7 +105,7 @@ class FactorSearch:
             self.refine()
 
     def confirms(self, other: "FactorSearch") -> bool:
-        """Whether the lower bound of the ``other`` direction is proven for this one, too, on the finest triangles.
+        """Return whether the lower bound of the ``other`` direction is proven for this one on the finest triangles.
 
         Mostly this needs far fewer triangles than the other direction. Where the bound is not proven, the factor of
         this direction is searched for, on triangles refined for its mechanism.
@@ -126,18 +126,18 @@ class FactorSearch:
 
     @property
     def gap(self) -> float:
-        """Upper less lower factor over their mean, inf where one is missing."""
+        """Return the upper less lower factor over their mean, inf where one is missing."""
         return gap_of_factors(self.lower, self.upper)
 
     @property
     def is_enough(self) -> bool:
-        """Whether one of the bounds is already sufficient (see ``TrialStart``)."""
+        """Return whether one of the bounds is already sufficient (see ``TrialStart``)."""
         return self.lower >= self.enough or self.upper < self.slips
 
     @property
     def open_here(self) -> float:
-        """Relative gap of the factor on the present triangles, estimated by secants from all trials, proven or not; inf
-        if unknown.
+        """Return the relative gap of the factor on these triangles, estimated by secants through all trials; inf if
+        unknown.
         """
         ends = self.root("lower"), self.root("upper")
         return math.log(ends[1] / ends[0]) if all(math.isfinite(end) for end in ends) else math.inf
@@ -152,7 +152,7 @@ class FactorSearch:
 
     @property
     def solver_fails(self) -> bool:
-        """Whether the solver ended early at the same bound in several trials in a row: further trials would, too."""
+        """Return whether the solver ended early at the same bound in several trials in a row, as it would again."""
         return max(self.failures.values()) >= FAILED_MESHES
 
     @property
@@ -172,7 +172,7 @@ class FactorSearch:
         return problem if self.gauge == "kh" else with_all_loads_live(problem, self.target)
 
     def over(self, bound: float) -> float:
-        """By how much a bound of Kh, or the logarithm of a bound of the share of loads, exceeds the required one."""
+        """Return the excess of a bound of Kh, or the logarithm of the bound of the share of loads."""
         if self.gauge == "kh":
             return bound - self.target
         return math.log(bound) if bound > 0.0 else -math.inf
@@ -216,10 +216,9 @@ class FactorSearch:
         return trial
 
     def count(self, side: BoundSide, factor: float, solution: Solution, unproven: bool) -> None:
-        """Add up the work of a trial, keep its solution as the next starting point, and count consecutive trials in
-        which the solver found neither a bound nor a proof that there is none.
-        ``side``: which bound; ``factor``: factor of safety tried; ``solution``: answer of the solver; ``unproven``: it
-        decided nothing.
+        """Count a trial: add its work, store its solution as the next starting point, and count consecutive trials in
+        which the solver found neither a bound nor a proof that there is none. ``side`` names the bound; ``factor`` is
+        the factor of safety tried; ``solution`` is the answer of the solver; with ``unproven`` it decided nothing.
         """
         self.work.spent += solution.work
         self.work.ran_out = self.work.ran_out or solution.out_of_work
@@ -227,12 +226,12 @@ class FactorSearch:
         self.failures[side] = self.failures[side] + 1 if unproven and not (solution.none or solution.out_of_work) else 0
 
     def place(self, side: BoundSide, factor: float) -> Warm | None:
-        """The solution of the last trial as a start if its factor is near."""
+        """Return the solution of the last trial as starting point of the solver, if its factor is close enough."""
         last, place = self.places.get(side, (factor, None))
         return place if abs(math.log(factor / last)) < NEAR else None
 
     def settle(self) -> None:
-        """Try factors on this mesh until the bracket of the factor is within the required gap."""
+        """Try factors of safety on this mesh until their bracket is within the required gap."""
         last = self.regauged(self.measure(self.factor))
         safe, unsafe = 0.0, math.inf
         for _ in range(TRIALS):
@@ -251,8 +250,9 @@ class FactorSearch:
             last = trial
 
     def regauged(self, trial: BoundsTrial) -> BoundsTrial:
-        """A trial with bounds of Kh, or with bounds of the share of all loads where those of Kh decide nothing: no
-        mechanism fails below the given Kh, but no stress field balances the weight, as below a footing.
+        """Return a trial with bounds of Kh or, if they decide nothing, with bounds of the share of all loads. Bounds of
+        Kh decide nothing if no mechanism fails below the given Kh and yet no stress field balances the weight, as below
+        a footing.
         """
         fails_late = trial.upper is not None and self.over(trial.upper) > 0.0
         if self.gauge == "loads" or not (trial.unborne and fails_late):
@@ -267,18 +267,18 @@ class FactorSearch:
         return loaded
 
     def middle(self, trial: BoundsTrial) -> float:
-        """The mean excess of both bounds, or the excess of the only one; -inf without any."""
+        """Return the mean excess of both bounds, or the excess of the only one; -inf without any."""
         values = [self.over(bound) for bound in (trial.lower, trial.upper) if bound is not None]
         return sum(values) / len(values) if values else -math.inf
 
     def gap_of(self, trial: BoundsTrial) -> float:
-        """Relative gap between the factors of safety that the lower and the upper bound of a trial give."""
+        """Return the relative gap between the factors of safety that the lower and the upper bound of a trial give."""
         if trial.lower is None or trial.upper is None or self.slope is None:
             return 0.0
         return (self.over(trial.lower) - self.over(trial.upper)) / self.slope
 
     def learn(self, before: BoundsTrial, now: BoundsTrial) -> None:
-        """Update the slope of the excess over the logarithm of the factor."""
+        """Update the slope of the excess over the logarithm of the factor, from the trials so far."""
         if before.cells != now.cells or before.factor == now.factor or before.gauge != now.gauge:
             return
         for side in ("upper", "lower"):
@@ -291,7 +291,7 @@ class FactorSearch:
                     return
 
     def step(self, over: float) -> float:
-        """The ratio of the next factor to the present one, whose bound exceeds the required bound by ``over``."""
+        """Return the ratio of the next factor to the present one; its bound is ``over`` above the required one."""
         if self.slope is None:
             log_step = (2.0 if self.gauge == "kh" else 1.0) * over
             log_step = math.copysign(max(abs(log_step), 0.05), log_step)
@@ -300,7 +300,7 @@ class FactorSearch:
         return math.exp(float(np.clip(log_step, -math.log(STEP), math.log(STEP))))
 
     def prove_both(self, finally_: bool) -> None:
-        """Prove the upper bound, which costs less, then the lower one.
+        """Prove the upper bound, which takes less work, then the lower bound.
 
         On the last triangles (``finally_``) to the required gap; on earlier ones only where little is proven yet, since
         the solver may fail on finer ones, or where the upper bound decides.
@@ -338,23 +338,23 @@ class FactorSearch:
 
     @property
     def here(self) -> list[BoundsTrial]:
-        """The trials on the present triangles."""
+        """Return the trials on the present triangles."""
         last = self.trials[-1]
         return [trial for trial in self.trials if (trial.cells, trial.gauge) == (last.cells, last.gauge)]
 
     def root(self, side: BoundSide) -> float:
-        """The factor of a bound on these triangles by a secant, NaN where nothing is known."""
+        """Return the factor at which a bound meets the required value, by a secant; NaN if unknown."""
         return _root(self.points(side), self.slope)
 
     def points(self, side: BoundSide) -> list[tuple[float, float]]:
-        """Pairs of the logarithm of the factor and the excess of a bound, of the trials on these triangles."""
+        """Return pairs of the logarithm of the factor and the excess of a bound, for trials on these triangles."""
         bounds = [(trial.factor, getattr(trial, side)) for trial in self.here]
         points = [(math.log(factor), self.over(bound)) for factor, bound in bounds if bound is not None]
         return sorted(point for point in points if abs(point[1]) < FAR)
 
     def refine(self) -> None:
-        """Finer triangles where the bounds of the last trial differ: enough of them to close the gap, if one step can
-        do that. The margins are unchanged.
+        """Refine the triangles where the bounds of the last trial differ, by enough cells to close the gap if one step
+        can do that. The margins are unchanged.
         """
         assert self.seen is not None  # both bounds were tried on these triangles
         problem, low, high = self.seen

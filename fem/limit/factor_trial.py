@@ -10,7 +10,8 @@ Gauge = Literal["kh", "loads"]
 
 @dataclass(frozen=True)
 class BoundsTrial:
-    """Bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None where no bound was proven.
+    """Holds the bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None where no bound was
+    proven.
 
     The bounds are those of Kh, or of the share of all loads that the ground resists (inf where friction alone resists
     any load); ``unborne``: no stress balances the weight at any Kh. ``work`` is in seconds of the reference machine.
@@ -27,7 +28,7 @@ class BoundsTrial:
 
 @dataclass(frozen=True)
 class TrialStart:
-    """The given Kh, the factor to begin with, whether sides are smooth, and the bounds that are sufficient: a lower
+    """Holds the given Kh, the first factor, whether sides are smooth, and the bounds that are sufficient: a lower
     bound, or an upper bound that is below ``slips``.
     """
 
@@ -40,7 +41,8 @@ class TrialStart:
 
 @dataclass
 class FactorWork:
-    """Work allowed and spent (s of the reference machine), and whether the search ended because it was used up."""
+    """Holds the work allowed and spent (s of the reference machine), and whether the search ended because it was used
+    up."""
 
     allowed: float
     spent: float = 0.0
@@ -55,14 +57,14 @@ class FactorWork:
         return FactorWork(share * self.left)
 
     def allows(self, more: float) -> bool:
-        """Whether at least ``more`` work is left."""
+        """Return whether at least ``more`` work is left."""
         enough = 0.0 < self.left >= more
         self.ran_out = self.ran_out or not enough
         return enough
 
 
 def gap_of_factors(lower: float, upper: float) -> float:
-    """Upper less lower factor over their mean, inf where one is missing."""
+    """Return the upper less lower factor over their mean, inf where one is missing."""
     if lower <= 0.0 or not math.isfinite(upper):
         return math.inf
     return (upper - lower) / (0.5 * (upper + lower))

@@ -17,7 +17,7 @@ from meshes.triangles import TriMesh
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Ends of edges of the outline: k points, each of them belonging to one cell.
+    """Holds the ends of edges of the outline: k points, each of which belongs to one cell.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ CornerCohesion = Callable[[TriMesh, bool], np.ndarray]
 
 @dataclass(frozen=True)
 class Side:
-    """The boundary condition on one side of the body.
+    """Holds the boundary condition on one side of the body.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class RigidPlasticBody:
-    """Strengths and body forces of the strata, in SI units, and the boundary conditions.
+    """Holds strengths and body forces of the strata, in SI units, and the boundary conditions.
 
     Attributes
     ----------
@@ -109,7 +109,7 @@ class RigidPlasticBody:
 
 @dataclass(frozen=True)
 class Units:
-    """Units in which the problem is dimensionless.
+    """Holds units in which the problem is dimensionless.
 
     Attributes
     ----------
@@ -128,16 +128,16 @@ class Units:
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """The k edges of the boundary, with their boundary conditions, dimensionless.
+    """Holds the k edges of the boundary, with their boundary conditions, dimensionless.
 
     Attributes
     ----------
     edges : ndarray (k,)
-        Numbers of the edges in the mesh.
+        Numbers of the boundary edges in the mesh.
     ends : ndarray (k, 2)
-        Numbers of their end points.
+        Numbers of the end points of each edge.
     cells : ndarray (k,)
-        The cell inside each edge.
+        Number of the cell inside each edge.
     fixed : ndarray (k, 2) of bool
         Which components of the velocity are zero, so that their traction is unknown.
     periodic : ndarray (k,) of bool
@@ -158,18 +158,18 @@ class Outline:
 
     @property
     def reacts(self) -> np.ndarray:
-        """Components (k, 2) of the traction, as a mask, that are not prescribed."""
+        """Find the components (k, 2) of the traction, as a mask, that are not prescribed."""
         return self.fixed | self.periodic[:, None]
 
     @property
     def loaded(self) -> np.ndarray:
-        """Ends of edges (k, 2), as a mask, with a prescribed traction other than zero or an unknown one."""
+        """Find the ends of edges (k, 2), as a mask, with a prescribed traction other than zero or an unknown one."""
         return (self.reacts[:, None, :] | (self.dead != 0.0) | (self.live != 0.0)).any(axis=2)
 
 
 @dataclass(frozen=True, eq=False)
 class LimitProblem:
-    """A rigid-plastic body on a mesh of m triangles, dimensionless.
+    """Holds a rigid-plastic body on a mesh of m triangles, dimensionless.
 
     Attributes
     ----------
@@ -180,7 +180,8 @@ class LimitProblem:
     cohesion : ndarray (m, 3)
         Cohesion at the corners of every cell over the unit of stress; linear in between, nowhere above the true one.
     cohesion_above : ndarray (m, 3)
-        The same, nowhere below the true one; it is the cohesion of upper bounds.
+        Cohesion at the corners of every cell over the unit of stress, nowhere below the true cohesion; for upper
+        bounds.
     friction : ndarray (m,)
         Friction angle of every cell in rad.
     tension : ndarray (m,)
@@ -188,7 +189,7 @@ class LimitProblem:
     dead_force : ndarray (m, 2)
         Body force on the skeleton that does not depend on the multiplier, over unit of stress / unit of length.
     live_force : ndarray (m, 2)
-        Body force that is multiplied by the load multiplier, in the same unit.
+        Body force that is multiplied by the load multiplier, over unit of stress / unit of length.
     outline : Outline
         The edges of the boundary.
     jumps : EdgeJumps
@@ -208,7 +209,7 @@ class LimitProblem:
 
     @property
     def spread_cohesion(self) -> np.ndarray:
-        """Cohesions (m, 3) by which dissipations D at the corners of a cell sum up: ∫ c D dA <= Σ c_i D_i A/3.
+        """Return cohesions (m, 3) with which dissipations D at the corners of a cell add up: ∫ c D dA <= Σ c_i D_i A/3.
 
         D is convex where the strain rate is linear, D <= Σ D_i L_i, and c = Σ c_j L_j with the area coordinates L, so
         that ∫ c D dA <= Σ_ij c_j D_i ∫ L_i L_j dA, which is A/6 for i = j and A/12 otherwise. With a tension cut-off D
@@ -220,18 +221,19 @@ class LimitProblem:
 
     @property
     def points(self) -> np.ndarray:
-        """The points (n, 2) in m."""
+        """Return the points (n, 2) in m."""
         return self.mesh.points * self.units.length + np.array(self.units.origin)
 
     @property
     def mesh_in_metres(self) -> TriMesh:
-        """The mesh with its points in m."""
+        """Return the mesh with its points in m."""
         mesh = self.mesh
         return TriMesh(self.points, mesh.cells, mesh.stratum, mesh.boundaries, mesh.repeats)
 
 
 def units_of(mesh: TriMesh, body: RigidPlasticBody) -> Units:
-    """The units: the height of the mesh, and the largest dead stress (γH or traction), or without any the cohesion."""
+    """Return the units of length and stress: the height of the mesh, and the largest dead stress (γH or traction), or
+    the cohesion if there is no dead stress."""
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     length = float(high[1] - low[1])
     weight = float(np.hypot(*_on_skeleton(mesh, body).T).max()) * length
@@ -241,8 +243,8 @@ def units_of(mesh: TriMesh, body: RigidPlasticBody) -> Units:
 
 
 def corner_cohesion(mesh: TriMesh, body: RigidPlasticBody, above: bool = True) -> np.ndarray:
-    """Cohesion (m, 3) in Pa at the corners of every cell. Linear in between, it is nowhere below the true cohesion if
-    ``above``, else nowhere above it.
+    """Return the cohesion (m, 3) in Pa at the corners of every cell. Linear in between, it is nowhere below the true
+    cohesion if ``above``, else nowhere above it.
     """
     if body.varying is not None:
         return body.varying(mesh, above)
@@ -250,7 +252,7 @@ def corner_cohesion(mesh: TriMesh, body: RigidPlasticBody, above: bool = True) -
 
 
 def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitProblem:
-    """The dimensionless problem on a mesh whose strata are those of the body.
+    """Return the dimensionless problem on a mesh whose strata are those of the body.
 
     Cells in a corner of the outline (``corner_cells``) are divided first. Raises ValueError if an
     edge of the outline belongs to no boundary.
@@ -287,8 +289,8 @@ def _tension(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
 
 
 def with_all_loads_live(problem: LimitProblem, multiplier: float) -> LimitProblem:
-    """The problem whose multiplier acts on all loads; where it is above 1 the ground resists ``multiplier`` times the
-    live load.
+    """Return the problem whose multiplier acts on all loads; where it is above 1 the ground resists ``multiplier``
+    times the live load.
 
     Forces by jumps of the pore pressure are among these loads. Without load there is an admissible stress, so that by
     convexity the ground resists every share of the loads up to the largest one.
@@ -304,7 +306,7 @@ def with_all_loads_live(problem: LimitProblem, multiplier: float) -> LimitProble
 
 
 def bare_corners(problem: LimitProblem) -> np.ndarray:
-    """Corners (m, 3), as a mask, on an edge of the outline of their cell on which there is no traction at all."""
+    """Find the corners (m, 3), as a mask, on an edge of the outline that has no traction at all."""
     outline = problem.outline
     loaded = outline.loaded
     bare = np.zeros(problem.mesh.cells.shape, dtype=bool)
@@ -323,8 +325,8 @@ def _on_skeleton(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
 
 
 def corner_cells(mesh: TriMesh) -> np.ndarray:
-    """Cells (m,), as a mask, with two edges on the outline, so that the boundary conditions determine their stress or
-    velocity.
+    """Find the cells (m,), as a mask, with two edges on the outline, whose stress or velocity follows from the boundary
+    conditions.
     """
     return (mesh.edge_cells[:, 1] < 0)[mesh.cell_edges].sum(axis=1) >= 2
 
@@ -354,7 +356,7 @@ def _outline(mesh: TriMesh, body: RigidPlasticBody) -> Outline:
 
 
 def edge_ends(mesh: TriMesh, ends: np.ndarray, cells: np.ndarray) -> Places:
-    """Both ends of edges (k, 2) of the outline, one edge after the other."""
+    """Return both ends of edges (k, 2) of the outline, one edge after the other."""
     points = mesh.points[ends]
     return Places(
         points.reshape(-1, 2),

@@ -31,7 +31,7 @@ Equations = tuple[sparse.csr_matrix, np.ndarray, np.ndarray, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class LowerBound:
-    """The stress field with the largest load multiplier, dimensionless.
+    """Holds the stress field with the largest load multiplier, dimensionless.
 
     Attributes
     ----------
@@ -63,8 +63,8 @@ def lower_bound(
     most_work: float = math.inf,
     start: cone_program.Warm | None = None,
 ) -> LowerBound:
-    """The stress field with the largest load multiplier, corrected after the solver so that it fulfils the equations to
-    rounding.
+    """Find the stress field with the largest load multiplier, corrected after the solver so that it fulfils the
+    equilibrium equations to rounding.
 
     ``more_margin`` (m, 3), as ``LowerBound.shortfall``, is a distance to the yield surface beyond the usual margin.
     After ``most_work`` (s of the reference machine) the solver returns its last iterate; ``start`` is the iterate at
@@ -130,7 +130,8 @@ def _all_round(stresses: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 
 def equations(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.ndarray, np.ndarray]:
-    """A, b0, b1 of A σ = b0 + λ b1: equilibrium of the cells, then tractions of the edges, each times a length.
+    """Return the equilibrium equations A σ = b0 + λ b1 of the cells, then the tractions of the edges, each times a
+    length.
 
     The last array has the number of the point of an equation of tractions, -1 for an equation of equilibrium.
     """
@@ -141,8 +142,8 @@ def equations(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.
 
 
 def points_of_equations(matrix: sparse.csr_matrix, points: np.ndarray, corner_points: np.ndarray) -> np.ndarray:
-    """The point of every equation, -1 for none. For the equilibrium of a cell with only one corner stress it is this
-    corner.
+    """Return the number of the point of every equation, -1 for none. The equilibrium of a cell with only one corner
+    stress belongs to this corner.
 
     The other two corners of such a cell lie at a bare surface of ground without cohesion. The equilibrium equations of
     several such cells around a point, as in the tip of a wedge of sand, depend on the tractions there.
@@ -160,7 +161,7 @@ def points_of_equations(matrix: sparse.csr_matrix, points: np.ndarray, corner_po
 def independent_equations(
     matrix: sparse.csr_matrix, dead: np.ndarray, live: np.ndarray, points: np.ndarray
 ) -> tuple[sparse.csr_matrix, np.ndarray, np.ndarray]:
-    """A, b0, b1 of linearly independent equations with the same solutions, found point by point.
+    """Return a, b0, b1 of linearly independent equations with the same solutions, found point by point.
 
     Equations at a point are linearly dependent where edges run straight through it, and at corners without stress. The
     dual velocities of dependent equations are not unique and could grow without limit, and with them the tolerance of
@@ -253,7 +254,7 @@ def _continuity(problem: LimitProblem) -> Equations:
 
 
 def _boundary(problem: LimitProblem) -> Equations:
-    """The prescribed traction at both ends of the edges of the outline, in components that are not held, times half
+    """The prescribed traction at both ends of the edges of the outline, in components that are not fixed, times half
     their length.
     """
     outline = problem.outline

@@ -35,7 +35,7 @@ UNSTRAINED = 0.01
 
 
 def fans(problem: LimitProblem, points: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """For every point, the cells that meet there, and the number of the point among the corners of each."""
+    """Yield, for every point, the cells that meet there, and the number of the point among the corners of each cell."""
     cells = problem.mesh.cells
     wanted = np.zeros(len(problem.mesh.points), dtype=bool)
     wanted[points] = True
@@ -47,8 +47,8 @@ def fans(problem: LimitProblem, points: np.ndarray) -> Iterator[tuple[int, np.nd
 
 
 def stress_free_corners(problem: LimitProblem) -> np.ndarray:
-    """Corners (m, 3), as a mask, at which the stress must be zero because a bare surface is near: corners of cells
-    without cohesion, or at crests without tension.
+    """Find the corners (m, 3), as a mask, at which the stress must be zero: corners near a bare surface, in cells
+    without cohesion or at crests without tension.
 
     Tractions are continuous across the edges that meet at a point, and zero on a bare one. Where this leaves a cell no
     stress inside its cone |radius of Mohr's circle| <= sin φ |mean stress|, its stress is zero. Where the cone has no
@@ -86,7 +86,7 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
 
 
 def pressed_all_round(problem: LimitProblem) -> np.ndarray:
-    """Corners (m, 3), as a mask, of ground without cohesion and friction there, such as clay whose strength is
+    """Return corners (m, 3), as a mask, of ground without cohesion and friction there, such as clay whose strength is
     proportional to σ'v where σ'v is zero: only an isotropic pressure is admissible.
     """
     return (problem.cohesion <= NO_COHESION) & (problem.friction[:, None] == 0.0)
@@ -145,7 +145,7 @@ def _outside_cone(stresses: np.ndarray, friction: float) -> bool:
 
 
 def unstrained_points(problem: LimitProblem) -> np.ndarray:
-    """Points (n,), as a mask, on held boundaries where the flow rule lets no cell strain.
+    """Find the points (n,), as a mask, on fixed boundaries at which the flow rule lets no cell strain.
 
     Such points are corners between two held edges, where φ is larger than half of their angle, and points of a straight
     held edge where ground that cannot dilate begins. At such a point the velocity gradient of a cell follows from the

@@ -40,8 +40,8 @@ FactorEnd = Literal["gap", "range", "triangles", "time", "solver"]
 
 @dataclass(frozen=True)
 class SafetyBounds:
-    """Bounds of the factor of safety: the ground stands at ``lower`` and fails at ``upper``; 0 and inf where no bound
-    was proven.
+    """Holds bounds of the factor of safety: the ground stands at ``lower`` and fails at ``upper``; 0 and inf where no
+    bound was proven.
 
     ``shallow_failure`` is the factor at which a cohesionless face fails, or shallow ground slips where two faces meet,
     if it is below ``upper``; it equals ``upper`` if no stress was found in the ground as given. The ground down to the
@@ -62,7 +62,7 @@ class SafetyBounds:
 
     @property
     def gap(self) -> float:
-        """Upper less lower bound over their mean, inf where one is missing."""
+        """Return the upper less lower bound over their mean, inf where one is missing."""
         return gap_of_factors(self.lower, self.upper)
 
 
@@ -74,13 +74,13 @@ def safety_bounds(
     guess: float = 1.0,
     smooth_sides: bool = False,
 ) -> SafetyBounds:
-    """Lower and upper bound of the factor of safety at ``kh``.
+    """Find lower and upper bounds of the factor of safety at ``kh``.
 
     With ``smooth_sides`` the sides move only vertically, as in strength reduction without shaking; without it
     free-field sides carry the K0 stress. ``guess`` is the first factor tried; a poor one costs time only. Both
     directions of the seismic force are analysed, within the work that the ``settings`` allow, at factors from SMALLEST
     to LARGEST. Raises InputError as ``kh_bounds`` does, BadMeshError if there are no triangles. ``section``: the
-    ground; ``fem``: settings of the elements, of which sides and direction matter here.
+    section of the ground; ``fem``: settings of the elements, of which sides and direction matter here.
     """
     start, work = TrialStart(kh, guess, smooth_sides), FactorWork(settings.seconds)
     faces = faces_at(section, fem, kh)
@@ -139,7 +139,7 @@ class _Coarse:
     searches: tuple[FactorSearch, FactorSearch]
 
     def fails_at(self, factor: float) -> bool:
-        """Whether a mechanism fails when the strength is divided by ``factor``."""
+        """Return whether a mechanism fails when the strength is divided by ``factor``."""
         for search in self.searches:
             search.measure(factor, lower=False)
             if search.upper <= factor:
@@ -147,8 +147,8 @@ class _Coarse:
         return False
 
     def least_failing(self, factor: float) -> float:
-        """``factor`` itself, or a smaller one at which a mechanism fails: where faces of different water or slope meet,
-        shallow ground slips before the face fails.
+        """Return ``factor``, or a smaller factor at which a mechanism fails: where faces of different water or slope
+        meet, shallow ground slips before the face fails.
         """
         if not self.fails_at(factor):
             return factor

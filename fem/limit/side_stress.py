@@ -18,8 +18,8 @@ ENOUGH_CELLS = 3000
 
 
 def side_stresses(section: Section, mesh: TriMesh) -> dict[str, SideStress]:
-    """The K0 stress on the "left" and the "right" side (see ``fem/continuum/side_stress.py``), with the resultants of
-    plane elasticity on triangles.
+    """Compute the K0 stress on the "left" and the "right" side (see ``fem/continuum/side_stress.py``) with the
+    resultants of plane elasticity on triangles.
     """
     while len(mesh.cells) < ENOUGH_CELLS:
         mesh, _ = bisect(mesh, np.arange(len(mesh.cells)))

@@ -34,7 +34,7 @@ MUCH = 1e5
 
 @dataclass(frozen=True, eq=False)
 class UpperBound:
-    """The mechanism with the smallest load multiplier, dimensionless.
+    """Holds the mechanism with the smallest load multiplier, dimensionless.
 
     Attributes
     ----------
@@ -62,8 +62,8 @@ def upper_bound(
     most_work: float = math.inf,
     start: cone_program.Warm | None = None,
 ) -> UpperBound:
-    """The mechanism with the smallest load multiplier, corrected after the solver so that it fulfils the equations to
-    rounding.
+    """Find the mechanism with the smallest load multiplier, corrected after the solver so that it fulfils the equations
+    to rounding.
 
     ``more_margin`` (m, 3), as ``UpperBound.shortfall``, is a distance to the limit of the flow rule beyond the usual
     margin. Cells of ``rigid`` (m,), a mask, are held: the result is still an upper bound, though a larger one. After
@@ -115,7 +115,8 @@ def upper_bound(
 
 
 def free_velocities(problem: LimitProblem, moves: np.ndarray) -> sparse.csr_matrix:
-    """The matrix from the free velocities to all velocities (2 n,); ``moves`` (2 n,) marks those that are not held.
+    """Return the matrix from the free velocities to all velocities (2 n,); ``moves`` (2 n,) marks the components that
+    are not fixed.
 
     At a point whose strain rate must vanish, the velocity v along an edge has no slope:
     4 v(middle) = 3 v(point) + v(end). Periodic sides have equal velocities.
@@ -180,8 +181,8 @@ def _flow_slack(program: cone_program.ConeProgram, rates: np.ndarray) -> tuple[n
 
 
 def nodes_and_loads(problem: LimitProblem) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes (m, 6) of the cells, which components are free (2 n,), and the work of the dead and the live load on a unit
-    velocity of each (2 n,)."""
+    """Return the nodes (m, 6) of the cells, a mask of the free velocity components (2 n,), and the work of the dead and
+    of the live load on a unit velocity of each component (2 n,)."""
     mesh, outline = problem.mesh, problem.outline
     nodes = mesh.six_nodes
     count = len(mesh.points) + len(mesh.edges)
@@ -216,8 +217,8 @@ def add_edge_loads(loads: np.ndarray, mesh: TriMesh, nodes: np.ndarray, traction
 
 
 def strain_rates(mesh: TriMesh, nodes: np.ndarray) -> sparse.csr_matrix:
-    """The matrix from the velocities (2 n,) to the strain rates at the corners (9 m,), [xx, yy, engineering xy] corner
-    by corner.
+    """Return the matrix from the velocities (2 n,) to the strain rates at the corners (9 m,), [xx, yy, engineering xy]
+    corner by corner.
 
     At corner k the gradient of the shape function is (4 δ_ik - 1) ∇L_i for corner i, and 4 ∇L_j for the middle of the
     edge kj.

@@ -39,7 +39,7 @@ LARGER = 10.0
 
 @dataclass(frozen=True, eq=False)
 class ConicLimitLoad:
-    """The limit load of a discretised section.
+    """Holds the limit load of a discretised section.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class ConicLimitLoad:
         Stresses at the limit load; its displacements are the velocities of the mechanism, scaled to a largest velocity
         of 1 m/s, and its strains the strain rates. None without a mechanism.
     bracket : (float, float)
-        Lower and upper multiplier at which the solver stopped; ``multiplier`` is their mean.
+        Lower and upper multiplier at which the solver stopped; ``multiplier`` is the mean of both.
     start : Warm or None
         Starting point of the solver for the same elements and loads with another strength.
     """
@@ -75,18 +75,20 @@ class _Cells:
 
 @dataclass(frozen=True, eq=False)
 class Discretised:
-    """Dimensionless equilibrium of the elements of all MPI ranks under nodal forces, gathered on the first rank.
+    """Holds the dimensionless equilibrium of the elements of all MPI ranks under nodal forces, gathered on the first
+    rank.
 
     Attributes
     ----------
     cells : _Cells
         The elements.
     free : ndarray (all components,)
-        Which displacement components are not held.
+        Mask of the displacement components that are not fixed.
     forces : tuple of ndarray (all components,)
         Nodal forces (N/m).
     length, unit : float
-        Units of length (m) and stress (Pa): the height, and with it ``SMALL`` times the sum of the first forces.
+        Unit of length (m), the height of the mesh, and unit of stress (Pa), which follows from the sum of the first
+        forces.
     strain : csr matrix (3 points, free components)
         Strain rates at the points times the root of the area of each, over the unit of length.
     """
@@ -100,20 +102,20 @@ class Discretised:
 
     @property
     def weight(self) -> np.ndarray:
-        """Root of the area of every point (nc, nq), over the unit of length."""
+        """Return the square root of the area of every point (nc, nq), over the unit of length."""
         return np.sqrt(self.cells.weights) / self.length
 
     def load(self, number: int) -> np.ndarray:
-        """Nodal forces of load ``number`` on the free components, over the unit of force (-)."""
+        """Return the nodal forces of load ``number`` on the free components, over the unit of force (-)."""
         return self.forces[number][self.free] / (self.unit * self.length)
 
     def program(
         self, strength: StrataStrength, dead: np.ndarray, live: np.ndarray, softening: np.ndarray | None = None
     ) -> cone_program.ConeProgram:
-        """The program for the stress of largest multiplier that balances the loads on the free components.
+        """Return the cone program for the stress of largest multiplier that balances the loads on the free components.
 
-        ``strength``: of the strata; ``dead``, ``live``: constant and growing nodal forces, over the unit of force;
-        ``softening`` (points,): loss of strength per unit of the multiplier (Pa).
+        ``strength`` is that of the strata; ``dead`` and ``live`` are constant and growing nodal forces, over the unit
+        of force; ``softening`` (points,) is the loss of strength per unit of the multiplier (Pa).
         """
         material = self.cells.material.ravel()
         return cone_program.ConeProgram(
@@ -133,10 +135,10 @@ class Discretised:
         start: cone_program.Warm | None = None,
         least: float = 1.0,
     ) -> "tuple[Discretised, cone_program.Solution]":
-        """Solve the program, and return the solution with the problem in the unit of stress that was used. Where the
-        solver is not certain, or finds no stress, which rounding of the forces can cause, it tries again with a larger
-        unit of stress. Only the first attempt begins at ``start``. ``least``: smallest multiplier of which the gap is a
-        share.
+        """Solve the cone program, and return the solution with the problem in the unit of stress that was used. If the
+        solver is not certain, or finds no stress because forces were rounded, the program is solved again with a larger
+        unit of stress. Only the first attempt begins at ``start``. ``least`` is the smallest multiplier of which the
+        gap is a share.
         """
         attempts = []
         for ground, place in ((self, start), (replace(self, unit=LARGER * self.unit), None)):
@@ -147,14 +149,14 @@ class Discretised:
         return next((pair for pair in attempts if pair[1].sure), attempts[-1])
 
     def stress(self, solution: cone_program.Solution) -> np.ndarray:
-        """Stress (points, [xx, yy, xy]) in Pa of a solution."""
+        """Return the stress (points, [xx, yy, xy]) in Pa of a solution."""
         return self.unit * solution.stress
 
     def mechanism(
         self, problem: "PlaneStrain", mesh: QuadMesh, solution: cone_program.Solution, kh: float
     ) -> FieldState:
-        """The fields of a ``solution`` on ``mesh`` at ``kh``; the mobilised share is that of the present strength of
-        ``problem``.
+        """Return the fields of a ``solution`` on ``mesh`` at ``kh``; the mobilised strength refers to the present
+        strength of ``problem``.
         """
         points = self.cells.weights.shape
         rates = (self.strain @ solution.rates).reshape(*points, 3) / self.weight[..., None]
@@ -174,13 +176,13 @@ def conic_limit_load(
     live: np.ndarray,
     start: cone_program.Warm | None = None,
 ) -> ConicLimitLoad:
-    """The largest λ at which the ground resists the nodal forces ``dead`` + λ ``live``, both (dofs,) in N/m.
+    """Find the largest λ at which the ground resists the nodal forces ``dead`` + λ ``live``, both (dofs,) in N/m.
 
     The flow is associated, the element "reduced"; the result does not depend on initial stress and stiffness. All ranks
     get the answer of the first. Raises UnstableError if no stress balances the forces, NoAnswerError if the solver
-    leaves no answer.
-    ``problem``: the elements of ``mesh``, with their strength and the components that are held; ``start``: the
-    ``start`` of another limit load with the same mesh, held components and loads, which saves half of the work.
+    leaves no answer. ``problem``: the elements of ``mesh``, with their strength and the components that are fixed;
+    ``start``: the ``start`` of another limit load with the same mesh, fixed components and loads, which saves half of
+    the work.
     """
     ground = gathered(problem, mesh, dead, live)
     answer: ConicLimitLoad | NoAnswerError | None = None
@@ -199,7 +201,7 @@ A = TypeVar("A")
 
 
 def of_first_rank(problem: "PlaneStrain", answer: A | NoAnswerError | None) -> A:
-    """The answer of the first MPI rank on all ranks; raises it if it is a NoAnswerError."""
+    """Return the answer of the first MPI rank on all ranks; raise the answer if it is a NoAnswerError."""
     answer = problem.grid.comm.bcast(answer)
     if isinstance(answer, NoAnswerError):
         raise answer
@@ -207,8 +209,8 @@ def of_first_rank(problem: "PlaneStrain", answer: A | NoAnswerError | None) -> A
 
 
 def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Discretised:
-    """The elements of all ranks under nodal forces (dofs,), gathered on the first rank; each other rank keeps its own
-    elements.
+    """Return the elements of all ranks under nodal forces (dofs,), gathered on the first rank; each other rank gets its
+    own elements only.
     """
     grid = problem.grid
     material = problem.material.reshape(grid.weights.shape)

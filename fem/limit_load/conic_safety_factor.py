@@ -53,7 +53,7 @@ LEAST_SOFTENING = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class FactorStart:
-    """Start of the search for another factor of safety of the same elements under the same forces.
+    """Holds the starting point of a search for another factor of safety of the same elements under the same forces.
 
     Attributes
     ----------
@@ -86,8 +86,8 @@ def _none() -> None:
 
 @dataclass(frozen=True, eq=False)
 class ConicSafetyFactor:
-    """The divisor of c and tan φ at which ground fails, its mechanism, and the start of a search for another factor
-    (None on ranks other than the first).
+    """Holds the divisor of c and tan φ at which ground fails, its mechanism, and the start of a search for another
+    factor (None on ranks other than the first).
     """
 
     factor: float
@@ -103,14 +103,12 @@ def conic_safety_factor(
     guess: float = 1.0,
     start: FactorStart | None = None,
 ) -> ConicSafetyFactor:
-    """The divisor of c and tan φ at which the ground just resists nodal forces (dofs,) in N/m, and the mechanism.
+    """Find the divisor of c and tan φ at which the ground just resists nodal forces (dofs,) in N/m, and the mechanism.
 
-    ``problem``: the elements of ``mesh``; ``forces``: nodal forces (N/m); ``guess``: factor at which the search begins;
-    ``kh`` labels the mechanism; ``start``: the start from the factor by another flow rule, which replaces the guess.
-    The flow is
-    associated, the element "reduced". The strength of the ``problem`` is
-    divided by the factor afterwards. Raises UnstableError if the factor is below 1/20, NoAnswerError if it is above 20
-    or the solver leaves no answer.
+    ``problem`` are the elements of ``mesh``; ``forces`` are nodal forces (N/m); ``guess`` is the factor at which the
+    search begins; ``kh`` labels the mechanism; ``start`` is the start from the factor by another flow rule, which
+    replaces the guess. The flow is associated, the element "reduced". The strength of the ``problem`` is divided by the
+    factor afterwards. Raises UnstableError if the factor is below 1/20, NoAnswerError if the solver leaves no answer.
     """
     grid = problem.grid
     mean = _elastic_mean(problem, forces)
@@ -132,7 +130,7 @@ def conic_safety_factor(
 
 
 def too_weak(kh: float) -> UnstableError:
-    """The error for a factor of safety below the smallest one that is searched for."""
+    """Return the error for a factor of safety below the smallest factor that is searched for."""
     under = "its own weight" + (f" and Kh = {kh:g}" if kh else "")
     return UnstableError(f"the section fails under {under} even at {LARGEST_FACTOR:g} times its strength")
 
@@ -165,7 +163,7 @@ class _FactorSearch:
         self.last = (start.log_factor, start.place) if start is not None else (math.inf, None)
 
     def find(self, guess: float, kh: float) -> tuple[float, FieldState, FactorStart]:
-        """The factor, its mechanism, and the start of a search by another flow rule."""
+        """Find the factor of safety, its mechanism, and the start of a search by another flow rule."""
         low, high, at = -math.inf, math.inf, math.log(guess) if self.start is None else self.next_from(self.start)
         for _ in range(TRIALS):
             if at < -math.log(LARGEST_FACTOR):
@@ -186,7 +184,8 @@ class _FactorSearch:
         raise NoAnswerError("no factor of safety was found", "use another mesh")
 
     def step(self, at: float) -> tuple[float, cone_program.Solution]:
-        """Newton correction of the logarithm of the factor of safety at the value ``at``, and the solution there."""
+        """Return the Newton correction of the logarithm of the factor of safety at the value ``at``, and the solution
+        there."""
         self.problem.use_strength(math.exp(at))
         strength, softening = self.problem.strength, self.softening(at, self.elastic)
         softening = np.maximum(softening, LEAST_SOFTENING * softening.mean())
@@ -207,8 +206,8 @@ class _FactorSearch:
         return -math.log1p(-min(spare, MOST_SPARE)), solution
 
     def next_from(self, start: FactorStart) -> float:
-        """The logarithm of the factor at which the mechanism of a ``start`` meets as much resistance by this flow rule
-        as it did by the other one."""
+        """Return the logarithm of the factor at which the mechanism of ``start`` meets as much resistance by this flow
+        rule as by the other flow rule."""
         at = start.log_factor
         for _ in range(PREDICTIONS):
             resisted = float(start.shear @ self.resistance(at, start.mean))
@@ -223,7 +222,8 @@ class _FactorSearch:
         return (ends[0] - ends[1]) / (2.0 * DIFFERENCE)
 
     def resistance(self, at: float, mean: np.ndarray) -> np.ndarray:
-        """The strength R (points,) in Pa under ``mean`` stresses in Pa where the logarithm of the factor is ``at``."""
+        """Return the strength R (points,) in Pa under ``mean`` stresses in Pa where the logarithm of the factor is
+        ``at``."""
         weak = strength_of(self.problem.strata, self.problem.flow, math.exp(at), self.problem.form)
         sin, cos = np.sin(weak.friction), np.cos(weak.friction)
         return (weak.cohesion * cos)[self.material] - sin[self.material] * mean

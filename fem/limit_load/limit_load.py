@@ -29,26 +29,26 @@ from meshes.section.section import Section
 
 @dataclass(frozen=True, eq=False)
 class LoadedGround:
-    """The ground at rest, and the limit load of the seismic force to one side.
+    """Holds the ground at rest, and the limit load of the seismic force in one direction.
 
     Attributes
     ----------
     problem : PlaneStrain
         The ground: in equilibrium under its weight, or without stress where ``gravity`` is None.
     weight : ndarray (dofs,)
-        Nodal forces of its weight (N/m).
+        Nodal forces of the weight of the ground (N/m).
     constant : ndarray (dofs,)
         Nodal forces that are constant (N/m).
     gravity : EquilibriumPath or None
         The path under gravity.
     faces : list of ShallowFailure
-        Cohesionless faces that were strengthened, since they fail first.
+        Cohesionless faces that were strengthened, since such faces fail first.
     load : ndarray (dofs,)
         Nodal forces of Kh = 1 (N/m).
     limit : ConicLimitLoad or None
-        The limit load of the seismic force, where it is unique and the element suits limit analysis.
+        Limit load of the seismic force, if it is unique and the element suits limit analysis.
     settings : FemSettings
-        Flow rule, sides and direction.
+        Settings of flow rule, sides and direction.
     """
 
     problem: PlaneStrain
@@ -63,7 +63,7 @@ class LoadedGround:
 
 @dataclass(frozen=True, eq=False)
 class LimitLoadResult:
-    """The critical Kh of a mesh by finite element limit analysis (``conic_limit_load.py``).
+    """Holds the critical Kh of a mesh by finite element limit analysis (``conic_limit_load.py``).
 
     Attributes
     ----------
@@ -96,22 +96,22 @@ class LimitLoadResult:
 
     @property
     def value(self) -> float:
-        """The critical Kh (-)."""
+        """Return the critical Kh (-)."""
         return self.kc
 
     @property
     def upper(self) -> float:
-        """The limit load of the mesh, equal to ``kc`` (-)."""
+        """Return the limit load of the mesh, equal to ``kc`` (-)."""
         return self.kc
 
 
 def critical_limit_load(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[ShallowFailure] | None = None
 ) -> LimitLoadResult:
-    """The limit load of the seismic force in the direction of ``settings``, always with the "reduced" element.
+    """Compute the limit load of the seismic force in the direction of ``settings``, always with the "reduced" element.
 
     ``faces`` as in ``loaded_ground``. Raises InputError, UnstableError, NoAnswerError if the solver leaves no answer.
-    ``section``: the ground; ``mesh``: cells of it; ``comm``: MPI communicator.
+    ``section``: the section of the ground; ``mesh``: a mesh of the section; ``comm``: MPI communicator.
     """
     ground = loaded_ground(section, mesh, settings.changed(element="reduced"), comm, faces)
     if ground.limit is None:
@@ -122,11 +122,10 @@ def critical_limit_load(
 def with_other_flow(
     result: LimitLoadResult, section: Section, mesh: QuadMesh, settings: FemSettings
 ) -> LimitLoadResult:
-    """The limit load by the flow rule and between the sides of ``settings``, of the ground of ``result``, which has
-    other settings.
+    """Compute the limit load of the ground of ``result`` with the flow rule and the sides of other ``settings``.
 
-    ``section``: the ground; ``mesh``: cells of it, the same as before.
-    Raises NoAnswerError if the solver leaves no answer.
+    ``section``: the section of the ground; ``mesh``: a mesh of the section, the same as before. Raises NoAnswerError if
+    the solver leaves no answer.
     """
     ground = result.ground
     problem = copy(ground.problem)  # a path may go on with this one
@@ -139,8 +138,8 @@ def with_other_flow(
 
 
 def in_order(weak: LimitLoadResult, strong: LimitLoadResult) -> tuple[LimitLoadResult, LimitLoadResult]:
-    """Two limit loads of one mesh under one load, where the strength of the first is nowhere larger than that of the
-    second.
+    """Correct two limit loads of one mesh under one load so that the first is not above the second; the strength of the
+    first ground is nowhere larger than that of the second.
 
     The second ground resists every load that the first one resists (lower bound theorem). So the bracket of the first
     is cut off at the upper end of the second bracket, and the second at the lower end of the first: then their means
@@ -181,12 +180,10 @@ def _limit_load_of(section: Section, mesh: QuadMesh, settings: FemSettings, grou
 def loaded_ground(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[ShallowFailure] | None = None
 ) -> LoadedGround:
-    """The ground with ``faces`` strengthened, and the limit load of the seismic force if it is unique; else the ground
-    at rest. Without ``faces``, all cohesionless faces are strengthened if any of them fails at a smaller Kh than the
-    ground below, as in the bounds: where a layer thins out, its neighbour may reach the face in the mesh. Where there
-    is no limit load, the faces that fail under their weight are strengthened, also those inclined against the force.
-    Raises InputError, UnstableError.
-    ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
+    """Return the ground with ``faces`` strengthened, and the limit load of the seismic force if it is unique; else the
+    ground at rest. Without ``faces``, all cohesionless faces are strengthened if any of them fails at a smaller Kh than
+    the ground below, as in the bounds: where a layer thins out, its neighbour may reach the face in the mesh. If there
+    is no limit load, the faces that fail under their weight are strengthened.
     """
     first = 0.0  # Kh at which the first face fails
     if faces is None:
@@ -215,7 +212,7 @@ def loaded_ground(
 
 
 def at_rest(ground: LoadedGround) -> LoadedGround:
-    """The ground in equilibrium under its weight; raises UnstableError if the weight makes it fail."""
+    """Bring the ground to equilibrium under its weight; raise UnstableError if the weight makes it fail."""
     if ground.gravity is not None:
         return ground
     gravity = bring_to_rest(ground.problem, ground.weight, ground.constant, ground.settings)
@@ -223,17 +220,18 @@ def at_rest(ground: LoadedGround) -> LoadedGround:
 
 
 def is_unique(section: Section, settings: FemSettings) -> bool:
-    """Whether the limit load is unique and the element suits limit analysis; no step size matters then."""
+    """Return whether the limit load is unique and the element suits limit analysis; the answer then does not depend on
+    step sizes."""
     return is_associated(section.strata, settings.flow) and element_for(section, settings) == "reduced"
 
 
 def cohesionless_faces(section: Section, settings: FemSettings) -> list[ShallowFailure]:
-    """The cohesionless faces inclined in the direction of the seismic force, with the strength of the analysis."""
+    """Find the cohesionless faces inclined in the direction of the seismic force, with the strength of the analysis."""
     return shallow_failures(section, settings, strength_of(section.strata, settings.flow).friction)
 
 
 def faces_failing_at_rest(section: Section, settings: FemSettings) -> list[ShallowFailure]:
-    """The cohesionless faces inclined against the seismic force that fail by their weight alone, with the strength of
-    the analysis.
+    """Find the cohesionless faces inclined against the seismic force that fail by their weight alone, with the strength
+    of the analysis.
     """
     return failing_at_rest(section, settings, strength_of(section.strata, settings.flow).friction)

@@ -25,7 +25,7 @@ ShakingHistory = Callable[[np.ndarray], np.ndarray]
 
 @dataclass
 class MaterialPointEnergy:
-    """Energies since the beginning (J per metre out of plane).
+    """Holds energies since the beginning (J per metre out of plane).
 
     Attributes
     ----------
@@ -34,11 +34,11 @@ class MaterialPointEnergy:
     dissipated : float
         Energy dissipated by shear, opening and drainage.
     kinetic_gained : float
-        Kinetic energy that the nodes gained by forces.
+        Kinetic energy that forces gave to the nodes of the grid.
     kinetic, elastic : float
-        Energies of the points now.
+        Kinetic and elastic energy of the points at present.
     kinetic_began, elastic_began : float
-        Energies of the points at the beginning.
+        Kinetic and elastic energy of the points at the beginning.
     """
 
     external: float = 0.0
@@ -51,48 +51,49 @@ class MaterialPointEnergy:
 
     @property
     def energy_scale(self) -> float:
-        """Reference for relative energy errors (J/m): the larger one of work done on the ground and energy
-        dissipated.
+        """Return the reference for relative energy errors (J/m): the work done on the ground or the energy dissipated,
+        whichever is larger.
         """
         return max(abs(self.external), self.dissipated, 1e-300)
 
     @property
     def transfer_loss(self) -> float:
-        """Energy lost between points and grid (J/m): kinetic energy that the nodes gained by forces and that did not
-        reach the points.
+        """Return the energy lost between points and grid (J/m): kinetic energy that forces gave to the nodes and that
+        did not reach the points.
         """
         return self.kinetic_gained + self.kinetic_began - self.kinetic
 
     @property
     def transfer_loss_share(self) -> float:
-        """The energy lost in transfers between points and grid over the total energy exchanged (-)."""
+        """Return the energy lost in transfers between points and grid over the total energy exchanged (-)."""
         return self.transfer_loss / self.energy_scale
 
     @property
     def imbalance_share(self) -> float:
-        """Work that is neither dissipated nor stored in the points, over the total energy exchanged (-).
+        """Return the energy that is neither dissipated nor stored in the points, over the total energy exchanged (-).
 
-        Transfers between points and grid and the time steps lose it.
+        Transfers between points and grid, and the time steps, cause this loss.
         """
         stored = self.dissipated + self.elastic - self.elastic_began + self.kinetic - self.kinetic_began
         return (self.external - stored) / self.energy_scale
 
 
 class MaterialPointEngine:
-    """Integrates the motion of points on a grid.
+    """Integrates the motion of material points on a background grid.
 
     Parameters
     ----------
     points : MaterialPoints
-        The ground; its arrays are changed.
+        The ground as material points; the engine changes the arrays of the points.
     grid : BackgroundGrid
         The grid on which the points move.
     gravity : tuple of float
-        Acceleration by weight (m/s²), x and z.
+        Gravitational acceleration (m/s²), components x and z.
     threads : int
-        Threads; the answer is the same to the bit for any number.
+        Number of threads; the result is the same to the last bit for any number.
     decay : float
-        Rate (1/s) at which velocities that the grid cannot resolve are lost; inf for all of them in every step (APIC).
+        Rate (1/s) at which velocities that the grid cannot resolve are damped; with inf they are removed in every step
+        (APIC).
     """
 
     def __init__(
@@ -120,16 +121,16 @@ class MaterialPointEngine:
 
     @property
     def energy(self) -> MaterialPointEnergy:
-        """The energy balance so far."""
+        """Return the energy balance since the beginning."""
         (external, dissipated), (gained, buoyed) = self._sums.sum(axis=0), self._gained.sum(axis=0)
         now = self.points.kinetic(self.grid.cell), self.points.elastic()
         return MaterialPointEnergy(float(external + buoyed), float(dissipated), float(gained), *now, *self._began)
 
     def run(self, seconds: float, shaking: ShakingHistory | None = None, damping: float = 0.0) -> None:
-        """Continue for some seconds; ``shaking`` gives the acceleration by shaking (m/s²) at times (s).
+        """Continue the motion for some seconds; ``shaking`` returns the acceleration by shaking (m/s²) at times (s).
 
-        ``damping`` is that of Cundall (1987), 0 to 1, to bring the ground to rest. Raises FloatingPointError where the
-        motion is no longer finite.
+        ``damping`` is the local non-viscous damping of Cundall (1987), 0 to 1, which brings the ground to rest. Raises
+        FloatingPointError if the motion is no longer finite.
         """
         end = self.time + seconds
         while self.time < end - 1e-9:
@@ -153,7 +154,7 @@ class MaterialPointEngine:
                 self._sort()
 
     def original(self, values: np.ndarray) -> np.ndarray:
-        """Values (n, ...) of the points in their original order, before the engine sorted them."""
+        """Return values (n, ...) of the points in the order that the points had before the engine sorted them."""
         out = np.empty_like(values)
         out[self.order] = values
         return out
@@ -165,18 +166,18 @@ class MaterialPointEngine:
         self._began = self.points.kinetic(self.grid.cell), self.points.elastic()
 
     def dissipate(self, energy: float) -> None:
-        """Count elastic energy (J/m) that the ground lost as its stiffness changed."""
+        """Add elastic energy (J/m) that the ground lost by a change of stiffness to the dissipated energy."""
         self._sums[0, kernel.DISSIPATED] += energy
 
     def as_it_is(self) -> dict[str, np.ndarray]:
-        """The state of the engine as a mapping of names to arrays, for `go_on_from`."""
+        """Return the state of the engine as a mapping of names to arrays, for `go_on_from`."""
         state = {name: getattr(self.points, name) for name in ARRAYS}
         state |= {"order": self.order, "gained": self._gained, "sums": self._sums, "offsets": self._offsets}
         clock = np.array([self.time, self.steps, *self._filtered, *self._began])
         return state | {"sorted_at": self._sorted_at, "clock": clock}
 
     def go_on_from(self, state: Mapping[str, np.ndarray]) -> None:
-        """Restore a state that `as_it_is` of an engine of the same ground returned."""
+        """Restore a state that `as_it_is` of an engine with the same ground returned."""
         for name in ARRAYS:
             getattr(self.points, name)[:] = state[name]
         self.order, self._offsets, self._sorted_at = state["order"], state["offsets"], state["sorted_at"]

@@ -9,7 +9,7 @@ from fem.kernels import material_points as kernel
 
 @dataclass(frozen=True, eq=False)
 class BackgroundGrid:
-    """A grid of cells that begins at x = 0, z = 0; the cells are squares unless rows of nodes are inclined.
+    """The background grid, which begins at x = 0, z = 0; its cells are squares unless rows of nodes are inclined.
 
     Attributes
     ----------
@@ -22,7 +22,7 @@ class BackgroundGrid:
     periodic : bool
         Whether the right side continues at the left one.
     slope : float
-        dz/dx of its rows of nodes, which are parallel to inclined layers.
+        Slope dz/dx of the rows of nodes, which are parallel to inclined layers.
     """
 
     cell: float
@@ -33,9 +33,8 @@ class BackgroundGrid:
 
     @classmethod
     def empty(cls, cell: float, columns: int, rows: int, periodic: bool = False, floor: int = 3) -> "BackgroundGrid":
-        """A grid without water whose lowest ``floor`` rows of nodes are held, and three columns at either side unless
-        it is periodic.
-        ``cell``: side of a cell (m); ``columns``, ``rows``: numbers of nodes.
+        """Make a grid without water whose lowest ``floor`` rows of nodes are fixed, and three columns at either side
+        unless it is periodic. ``cell`` is the side of a cell (m); ``columns`` and ``rows`` are the numbers of nodes.
         """
         support = np.full((columns, rows), kernel.FREE, dtype=np.int8)
         support[:, :floor] = kernel.FIXED
@@ -45,17 +44,17 @@ class BackgroundGrid:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Columns and rows of nodes."""
+        """Return the numbers of columns and rows of nodes."""
         return int(self.support.shape[0]), int(self.support.shape[1])
 
     @property
     def stretch(self) -> float:
-        """Side of a cell over its shortest extent: the norm of [[1, 0], [-slope, 1]] (-)."""
+        """Return the side of a cell over its shortest extent: the norm of [[1, 0], [-slope, 1]] (-)."""
         half = 0.5 * abs(self.slope)
         return float(half + np.sqrt(1.0 + half**2))
 
     def level(self, x: np.ndarray) -> np.ndarray:
-        """Places (n, 2) in m in coordinates where cells are squares: x, and the height above the inclined row of nodes
-        through the origin.
+        """Return places (n, 2) in m in coordinates in which cells are squares: x, and the height above the inclined row
+        of nodes through the origin.
         """
         return np.column_stack([x[:, 0], x[:, 1] - self.slope * x[:, 0]])

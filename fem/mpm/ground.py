@@ -43,32 +43,32 @@ LARGEST_POISSON = 0.45
 
 @dataclass(frozen=True, eq=False)
 class PointGround:
-    """A section as points.
+    """Holds a section as material points, with the background grid.
 
     Attributes
     ----------
     section : Section
         The section.
     points : MaterialPoints
-        Its points, with those of the rigid ground (stratum -1).
+        Material points of the section and of the rigid ground around it (stratum -1).
     grid : BackgroundGrid
         The grid on which they move.
     offset : ndarray (2,)
-        Place in the section of the grid's origin (m).
+        Origin of the grid in the coordinates of the section (m).
     surface : ndarray (k,)
         Numbers in ``points`` of the points at the surface, from left to right.
     effective : ndarray (n,)
         Vertical effective stress of each point before the earthquake (Pa), compression positive.
     consolidated : ndarray (n,)
-        The same, with only the share of surcharges to which the ground has consolidated: residual strength ratios refer
-        to it.
+        The same, with only the share of surcharges to which the ground has consolidated; residual strength ratios refer
+        to this stress.
     softened : tuple of str
         Strata whose stiffness was reduced, see ``FASTEST``.
     sides : Sides
         Boundary condition of the sides.
     room : float
-        Length (m) of floor beyond each free-field or smooth side, on which ground that leaves the section moves; 0 for
-        others.
+        Length (m) of floor beyond each free-field or smooth side, over which ground that leaves the section can slide;
+        0 for other sides.
     """
 
     section: Section
@@ -84,7 +84,8 @@ class PointGround:
 
     @property
     def crust(self) -> float:
-        """Median thickness (m) of the ground above the uppermost stratum that liquefies; inf if no stratum liquefies.
+        """Return the median thickness (m) of the ground above the uppermost stratum that liquefies; inf if no stratum
+        liquefies.
 
         Places where it is thinner than a quarter of a cell, half a point at most, are disregarded.
         """
@@ -98,7 +99,7 @@ class PointGround:
 
 
 def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGround:
-    """The section as points, four to a cell, on about ``cells`` cells.
+    """Fill a section with material points, four to a cell, on about ``cells`` cells.
 
     Columns of points are filled from the base to the surface layer by layer, so that the area of every layer and the
     surface are exact. Stress follows from the weight of the column above, with K0 = ν / (1 - ν); it is not yet in
@@ -142,8 +143,8 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
 
 
 def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
-    """The ground at rest without the rigid ground beyond its sides, whose pressure becomes a force on the points next
-    to the sides.
+    """Return the ground at rest without the rigid ground beyond its sides; the pressure of the removed ground becomes a
+    force on the points next to the sides.
 
     ``order`` (n,): original numbers of the points in their present order.
     """

@@ -15,20 +15,20 @@ UNLIMITED = 1e30  # Pa: tension without a cut-off
 
 @dataclass(frozen=True, eq=False)
 class PointSoil:
-    """Soil of the points; numbers, or arrays of shape (n,).
+    """Holds the properties of the soil at the points; each is a number or an array (n,).
 
     Attributes
     ----------
     density : float or ndarray
-        Whole mass per volume, which resists acceleration (kg/m³).
+        Total density, which resists acceleration (kg/m³).
     youngs_modulus, poissons_ratio : float or ndarray
         Elastic constants in plane strain (Pa, -).
     cohesion, friction : float or ndarray
-        Mohr-Coulomb strength (Pa, rad); flow is without dilation.
+        Mohr-Coulomb strength (Pa, rad); plastic flow is without dilation.
     tension : float or ndarray
-        Largest mean tension (Pa); with inf only the apex of the cone, c cot φ, limits it.
+        Largest mean tensile stress (Pa); with inf only the apex of the cone, c cot φ, limits the tension.
     weight_ratio : float or ndarray
-        Density on which gravity acts over ``density`` (-); below 1 where the former includes buoyancy.
+        Density on which gravity acts over ``density`` (-); below 1 if the density for gravity includes buoyancy.
     """
 
     density: float | np.ndarray
@@ -42,23 +42,23 @@ class PointSoil:
 
 @dataclass(frozen=True, eq=False)
 class MaterialPoints:
-    """The points; arrays are changed in place by the engine.
+    """Holds material points; the engine changes the arrays in place.
 
     Attributes
     ----------
     x, v : ndarray (n, 2)
-        Place (m) and velocity (m/s).
+        Position (m) and velocity (m/s).
     affine : ndarray (n, 4)
         Velocity gradient [xx, xz, zx, zz] of the affine field of a point (1/s).
     stress : ndarray (n, 3)
         Effective stress [xx, zz, xz] (Pa).
     state : ndarray (n, 6)
-        Volume (m²), mass (kg/m), opened volumetric strain (-), plastic shear strain (-), viscous part of the stress
-        (Pa), as `fem.kernels.material_points` lists them.
+        Volume (m²), mass (kg/m), volumetric strain by opening (-), plastic shear strain (-), viscous part of the stress
+        (Pa), in the order of `fem.kernels.material_points`.
     properties : ndarray (n, 10)
-        As `fem.kernels.material_points` lists them.
+        Properties of the soil in the order of `fem.kernels.material_points`.
     start : ndarray (n, 2)
-        Place at the beginning (m).
+        Position at the beginning (m).
     stratum : ndarray (n,)
         Number of the stratum, -1 for rigid ground around the section.
     side : ndarray (n,)
@@ -77,18 +77,18 @@ class MaterialPoints:
 
     @classmethod
     def of(cls, x: np.ndarray, volume: np.ndarray, soil: PointSoil, stratum: np.ndarray | None = None) -> Self:
-        """Points at rest without stress.
+        """Make material points at rest without stress.
 
         Parameters
         ----------
         x : ndarray (n, 2)
-            Places (m).
+            Positions (m).
         volume : ndarray (n,)
             Areas in the plane (m²).
         soil : PointSoil
-            Their soil.
+            Soil of the points.
         stratum : ndarray (n,), optional
-            Numbers of their strata; 0 where not given.
+            Number of the stratum of each point; 0 by default.
         """
         n = len(x)
         properties = np.zeros((n, kernel.PROPERTIES))
@@ -114,7 +114,7 @@ class MaterialPoints:
         return points
 
     def subset(self, which: np.ndarray) -> Self:
-        """Some of the points, by their numbers or a mask (n,), in that order."""
+        """Return some of the points, by their numbers or a mask (n,), in that order."""
         return type(self)(**{field.name: getattr(self, field.name)[which] for field in fields(self)})
 
     def set_strength(
@@ -124,7 +124,7 @@ class MaterialPoints:
         tension: float | np.ndarray = np.inf,
         where: np.ndarray | slice = slice(None),
     ) -> None:
-        """Give points ``where`` another strength: cohesion (Pa), friction angle (rad), largest mean tension (Pa)."""
+        """Set the strength of the points ``where``: cohesion (Pa), friction angle (rad), largest mean tension (Pa)."""
         c, phi, limit = (np.asarray(value, dtype=float) for value in (cohesion, friction, tension))
         with np.errstate(divide="ignore", invalid="ignore"):
             apex = np.where(np.tan(phi) > 0.0, c / np.tan(phi), UNLIMITED)
@@ -143,27 +143,27 @@ class MaterialPoints:
 
     @property
     def mass(self) -> np.ndarray:
-        """Masses (n,) in kg/m."""
+        """Return masses (n,) in kg/m."""
         return self.state[:, kernel.MASS]
 
     @property
     def displacement(self) -> np.ndarray:
-        """Displacement (n, 2) since the beginning (m)."""
+        """Return the displacement (n, 2) since the beginning (m)."""
         return self.x - self.start
 
     @property
     def wave_speed(self) -> float:
-        """Fastest compression wave (m/s)."""
+        """Return the velocity of the fastest compression wave (m/s)."""
         modulus = self.properties[:, kernel.BULK] + self.properties[:, kernel.SHEAR]
         return float(np.sqrt(modulus * self.state[:, kernel.VOLUME] / self.mass).max())
 
     def kinetic(self, cell: float) -> float:
-        """Kinetic energy (J/m), including that of the affine fields, on cells of size ``cell`` (m)."""
+        """Return the kinetic energy (J/m), including that of the affine fields, on cells of size ``cell`` (m)."""
         squared_speed = (self.v**2).sum(axis=1) + 0.25 * cell**2 * (self.affine**2).sum(axis=1)
         return float(0.5 * np.sum(self.mass * squared_speed))
 
     def elastic(self) -> float:
-        """Elastic energy (J/m) of the stress in the plane."""
+        """Return the elastic energy (J/m) of the stress in the plane."""
         mean = 0.5 * (self.stress[:, 0] + self.stress[:, 1])
         half = 0.5 * (self.stress[:, 0] - self.stress[:, 1]) - self.state[:, kernel.VISCOUS_HALF]
         radius = np.hypot(half, self.stress[:, 2] - self.state[:, kernel.VISCOUS_CROSS])

@@ -44,27 +44,27 @@ SMOOTH = 2.0  # m of the surface over which movement is averaged, and three poin
 
 @dataclass(frozen=True, eq=False)
 class SlideProgramme:
-    """Times of the events of a slide: shaking, onsets of liquefaction, end (s since the slide begins).
+    """Holds the times of a slide's events: shaking, onset of liquefaction, end (s since the beginning of the slide).
 
     Attributes
     ----------
     shaking : callable
-        Horizontal acceleration that acts on the mass of the ground (m/s²) at times (n,) in s, positive downslope.
+        Horizontal acceleration of the ground (m/s²) at times (n,) in s, positive downslope.
     starts : dict of int to float
-        When each liquefying stratum begins to liquefy, by its number.
+        Time at which each liquefying stratum begins to liquefy, by the number of the stratum.
     remains : dict of int to Remains
-        What each liquefied stratum keeps of its strength and stiffness.
+        Share of strength and stiffness that each liquefied stratum retains.
     onset : float
-        Duration of the liquefaction of a stratum (s).
+        Time in which a stratum liquefies (s).
     rest_from : float
-        Time from which the ground may come to rest (s).
+        Time before which the computation does not end, even if the ground is at rest (s).
     duration : float
         Time at which the computation ends (s).
     still : float
-        The surface is at rest if its mean place moves by less than this length (m), or by less than 0.2 % of the slide,
-        from one window of 5 s to the next, twice in a row.
+        The surface counts as at rest if its mean displacement changes by less than this length (m), or by less than 0.2
+        % of the slide, from one window of 5 s to the next, twice in a row.
     drained : float
-        Volumetric strain by drainage during the onset (-).
+        Volumetric strain by drainage while a stratum liquefies (-).
     """
 
     shaking: ShakingHistory
@@ -78,16 +78,16 @@ class SlideProgramme:
 
 
 class PointSlider:
-    """Takes a ground of material points through a slide.
+    """Computes the slide of a ground of material points, from rest to rest.
 
     Parameters
     ----------
     ground : PointGround
-        The section as points; the slide changes them.
+        The section as material points; the slide changes the points.
     downslope : int
         +1 if the slide's positive direction is to the right, -1 if to the left.
     threads : int
-        Threads of the engine; same bits for any number.
+        Number of threads of the engine; the result is the same to the last bit for any number.
     """
 
     def __init__(self, ground: PointGround, downslope: int, threads: int = 1) -> None:
@@ -99,8 +99,9 @@ class PointSlider:
         """Bring the ground to equilibrium under its weight, and return the largest movement of its surface (m).
         Displacements are counted from this state.
 
-        Free-field sides are rigid at first; then their pressure is kept as a constant force, and the ground comes to
-        rest once more. Raises FloatingPointError where it has no equilibrium within ``LONGEST_SETTLING``.
+        Free-field sides are rigid at first; then the pressure on each side is replaced by a constant force, and the
+        ground comes to rest once more. Raises FloatingPointError if no equilibrium is reached within
+        ``LONGEST_SETTLING``.
         """
         self._come_to_rest()
         points = self.ground.points
@@ -138,10 +139,9 @@ class PointSlider:
     ) -> PointSlide:
         """Continue until the surface is at rest or the time is over; ``on_look`` is called with the time and the slide.
 
-        ``decay`` (1/s): rate at which velocities that the grid cannot resolve are lost, see ``DECAYS``. ``checkpoint``
-        is a file
-        from which a stopped slide continues.
-        ``programme``: what shakes the ground, and when strata liquefy.
+        ``decay`` (1/s) is the rate at which velocities that the grid cannot resolve are damped, see ``DECAYS``.
+        ``checkpoint`` is a file from which an interrupted slide continues. ``programme`` gives the times of shaking and
+        liquefaction.
         """
         slide = PointSlide(before=self._surface(), cell=self.ground.grid.cell)
         self.engine.decay = decay

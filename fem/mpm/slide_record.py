@@ -10,26 +10,26 @@ STILL_SHARE = 2e-3  # of the slide: what it moves less by in a window is no move
 
 @dataclass
 class PointSlide:
-    """Record of a slide over time; lengths in m, positive downslope and down.
+    """Holds the record of a slide over time; lengths in m, positive downslope and downwards.
 
     Attributes
     ----------
     times : list of float
         Times of the record (s).
     slide, settlement : list of ndarray (k,)
-        Smoothed displacement of the surface at each time, from left to right.
+        Displacement of the surface at each time, from left to right, smoothed along the surface.
     settled : bool
         Whether the surface came to rest.
     reason : str
-        Why the slide is over.
+        Reason why the computation of the slide ended.
     before, after : ndarray (k, 2)
-        The surface in coordinates of the section.
+        Surface before and after the slide, in the coordinates of the section.
     transfer_loss_share : float
         Energy lost between points and grid over the total energy exchanged (-).
     energy_lost_share : float
-        All energy that the ground neither dissipated nor stores, over the total energy exchanged (-).
+        Energy that the ground neither dissipated nor stores, over the total energy exchanged (-).
     stopped_by : str or None
-        "left" or "right": the side at which the slide was stopped, or at which it left the section if the side is
+        Side ("left" or "right") at which the slide was stopped, or through which it left the section if the side is
         free-field.
     cell : float
         Side of a cell of the grid (m).
@@ -49,14 +49,14 @@ class PointSlide:
 
     @property
     def slide_max(self) -> float:
-        """Largest slide of the surface at the end (m)."""
+        """Return the largest displacement of the surface at the end (m)."""
         return float(self.slide[-1].max()) if self.slide else 0.0
 
     def at_rest(self, still: float, rest_from: float) -> bool:
-        """Whether the mean place of the surface is the same in each of the last windows of time as in the window
-        before.
+        """Return whether the surface is at rest: its mean displacement is the same in each of the last windows of time
+        as in the window before.
 
-        Ground under a constant Kh oscillates about its final place with little damping.
+        Ground under a constant Kh oscillates about its final position with little damping.
 
         Parameters
         ----------

@@ -45,16 +45,16 @@ class _Edge:
 
 @dataclass(frozen=True, eq=False)
 class EdgeStrength:
-    """Strength of points at the edges of weak layers.
+    """Holds the strength of points at the edges of weak layers.
 
     Attributes
     ----------
     points : ndarray (k,) of int
         Numbers of the points.
     donors : ndarray (k,) of int
-        Number of the weak point (donor) at the edge of whose layer each point lies.
+        Number of the weak point at whose layer's edge each point lies (its donor).
     strength : ndarray (k,)
-        Strength of each (Pa).
+        Strength of each point (Pa).
     demand : ndarray (k,)
         Mass above each point over the mass above its donor, which is the ratio of their shear stresses (-).
     """
@@ -68,14 +68,14 @@ class EdgeStrength:
 def edge_strength(
     x: np.ndarray, height: np.ndarray, mass: np.ndarray, layer: np.ndarray, strength: np.ndarray, cell: float
 ) -> EdgeStrength:
-    """Strength of points in the knot spans at the upper and lower edges of weak layers.
+    """Compute the strength of points in the knot spans at the upper and lower edges of weak layers.
 
     Ground at the horizontal end of a layer, such as a quay wall, keeps its strength.
 
     Parameters
     ----------
     x : ndarray (n, 2)
-        Places of all points on the grid (m), in columns half a cell apart.
+        Positions of all points on the grid (m), in columns half a cell apart.
     height : ndarray (n,)
         Height of each point's part of its column (m).
     mass : ndarray (n,)
@@ -118,12 +118,13 @@ def edge_strength(
 def thickness_over_width(
     x: np.ndarray, height: np.ndarray, mass: np.ndarray, layer: np.ndarray, in_layer: np.ndarray, cell: float
 ) -> np.ndarray:
-    """Thickness of a weak layer over the width of ground that shears in its place on the grid, column by column.
+    """Return the thickness of a weak layer over the width of ground that shears in its place on the grid, column by
+    column.
 
     Parameters
     ----------
     x : ndarray (n, 2)
-        Places of all points on the grid (m), in columns half a cell apart.
+        Positions of all points on the grid (m), in columns half a cell apart.
     height : ndarray (n,)
         Height of each point's part of its column (m).
     mass : ndarray (n,)
@@ -131,7 +132,7 @@ def thickness_over_width(
     layer : ndarray (n,) of int
         Number of the weak layer whose stress-strain law each point has, -1 for sound ground.
     own : ndarray (n,) of bool
-        Whether the point belongs to the layer itself, and not to the ground at its edge.
+        Whether the point belongs to the layer and not to the ground at the edge of the layer.
     cell : float
         Side of a cell of the grid (m).
 

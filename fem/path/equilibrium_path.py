@@ -17,12 +17,12 @@ from fem.path.path_step import PathStep
 
 @dataclass(frozen=True)
 class PathSettings:
-    """Step sizes and relaxation of a path. Lengths are arc lengths, see ``EquilibriumPath``.
+    """Holds the step sizes and the relaxation of a path. Lengths are arc lengths, see ``EquilibriumPath``.
 
     Attributes
     ----------
     newton : NewtonSettings
-        Newton's method within a step.
+        Settings of Newton's method within a step.
     first, largest, smallest : float
         First, largest and smallest step (-).
     growth, shrink : float
@@ -62,7 +62,7 @@ class PathSettings:
 
 @dataclass
 class EquilibriumPath:
-    """The equilibrium path of ``problem`` under ``loading``, and the last equilibrium found on it.
+    """Follows the equilibrium path of ``problem`` under ``loading``, and holds the last equilibrium found on it.
 
     Attributes
     ----------
@@ -71,13 +71,13 @@ class EquilibriumPath:
     loading : Loading
         The load, or strength, that the multiplier scales.
     control : ndarray (dofs,)
-        Vector a of the control displacement a·u (m).
+        Vector a whose product with the displacement, a·u, is the control displacement (m).
     reference : float
         Displacement (m) that is one unit of arc length.
     scale : float
         Force (N/m) by which residuals are divided.
     settings : PathSettings
-        How the path is followed.
+        Settings that determine how the path is followed.
     beta : float
         Weight of the load multiplier in the arc length (-).
     factor : float
@@ -85,13 +85,13 @@ class EquilibriumPath:
     length : float
         Arc length so far (-).
     displacement : float
-        Control displacement so far (m).
+        Control displacement reached (m).
     steps : list of PathStep
         The record of every step.
     solves : int
         Linear systems factorised so far.
     reason : str
-        Why the path could not be followed further.
+        Reason why the path could not be followed further.
     """
 
     problem: PlaneStrain
@@ -115,7 +115,8 @@ class EquilibriumPath:
         self._elastic: tuple[np.ndarray, float] | None = None
 
     def advance(self) -> bool:
-        """Take one step along the path, halved until it converges; False (with ``reason``) if none does."""
+        """Take one step along the path, halved until it converges; return False (with ``reason``) if no step
+        converges."""
         cutbacks = 0
         while True:
             if self._step < self.settings.smallest:
@@ -135,11 +136,11 @@ class EquilibriumPath:
         return True
 
     def relax(self) -> bool:
-        """Let the overstress decay; True if the state without overstress is in equilibrium.
+        """Relax the overstress; return True if the state without overstress is in equilibrium.
 
-        Where the multiplier scales a load, the control displacement is constant and the multiplier falls. Where it
-        scales the strength, elastic ground does not respond to it: then the multiplier is prescribed, and reduced until
-        the ground is in equilibrium.
+        If the multiplier scales a load, the control displacement is constant and the multiplier falls. If it scales the
+        strength, elastic ground does not respond to the multiplier, which is then prescribed and reduced until the
+        ground is in equilibrium.
         """
         if self.settings.relaxation <= 0.0:
             return True
@@ -148,9 +149,9 @@ class EquilibriumPath:
         return self._relax(Constraint(self.control / self.reference, 0.0, 0.0))
 
     def reach(self, factor: float) -> bool:
-        """Go to a given multiplier and relax there; False, with the state unchanged, if no equilibrium is found. The
-        first guess of the increment is the last increment scaled with the multiplier, which saves a quarter of the
-        iterations; after a relaxation the first guess is zero.
+        """Find equilibrium at a given multiplier, without overstress; return False, with the state unchanged, if there
+        is none. The first guess of the increment is the last increment scaled with the multiplier, which saves a
+        quarter of the iterations; after a relaxation the first guess is zero.
         """
         increment = np.zeros_like(self.control)
         if self._last is not None and self._last[2] > 0.0:
@@ -196,13 +197,13 @@ class EquilibriumPath:
         return moved + self.beta * (result.multiplier - self.factor)
 
     def mark(self) -> tuple[Any, ...]:
-        """The place on the path, for ``back``."""
+        """Return the present place on the path, for ``back``."""
         return (
             self.problem.state(), self.factor, self.length, self.displacement, len(self.steps), self._last, self._step,
         )  # fmt: skip
 
     def back(self, mark: tuple[Any, ...]) -> None:
-        """Go back to a place on the path."""
+        """Go back to a place on the path that ``mark`` returned."""
         state, self.factor, self.length, self.displacement, steps, self._last, self._step = mark
         self.problem.restore(state)
         del self.steps[steps:]

@@ -41,14 +41,15 @@ LEVELS, LEAST_LEVEL = 512, 1e-3
 
 
 def element_for(section: Section, settings: FemSettings) -> Element:
-    """The element of the settings; by default the one that suits the flow rule (docs/theory/continuum.md)."""
+    """Return the element of the settings; by default the element that suits the flow rule
+    (docs/theory/continuum.md)."""
     if settings.element != "auto":
         return settings.element
     return "reduced" if is_associated(section.strata, settings.flow) else "quadratic"
 
 
 def path_settings(problem: PlaneStrain, settings: FemSettings) -> PathSettings:
-    """Settings of paths of this ground: long steps and no overstress where its flow is associated."""
+    """Return settings of paths in this ground: long steps and no overstress if its flow is associated."""
     newton = NewtonSettings(tolerance=settings.tolerance)
     if problem.associated:
         return PathSettings(newton=newton, largest=LARGEST_ASSOCIATED)
@@ -64,13 +65,15 @@ def gravity_equilibrium(
     strength_factor: float = 1.0,
     excess_pressure: bool = True,
 ) -> tuple[PlaneStrain, np.ndarray, EquilibriumPath]:
-    """The section in equilibrium under its weight, the nodal forces (N/m) that act on it, and the path that led there.
+    """Bring the section to equilibrium under its weight; return it, the nodal forces (N/m) that act on it, and the path
+    that led there.
 
     Under gravity the sides are held horizontally (K0); sides that are released afterwards keep their reactions as
     forces. Periodic sides are periodic from the start and have no reactions (``repetition.py``). Displacement and
     strain are then set to zero. ``faces`` as in ``under_weight``; ``strength_factor`` divides cohesion and tan φ.
-    Excess pore pressure by shaking acts with ``excess_pressure``. Raises InputError, UnstableError.
-    ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
+    Excess pore pressure by shaking acts with ``excess_pressure``. Raises InputError, UnstableError. ``section``: the
+    section of the ground; ``mesh``: a mesh of the section; ``settings``: settings of the finite elements; ``comm``: MPI
+    communicator.
     """
     problem, weight = under_weight(section, mesh, settings, comm, faces)
     problem.use_strength(strength_factor)
@@ -96,8 +99,8 @@ def at_the_sides(
     faces: Sequence[ShallowFailure] = (),
     excess_pressure: bool = True,
 ) -> tuple[PlaneStrain, np.ndarray, np.ndarray]:
-    """The section without stress, with the sides of the search for Kh; the nodal forces (N/m) of its weight; and all
-    constant nodal forces.
+    """Return the section without stress, with the sides of the search for Kh; the nodal forces (N/m) of its weight; and
+    all constant nodal forces.
 
     On free-field sides the K0 stress is that of ``side_stress.py``, as in the bounds. Excess pore pressure by shaking
     acts with ``excess_pressure``. Raises InputError.
@@ -118,12 +121,12 @@ def at_the_sides(
 def bring_to_rest(
     problem: PlaneStrain, weight: np.ndarray, constant: np.ndarray, settings: FemSettings
 ) -> EquilibriumPath:
-    """Load the unstressed ground by its weight with held sides, then by the other constant forces; returns the path
+    """Load the unstressed ground by its weight with fixed sides, then by the other constant forces; return the path
     under the weight.
 
-    Displacement and strain are then set to zero. Raises UnstableError.
-    ``problem``: the elements; ``weight``, ``constant``: nodal forces of gravity alone, and all constant ones (N/m);
-    ``settings``: of the elements.
+    Displacement and strain are then set to zero. Raises UnstableError. ``problem`` are the elements; ``weight`` and
+    ``constant`` are the nodal forces of gravity alone, and all constant nodal forces (N/m); ``settings`` are those of
+    the finite elements.
     """
     if settings.sides != "periodic":
         problem.hold(UNDER_GRAVITY)
@@ -145,7 +148,7 @@ def _begin_here(problem: PlaneStrain) -> None:
 
 
 def fixed_components(settings: FemSettings) -> dict[str, str]:
-    """The displacement components that are fixed on the boundaries after loading by the weight."""
+    """Return the displacement components that are fixed on the boundaries after loading by the weight."""
     fixed = FIXED_AT_SIDES[settings.sides]
     return {"base": "xy", "left": fixed, "right": fixed}
 
@@ -153,10 +156,11 @@ def fixed_components(settings: FemSettings) -> dict[str, str]:
 def under_weight(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: Sequence[ShallowFailure] = ()
 ) -> tuple[PlaneStrain, np.ndarray]:
-    """The section without stress, held as under gravity, and the nodal forces (N/m) of its weight.
+    """Return the section without stress, fixed as under gravity, and the nodal forces (N/m) of its weight.
 
     The ground just below cohesionless ``faces`` is strengthened, see ``shallow_failure.py``. Raises InputError.
-    ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
+    ``section``: the section of the ground; ``mesh``: a mesh of the section; ``settings``: settings of the finite
+    elements; ``comm``: MPI communicator.
     """
     api.require()
     strata = soils(section)
@@ -182,7 +186,7 @@ def under_weight(
 
 
 def lift_of(problem: PlaneStrain, settings: FemSettings) -> np.ndarray:
-    """Nodal forces (N/m) of the vertical inertia by the vertical seismic coefficient."""
+    """Return the nodal forces (N/m) of vertical inertia, which the vertical seismic coefficient causes."""
     return problem.body_force([s.density_seismic for s in problem.strata], (0.0, settings.vertical * GRAVITY))
 
 
@@ -200,7 +204,8 @@ def _lay(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> No
 
 
 def levels(section: Section, mesh: QuadMesh) -> list[Stratum]:
-    """For every stratum whose cohesion varies, ``LEVELS`` soils of constant cohesion from its least to its largest."""
+    """Return, for every stratum whose cohesion varies, ``LEVELS`` soils of constant cohesion from the least to the
+    largest."""
     field, strata = section.cohesion_field, []
     corners = mesh.points[mesh.cells]
     for k in np.flatnonzero(field.varies):
@@ -231,9 +236,8 @@ def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, set
     """Apply a whole load (N/m) in addition to ``constant`` forces, in one step if Newton's method converges, along a
     path if not.
 
-    Where the flow is associated one step finds equilibrium if there is any. Raises UnstableError if the ground fails
-    under the load.
-    ``problem``: the elements; ``settings``: tolerance and steps.
+    If the flow is associated, one step finds equilibrium if there is any. Raises UnstableError if the ground fails
+    under the load. ``problem`` are the elements; ``settings`` contain tolerance and steps.
     """
     norm, dot = problem.exchange.norm, problem.exchange.dot
     problem.use_elastic_tangent()
@@ -260,9 +264,9 @@ def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, set
 
 
 def side_force(problem: PlaneStrain, mesh: QuadMesh, section: Section, weight: np.ndarray) -> np.ndarray:
-    """Nodal forces (dofs,) in N/m of the K0 stress on both sides of ``section``.
+    """Return the nodal forces (dofs,) in N/m of the K0 stress on both sides of ``section``.
 
-    ``problem``: the elements of ``mesh``, held as under gravity; ``weight``: nodal forces of gravity (N/m).
+    ``problem`` are the elements of ``mesh``, fixed as under gravity; ``weight`` are the nodal forces of gravity (N/m).
     """
     problem.use_elastic_tangent()
     problem.factorise()

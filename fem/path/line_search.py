@@ -8,11 +8,11 @@ SLOPE_LEFT, MOST_LENGTHS, LONGEST, INSIDE = 0.5, 9, 8.0, 0.1
 
 
 class Descent:
-    """The search for the length of a correction that nearly minimises a convex potential, from the slope of the
-    potential alone.
+    """Searches the length of a correction that nearly minimises a convex potential, from the slope of the potential
+    alone.
 
-    ``slope`` is the slope of the fall at the start, ``part`` the length to try next. The search also ends where the
-    potential does not fall, which rounding of the stiffness may cause.
+    ``slope`` is the slope of the potential at the start, ``part`` the length to try next. The search also ends if the
+    potential does not decrease, which rounding of the stiffness may cause.
     """
 
     def __init__(self, slope: float) -> None:
@@ -20,8 +20,8 @@ class Descent:
         self._low, self._high = (0.0, slope), (np.inf, 0.0)
 
     def ends(self, slope: float) -> bool:
-        """Whether the length just tried is good enough, given the ``slope`` of the fall there; if not, ``part`` is the
-        next length.
+        """Return whether the length just tried is good enough, given the ``slope`` of the potential there; if not, set
+        ``part`` to the next length.
         """
         self._tried += 1
         if not abs(slope) > SLOPE_LEFT * self._slope or self.part >= LONGEST or self._tried == MOST_LENGTHS:

@@ -28,9 +28,9 @@ def step_to_limit(
     wanted: Sequence[float],
     listener: PathListener | None = None,
 ) -> tuple[LimitLoad, list[FieldState]]:
-    """Raise Kh to the ``known`` limit load, at most to ``limit``; returns the answer, and the fields at those of the
-    ``wanted`` Kh that were reached.
-    ``path``: the path at its start; ``mesh``: the mesh of the path; ``listener``: called after every step.
+    """Raise Kh to the ``known`` limit load, at most to ``limit``; return the answer, and the fields at those of the
+    ``wanted`` Kh that were reached. ``path`` is the path at its start; ``mesh`` is the mesh of the path; ``listener``
+    is called after every step.
     """
     recorded_kh = {kh for kh in wanted if 0.0 < kh <= min(known, limit)}
     sure = limit if known > limit else SURE * known

@@ -26,7 +26,7 @@ DESCENTS, SHORT = 120, 0.5
 
 @dataclass(frozen=True)
 class NewtonSettings:
-    """Criteria of convergence of Newton's method, and limits of its iterations.
+    """Holds criteria of convergence of Newton's method, and limits of its iterations.
 
     Attributes
     ----------
@@ -44,20 +44,20 @@ class NewtonSettings:
 
 
 class Loading(Protocol):
-    """The quantity that the load multiplier λ scales: a load, or the strength of the ground."""
+    """What the load multiplier λ scales: a load, or the strength of the ground."""
 
     def unbalanced(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
-        """External minus internal nodal forces (N/m)."""
+        """Return external minus internal nodal forces (N/m)."""
         ...
 
     def derivative(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
-        """Derivative of the unbalanced force with respect to the multiplier (N/m)."""
+        """Return the derivative of the unbalanced force with respect to the multiplier (N/m)."""
         ...
 
 
 @dataclass(frozen=True)
 class ProportionalLoad:
-    """Nodal forces ``constant`` + λ ``variable``, both (dofs,) in N/m."""
+    """Nodal forces ``constant`` + λ ``variable``, both (dofs,) in N/m, of a proportional load."""
 
     constant: np.ndarray
     variable: np.ndarray
@@ -71,7 +71,7 @@ class ProportionalLoad:
 
 @dataclass(frozen=True)
 class StrengthReduction:
-    """Constant nodal forces (dofs,) in N/m on ground whose cohesion and tan φ are divided by λ.
+    """Strength reduction: constant nodal forces (dofs,) in N/m on ground whose cohesion and tan φ are divided by λ.
 
     The derivative with respect to λ is taken by a finite ``difference`` of λ.
     """
@@ -86,7 +86,7 @@ class StrengthReduction:
         return self.constant - problem.internal_force(increment)
 
     def derivative(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
-        """Derivative by a finite difference; the tangent of the problem is unchanged."""
+        """Return the derivative by a finite difference; the tangent of the problem is unchanged."""
         problem.use_strength(multiplier + self.difference)
         weaker = problem.internal_force(increment, tangent=False)
         problem.use_strength(multiplier)
@@ -95,12 +95,12 @@ class StrengthReduction:
 
 @dataclass(frozen=True)
 class Constraint:
-    """The condition under which the load multiplier is an unknown: control·Δu + beta Δλ = target.
+    """Holds the condition under which the load multiplier is an unknown: control·Δu + beta Δλ = target.
 
     Attributes
     ----------
     control : ndarray (dofs,)
-        The control over the reference displacement (1/m).
+        Vector of the control displacement over the reference displacement (1/m).
     beta : float
         Weight of the load multiplier in the arc length (-).
     target : float
@@ -114,14 +114,14 @@ class Constraint:
 
 @dataclass(frozen=True)
 class NewtonResult:
-    """Result of Newton's method.
+    """Holds the result of Newton's method.
 
     Attributes
     ----------
     converged : bool
         Whether the residual is below the tolerance.
     iterations : int
-        Linear systems factorised.
+        Number of linear systems factorised.
     residual : float
         Norm of the unbalanced force over the scale (-).
     multiplier : float
@@ -140,10 +140,10 @@ class NewtonResult:
 def residual_of(
     problem: PlaneStrain, loading: Loading, increment: np.ndarray, multiplier: float, scale: float
 ) -> tuple[np.ndarray, float]:
-    """The unbalanced force (N/m) of the components that are free, and its norm over ``scale`` (N/m).
+    """Return the unbalanced force (N/m) of the free components, and the norm of this force over ``scale`` (N/m).
 
-    ``problem``: the elements; ``loading``: forces at a load multiplier; ``increment``: displacement increment (m);
-    ``multiplier``: load multiplier (-).
+    ``problem`` are the elements; ``loading`` gives the forces at a load multiplier; ``increment`` is the displacement
+    increment (m); ``multiplier`` is the load multiplier (-).
     """
     unbalanced = loading.unbalanced(problem, increment, multiplier)
     unbalanced[~problem.free] = 0.0

@@ -24,10 +24,11 @@ CORRECTIONS, ALIKE = 20, 0.3
 
 
 class LocalSubproblem:
-    """Cells around the nodes with the largest unbalanced forces, and the displacement components that are free in them.
+    """The cells around the nodes with the largest unbalanced forces, and the displacement components that are free in
+    these cells.
 
-    For one rank, associated flow and no overstress. ``unbalanced`` is the force of the last ``internal_force`` of the
-    ``problem``, (dofs,) in N/m.
+    The subproblem is for one rank, associated flow and no overstress. ``unbalanced`` is the force of the last
+    ``internal_force`` of the ``problem``, (dofs,) in N/m.
     """
 
     def __init__(self, problem: PlaneStrain, unbalanced: np.ndarray) -> None:
@@ -46,8 +47,8 @@ class LocalSubproblem:
         self._outside = float(np.abs(unbalanced[~inside]).max(initial=0.0))
 
     def at_rest(self, increment: np.ndarray, unbalanced: np.ndarray) -> np.ndarray:
-        """The displacement ``increment`` (dofs,) since the accepted state, with the subproblem solved until its
-        unbalanced force is about as small as in the ground around it; unchanged if the subproblem has no solution.
+        """Solve the subproblem until its unbalanced force is about as small as in the ground around it. Return the
+        displacement ``increment`` (dofs,) since the accepted state; unchanged if there is no solution.
         """
         moving, moved = self.moving, increment[self.part.components]
         dofs = self.part.dofs

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class PathStep:
-    """The record of one step of an equilibrium path.
+    """Holds the record of one step of an equilibrium path.
 
     Attributes
     ----------
@@ -24,7 +24,7 @@ class PathStep:
     cutbacks : int
         Number of halvings of the step before it converged.
     at_rest : bool
-        Whether the overstress was relaxed in this step instead of the load raised.
+        Whether the overstress was relaxed in this step, while the load was not increased.
     balanced : bool
         Whether there was equilibrium without overstress after the relaxation.
     """

@@ -23,7 +23,7 @@ class StopReason(NamedTuple):
 
 @dataclass(frozen=True)
 class PlateauRule:
-    """A path ends when the load multiplier has grown by less than ``growth`` while the displacement doubled.
+    """Rule that ends a path once the load multiplier has grown by less than ``growth`` while the displacement doubled.
 
     Displacements enter as ductility: the control displacement over the one that elastic ground would have at the same
     load (-).
@@ -33,7 +33,7 @@ class PlateauRule:
     growth : float
         Relative growth of the multiplier over the second half of the displacement, below which the path has a plateau.
     earliest : float
-        Ductility from which the rule holds.
+        Smallest ductility at which the rule applies.
     latest : float
         Ductility at which the path ends in any case.
     fall : float
@@ -44,7 +44,7 @@ class PlateauRule:
         If the largest multiplier in equilibrium without overstress is lower than the maximum of the path by more than
         this share, equilibrium is searched for again just below this maximum.
     first_relaxation : float
-        Ductility at which the overstress is first relaxed.
+        Ductility at the first relaxation of the overstress.
     next_relaxation : float
         Ratio of the ductilities at one relaxation and at the one before.
     """
@@ -61,7 +61,7 @@ class PlateauRule:
 
 @dataclass(frozen=True)
 class LimitLoad:
-    """The limit load found by an equilibrium path.
+    """Holds the limit load found by an equilibrium path.
 
     Attributes
     ----------
@@ -90,12 +90,11 @@ def find_limit_load(
     rule: PlateauRule,
     listener: PathListener | None = None,
 ) -> LimitLoad:
-    """Follow a path until the load multiplier no longer grows or passes ``limit``.
+    """Follow a path until the load multiplier no longer grows or exceeds ``limit``.
 
-    Where there is overstress, only relaxed states count as in equilibrium. Raises NoEquilibriumError if there is no
-    such state.
-    ``path``: the path at its start; ``ductility``: displacement over the elastic one (-); ``rule``: when the path ends;
-    ``listener``: called after every step.
+    If there is overstress, only relaxed states count as in equilibrium. Raises NoEquilibriumError if there is no such
+    state. ``path`` is the path at its start; ``ductility`` is the displacement over the elastic displacement (-);
+    ``rule`` ends the path; ``listener`` is called after every step.
     """
     in_equilibrium, next_relaxation = -np.inf, rule.first_relaxation
     highest, summit = path.factor, path.mark()
@@ -173,7 +172,7 @@ def _stop_reason(path: EquilibriumPath, ductility: float, limit: float, rule: Pl
 
 
 def growth_per_doubling(path: EquilibriumPath) -> float:
-    """Relative growth of the load multiplier over the second half of the displacement so far."""
+    """Return the relative growth of the load multiplier over the second half of the displacement so far."""
     moving = [step for step in path.steps if not step.at_rest]
     if not moving or moving[-1].factor <= 0.0:
         return 1.0

@@ -45,11 +45,11 @@ FAILS_BY_ITSELF = "the ground fails under its own weight"
 
 
 def is_adapted(section: Section, meshing: MeshSettings, first: QuadMesh, settings: FemSettings) -> bool:
-    """Whether meshes are adapted to the mechanism.
+    """Return whether meshes are adapted to the mechanism.
 
-    Meshes are not adapted where the settings require no accuracy; where the flow is not associated, so that the limit
-    load is not unique; and where columns and rows, or the mesh itself, are given. ``section``: the ground; ``meshing``:
-    settings of meshes; ``first``: the mesh to begin with; ``settings``: of the elements.
+    Meshes are not adapted if the settings require no accuracy, if the flow is not associated, so that the limit load is
+    not unique, or if columns and rows or the mesh itself are given. ``section`` is the ground; ``meshing`` are the
+    settings of meshes; ``first`` is the mesh to begin with; ``settings`` are those of the finite elements.
     """
     chosen = meshing.columns or meshing.rows or first.method == "given"
     return settings.accuracy > 0.0 and not chosen and is_associated(section.strata, settings.flow)
@@ -64,15 +64,16 @@ def next_mesh(
     strong: Section | None = None,
     repeats: bool = False,
 ) -> QuadMesh:
-    """A mesh of about ``cells`` cells that is refined along a mechanism; ``strain`` (len(mesh.cells),) is its plastic
-    shear strain.
+    """Make a mesh of about ``cells`` cells that is refined along a mechanism; ``strain`` (len(mesh.cells),) is the
+    plastic shear strain of the mechanism.
 
     With the setting of a mapped mesh, columns and rows are added where the mechanism is; else the mesh is free. Cell
     sizes follow the shear displacement across the cells of the last mesh, which along a shear band does not depend on
     their width; shear strains would draw all new cells to the narrowest ones. Cell sizes follow the strips of the
     ``strong`` section, too, whose cohesionless faces are strengthened: a cell with half of its points in a strip would
     be neither strengthened nor unchanged. Sides that are periodic (``repeats``) get the same points. Raises what
-    ``adapted`` does. ``section``: the ground; ``meshing``: settings of meshes; ``mesh``: the last mesh.
+    ``adapted`` does. ``section``: the section of the ground; ``meshing``: settings of the meshes; ``mesh``: the last
+    mesh.
     """
     if meshing.method == "mapped":
         return with_finer_strips(mesh, strain, cells)
@@ -83,7 +84,7 @@ def next_mesh(
 
 
 def strong_below(section: Section, faces: Sequence[ShallowFailure], settings: FemSettings) -> Section | None:
-    """The section with the ground below ``faces`` strengthened; None without any."""
+    """Return the section with the ground below ``faces`` strengthened; None without faces."""
     return strengthened(section, faces, settings) if faces else None
 
 
@@ -93,22 +94,22 @@ def _nobody(_: str) -> None:
 
 @dataclass(frozen=True)
 class AdaptiveSearch:
-    """Search for critical Kh and factors of safety of a section, on meshes adapted to the mechanism.
+    """Searches critical Kh and factors of safety of a section, on meshes adapted to the mechanism.
 
     Attributes
     ----------
     section : Section
         The ground.
     meshing : MeshSettings
-        Settings of its meshes.
+        Settings of the meshes.
     first : QuadMesh
-        The initial mesh; the only one where meshes are not adapted.
+        The first mesh; the only mesh if meshes are not adapted.
     comm : communicator
         MPI communicator of the ranks.
     tell : callable
         Function that is called with a message before each step.
     executor : Executor
-        Computes both directions concurrently.
+        Executor that computes both directions concurrently.
     """
 
     section: Section
@@ -119,7 +120,7 @@ class AdaptiveSearch:
     executor: Executor = SERIAL
 
     def critical(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult]:
-        """The critical Kh, in the direction in which it is smaller.
+        """Find the critical Kh, in the direction in which it is smaller.
 
         A seismic force upslope whose mechanism leaves the section through a side counts only if no other direction is
         analysed, as in ``critical_coefficient``. Raises what ``critical_limit_load`` does on the first mesh.
@@ -170,7 +171,7 @@ class AdaptiveSearch:
     def by_other_rule(
         self, base: AdaptiveResult[LimitLoadResult], other: FemSettings
     ) -> AdaptiveResult[LimitLoadResult]:
-        """The limit load with ``other`` settings under the same forces, on the mesh of ``base``.
+        """Find the limit load with ``other`` settings under the same forces, on the mesh of ``base``.
 
         Where this mesh does not resolve the mechanism, another mesh of as many cells is made that does, and the smaller
         limit load counts; both are in the sequence. Raises NoAnswerError if the solver has no answer on the mesh of
@@ -196,7 +197,7 @@ class AdaptiveSearch:
     def with_full_dilation(
         self, base: AdaptiveResult[LimitLoadResult], settings: FemSettings
     ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult]]:
-        """``base``, and the answer with ψ = φ for comparison.
+        """Return ``base``, and the answer with ψ = φ for comparison.
 
         On one mesh the limit load by Davis's estimate is not above that with ψ = φ. Where the limit load on the mesh
         for ψ = φ is below that of ``base``, the mesh of ``base`` is poorer, and its limit load is computed again on the
@@ -219,8 +220,8 @@ class AdaptiveSearch:
     def with_davis(
         self, base: AdaptiveResult[LimitLoadResult], settings: FemSettings
     ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult]]:
-        """``base``, whose flow has ψ = φ, and Davis's estimate of the critical Kh for comparison; 0 where such ground
-        fails without a seismic force.
+        """Return ``base``, whose flow has ψ = φ, and Davis's estimate of the critical Kh for comparison; 0 if such
+        ground fails without a seismic force.
 
         On the mesh of ``base`` the estimate is not above ``base``. Raises what `by_other_rule` does except
         UnstableError.
@@ -236,7 +237,7 @@ class AdaptiveSearch:
         return base, compared
 
     def safety(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor]:
-        """The factor of safety at ``kh``; raises what ``limit_load_safety_factor`` does on the first mesh."""
+        """Find the factor of safety at ``kh``; raise the errors of ``limit_load_safety_factor`` on the first mesh."""
         guess = self._rough_safety(settings, kh)
         remade = partial(self._next, faces=faces_at(self.section, settings, kh), settings=settings)
         wish = Wish(FACTOR_SHARE * settings.accuracy, self._most_cells(settings))
@@ -253,10 +254,10 @@ class AdaptiveSearch:
         return sequence.result
 
     def safety_by_other_rule(self, base: AdaptiveResult[SafetyFactor], other: FemSettings, kh: float) -> float:
-        """The factor of safety by the flow rule of ``other`` settings on the mesh of ``base``. Where this mesh does not
-        resolve the mechanism, another mesh of as many cells is made that does, and the smaller factor counts. Davis's
-        estimate is not above the factor with ψ = φ, since ground of higher strength resists every load that weaker
-        ground resists.
+        """Find the factor of safety by the flow rule of ``other`` settings on the mesh of ``base``. If this mesh does
+        not resolve the mechanism, another mesh of as many cells is made that does, and the smaller factor counts.
+        Davis's estimate is not above the factor with ψ = φ, since ground of higher strength resists every load that
+        weaker ground resists.
 
         Raises what ``limit_load_safety_factor`` does.
         """
@@ -306,7 +307,8 @@ class AdaptiveSearch:
 def ordered(
     weak: AdaptiveResult[LimitLoadResult], strong: AdaptiveResult[LimitLoadResult]
 ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult]]:
-    """Davis's estimate and the limit load with ψ = φ on one mesh, in their proven order (`in_order`)."""
+    """Return Davis's estimate and the limit load with ψ = φ on one mesh, corrected to their proven order
+    (`in_order`)."""
     low, high = in_order(weak.result, strong.result)
     return _with_last(weak, low), _with_last(strong, high)
 
@@ -317,6 +319,6 @@ def _with_last(base: AdaptiveResult[LimitLoadResult], result: LimitLoadResult) -
 
 
 def failing_by_itself(base: AdaptiveResult[LimitLoadResult]) -> AdaptiveResult[LimitLoadResult]:
-    """The answer of ground that fails under its own weight: a critical Kh of 0."""
+    """Return the answer for ground that fails under its own weight: a critical Kh of 0."""
     result = replace(base.result, kc=0.0, verdict="plateau", reason=FAILS_BY_ITSELF, mechanism=None)
     return replace(base, result=result)

@@ -37,14 +37,14 @@ Safety = Future[AdaptiveResult[SafetyFactor] | ResultWarning]
 
 @dataclass(frozen=True)
 class Assessment:
-    """The answers for a section, compared with each other.
+    """Holds the answers for a section, compared with each other.
 
     Attributes
     ----------
     critical : CriticalResult
         The critical Kh, with the path to it.
     mesh : QuadMesh
-        The mesh of the critical Kh.
+        Mesh on which the critical Kh was computed.
     adapted : AdaptiveResult or None
         The limit loads of the sequence of meshes that ends with ``mesh``; None where the flow is not associated.
     opposite : AdaptiveResult or None
@@ -80,10 +80,9 @@ def assess(
 ) -> Assessment:
     """Find the critical Kh and the answers that it is compared with, beginning with a ``first`` mesh.
 
-    ``section``: the ground; ``meshing``: settings of meshes; ``settings``: of the elements; ``comm``: MPI communicator;
-    ``listener``: called with every mesh and step.
-    Raises InputError, NoEquilibriumError, and UnstableError with the factor of safety if the ground fails under its
-    weight.
+    ``section``: the section of the ground; ``meshing``: settings of the meshes; ``settings``: settings of the finite
+    elements; ``comm``: MPI communicator; ``listener``: called with every mesh and step. Raises InputError,
+    NoEquilibriumError, and UnstableError with the factor of safety if the ground fails under its weight.
     """
     settings = settings.changed(flow=flow_of(section.strata, settings.flow))
     with one_more_thread(comm.size == 1) as executor:
@@ -110,8 +109,8 @@ def critical_as_discs(
     comm: Any,
     listener: AssessmentListener,
 ) -> AdaptiveResult[CriticalResult]:
-    """The critical Kh in one direction with the sides of the settings, on meshes refined for it; failures shallower
-    than ``settings.least_depth`` below cohesionless faces do not count.
+    """Find the critical Kh in one direction with the sides of the settings, on meshes refined for it; failures
+    shallower than ``settings.least_depth`` below cohesionless faces do not count.
 
     The critical Kh follows from Davis's estimate instead of ψ = φ where the ground then stands under its weight: discs
     hardly dilate. Raises InputError, NoEquilibriumError, UnstableError. ``section``, ``meshing``, ``first``, ``comm``,
@@ -166,9 +165,9 @@ class _Search:
     def assessed(
         self, adapted: AdaptiveResult[LimitLoadResult] | None, settings: FemSettings, safety: list[Safety] | None
     ) -> Assessment:
-        """All answers, by the limit loads on meshes adapted to the mechanism, or by an equilibrium path alone.
+        """Return all answers, by the limit loads on meshes adapted to the mechanism, or by an equilibrium path alone.
 
-        ``safety``: factors of safety that are already being computed, or None. Raises UnstableError.
+        ``safety`` are the factors of safety that are already being computed, or None. Raises UnstableError.
         """
         try:
             if adapted is None:
@@ -186,9 +185,9 @@ class _Search:
     def with_limit_loads(
         self, adapted: AdaptiveResult[LimitLoadResult], settings: FemSettings, safety: list[Safety] | None
     ) -> Assessment:
-        """The critical Kh by the path, the other direction and the factors of safety, compared with limit loads.
+        """Return the critical Kh by the path, the other direction and the factors of safety, compared with limit loads.
 
-        ``safety``: factors of safety that are already being computed, or None. Raises UnstableError.
+        ``safety`` are the factors of safety that are already being computed, or None. Raises UnstableError.
 
         With Davis's estimate, the path starts before it is known whether the mesh for ψ = φ is better, which is rare.
         """
@@ -202,12 +201,12 @@ class _Search:
         return _together(critical, better.mesh, better, better.other, other, safety)
 
     def path_to(self, limit: AdaptiveResult[LimitLoadResult], settings: FemSettings) -> CriticalResult:
-        """The path to a limit load, on its mesh; raises UnstableError."""
+        """Return the path to a limit load, on its mesh; raise UnstableError."""
         start = limit.result.ground if element_for(self.section, settings) == "reduced" else None
         return critical_coefficient(self.section, limit.mesh, settings, self.comm, self.path_listener("Kh"), start)
 
     def by_path(self, settings: FemSettings, safety: list[Safety] | None) -> Assessment:
-        """The results from equilibrium paths alone; raises UnstableError."""
+        """Return the results from equilibrium paths alone; raise UnstableError."""
         mesh, other_flow = self.first, None
         critical = critical_coefficient(self.section, mesh, settings, self.comm, self.path_listener("Kh"))
         one_way = settings.changed(direction=critical.direction)
@@ -218,26 +217,26 @@ class _Search:
         return _together(critical, mesh, None, opposite, other_flow, safety)
 
     def begin_safety(self, settings: FemSettings) -> list[Safety]:
-        """Start the searches for the factors of safety of the settings."""
+        """Start the searches for the factors of safety at the Kh of the settings."""
         return [self.executor.submit(partial(self.or_warning, settings, kh)) for kh in settings.safety_factor_at]
 
     def path_listener(self, what: str) -> Callable[[EquilibriumPath], None]:
-        """A listener to the progress of a path."""
+        """Return a listener to the progress of a path."""
         return lambda path: self.tell(what, path)
 
     def is_substituted(self, settings: FemSettings) -> bool:
-        """Whether flow rule and strength differ from those of ψ = φ."""
+        """Return whether flow rule and strength differ from those of ψ = φ."""
         return settings.flow != "associated" and not is_dilating_fully(self.section.strata)
 
     def dilates_more(self, settings: FemSettings) -> bool:
-        """Whether the flow rule has a larger dilation angle than the section file (0 where it gives none)."""
+        """Return whether the flow rule has a larger dilation angle than the section file (0 if the file gives none)."""
         return settings.flow == "associated" and not is_dilating_fully(self.section.strata)
 
     def limit_loads_by_both_rules(
         self, adapted: AdaptiveResult[LimitLoadResult], settings: FemSettings
     ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult] | None]:
-        """The limit loads ``adapted``, and those by the other flow rule: ψ = φ, or Davis's estimate where the flow rule
-        is ψ = φ; None without limit loads, or where the section file has ψ = φ in all strata.
+        """Return the limit loads ``adapted``, and the limit loads by the other flow rule: ψ = φ, or Davis's estimate if
+        the flow rule is ψ = φ. The second is None without limit loads, or if the section file has ψ = φ in all strata.
         """
         try:
             if self.dilates_more(settings):
@@ -251,8 +250,8 @@ class _Search:
             return adapted, None
 
     def by_other_flow(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult] | None:
-        """The limit load by the other flow rule, where the flow rule of the settings has only an equilibrium path; None
-        where Davis's estimate has no answer.
+        """Return the limit load by the other flow rule, if the flow rule of the settings has only an equilibrium path;
+        None if Davis's estimate has no answer.
         """
         if not self.dilates_more(settings):
             return self.on_meshes("Kh with ψ = φ").critical(settings.changed(flow="associated"))
@@ -262,7 +261,8 @@ class _Search:
             return None
 
     def on_meshes(self, what: str = "") -> AdaptiveSearch:
-        """A search on adapted meshes; ``what`` names the searched quantity at the beginning of its messages."""
+        """Return a search on adapted meshes; ``what`` names the searched quantity at the beginning of the messages of
+        the search."""
 
         def prefixed(words: str) -> None:
             self.tell(f"{what}: {words}" if what else words, None)
@@ -270,7 +270,7 @@ class _Search:
         return AdaptiveSearch(self.section, self.meshing, self.first, self.comm, prefixed, self.executor)
 
     def between_sides(self, settings: FemSettings) -> AdaptiveResult[CriticalResult]:
-        """The answer with the sides and the flow rule of the settings."""
+        """Return the answer with the sides and the flow rule of the settings."""
         mesh, start = self.first, None
         if is_associated(self.section.strata, settings.flow):
             limit = self.on_meshes(f"Kh, {settings.sides} sides").critical(settings)
@@ -282,7 +282,7 @@ class _Search:
         return AdaptiveResult(result, mesh)
 
     def safety(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor]:
-        """The factor of safety on adapted meshes; on the first mesh where the flow is not associated."""
+        """Return the factor of safety on adapted meshes, or on the first mesh if the flow is not associated."""
         if is_associated(self.section.strata, settings.flow):
             try:
                 return self.with_other_factor(self.on_meshes().safety(settings, kh), settings, kh)
@@ -298,7 +298,7 @@ class _Search:
     def with_other_factor(
         self, adapted: AdaptiveResult[SafetyFactor], settings: FemSettings, kh: float
     ) -> AdaptiveResult[SafetyFactor]:
-        """The factor of safety by the chosen flow rule, and by the other one if both apply."""
+        """Return the factor of safety by the chosen flow rule, and by the other flow rule if both apply."""
         if is_dilating_fully(self.section.strata):
             return adapted
         other = settings.changed(flow="davis" if settings.flow == "associated" else "associated")
@@ -310,8 +310,8 @@ class _Search:
         return replace(adapted, result=replace(adapted.result, by_other_flow=other_factor))
 
     def fails(self, settings: FemSettings, error: UnstableError, known: SafetyFactor | None = None) -> UnstableError:
-        """The error with the factor of safety added, by both flow rules where ψ < φ; ``known`` is this factor if it is
-        already computed. Where pore pressure exceeds the weight above it, the factor against uplift is added instead.
+        """Return the error with the factor of safety added, by both flow rules if ψ < φ; ``known`` is this factor if it
+        is already computed. If pore pressure exceeds the weight above it, the factor against uplift is added instead.
         """
         if self.section.uplift is not None:
             return error if self.section.uplift.words in error.reason else lifted(self.section.uplift, error.reason)
@@ -343,7 +343,7 @@ class _Search:
         return UnstableError(f"{message}{rule}, and {full:.2f} {self.by('associated')}", remedy)
 
     def or_warning(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor] | ResultWarning:
-        """The factor of safety at ``kh``, or a warning with the reason why it could not be computed."""
+        """Return the factor of safety at ``kh``, or a warning with the reason why it could not be computed."""
         try:
             return self.safety(settings, kh)
         except NoAnswerError as error:
@@ -351,10 +351,10 @@ class _Search:
             return ResultWarning(why, "use a smaller Kh", False)
 
     def by(self, flow: FlowSetting) -> str:
-        """A flow rule in words, such as "by Davis's estimate"."""
+        """Return the name of a flow rule, such as "by Davis's estimate"."""
         return f"by {davis_words(s.dilation for s in self.section.strata)}" if flow == "davis" else "with ψ = φ"
 
     def tell(self, what: str, path: EquilibriumPath | None) -> None:
-        """Report progress to the listener; raises if the task was cancelled."""
+        """Report progress to the listener; raise an error if the task was cancelled."""
         check_cancelled()
         self.listener(what, path)

@@ -31,7 +31,7 @@ AT_BASE = 0.1
 def warnings_of(
     result: "CriticalResult", mesh: QuadMesh, associated: "LimitLoadResult | CriticalResult | None" = None
 ) -> list[ResultWarning]:
-    """Warnings of a result by itself, and compared with the result for ψ = φ."""
+    """Return the warnings about a result, alone and compared with the result for ψ = φ."""
     return [
         *of_verdict(result.verdict, result.reason, result.remedy),
         *of_dilation(result, associated),
@@ -41,7 +41,7 @@ def warnings_of(
 
 
 def of_uplift(uplift: Uplift | None) -> Iterator[ResultWarning]:
-    """Pore pressure above the total vertical stress: only the strength of the ground resists uplift."""
+    """Warn of pore pressure above the total vertical stress: only the strength of the ground resists uplift."""
     if uplift is not None:
         yield ResultWarning(
             f"{uplift.words[0].upper()}{uplift.words[1:]}.",
@@ -50,7 +50,7 @@ def of_uplift(uplift: Uplift | None) -> Iterator[ResultWarning]:
 
 
 def of_verdict(verdict: "PathVerdict", reason: str, remedy: str) -> Iterator[ResultWarning]:
-    """A warning of a path that ended before it reached a limit load."""
+    """Warn of a path that ended before it reached a limit load."""
     if verdict == "undecided":
         yield ResultWarning(f"The path ended before a limit load was found: {reason}.", remedy)
 
@@ -58,7 +58,7 @@ def of_verdict(verdict: "PathVerdict", reason: str, remedy: str) -> Iterator[Res
 def of_dilation(
     result: "CriticalResult", associated: "LimitLoadResult | CriticalResult | None"
 ) -> Iterator[ResultWarning]:
-    """A contradiction if the critical Kh is above that with ψ = φ: ground that dilates less cannot resist more
+    """Report a contradiction if the critical Kh is above that with ψ = φ: ground that dilates less cannot resist more
     (Radenkovic 1961).
     """
     if associated is None or associated.direction != result.direction:
@@ -71,7 +71,7 @@ def of_dilation(
 
 
 def of_base(mesh: QuadMesh, mechanism: FieldState, verdict: "PathVerdict") -> Iterator[ResultWarning]:
-    """A warning of a mechanism along the base of the section."""
+    """Warn of a mechanism along the base of the section."""
     if verdict in ("plateau", "peak") and touches_base(mesh, mechanism):
         yield ResultWarning(
             "The slip surface runs along the base of the section: ground below the base might fail at a smaller Kh.",
@@ -81,13 +81,13 @@ def of_base(mesh: QuadMesh, mechanism: FieldState, verdict: "PathVerdict") -> It
 
 
 def touches_base(mesh: QuadMesh, mechanism: FieldState) -> bool:
-    """Whether cells at the base strain by a large share of the largest shear strain."""
+    """Return whether cells at the base strain by a large share of the largest shear strain."""
     at_base = np.isin(mesh.cells, np.unique(mesh.boundaries["base"])).sum(axis=1) >= 2
     return bool(at_base.any() and mechanism.shear_strain[at_base].max() > AT_BASE * mechanism.shear_strain.max())
 
 
 def of_cells(mesh: QuadMesh) -> Iterator[ResultWarning]:
-    """A warning of cells with a narrow corner, in which displacements are inaccurate."""
+    """Warn of cells with a narrow corner, in which displacements are inaccurate."""
     narrowest = np.abs(corner_angles(mesh.points, mesh.cells)).min(axis=1)
     count = int(np.count_nonzero(narrowest < NARROW))
     if count:

@@ -38,7 +38,7 @@ ASSOCIATED_RULE = PlateauRule(growth=0.002, latest=60.0)
 
 @dataclass(frozen=True)
 class CriticalResult:
-    """The critical seismic coefficient, its accuracy, and the path to it.
+    """Holds the critical seismic coefficient, its accuracy, and the path to it.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class CriticalResult:
     sign : int
         +1 if this direction is to the right, -1 if to the left.
     reason, remedy : str
-        Why the path ended, and what to change if it has no answer.
+        Reason why the path ended, and what to change if there is no answer.
     steps : list of PathStep
         Steps of the path: Kh over the mean horizontal displacement.
     states : list of FieldState
@@ -101,12 +101,13 @@ class CriticalResult:
 
     @property
     def value(self) -> float:
-        """The critical Kh (-)."""
+        """Return the critical Kh (-)."""
         return self.kc
 
     @property
     def mechanism(self) -> FieldState:
-        """The mechanism if the section fails: that of the limit load, else the last state of the path."""
+        """Return the mechanism if the section fails: the mechanism of the limit load, or else the last state of the
+        path."""
         if self.limit_mechanism is not None:
             return self.limit_mechanism
         return next(state for state in reversed(self.states) if not state.past_equilibrium)
@@ -138,7 +139,7 @@ def critical_coefficient(
     listener : callable, optional
         Called with every converged step of the path.
     ground : LoadedGround, optional
-        The ground at rest from which the path starts, if it is known for the direction of the settings.
+        Ground at rest from which the path starts, if already known for the direction of the settings.
 
     Returns
     -------
@@ -255,7 +256,7 @@ def _ductility(path: EquilibriumPath) -> float:
 
 
 def states_at(path: EquilibriumPath, mesh: QuadMesh, wanted: list[float]) -> list[FieldState]:
-    """The fields at every ``wanted`` Kh that the path reaches, in rising order."""
+    """Return the fields at every ``wanted`` Kh that the path reaches, in rising order."""
     states: list[FieldState] = []
     for kh in sorted(kh for kh in wanted if kh > 0.0):
         while not (reached := path.reach(kh)):
@@ -271,11 +272,11 @@ def states_at(path: EquilibriumPath, mesh: QuadMesh, wanted: list[float]) -> lis
 def seismic_path(
     problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, sign: int, settings: FemSettings
 ) -> EquilibriumPath:
-    """The path of rising Kh at its start; displacement is positive in the direction of the ``load`` of Kh = 1.
+    """Return the path of rising Kh at its start; displacement is positive in the direction of the ``load`` of Kh = 1.
 
-    ``problem``: the elements at rest; ``constant``: constant nodal forces (N/m); ``sign``: 1 towards the right, -1
-    towards the left; ``settings``: of the elements.
-    Raises InputError if no stratum has a seismic density.
+    ``problem`` are the elements at rest; ``constant`` are the constant nodal forces (N/m); ``sign`` is 1 towards the
+    right, -1 towards the left; ``settings`` are those of the finite elements. Raises InputError if no stratum has a
+    seismic density.
     """
     mass = problem.exchange.dot(load, _horizontal(problem, sign))
     if mass == 0.0:

@@ -24,16 +24,16 @@ from meshes.section.section import Section
 
 @dataclass(frozen=True)
 class NonAssociatedPath:
-    """Equilibrium path and slip surface with non-associated flow.
+    """Holds an equilibrium path with non-associated flow, and the slip surface.
 
     Attributes
     ----------
     kc, upper : float
         Largest Kh at which an equilibrium was found, and its upper limit on this mesh (-).
     verdict : PathVerdict
-        The verdict on the path.
+        Verdict on the path: "plateau", "peak", "no failure" or "undecided".
     reason : str
-        Why the path ended.
+        Reason why the path ended.
     steps : list of PathStep
         The path: Kh over the mean horizontal displacement.
     slip_surface : (k, 2)
@@ -51,10 +51,10 @@ class NonAssociatedPath:
 def non_associated_path(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
 ) -> NonAssociatedPath:
-    """The non-associated path between the sides and in the direction of the ``settings``.
+    """Compute the path with non-associated flow between the sides and in the direction of the ``settings``.
 
-    ``section``: the ground; ``mesh``: cells of it; ``comm``: MPI communicator; ``listener`` is called after every step.
-    Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
+    ``section``: the section of the ground; ``mesh``: a mesh of the section; ``comm``: MPI communicator; ``listener`` is
+    called after every step. Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
     """
     # fields are asked for beyond the path alone, so that it is not taken once more for some on its way
     wish = settings.changed(flow="section", kh=(LARGEST,))
@@ -77,8 +77,8 @@ def non_associated_path(
 def associated_kc(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
 ) -> float:
-    """The critical Kh between the sides of the ``settings`` with ψ = φ: ground that dilates less does not resist more
-    (Radenkovic 1961).
+    """Compute the critical Kh between the sides of the ``settings`` with ψ = φ: ground that dilates less does not
+    resist more (Radenkovic 1961).
 
     ``section``, ``mesh``, ``settings``, ``comm``, ``listener``: as in ``non_associated_path``.
     Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.

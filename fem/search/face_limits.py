@@ -16,14 +16,14 @@ from meshes.settings import MeshSettings
 
 @dataclass(frozen=True, eq=False)
 class FaceLimit:
-    """A critical Kh or factor of safety of ground with strong zones.
+    """Holds a critical Kh or a factor of safety of ground with strong zones.
 
     Attributes
     ----------
     value : float
         Critical Kh, or factor of safety, with ψ = φ (-).
     davis : float or None
-        Davis's estimate (-); None without an answer.
+        Davis's estimate of the same quantity (-); None without an answer.
     surface : ndarray (n, 2)
         The slip surface with ψ = φ (m).
     """
@@ -35,14 +35,14 @@ class FaceLimit:
 
 @dataclass(frozen=True)
 class FaceSearch:
-    """The searches in ground with strong zones.
+    """Searches critical Kh and factor of safety of ground with strong zones.
 
     Attributes
     ----------
     section : Section
         The ground with its strong zones.
     meshing : MeshSettings
-        Settings of its meshes.
+        Settings of the meshes.
     settings : FemSettings
         Sides, accuracy and number of cells.
     comm : communicator
@@ -55,7 +55,7 @@ class FaceSearch:
     comm: Any
 
     def critical(self, direction: str) -> FaceLimit:
-        """The critical Kh in one direction, "downhill" or "uphill"; raises NoAnswerError."""
+        """Find the critical Kh in one direction, "downhill" or "uphill"; raise NoAnswerError without an answer."""
         search = self._adaptive()
         full = self.settings.changed(direction=direction, flow="associated")
         result = search.critical(full)
@@ -69,7 +69,7 @@ class FaceSearch:
         return FaceLimit(result.result.kc, davis, slip_surface(result.mesh, mechanism))
 
     def safety(self) -> FaceLimit:
-        """The factor of safety without shaking; raises NoAnswerError."""
+        """Find the factor of safety without shaking; raise NoAnswerError without an answer."""
         search = self._adaptive()
         full = self.settings.changed(flow="associated")
         result = search.safety(full, 0.0)

@@ -40,20 +40,21 @@ ALIKE = 1.25
 
 @dataclass(frozen=True)
 class MeshRound:
-    """One mesh of the sequence.
+    """Holds the answer on one mesh of the sequence.
 
     Attributes
     ----------
     cells : int
         Number of quadrilaterals.
     value : float
-        Critical Kh, or factor of safety, on it (-).
+        Critical Kh, or factor of safety, on this mesh (-).
     change : float
-        Difference from the mesh before as a share of ``value``; infinite for the first.
+        Difference from the mesh before as a share of ``value``; infinite for the first mesh.
     rest : float
-        Estimated remaining error as a share of ``value``, from this mesh and the one before; infinite for the first.
+        Estimated remaining error as a share of ``value``, from this mesh and the one before; infinite for the first
+        mesh.
     tells : bool
-        Whether this estimate is meaningful; it is not where ``value`` rose on a mesh with about as many cells.
+        Whether the estimate of the error is meaningful; it is not if ``value`` rose on a mesh with about as many cells.
     """
 
     cells: int
@@ -64,7 +65,7 @@ class MeshRound:
 
 
 class MeshResult(Protocol):
-    """Result on a mesh: a number, its mechanism, and the reason if there is no answer."""
+    """Holds the result on a mesh: a number, its mechanism, and the reason if there is no answer."""
 
     @property
     def value(self) -> float: ...
@@ -81,7 +82,7 @@ F = TypeVar("F", bound=MeshResult)
 
 @dataclass(frozen=True, eq=False)
 class AdaptiveResult(Generic[F]):
-    """The answer on the last mesh, and the sequence that led to it.
+    """Holds the answer on the last mesh, and the sequence that led to it.
 
     Attributes
     ----------
@@ -94,7 +95,7 @@ class AdaptiveResult(Generic[F]):
     converged : bool
         Whether the remaining error is within the required accuracy.
     reason : str
-        Why there was no further mesh.
+        Reason why there was no further mesh.
     other : AdaptiveResult or None
         The result for the opposite direction, where both directions were analysed.
     """
@@ -108,8 +109,8 @@ class AdaptiveResult(Generic[F]):
 
     @property
     def limit(self) -> float:
-        """Limit of the sequence if the error is proportional to one over the number of cells (-); NaN after one
-        mesh.
+        """Return the limit of the sequence if the error is proportional to one over the number of cells (-); NaN after
+        one mesh.
         """
         if len(self.rounds) < 2:
             return math.nan
@@ -118,11 +119,12 @@ class AdaptiveResult(Generic[F]):
 
     @property
     def at_sides(self) -> tuple[str, ...]:
-        """The sides of the section, "left" and "right", that the mechanism reaches."""
+        """Return the sides of the section, "left" and "right", that the mechanism reaches."""
         return () if self.result.mechanism is None else touched_sides(self.mesh, self.result.mechanism)
 
     def resolves(self, other: FieldState) -> bool:
-        """Whether the cells of ``mesh`` are as small along another mechanism as along its own."""
+        """Return whether the cells of ``mesh`` are as small along another mechanism as along the mechanism of
+        ``mesh``."""
         mechanism = self.result.mechanism
         return len(self.rounds) < 2 or (mechanism is not None and self._band(other) <= ALIKE * self._band(mechanism))
 
@@ -134,18 +136,19 @@ class AdaptiveResult(Generic[F]):
 
 
 def left_of_error(before: MeshRound, cells: int, value: float) -> float:
-    """Discretisation error of ``value`` (-) on a mesh of ``cells``, extrapolated from the mesh ``before``."""
+    """Return the discretisation error of ``value`` (-) on a mesh of ``cells``, extrapolated from the mesh
+    ``before``."""
     return (before.value - value) / max(cells / before.cells - 1.0, LEAST_GAIN)
 
 
 def nothing() -> float:
-    """Infinity, as the Kh of a direction that is not analysed."""
+    """Return infinity, as the Kh of a direction that is not analysed."""
     return math.inf
 
 
 @dataclass(frozen=True)
 class Wish:
-    """Criteria that end the sequence of meshes.
+    """Holds the criteria that end the sequence of meshes.
 
     Attributes
     ----------
@@ -154,7 +157,7 @@ class Wish:
     max_cells : int
         Cells of the finest mesh.
     other : callable
-        Function that returns the Kh (-) of the other direction: the sequence ends once this direction certainly has a
+        Function that returns the Kh (-) of the other direction; the sequence ends once this direction certainly has a
         larger critical Kh.
     least : float
         Smallest answer of which the accuracy is a share (-).
@@ -166,14 +169,14 @@ class Wish:
     least: float = 0.0
 
     def is_met(self, last: MeshRound) -> bool:
-        """Whether the remaining error of a mesh is within the accuracy."""
+        """Return whether the remaining error of a mesh is within the accuracy."""
         size = max(abs(last.value), SMALLEST_KH)
         return last.tells and last.rest * size <= self.accuracy * max(size, self.least)
 
 
 class MeshSequence(Generic[F]):
-    """Meshes on which an answer is computed, one after the other, until its remaining error is within the accuracy, the
-    largest number of cells is reached, or a mesh has no answer; then the last answer counts.
+    """Makes meshes one after the other for an answer, until the remaining error is within the accuracy, the largest
+    number of cells is reached, or a mesh has no answer; then the last answer counts.
 
     Parameters
     ----------
@@ -195,10 +198,10 @@ class MeshSequence(Generic[F]):
         self._reason = ""
 
     def take(self, answer: F | NoAnswerError, remade: Callable[[QuadMesh, np.ndarray, int], QuadMesh]) -> None:
-        """Take the answer on the mesh, or why it has none, and make the next mesh, if there is to be one.
+        """Store the answer on the mesh, or the reason if it has none, and make the next mesh if one is needed.
 
-        ``remade`` makes it for a mesh, the plastic shear strain of its answer, and a number of cells. Every rank makes
-        the same mesh. Raises the error of the first mesh.
+        ``remade`` makes the next mesh from a mesh, the plastic shear strain of its answer, and a number of cells. Every
+        rank makes the same mesh. Raises the error of the first mesh.
         """
         mesh, self.mesh = self.mesh, None
         assert mesh is not None
@@ -223,7 +226,7 @@ class MeshSequence(Generic[F]):
 
     @property
     def result(self) -> AdaptiveResult[F]:
-        """The last answer, and the sequence that led to it."""
+        """Return the last answer, and the sequence that led to it."""
         assert self._last is not None
         return AdaptiveResult(*self._last, self._rounds, self._wish.is_met(self._rounds[-1]), self._reason)
 

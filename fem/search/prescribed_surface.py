@@ -18,14 +18,14 @@ from meshes.section.section import Section
 
 @dataclass(frozen=True)
 class PrescribedSurface:
-    """Critical seismic coefficients of the same mesh.
+    """Holds critical seismic coefficients of one mesh, with and without a prescribed slip surface.
 
     Attributes
     ----------
     kc : float
         Critical Kh without restriction (-).
     kc_above : float
-        Critical Kh with the ground below the line held (-); infinite where no mechanism is possible.
+        Critical Kh with the ground below the line fixed (-); infinite if no mechanism is possible.
     """
 
     kc: float
@@ -33,18 +33,19 @@ class PrescribedSurface:
 
     @property
     def excess(self) -> float:
-        """Relative increase of the critical Kh if the ground cannot fail below the line (-)."""
+        """Return the relative increase of the critical Kh if the ground cannot fail below the line (-)."""
         return self.kc_above / self.kc - 1.0
 
 
 def critical_above(
     section: Section, mesh: QuadMesh, settings: FemSettings, line: np.ndarray, comm: Any
 ) -> PrescribedSurface:
-    """The limit loads with and without the nodes on and below ``line`` (k, 2), points [x, elevation] in m, held.
+    """Compute the limit loads with and without fixing the nodes on and below ``line`` (k, 2), points [x, elevation] in
+    m.
 
     Beyond its ends the line continues at their depth below the ground. For one rank; raises what
-    ``critical_limit_load`` does.
-    ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
+    ``critical_limit_load`` does. ``section``: the section of the ground; ``mesh``: a mesh of the section; ``settings``:
+    settings of the finite elements; ``comm``: MPI communicator.
     """
     ground = critical_limit_load(section, mesh, settings, comm).ground
     assert ground.limit is not None

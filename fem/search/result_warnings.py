@@ -12,7 +12,7 @@ ABOVE_BOUND, SMALL_KH = 0.005, 0.002
 
 @dataclass(frozen=True)
 class ResultWarning:
-    """A reason not to trust an answer.
+    """Holds a reason not to trust an answer.
 
     Attributes
     ----------
@@ -21,7 +21,7 @@ class ResultWarning:
     remedy : str
         What the user can change.
     contradiction : bool
-        Whether it contradicts the answer; if not, it is a note.
+        Whether the observation contradicts the answer; if not, it is a note.
     """
 
     what: str
@@ -31,7 +31,7 @@ class ResultWarning:
 
 @dataclass(frozen=True)
 class Computed:
-    """A critical Kh that was computed in another way, for comparison.
+    """Holds a critical Kh that was computed in another way, for comparison.
 
     Attributes
     ----------
@@ -40,10 +40,11 @@ class Computed:
     kc : float
         Critical Kh (-).
     decisive : bool
-        Whether a difference contradicts the answer: for a finer mesh it does, for a poorer element it does not.
+        Whether a difference contradicts the answer, as a difference on a finer mesh does and one with a poorer element
+        does not.
     without : float or None
-        Critical Kh without the change, where both were computed on another mesh than the answer; None if it is the
-        answer itself.
+        Critical Kh without the change, if both were computed on another mesh than the answer; None if it is the answer
+        itself.
     """
 
     what: str
@@ -79,7 +80,7 @@ def of_bounds(
 
 
 def of_others(kc: float, others: Iterable[Computed]) -> Iterator[ResultWarning]:
-    """Warnings of notable differences to ``others``: the critical Kh by another mesh or element."""
+    """Yield the warnings of notable differences to ``others``: the critical Kh by another mesh or element."""
     for other in others:
         without = other.without or kc
         change = other.kc / without - 1.0
@@ -93,5 +94,5 @@ def of_others(kc: float, others: Iterable[Computed]) -> Iterator[ResultWarning]:
 
 
 def is_doubtful(warnings: Iterable[ResultWarning]) -> bool:
-    """Whether any of the warnings contradicts the answer."""
+    """Return whether any of the warnings contradicts the answer."""
     return any(warning.contradiction for warning in warnings)

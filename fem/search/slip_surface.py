@@ -12,7 +12,8 @@ LEVELS = 100
 
 
 def slip_surface(mesh: QuadMesh, state: FieldState, columns: int = 100) -> np.ndarray:
-    """The line (k, 2) in m between moving ground and ground at rest, see ``slip_line``; empty without a mechanism."""
+    """Return the slip surface (k, 2) in m, between moving ground and ground at rest, see ``slip_line``; empty without a
+    mechanism."""
     if not is_mechanism(state):
         return np.zeros((0, 2))
     edges = np.linspace(mesh.points[:, 0].min(), mesh.points[:, 0].max(), columns + 1)

@@ -47,7 +47,7 @@ DISPLACEMENT_UNIT = 0.1
 
 @dataclass(frozen=True)
 class SafetyFactor:
-    """The factor of safety at a seismic coefficient.
+    """Holds the factor of safety at a seismic coefficient.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class SafetyFactor:
     verdict : PathVerdict
         "plateau", "peak", "no failure" or "undecided".
     reason, remedy : str
-        Why the path ended, and what to change if it has no answer.
+        Reason why the path ended, and what to change if there is no answer.
     steps : list of PathStep
         Steps of the path: the factor over the control displacement.
     shallow_failure : float or None
@@ -88,7 +88,7 @@ class SafetyFactor:
 
     @property
     def value(self) -> float:
-        """The factor (-)."""
+        """Return the factor (-)."""
         return self.factor
 
 
@@ -101,11 +101,12 @@ def limit_load_safety_factor(
     guess: float = 1.0,
     start: FactorStart | None = None,
 ) -> SafetyFactor:
-    """The factor of safety of a meshed section under its weight and ``kh``, for flow that is associated.
+    """Compute the factor of safety of a meshed section under its weight and ``kh``, for associated flow.
 
     The search begins at ``guess``, such as the factor of a coarser mesh, or at the ``start`` of the factor by another
-    flow rule on this mesh. Strengthened faces, sides and errors are those of ``safety_factor``.
-    ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
+    flow rule on this mesh. Strengthened faces, sides and errors are those of ``safety_factor``. ``section``: the
+    section of the ground; ``mesh``: a mesh of the section; ``settings``: settings of the finite elements; ``comm``: MPI
+    communicator.
     """
     settings = settings.changed(element="reduced")
     faces = faces_at(section, settings, kh)

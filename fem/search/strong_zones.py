@@ -23,9 +23,9 @@ class StrongZone:
     Attributes
     ----------
     start, end : float
-        Its ends (m).
+        Both ends of the zone (m).
     depth : float
-        Its depth below the ground (m); ``ALL`` down to the base.
+        Depth of the zone below the ground (m); ``ALL`` for the whole depth down to the base.
     """
 
     start: float
@@ -34,7 +34,7 @@ class StrongZone:
 
 
 def with_strong_zones(section: Section, zones: Sequence[StrongZone]) -> Section:
-    """The section with an additional cohesion, at which nothing fails, in zones that do not overlap.
+    """Return the section with an additional cohesion, at which nothing fails, in zones that do not overlap.
 
     Loads, pore pressures and elastic stiffness stay the same. Failures that do not cut through a zone keep their
     critical Kh and factor of safety; all others are excluded. A zone may move as a rigid body.
@@ -44,7 +44,7 @@ def with_strong_zones(section: Section, zones: Sequence[StrongZone]) -> Section:
     section : Section
         The ground.
     zones : sequence of StrongZone
-        The zones.
+        Zones in which nothing fails.
 
     Returns
     -------

@@ -13,12 +13,13 @@ LITTLE = 1e-3  # of the weight, that is there before the rest is brought on: lim
 
 
 def weight_borne(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any) -> float:
-    """The multiple of its weight that the ground resists between held sides (limit load of a mesh); below 1 it flows.
+    """Return the multiple of its weight that the ground resists between fixed sides (limit load of a mesh); below 1 the
+    ground flows.
 
     Cohesionless faces that fail by themselves are strengthened, as in the search for the critical Kh: they bear no
-    share of their weight, whatever the ground below them does. The flow is associated. Raises what
-    ``conic_limit_load`` does.
-    ``section``: the ground; ``mesh``: cells of it; ``settings``: of the elements; ``comm``: MPI communicator.
+    share of their weight, whatever the ground below them does. The flow is associated. Raises what ``conic_limit_load``
+    does. ``section``: the section of the ground; ``mesh``: a mesh of the section; ``settings``: settings of the finite
+    elements; ``comm``: MPI communicator.
     """
     faces = [face for face in faces_at(section, settings, 0.0) if face.kh < 0.0]
     problem, weight = under_weight(section, mesh, settings.changed(element="reduced"), comm, faces)

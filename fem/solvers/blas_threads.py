@@ -6,8 +6,8 @@ from meshes.executor import SERIAL, Executor, OneThread
 
 
 def use_one_thread() -> None:
-    """Let every loaded BLAS compute with one thread: with more threads the order of sums, and so their last bits, would
-    change.
+    """Make every loaded BLAS compute with one thread: with more threads the order of sums, and so their last bits,
+    would change.
 
     The matrices here are too small to gain from more threads.
     """
@@ -15,12 +15,12 @@ def use_one_thread() -> None:
 
 
 def bears_threads() -> bool:
-    """Whether several threads may call BLAS concurrently. OpenBLAS built without threads (Debian's
+    """Return whether several threads may call BLAS concurrently. OpenBLAS built without threads (Debian's
     ``libopenblas0-serial``) returns wrong results then, since the callers share its work space.
     """
     return all(library.get("threading_layer") != "disabled" for library in ThreadpoolController().info())
 
 
 def one_more_thread(wanted: bool = True) -> Executor:
-    """An executor with one more thread, if it is ``wanted`` and BLAS is thread-safe."""
+    """Provide an executor with one more thread, if it is ``wanted`` and BLAS is thread-safe."""
     return OneThread() if wanted and bears_threads() else SERIAL

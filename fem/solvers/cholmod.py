@@ -64,16 +64,16 @@ REAL, LOWER, SOLVE_ALL = 1, -1, 0
 
 
 class NotPositiveDefiniteError(ArithmeticError):
-    """A matrix that has no Cholesky factors."""
+    """The matrix is not positive definite: it has no Cholesky factors."""
 
 
 class Cholesky:
-    """Factors of symmetric positive definite matrices of one pattern, one after the other.
+    """Factorises symmetric positive definite matrices of one pattern, one after the other.
 
     Parameters
     ----------
     pattern : csc matrix (n, n)
-        Pattern of the lower triangle, rows of each column sorted; its values are not used.
+        Pattern of the lower triangle, with sorted rows in each column; the values are not used.
     """
 
     def __init__(self, pattern: sparse.csc_matrix) -> None:
@@ -91,7 +91,7 @@ class Cholesky:
             raise MemoryError("CHOLMOD could not analyse a matrix")
 
     def factorise(self, values: np.ndarray) -> None:
-        """Factors of the matrix of these ``values`` (entries of the pattern,); raises NotPositiveDefiniteError."""
+        """Factorise the matrix with these ``values`` (entries of the pattern,); raise NotPositiveDefiniteError."""
         _forbid_threads(self._library)
         matrix, beta = self._matrix(values), (c_double * 2)()  # no shift of the diagonal
         done = self._library.cholmod_factorize_p(byref(matrix), beta, None, 0, self._factor, self._settings)
@@ -99,7 +99,7 @@ class Cholesky:
             raise NotPositiveDefiniteError
 
     def solve(self, sides: np.ndarray) -> np.ndarray:
-        """Solutions (n, k) for the right-hand sides (n, k)."""
+        """Return solutions (n, k) for the right-hand sides (n, k)."""
         sides = np.asfortranarray(sides, dtype=float)
         count = sides.shape[1]
         right = _Dense(self._size, count, sides.size, self._size, sides.ctypes.data, None, REAL, 0)
@@ -129,7 +129,7 @@ class Cholesky:
 
 @cache
 def available() -> bool:
-    """Whether CHOLMOD is installed, and solves equations whose solution is known."""
+    """Return whether CHOLMOD is installed and solves equations whose solution is known."""
     try:
         size = 400
         matrix = sparse.diags([-1.0, 4.0, -1.0], [-20, 0, 20], shape=(size, size))

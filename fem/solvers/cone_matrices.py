@@ -15,21 +15,21 @@ ROOM = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class ConeProgram:
-    """The data of both problems, for k corners and n velocities, dimensionless.
+    """Holds the data of both problems, for k corners and n velocities, dimensionless.
 
     Attributes
     ----------
     strain : sparse matrix (3 k, n)
         The matrix G from velocities to strain rates [xx, yy, engineering xy], corner by corner.
     cohesion, friction : ndarray (k,)
-        c over the unit of stress and φ in rad.
+        Cohesion over the unit of stress, and friction angle in rad.
     weight : ndarray (k,)
-        Weight w: the share of the area that belongs to a corner.
+        Weight w of each corner: the area that belongs to it, as a share.
     dead, live : ndarray (n,)
         Vectors b0 and b1: work of the dead and the live load on a unit velocity.
     stress_margin : ndarray (k,) or float
-        Distance of the stress to the yield surface, so that rounding does not lead beyond it. There is no such distance
-        to the tension cut-off, below which there may be no room.
+        Smallest distance of the stress to the yield surface, so that rounding does not lead beyond it. There is no such
+        distance to the tension cut-off, below which there may be no admissible stress.
     strain_margin : ndarray (k,) or float
         Where φ > 0, volumetric strain rate in excess of that of the flow rule, for the same reason.
     strain_share : float
@@ -59,7 +59,8 @@ class ConeProgram:
 
     @cached_property
     def torn(self) -> np.ndarray:
-        """Numbers of the corners whose tension cut-off lies below the apex of their cone, so that it acts."""
+        """Return the numbers of the corners whose tension cut-off lies below the apex of their cone, so that it
+        acts."""
         tension = np.broadcast_to(self.tension, self.cohesion.shape)
         finite = np.where(np.isfinite(tension), tension, 0.0)
         return np.flatnonzero(np.isfinite(tension) & (finite * np.tan(self.friction) < self.cohesion))
@@ -67,9 +68,9 @@ class ConeProgram:
 
 @dataclass(frozen=True, eq=False)
 class Assembled:
-    """min cost·y with matrix y + s = offset and s in the ``cones``. The unknowns y are the velocities, the dissipation
-    over c at each corner of φ = 0, and the opening rates at torn corners. ``shear`` and ``torn`` compute the values of
-    the ``Solution`` from y.
+    """Holds the min cost·y with matrix y + s = offset and s in the ``cones``. The unknowns y are the velocities, the
+    dissipation over c at each corner of φ = 0, and the opening rates at torn corners. ``shear`` and ``torn`` compute
+    the values of the ``Solution`` from y.
     """
 
     cost: np.ndarray
@@ -81,7 +82,7 @@ class Assembled:
 
 
 def assembled(program: ConeProgram, clay: np.ndarray) -> Assembled:
-    """The second (dual) problem in the form of the solver; ``clay`` are the numbers of the corners of φ = 0."""
+    """Return the second (dual) problem in the form of the solver; ``clay`` are the numbers of the corners of φ = 0."""
     corners = len(program.cohesion)
     sin, cos = np.sin(program.friction), np.cos(program.friction)
     steeper = sin * (1.0 + program.strain_share)
@@ -182,7 +183,7 @@ def _cone_map(sin: np.ndarray) -> sparse.csr_matrix:
 def stress_of(
     program: ConeProgram, multiplier: float, pressure: np.ndarray, z: np.ndarray, clay: np.ndarray
 ) -> np.ndarray:
-    """The stress (k, 3) from the multipliers of the cones and of the volume of clay.
+    """Compute the stress (k, 3) from the multipliers of the cones and of the volume of clay.
 
     ``program``: the cone program; ``multiplier``: load multiplier; ``pressure``: multipliers of the volume of clay;
     ``z`` (k, 3): multipliers of the cones; ``clay``: mask or numbers of corners with φ = 0.
@@ -200,7 +201,7 @@ def stress_of(
 
 
 def standard(program: ConeProgram, data: Assembled, magnified: float) -> tuple[Standard, np.ndarray]:
-    """Write the program in the form of the interior-point method, and the order of its rows.
+    """Return the program in the form of the interior-point method, and the order of its rows.
 
     ``magnified`` is a factor on its forces.
     Tension cut-offs are relaxed a little: where they meet bare edges they would force zero stress and leave no

@@ -76,7 +76,7 @@ INTERIOR_ENTRIES, INTERIOR_SECONDS, INTERIOR_EXPONENT = 1e6, 0.35, 1.1
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """The solution of a cone program as the solver returned it.
+    """Holds the solution of a cone program as the solver returned it.
 
     Attributes
     ----------
@@ -87,14 +87,14 @@ class Solution:
     stress : ndarray (k, 3)
         The stress σ at the corners, [xx, yy, xy].
     ended : str
-        Empty where the solver met its tolerances, otherwise its status.
+        Status of the solver; empty if the solver met its tolerances.
     out_of_work : bool
         Whether the solver ended early because the allowed work was used up.
     shear : ndarray (k,)
         Shear rate |(εxx - εyy, εxy)| at the corners by the yield condition without the tension cut-off, times their
         weight.
     torn : float
-        Dissipation of the opening of corners at their tension cut-off.
+        Dissipation of corners that open at their tension cut-off.
     none : str
         Not empty if the solver proved that there is no solution: "no stress" (none is in equilibrium with the loads,
         whatever the multiplier) or "no mechanism" (the live load does no work in any mechanism).
@@ -107,11 +107,12 @@ class Solution:
     seconds : float
         Processor time of the solver.
     fallback : bool
-        Whether the solution is Clarabel's, since the built-in interior-point method broke down or there is no solution.
+        Whether the solution is that of Clarabel, because the built-in interior-point method broke down or there is no
+        solution.
     bracket : (float, float)
         Lower and upper multiplier at which the solver stopped.
     warm : Warm or None
-        A starting point for programs of the same mesh with another strength.
+        Starting point for programs of the same mesh with another strength.
     """
 
     multiplier: float
@@ -137,14 +138,15 @@ NEAR = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Warm:
-    """A starting point, and the stiffness matrix with its order of elimination, for programs of ``rates``."""
+    """Holds a starting point, and the stiffness matrix with its order of elimination, for programs with the same
+    ``rates``."""
 
     place: interior_point.Place
     matrix: CornerMatrix
     form: Standard
 
     def suits(self, form: Standard) -> bool:
-        """Whether a program has the same corners and strain rates as this starting point."""
+        """Return whether a program has the same corners and strain rates as this starting point."""
         present, other = self.form, form
         return present.matrix.shape == other.matrix.shape and all(
             np.array_equal(first, second)
@@ -167,7 +169,7 @@ def solve(
     most_work: float = math.inf,
     start: Warm | None = None,
 ) -> Solution:
-    """Stress, velocities and multiplier of a cone program of bounds.
+    """Solve a cone program of bounds; return stress, velocities and multiplier.
 
     Where Clarabel ends without an answer, or almost meets its tolerances but with large residuals, it is called again
     with the next of the ``regularisations``. The forces that Clarabel gets are multiplied by ``magnified``, since
@@ -295,7 +297,8 @@ def _by_interior_point(
 
 
 def iterations_within(most_work: float, cost: float, most: int) -> int:
-    """Iterations, each of ``cost`` (s of the reference machine), in ``most_work``: from 1 to ``most``."""
+    """Return the number of iterations, each of ``cost`` (s of the reference machine), within ``most_work``: from 1 to
+    ``most``."""
     return most if most_work >= most * cost else max(1, int(most_work / cost))
 
 

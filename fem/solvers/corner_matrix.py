@@ -8,7 +8,7 @@ from fem.solvers.lower_triangle import LowerTriangle
 
 
 class CornerMatrix:
-    """Factors of Σ Bᵀ D B for a constant B and changing D.
+    """Factorises Σ Bᵀ D B for a constant B and changing D.
 
     Parameters
     ----------
@@ -34,16 +34,16 @@ class CornerMatrix:
 
     @property
     def entries(self) -> int:
-        """Entries of its lower triangle."""
+        """Return the entries of the lower triangle."""
         return len(self._triangle.entries)
 
     def factorise(self, stiffness: np.ndarray) -> None:
-        """Factors for D (k, 3, 3); raises NotPositiveDefiniteError."""
+        """Factorise the matrix for D (k, 3, 3); raise NotPositiveDefiniteError."""
         lower = self._triangle
         lower.entries[:] = 0.0
         add_stiffnesses(stiffness, self._starts, self._values, lower.places, lower.first, lower.entries)
         lower.factorise()
 
     def solve(self, side: np.ndarray) -> np.ndarray:
-        """The solution (n,) for a right-hand side (n,)."""
+        """Return the solution (n,) for a right-hand side (n,)."""
         return self._triangle.solve(side)

@@ -57,7 +57,7 @@ def require() -> None:
 
 @dataclass(frozen=True)
 class RankDistribution:
-    """This rank's share of a mesh and of a scalar Lagrange space on it; nc cells.
+    """Holds the share of a mesh, and of a scalar Lagrange space on it, on this MPI rank; nc cells.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class RankDistribution:
     nodes : ndarray (nc, nodes of an element)
         Global numbers of the nodes of the space.
     total, owned : int
-        Numbers of nodes of all ranks and of this one.
+        Number of nodes of all ranks, and of this rank.
     """
 
     cell: np.ndarray
@@ -128,7 +128,8 @@ def _grid_and_space(comm: Any, cells: np.ndarray, x: np.ndarray, degree: int) ->
 
 
 def tabulate(degree: int, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Shape functions (points, nodes) and their reference gradients (points, nodes, 2) at reference points."""
+    """Return the shape functions (points, nodes) and their reference gradients (points, nodes, 2) at reference
+    points."""
     import basix
 
     table = _element(degree, basix.create_element).tabulate(1, points)[..., 0]

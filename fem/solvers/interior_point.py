@@ -43,9 +43,9 @@ STEP, LEAST_CENTRING = 0.99, 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Corners:
-    """Kinds of the corners of a program: numbers (k,) of corners of φ = 0 (``clay``), of corners that open with one
-    unknown (``single``) or three (``triple``), -1 elsewhere. ``sine`` (k,) is sin φ, and 1 for clay; ``torn_sine`` that
-    of an opening.
+    """Holds the kinds of the corners of a program: numbers (k,) of corners of φ = 0 (``clay``), of corners that open
+    with one unknown (``single``) or three (``triple``), -1 elsewhere. ``sine`` (k,) is sin φ, and 1 for clay;
+    ``torn_sine`` is the sine of an opening.
     """
 
     sine: np.ndarray
@@ -57,7 +57,7 @@ class Corners:
 
 @dataclass(frozen=True, eq=False)
 class Standard:
-    """min cost·y with matrix y + s = offset, s zero in the first rows and in the cones in the others.
+    """Holds the min cost·y with matrix y + s = offset, s zero in the first rows and in the cones in the others.
 
     Rows are [load, volume of clay, cones of corners, cones of openings with three unknowns, openings with one], columns
     [velocities, dissipation of clay, openings with one unknown, openings with three].
@@ -72,7 +72,7 @@ class Standard:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """Criteria of convergence.
+    """Holds the criteria of convergence.
 
     Attributes
     ----------
@@ -83,8 +83,8 @@ class Tolerance:
     residual : float
         Relative residual of both equations (-).
     nearly : float
-        Accepted residual where iterations no longer reduce it (-). Where edges pass almost straight through a point,
-        the volume conditions of clay around it are nearly dependent, and 5e-9 remains.
+        Residual that is accepted if iterations no longer reduce it (-). If edges pass almost straight through a point,
+        the volume conditions of clay around the point are nearly dependent, and a residual of 5e-9 remains.
     """
 
     gap: float
@@ -99,7 +99,7 @@ Place = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Iterate:
-    """Unknowns, multipliers and slacks, both objectives, the gap as a share of the multiplier, and the relative
+    """Holds unknowns, multipliers and slacks, both objectives, the gap as a share of the multiplier, and the relative
     residual of the equations; at the end also a starting point for another program on the same mesh.
     """
 
@@ -114,7 +114,7 @@ class Iterate:
     warm: "Place | None" = None
 
     def rank(self, nearly: float) -> tuple[bool, float]:
-        """Rank of an iterate: by its gap if the equations are met to ``nearly``."""
+        """Return the rank of an iterate: its gap if the equations are met to ``nearly``."""
         met = self.residual <= nearly
         return (not met, self.gap if met else self.residual)
 
@@ -170,11 +170,11 @@ class _Method:
         self.soft = SOFT
 
     def cone(self, v: np.ndarray) -> np.ndarray:
-        """The cones of a vector of rows, as a view (cones, 3)."""
+        """Return the cones of a vector of rows, as a view (cones, 3)."""
         return v[self.first : self.lones].reshape(-1, 3)
 
     def run(self, check_cancelled: Callable[[], None], start: Place | None, most_iterations: int) -> Iterate:
-        """Iterate until the tolerances are met or no more progress is possible."""
+        """Return the iterate until the tolerances are met or no more progress is possible."""
         y, z, s = start or self.start()
         warm, wanted = start, self.wanted
         best: Iterate | None = None
@@ -217,7 +217,8 @@ class _Method:
     def direction(
         self, ry: np.ndarray, rz: np.ndarray, s: np.ndarray, z: np.ndarray, mean: float, tolerance: float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[float, float]]:
-        """Changes of y, z and s, and the step lengths of (y, s) and z; raises ArithmeticError without a solution."""
+        """Return the changes of y, z and s, and the step lengths of (y, s) and z; raise ArithmeticError without a
+        solution."""
         if not scalings(self.cone(s), self.cone(z), self.axis, self.size, self.square):
             raise _BreakdownError
         lone_s, lone_z = s[self.lones :], z[self.lones :]
@@ -259,7 +260,7 @@ class _Method:
         return best.dy, best.dz, best.ds, (steps[0], steps[1])
 
     def is_exact(self, ry: np.ndarray, rz: np.ndarray, trial: "_Trial", within: float) -> bool:
-        """Whether a direction was refined well enough; if not, the compliance δ is changed."""
+        """Return whether a direction was refined well enough; if not, change the compliance δ."""
         ey = np.abs(ry - self.a_t @ trial.dz).max()
         ez = np.abs(rz - self.a @ trial.dy + self.squared(trial.dz)).max()
         beyond = max(ey, ez) / (1e-12 + within * max(np.abs(ry).max(), np.abs(rz).max()))
@@ -269,7 +270,7 @@ class _Method:
         return bool(beyond <= POOR)
 
     def centring(self, s: np.ndarray, z: np.ndarray, trial: "_Trial", aim: float) -> np.ndarray:
-        """The corrector of Gondzio: it centres the products that a longer step would move far from the mean."""
+        """Return Gondzio's corrector, which centres the products that a longer step would move far from the mean."""
         s_next = s + min(1.0, trial.primal + LONGER) * trial.ds
         z_next = z + min(1.0, trial.dual + LONGER) * trial.dz
         residual = np.zeros(len(s))
@@ -281,14 +282,14 @@ class _Method:
         return residual
 
     def longest(self, v: np.ndarray, dv: np.ndarray) -> float:
-        """The largest step after which all of v is still in its cones."""
+        """Return the largest step after which all of v is still in its cones."""
         lone, change = v[self.lones :], dv[self.lones :]
         shrink = change < 0.0
         alone = (-lone[shrink] / change[shrink]).min(initial=1e30)
         return float(min(longest_step(self.cone(v), self.cone(dv)), alone))
 
     def squared(self, v: np.ndarray) -> np.ndarray:
-        """W² v of a vector of rows; zero in the first ones."""
+        """Return W² v of a vector of rows; zero in the first rows."""
         squares = np.zeros(len(v))
         add_products(self.square, self.cone(v), self.cone(squares))
         squares[self.lones :] = self.lone * v[self.lones :]
@@ -315,7 +316,7 @@ class _Method:
         return dy, dz
 
     def once(self, ry: np.ndarray, rz: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Solution dy, dz of the system with the row of the load."""
+        """Return the solution dy, dz of the system with the row of the load."""
         dy, dz = self.without_load(ry, rz)
         multiplier = (float(self.load @ dy) - rz[0]) / self.load_work
         dy -= multiplier * self.to_load[0]
@@ -326,7 +327,7 @@ class _Method:
     def refined(
         self, ry: np.ndarray, rz: np.ndarray, start: tuple[np.ndarray, np.ndarray], within: float, most: int
     ) -> tuple[np.ndarray, np.ndarray]:
-        """A solution refined until its residual is ``within`` of the right-hand side, or no longer falls.
+        """Refine a solution until its residual is ``within`` of the right-hand side, or no longer falls.
 
         Each correction minimises the residual over all corrections so far (Eisenstat, Elman & Schultz 1983). Simple
         iterative refinement would converge slowly, because the factors contain a compliance δ of clay and rounding.
@@ -357,7 +358,7 @@ class _Method:
         return dy, dz
 
     def start(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The y, z and s of least norm that fulfil the equations, moved into the cones (Mehrotra 1992)."""
+        """Return the y, z and s of least norm that fulfil the equations, moved into the cones (Mehrotra 1992)."""
         squares = self.a.multiply(self.a).sum(axis=1)
         rows = np.sqrt(np.asarray(squares).ravel())
         weight = np.maximum(self.cone(rows).max(axis=1), 1e-12)
@@ -373,7 +374,7 @@ class _Method:
         return y, self.led_inside(z, weight, lone), self.led_inside(s, 1.0 / weight, 1.0 / lone)
 
     def led_inside(self, v: np.ndarray, weight: np.ndarray, lone: np.ndarray) -> np.ndarray:
-        """A vector of rows over the weights, moved along the axes of all cones until it is inside them."""
+        """Return a vector of rows over the weights, moved along the axes of all cones until it is inside them."""
         v = v.copy()
         cone, rest = self.cone(v), v[self.lones :]
         cone *= weight[:, None]

@@ -20,7 +20,7 @@ MANY, NEARLY = 500, 1e-13
 
 
 def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.ndarray:
-    """The shortest d with ``matrix`` d = ``residual`` to rounding; rows may be linearly dependent.
+    """Return the shortest d with ``matrix`` d = ``residual`` to rounding; rows may be linearly dependent.
 
     The solution is Aᵀ (A Aᵀ)⁻¹ ``residual``, by CHOLMOD. Clarabel corrects the remaining residual, or all of it where
     CHOLMOD is missing: it solves min |d|²/2 with these equations by one factorisation of [[1, Aᵀ], [A, 0]], in an

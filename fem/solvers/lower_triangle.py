@@ -12,14 +12,14 @@ STIFFER = (1e-13, 1e-12, 1e-11, 1e-10)
 
 
 class LowerTriangle:
-    """Factors of matrices of one pattern.
+    """Factorises matrices of one pattern.
 
     Attributes
     ----------
     entries : ndarray (e,)
-        Entries of the lower triangle, column by column: those to be set before ``factorise``.
+        Entries of the lower triangle, column by column; they are set before ``factorise``.
     diagonal : ndarray (n,)
-        Places of the diagonal among them.
+        Places of the diagonal among the entries.
     first, places : ndarrays (k + 1,), (pairs,)
         Small matrix i has its lower triangle, row by row, at ``places[first[i] : first[i + 1]]`` of the entries.
 
@@ -48,7 +48,7 @@ class LowerTriangle:
         """Factorise the ``entries``, after the smallest share of STIFFER that makes them positive definite is added to
         the diagonal.
 
-        Raises NotPositiveDefiniteError if none does.
+        Raises NotPositiveDefiniteError if no share does.
         """
         diagonal = self.entries[self.diagonal]
         for share in (0.0, *STIFFER):
@@ -60,5 +60,5 @@ class LowerTriangle:
                     raise
 
     def solve(self, side: np.ndarray) -> np.ndarray:
-        """The solution (n,) for a right-hand side (n,)."""
+        """Return the solution (n,) for a right-hand side (n,)."""
         return self._factors.solve(side[:, None])[:, 0]
