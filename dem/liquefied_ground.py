@@ -19,6 +19,7 @@ WATER = 30.0  # stiffness of the pore water over the mean overburden
 VISCOUS = 0.3  # viscosity of volume over density, speed of sound in the water, and reach
 LEAST_STRAIN = 0.004  # at which residual strength is reached: stiffer bonds want shorter steps
 MOST_STRAIN = 0.02  # so that the strength is there before 5 %
+SHEAR_MODULUS = 0.23  # of patches of soil discs, over kn: their E is 0.6 kn, with a Poisson's ratio of 0.3
 LOOSE, LOOSER = 0.95, 0.85  # of the median density of a layer: discs at a free surface, looser than that, take this
 SOFTEST = 1.2  # time between two looks at pairs times a bound on their highest frequency
 MOST_STEPS = 4  # between two looks: half a period of the fastest contacts, beyond which these resonate
@@ -116,8 +117,7 @@ def match_strength(state: DiscState) -> None:
     lacking = np.clip(1.0 - stress / required, -MOST_LACKING, MOST_LACKING)
     change = np.clip(ADJUSTS * slipped * lacking, -MOST_CHANGE, MOST_CHANGE)
     now = np.clip(factor * np.exp(change), LEAST_FACTOR, MOST_FACTOR)
-    wet[:, bond.STRENGTH] *= now / factor
-    wet[:, bond.STRAIN] *= now / factor  # their stiffness, and with it the stable step, stays
+    change_strength(state, now / factor)  # at their stiffness, and with it the stable step, unchanged
     state.strength_factor = now
 
 
@@ -152,6 +152,7 @@ def liquefy(model: DiscState, onset: Onset) -> None:
     wet[new, bond.STRAIN] = onset.strain[new]
     wet[new, bond.KNEE] = np.broadcast_to(onset.knee, len(wet))[new]
     wet[new, bond.SOFT_TO] = np.broadcast_to(onset.soft_to, len(wet))[new]
+    wet[new, bond.STRATUM] = model.layer[new]
     wet[:, bond.AT_X], wet[:, bond.AT_Z] = model.x, model.z
     for k in np.unique(model.layer[new]):
         here = new & (model.layer == k)
@@ -219,3 +220,18 @@ def set_share(model: DiscState, share: np.ndarray) -> None:
     """
     wet = model.liquefied
     wet[:, bond.SHARE] = np.where(is_liquefying(model), share, 0.0)
+
+
+def change_strength(model: DiscState, factor: np.ndarray) -> None:
+    """Multiply the strength of liquefied discs by a factor (n,); the stiffness of their bonds is unchanged."""
+    model.liquefied[:, bond.STRENGTH] *= factor
+    model.liquefied[:, bond.STRAIN] *= factor
+
+
+def pressure_forces(model: DiscState) -> np.ndarray:
+    """Force (N per metre) of the pore pressure on the diameter of each disc that has liquefied."""
+    if not len(model.liquefied):
+        return np.zeros(0)
+    which = is_liquefying(model)
+    wet = model.liquefied[which]
+    return np.asarray(2.0 * model.radius[which] * wet[:, bond.SHARE] * wet[:, bond.PRESSURE])

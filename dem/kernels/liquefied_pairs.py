@@ -18,9 +18,10 @@ not depend on the packing, and ground that slips has the shear stress s. The sti
    bonds. Bonds that exist from the onset have 1 + FIRST times this limit until they have slipped: discs that lose their
    contacts rearrange, and until slip has aligned all bonds, those at their limit give only 0.77 s.
 
-Where the partner is fixed or has not liquefied, the terms of the liquefied disc count twice in both sums. Forces are
-evaluated every few steps, for the positions in the middle of these steps, and are constant in between. Sums over the
-pairs of a disc are in the order of its partners, so that they do not depend on the number of threads.
+Where the partner is fixed or has not liquefied, the terms of the liquefied disc count twice in both sums. Between two
+strata the terms of the weaker disc count twice in the bond: ground slips where it is weakest. Forces are evaluated
+every few steps, for the positions in the middle of these steps, and are constant in between. Sums over the pairs of a
+disc are in the order of its partners, so that they do not depend on the number of threads.
 
 Work is summed from one evaluation to the next with the constant forces, except that half of the last step has the new
 forces (velocity Verlet).
@@ -42,11 +43,11 @@ from dem.kernels.prefetch import wide_vectors
 # density rho0 (-) at that time, stiffness K_w (Pa) and viscosity zeta (Pa s) of the pore water; residual strength (Pa)
 # and the shear strain at which it is reached. What was found when pairs were last looked at: place (m), density, push
 # u/rho^2 (Pa) and the part of it by viscosity, V/S (1/m), force (N). What is left of strength, and of the strain
-# at which it is reached, at the strain potential (-); both 0 without one.
+# at which it is reached, at the strain potential (-); both 0 without one. Number of its stratum.
 SHARE, AREA, PRESSURE, DENSITY, STIFFNESS, VISCOSITY, STRENGTH, STRAIN = range(8)
 AT_X, AT_Z, NOW, PRESSURE_TERM, DRAG, BOND, FORCE_X, FORCE_Z = range(8, 16)
-KNEE, SOFT_TO = 16, 17
-FIELDS = 18
+KNEE, SOFT_TO, STRATUM = 16, 17, 18
+FIELDS = 19
 ONE, TWO, THREE = (np.uint64(k) for k in (1, 2, 3))  # z, vx, vz in the record of a disc that all share
 
 # Pairs lie in blocks of 64 lanes, as contacts do; a field of a block is 64 doubles in a row. What a pair remembers: how
@@ -237,26 +238,43 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, late
 
 
 @device_function(forceinline=True)
+def bond_weights(discs: np.ndarray, i: int, j: int) -> tuple[float, float]:
+    """How often the terms of either disc count in their bond: once each in one stratum, else twice the weaker one's."""
+    if discs[i, SHARE] == 0.0:
+        return 0.0, 2.0
+    if discs[j, SHARE] == 0.0:
+        return 2.0, 0.0
+    if discs[i, STRATUM] == discs[j, STRATUM]:
+        return 1.0, 1.0
+    return (2.0, 0.0) if discs[i, BOND] < discs[j, BOND] else (0.0, 2.0)
+
+
+@device_function(forceinline=True)
 def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
     """Slopes of both lines of the bond of two discs, and the share of the displacement at which the lines meet."""
-    half = 0.5 if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0 else 1.0
-    soft_to = half * (discs[i, SOFT_TO] + discs[j, SOFT_TO])
-    soft, steep = slopes(half * (discs[i, KNEE] + discs[j, KNEE]), soft_to)
+    a, b = bond_weights(discs, i, j)
+    soft_to = 0.5 * (a * discs[i, SOFT_TO] + b * discs[j, SOFT_TO])
+    soft, steep = slopes(0.5 * (a * discs[i, KNEE] + b * discs[j, KNEE]), soft_to)
     return soft, steep, soft_to
 
 
 @device_function(nogil=True, _nrt=False)
 def fetch_strength(block: int, wet: Liquefied) -> None:
-    """Pressure and strength of the pairs of a block: sums over both discs, to which only liquefied discs contribute."""
+    """Pressure and strength of the pairs of a block: sums over both discs, to which only liquefied discs contribute.
+
+    Those of bonds have the weights of `bond_weights`, and half of a sum is the mean of both discs.
+    """
     discs, w = wet.discs, wet.working
     for lane in range(LANES):
         q = np.uint64(block) * WORKED + np.uint64(lane)
         c = block * LANES + lane
         i, j = np.int64(wet.first[c]), np.int64(wet.second[c])
         w[q + PAIR_PRESSURE] = discs[i, PRESSURE_TERM] + discs[j, PRESSURE_TERM]
-        w[q + BOND_SUM] = discs[i, BOND] + discs[j, BOND]
-        w[q + ROOM] = discs[i, STRAIN] + discs[j, STRAIN]
-        w[q + KNEES], w[q + ENDS] = discs[i, KNEE] + discs[j, KNEE], discs[i, SOFT_TO] + discs[j, SOFT_TO]
+        a, b = bond_weights(discs, i, j)
+        ends = a * discs[i, SOFT_TO] + b * discs[j, SOFT_TO]
+        w[q + BOND_SUM] = a * discs[i, BOND] + b * discs[j, BOND]
+        w[q + ROOM] = (STRAINED if a != b and ends > 0.0 else 1.0) * (a * discs[i, STRAIN] + b * discs[j, STRAIN])
+        w[q + KNEES], w[q + ENDS] = a * discs[i, KNEE] + b * discs[j, KNEE], ends
         w[q + TWICE] = 1.0 if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0 else 2.0
 
 
@@ -281,11 +299,10 @@ def press_pairs(
         here = 1.0 if apart < reach else 0.0
         inside = apart if apart < reach else reach
         pressure_force = -factor * w[q + PAIR_PRESSURE] * w[q + AREA_1] * w[q + AREA_2] * w[q + SLOPE]
-        strength = 0.5 * math.pi * FITTED * factor * w[q + BOND_SUM] * bond_kernel(inside, reach)
-        soft_to = 0.5 * factor * w[q + ENDS]
-        share = STRAINED if factor > 1.0 and soft_to > 0.0 else 1.0
-        room = share * 0.5 * factor * w[q + ROOM] * inside + LESS * reach  # way (m) at which the bond slips
-        soft, steep = slopes(0.5 * factor * w[q + KNEES], soft_to)
+        strength = 0.5 * math.pi * FITTED * w[q + BOND_SUM] * bond_kernel(inside, reach)
+        soft_to = 0.5 * w[q + ENDS]
+        room = 0.5 * w[q + ROOM] * inside + LESS * reach  # way (m) at which the bond slips
+        soft, steep = slopes(0.5 * w[q + KNEES], soft_to)
         stretch, slip = w[q + STRETCH], w[q + SLIP]
         fresh = memory[r + LEFT]
         more = 1.0 + FIRST * fresh

@@ -15,7 +15,7 @@ from numba import njit
 from dem.kernels import liquefied_pairs as bond
 from dem.kernels.bond_law import force_share
 from dem.kernels.liquefied_laws import bond_kernel, density_kernel
-from dem.kernels.liquefied_pairs import bond_lines
+from dem.kernels.liquefied_pairs import bond_lines, bond_weights
 from dem.kernels.period import Period, image
 
 ALONG_AT, ACROSS_AT, DASH_ALONG_AT, DASH_ACROSS_AT = (
@@ -86,14 +86,9 @@ def _sums(
             * discs[j, bond.AREA]
             * slope
         )
-        limit = (
-            0.5
-            * math.pi
-            * bond.FITTED
-            * twice
-            * (discs[i, bond.BOND] + discs[j, bond.BOND])
-            * bond_kernel(apart, reach)
-        )
+        a, b = bond_weights(discs, i, j)
+        limit = 0.5 * math.pi * bond.FITTED * (a * discs[i, bond.BOND] + b * discs[j, bond.BOND])
+        limit *= bond_kernel(apart, reach)
         limit *= 1.0 + bond.FIRST * memory[c, bond.FRESH]
         along, across = memory[c, ALONG_AT], memory[c, ACROSS_AT]
         soft, steep, _ = bond_lines(discs, i, j)
@@ -143,7 +138,7 @@ def _shear_of(mean: np.ndarray) -> tuple[float, float]:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _means(discs: np.ndarray, pairs: np.ndarray, width: np.ndarray, reach: float, values: np.ndarray) -> np.ndarray:
-    """Means of values (n, k) over liquefied discs within reach, by the kernel (width) and their areas.
+    """Means of values (n, k) over liquefied discs of one stratum within reach, by the kernel (width) and their areas.
 
     Means are computed one value after the other, since loops over rows would take seconds more to compile.
     """
@@ -157,7 +152,8 @@ def _means(discs: np.ndarray, pairs: np.ndarray, width: np.ndarray, reach: float
                 out[i, q] = weight[i] * values[i, q]
     for c in range(pairs.shape[1]):
         i, j = pairs[0, c], pairs[1, c]
-        if discs[i, bond.SHARE] > 0.0 and discs[j, bond.SHARE] > 0.0:
+        both_liquefied = discs[i, bond.SHARE] > 0.0 and discs[j, bond.SHARE] > 0.0
+        if both_liquefied and discs[i, bond.STRATUM] == discs[j, bond.STRATUM]:
             for k, other in ((i, j), (j, i)):
                 part = width[c] * discs[other, bond.AREA]
                 weight[k] += part

@@ -92,7 +92,7 @@ def changed(layers: Sequence[LayerSprings], parameter: str, factor: float) -> li
         replace(
             s, kn=s.kn * stiffness, ks=s.ks * stiffness, kpn=s.kpn * stiffness, kps=s.kps * stiffness,
             cn=s.cn * root, ct=s.ct * root, friction=s.friction * friction, cohesion=s.cohesion * pore,
-            contact_cohesion=s.contact_cohesion * pore,
+            contact_cohesion=s.contact_cohesion * pore, undrained_strength=s.undrained_strength * pore,
             beta=1.0 + (s.beta - 1.0) * pore,
             pore_friction=None if s.pore_friction is None else s.pore_friction * friction,
         )

@@ -25,6 +25,7 @@ from dem.model import DiscModel
 from dem.packing import Packing, brought_back, periodic_packing, random_packing
 from dem.search.equilibrium import damp_to_rest, period, settle, shake, step_on
 from dem.search.levelling import levelled, misfit
+from dem.search.undrained_clay import replace_contacts_of_clay
 from dem.settings import DemSettings
 from dem.springs import LayerSprings
 from meshes.errors import InputError
@@ -73,7 +74,7 @@ class Deposit:
 def deposit(
     section: Section, settings: DemSettings, soil: Sequence[SoilLayer] | None = None, *, periodic: bool = False
 ) -> Deposit:
-    """Fill a section with soil discs, let them settle, and cut them to its surface.
+    """Fill a section with soil discs, let them settle, and cut them to its surface; clay is undrained from then on.
 
     Parameters
     ----------
@@ -117,7 +118,9 @@ def deposit(
         if np.abs(misfit(section, settled, radius)).max() <= OFF * radius:
             break
     shake(settled, ground)
-    return Deposit(ground, layers, settled)
+    if replace_contacts_of_clay(settled, period(settled, ground), ground):
+        damp_to_rest(settled, ground, "with clay that is undrained")
+    return Deposit(ground, list(settled.springs.layers), settled)
 
 
 def densified_by_shaking(settled: DiscModel, ground: Ground) -> DiscModel:

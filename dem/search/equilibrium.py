@@ -17,7 +17,9 @@ from dem.engine.forces import contact_forces, keep_slip, resultants
 from dem.engine.pulses import Pulses
 from dem.errors import DemError
 from dem.ground import Ground
+from dem.liquefied_ground import pressure_forces
 from dem.model import DiscModel
+from dem.search.undrained_clay import set_strengths
 from dem.settings import DemSettings, TrialVerdict
 from dem.springs import LayerSprings
 
@@ -103,10 +105,11 @@ class Trial:
 
 
 def unbalanced_ratio(model: DiscModel) -> float:
-    """Mean resultant force on free discs, over the mean force of loaded contacts."""
+    """Mean resultant force on free discs, over the mean force of loaded contacts, or of pore pressure on a diameter."""
     forces = contact_forces(model)
     fx, fz, _ = resultants(model, forces)
     size = np.hypot(np.append(forces.fx, forces.line_fx), np.append(forces.fz, forces.line_fz))
+    size = np.append(size, pressure_forces(model))
     carrying = size > 0.0
     if not carrying.any():
         return float("inf")
@@ -114,9 +117,11 @@ def unbalanced_ratio(model: DiscModel) -> float:
 
 
 def kinetic_ratio(model: DiscModel, kinetic: float | None = None) -> float:
-    """Kinetic energy over energy in springs; `kinetic` (J/m) replaces the present kinetic energy."""
+    """Kinetic energy over energy in springs, and in pore water and bonds of clay; `kinetic` (J/m) replaces the present
+    kinetic energy.
+    """
     energy = Engine().measure(model)
-    stored = energy.in_springs
+    stored = energy.in_springs + energy.pore_water + energy.liquefied_bonds
     return (energy.kinetic if kinetic is None else kinetic) / stored if stored > 0.0 else float("inf")
 
 
@@ -194,7 +199,7 @@ def settle(
         model = ground.model(layers, settings)
     else:
         model.cut_pore_springs()
-        model.set_springs(layers)
+        set_strengths(model, layers)
     damp_to_rest(model, ground, "under its weight")
     if any(layer.kpn > 0.0 for layer in layers):  # soil discs have no pore springs
         model.set_pore_springs()

@@ -13,7 +13,7 @@ from dem.engine.engine import Engine, largest_step
 from dem.laboratory.patch import POROSITIES
 from dem.model import DiscModel
 from dem.packing import random_packing
-from dem.slides.undrained_clay import replace_contacts_of_clay
+from dem.search.undrained_clay import replace_contacts_of_clay
 from dem.slides.until_rest import UntilRest, run_until_rest
 from dem.springs import SMOOTH, LayerSprings
 

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from dem.case import Case
+from dem.disc_area import area_per_disc
 from dem.engine.engine import Engine, largest_step
 from dem.errors import DemError, EnergyBalanceError
 from dem.ground import Ground
@@ -34,14 +35,14 @@ from dem.slides.balance import (
     within_scatter,
 )
 from dem.slides.drive import SAME, Shaking, constant_kh, cycles, recorded_motion
-from dem.slides.liquefied_strength import liquefied, onset
+from dem.slides.liquefied_strength import liquefied, onset, weaken_clay
 from dem.slides.rest import at_rest, residual_motion_source
 from dem.slides.row import Row
 from dem.slides.runout import loose_share, on_loose_mass
 from dem.slides.slide import Slide
 from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
-from dem.slides.volume import area_per_disc, swollen, undrained, volume_change
+from dem.slides.volume import swollen, undrained, volume_change
 from meshes.counting import counted
 from meshes.files import whole
 
@@ -183,7 +184,8 @@ class Slider:
             new = [k for k in shares if not liquefying[model.layer == k].any()]
             if new:
                 liquefy(model, onset(model, self.ground, new, case))
-            set_share(model, np.array([shares.get(k, 0.0) for k in range(len(wanted))] + [0.0])[model.layer])
+            weaken_clay(model, self.start, self.ground, shares, case)
+            set_share(model, np.array([shares.get(k, 1.0) for k in range(len(wanted))] + [0.0])[model.layer])
 
     def _drained(self) -> dict[int, float]:
         """Share of the volume of strata lost by drainage so far."""

@@ -1,17 +1,18 @@
 """Constants of liquefied layers, and the residual strength of soil discs."""
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from dem.case import Case
+from dem.disc_area import area_with_voids
 from dem.ground import Ground
+from dem.kernels import liquefied_pairs as bond
 from dem.kernels.liquefied_pairs import FITTED
-from dem.liquefied_ground import LEAST_STRAIN, MOST_STRAIN, Onset
+from dem.liquefied_ground import LEAST_STRAIN, MOST_STRAIN, SHEAR_MODULUS, Onset, change_strength, is_liquefying
 from dem.model import DiscModel
-from dem.slides.overburden import effective_overburden
-from dem.slides.volume import area_with_voids
+from dem.overburden import effective_overburden
 from dem.springs import Law, LayerSprings
 from meshes.section.section import Section
 from meshes.section.strain_potential import BEYOND, stress_at_potential
@@ -20,7 +21,6 @@ NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go thro
 NOTHING = 1e-6  # Pa
 # Shear modulus of elastic bonds in simple shear over the strength at their limit, over the strain of a bond there.
 ELASTIC = 0.25 * np.pi * FITTED
-SHEAR_MODULUS = 0.23  # of patches of soil discs, over kn: their E is 0.6 kn, with a Poisson's ratio of 0.3
 
 
 def liquefied(
@@ -36,7 +36,7 @@ def liquefied(
     for k, layer in enumerate(layers):
         if case is not None and k in which:
             if law == "soil":
-                layer = replace(layer, faded=share)
+                layer = replace(layer, faded=max(share, layer.faded))
             else:
                 factors = (case.stiffness, case.damping_left, case.friction)
                 layer = layer.liquefied(*(float(max(f, 1e-12) ** share) if share < 1.0 else f for f in factors))
@@ -94,6 +94,26 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
             soft_to[here] = remaining.strain_potential / (remaining.strain_potential + BEYOND)
     discs = np.isin(model.layer, strata) & ~model.fixed
     return Onset(discs, area_with_voids(model), pressure, strength, strain, knee, soft_to)
+
+
+def weaken_clay(model: DiscModel, start: DiscModel, ground: Ground, shares: Mapping[int, float], case: Case) -> None:
+    """Lower the strength of clay in strata that liquefy from s_u to what the case leaves, by their degree of
+    liquefaction. Clay has the laws of liquefied ground already (`dem.search.undrained_clay`).
+
+    model: discs, which are changed; start: discs at the start; ground: in which they lie; shares: degree of
+    liquefaction by stratum; case: strength after liquefaction.
+    """
+    clay = is_liquefying(start) & np.isin(start.layer, list(shares))
+    if not clay.any():
+        return
+    before = start.liquefied[clay, bond.STRENGTH] / start.strength_factor[clay]
+    after = onset(start, ground, list(shares), case).strength[clay]
+    share = np.array([shares[k] for k in start.layer[clay]])
+    factor = np.ones(len(model))
+    factor[clay] = (
+        (before + share * (after - before)) * model.strength_factor[clay] / model.liquefied[clay, bond.STRENGTH]
+    )
+    change_strength(model, factor)
 
 
 def _not_consolidated(model: DiscModel, ground: Ground) -> np.ndarray:

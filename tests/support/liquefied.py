@@ -13,7 +13,7 @@ from dem.kernels.liquefied_pairs import DENSITY as RHO0
 from dem.kernels.liquefied_pairs import STIFFNESS, STRAIN, STRENGTH
 from dem.liquefied_ground import LEAST_STRAIN, Onset, liquefy, set_share
 from dem.model import DiscModel
-from dem.slides.overburden import effective_overburden
+from dem.overburden import effective_overburden
 from dem.springs import LayerSprings, Strength, soil_discs
 from docs.verify.slides.tied_packing import TiedPacking, tied_packing
 

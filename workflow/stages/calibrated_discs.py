@@ -154,7 +154,8 @@ def _searched(
         searched = searched if share is None else share
         tell(words)
 
-    soils = soil_layers(config.section) if config.dem.element_tests else ()
+    tests_wanted = config.dem.element_tests  # clay has no contacts that could be tested
+    soils = [soil for soil in soil_layers(config.section) if soil.turns] if tests_wanted else []
     programme = ElementTestProgramme(soils, config.dem.mean_radius(config.section))
     tests: list[Piece] = [(compressed, (task,)) for task in programme.tasks]
     threads = max(1, config.dem.workers // (1 + config.dem.paper)) if programme.is_stored else 1

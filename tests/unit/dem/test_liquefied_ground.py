@@ -37,11 +37,11 @@ from dem.liquefied_ground import (
     set_share,
 )
 from dem.model import DiscModel
+from dem.overburden import effective_overburden
 from dem.packing import lattice_box
 from dem.pair_table import pair_table
 from dem.pressure_shear import take_back_shear
 from dem.slides.liquefied_strength import SHEAR_MODULUS, liquefied, onset
-from dem.slides.overburden import effective_overburden
 from tests.support.dem_cases import BARE, RADIUS
 from tests.support.liquefied import GRAVITY, ShearedBox, sand, with_voids
 

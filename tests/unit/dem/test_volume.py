@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from dem.case import Case
+from dem.disc_area import area_per_disc
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import lattice_box, random_packing
 from dem.search.equilibrium import settle
 from dem.settings import DemSettings, SlideSettings
 from dem.slides.liquefaction import Slider
-from dem.slides.volume import area_per_disc, swollen, undrained
+from dem.slides.volume import swollen, undrained
 from dem.springs import Strength, soil_discs
 from tests.support.dem_cases import RADIUS
 

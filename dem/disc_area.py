@@ -1,0 +1,42 @@
+"""Area of discs with their voids (m2), which is their volume per metre out of plane."""
+
+import numpy as np
+from scipy.spatial import Delaunay
+
+from dem.model import DiscModel
+
+LONG = 4.0  # mean radii: neighbours are nearer; triangles with longer sides bridge the surface
+
+
+def area_per_disc(model: DiscModel, start: DiscModel) -> np.ndarray:
+    """Area of the ground of each stratum with its voids, over the area of its discs at the start (n,).
+
+    The area is that of Delaunay triangles, each divided among its corners by their angles. The ratio is 2 sqrt(3)/pi
+    where equal discs just touch, NaN for a stratum without triangles.
+    """
+    points = np.column_stack([model.x, model.z])
+    corners = Delaunay(points).simplices
+    edges = np.roll(points[corners], -1, axis=1) - points[corners]
+    lengths = np.hypot(edges[..., 0], edges[..., 1])
+    close = (lengths < LONG * float(start.radius.mean())).all(axis=1)
+    corners, edges, lengths = corners[close], edges[close], lengths[close]
+    behind = -np.roll(edges, 1, axis=1)
+    cosine = (edges * behind).sum(axis=-1) / (lengths * np.roll(lengths, 1, axis=1))
+    angle = np.arccos(np.clip(cosine, -1.0, 1.0))
+    area = 0.5 * np.abs(edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0])
+    layer, count = model.layer[corners], len(model.springs.layers)
+    soil = layer >= 0
+    ground = np.bincount(layer[soil], (area[:, np.newaxis] * angle / np.pi)[soil], count)
+    discs = np.bincount(layer[soil], (0.5 * angle * start.radius[corners] ** 2)[soil], count)
+    return np.divide(ground, discs, out=np.full(count, np.nan), where=discs > 0.0)
+
+
+def area_with_voids(model: DiscModel) -> np.ndarray:
+    """Area of every disc with its voids (n,) in m2: the area of its stratum is shared in proportion to the discs.
+
+    Fixed discs, and strata without triangles, have the mean ratio of the others.
+    """
+    ratio = area_per_disc(model, model)
+    mean = np.nanmean(ratio)
+    of_layers = np.append(np.where(np.isfinite(ratio), ratio, mean), mean)  # the boundary comes last
+    return np.asarray(of_layers[model.layer] * np.pi * model.radius**2)
