@@ -52,6 +52,8 @@ class Onset(NamedTuple):
     knee, soft_to : (n,)
         Knee of the bilinear law at the strain potential: share of the residual strength, and share of the strain at
         which it is reached; 0 without a strain potential.
+    peak : bool
+        Whether bonds have a larger limit until they have slipped, as discs need that lose their contacts under load.
     """
 
     discs: np.ndarray
@@ -61,6 +63,7 @@ class Onset(NamedTuple):
     strain: np.ndarray
     knee: np.ndarray | float = 0.0
     soft_to: np.ndarray | float = 0.0
+    peak: bool = True
 
 
 def list_liquefied(state: DiscState, in_ranges: Ranges = serial) -> None:
@@ -158,7 +161,7 @@ def liquefy(model: DiscState, onset: Onset) -> None:
         here = new & (model.layer == k)
         wet[here, bond.STIFFNESS] = WATER * float(onset.pressure[here].mean())
     list_liquefied(model)
-    model.bonds[new[model.liquefied_i] | new[model.liquefied_j], bond.FRESH] = 1.0
+    model.bonds[new[model.liquefied_i] | new[model.liquefied_j], bond.FRESH] = float(onset.peak)
     density = _densities(model)
     for k in np.unique(model.layer[new]):
         here = new & (model.layer == k)

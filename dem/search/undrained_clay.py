@@ -108,4 +108,4 @@ def _state_of_clay(model: DiscModel, discs: np.ndarray, strength: np.ndarray) ->
     """
     modulus = SHEAR_MODULUS * np.append([layer.kn for layer in model.springs.layers], 1.0)[model.layer]
     strain = np.clip(strength / modulus, LEAST_STRAIN, MOST_STRAIN)
-    return Onset(discs, area_with_voids(model), effective_overburden(model), strength, strain)
+    return Onset(discs, area_with_voids(model), effective_overburden(model), strength, strain, peak=False)
