@@ -1,0 +1,80 @@
+"""Slopes of undrained clay: discs fail where strict bounds say, and have s_u where a section has it."""
+
+import numpy as np
+import pytest
+
+from dem.case import Case
+from dem.kernels.liquefied_pairs import STRENGTH
+from dem.search.calibration import changed
+from dem.search.deposit import Deposit, deposit
+from dem.search.equilibrium import settle
+from dem.search.pushover import Continuum, pushover_critical_kh
+from dem.search.undrained_clay import set_strengths, undrained_strength
+from dem.settings import DemSettings
+from dem.slides.liquefied_strength import weaken_clay
+from fem import BoundsSettings, FemSettings, kh_bounds
+from meshes import Section
+
+HEIGHT, STRENGTH_OF_CLAY, GRADIENT = 8.0, 40e3, 1e3
+
+
+def clay_slope(gradient: float = 0.0) -> Section:
+    """A slope of 1:2 in clay of 40 kPa, which may grow with depth below the crest (Pa/m)."""
+    grown = {"cohesion_increase": f"{gradient / 1e3} kPa/m", "cohesion_from": HEIGHT} if gradient else {}
+    clay = {
+        "name": "Clay", "cohesion": "40 kPa", "friction_angle": 0, "density": "1.8 t/m^3",
+        "youngs_modulus": "12 MPa", "poissons_ratio": 0.45,
+    } | grown  # fmt: skip
+    surface = [[0, HEIGHT], [10, HEIGHT], [26, 0], [38, 0]]
+    return Section.parse({"name": "clay", "surface": surface, "base": {"elevation": -4}, "strata": [clay]})
+
+
+@pytest.fixture(scope="module")
+def growing() -> Deposit:
+    return deposit(clay_slope(GRADIENT), DemSettings(elements=300))
+
+
+def test_discs_have_the_undrained_strength_of_their_depth(growing: Deposit) -> None:
+    model, free = growing.settled, ~growing.settled.fixed
+    depth = HEIGHT - growing.ground.to_section(model.x, model.z)[1]
+    expected = STRENGTH_OF_CLAY + GRADIENT * depth
+    assert undrained_strength(model, growing.ground)[free] == pytest.approx(expected[free], rel=1e-6)
+    # they have settled by a little since
+    assert (model.liquefied[:, STRENGTH] / model.strength_factor)[free] == pytest.approx(expected[free], rel=5e-3)
+
+
+def test_a_factor_of_the_calibration_multiplies_the_strength_of_clay(growing: Deposit) -> None:
+    model = growing.settled.copy()
+    set_strengths(model, changed(growing.layers, "strength", 0.8))
+    assert model.liquefied[:, STRENGTH] == pytest.approx(0.8 * growing.settled.liquefied[:, STRENGTH])
+    weak = settle(growing.ground, changed(growing.layers, "strength", 0.8), DemSettings(), growing.settled.copy())
+    assert weak.liquefied[:, STRENGTH] == pytest.approx(0.8 * growing.settled.liquefied[:, STRENGTH], rel=0.1)
+
+
+def test_clay_that_liquefies_falls_to_what_the_case_leaves(growing: Deposit) -> None:
+    start, case = growing.settled, Case(residual_strength={"Clay": 5e3})
+    free = ~start.fixed
+    for share, expected in ((0.5, 0.5), (1.0, 1.0)):
+        model = start.copy()
+        weaken_clay(model, start, growing.ground, {0: share}, case)
+        before = (start.liquefied[:, STRENGTH] / start.strength_factor)[free]
+        now = (model.liquefied[:, STRENGTH] / model.strength_factor)[free]
+        assert now == pytest.approx(before + expected * (5e3 - before))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_slope_in_clay_fails_where_strict_bounds_say(seed: int) -> None:
+    """Within 20 % for every packing; with contacts 0.12 to 0.24 where bounds are 0.13, by packing."""
+    section = clay_slope()
+    bounds = kh_bounds(section, FemSettings(direction="downhill", sides="fixed"), BoundsSettings(gap=0.05))
+    settings = DemSettings(elements=1200, seed=seed)
+    box = deposit(section, settings)
+    middle = 0.5 * (bounds.lower + bounds.upper)
+    search, _ = pushover_critical_kh(
+        box.settled, box.ground, settings, Continuum(middle, 0.004 * HEIGHT), until_failed=False
+    )
+    assert search.verdict == "bracketed"
+    assert search.kc == pytest.approx(middle, rel=0.2)
+    kh = np.array([point.kh for point in search.trials])
+    assert (np.diff(kh) > -0.02).all()  # clay does not crack: the curve does not fall by jerks
