@@ -19,6 +19,7 @@ from dem.acceleration import Acceleration, right_of
 from dem.state import DiscState
 
 EVERY = 0.004  # s between two looks at the momentum of the discs
+LEAST_STEPS = 2  # in a look: forces of liquefied ground are constant over several
 DELAY = 0.04  # s; with less than ten looks the lowest row of discs resonates with the base
 
 
@@ -31,50 +32,72 @@ def felt(model: DiscState) -> Acceleration:
     return replace(here, x=here.x - model.base_rate * x, z=here.z - model.base_rate * z)
 
 
-def felt_until(model: DiscState, end: float) -> Acceleration:
-    """Acceleration of the discs from now to a time (s), up to which that of a compliant base changes linearly."""
-    if model.base_impedance == 0.0:
+def felt_until(model: DiscState, end: float, look: "Look | None") -> Acceleration:
+    """Acceleration of the discs from now to a time (s), with that of a compliant base during a look."""
+    if look is None:
         return model.acceleration
     begin = model.time
     frame = model.acceleration.between(begin, end)
-    rate = np.interp(frame.times, [begin, end], [model.base_rate, model.base_next])
+    rate = np.interp(frame.times, [begin, end], [model.base_rate, look.rate_at(model, end)])
     x, z = right_of(model.gravity)
     return replace(frame, x=frame.x - rate * x, z=frame.z - rate * z)
 
 
 def momentum(model: DiscState) -> float:
-    """Horizontal momentum of the discs that can move (kg m/s per metre)."""
+    """Horizontal momentum in the middle of the last step of the discs that can move (kg m/s per metre)."""
     x, z = right_of(model.gravity)
     free = ~model.fixed
-    return float(np.sum(model.mass[free] * (x * model.vx[free] + z * model.vz[free])))
+    return float(np.sum(model.mass[free] * (x * model.vx_half[free] + z * model.vz_half[free])))
 
 
-def follow(model: DiscState, before: float, began: float, planned: float) -> None:
-    """Update the motion of the base after some steps of the discs.
+class Look:
+    """Steps from one measurement of the force on the base to the next, which a new neighbour list may interrupt.
 
-    Parameters
+    Attributes
     ----------
-    model
-        The discs after these steps.
-    before
-        Their momentum before them (kg m/s per metre).
-    began
-        Time before them (s).
-    planned
-        Time at which they were to end (s); a new neighbour list ends them sooner.
+    began, end : float
+        Times at which these steps begin, and are to end (s).
+    before, rate : float
+        Momentum of the discs (kg m/s per metre) and acceleration of the base (m/s2) at the beginning.
     """
-    over = model.time - began
-    if over <= 0.0:
-        return
-    rate = model.base_rate + (model.base_next - model.base_rate) * over / (planned - began)
-    speed = model.base_velocity + 0.5 * over * (model.base_rate + rate)
-    free = ~model.fixed
-    moved_mass = float(np.sum((model.mass * (1.0 + _added_mass(model)))[free]))
-    x, z = right_of(model.gravity)
-    acceleration = (model.acceleration.mean(began, model.time) @ np.array([x, z])) - 0.5 * (model.base_rate + rate)
-    force = moved_mass * acceleration - (momentum(model) - before) / over
-    model.base_velocity, model.base_rate = speed, rate
-    model.base_next = (force / model.base_impedance - speed) / DELAY
+
+    def __init__(self, model: DiscState, dt: float) -> None:
+        steps = max(LEAST_STEPS, round(EVERY / dt))
+        self.began, self.end = model.time, model.time + steps * dt
+        self.before, self.rate = momentum(model), model.base_rate
+
+    def steps_left(self, model: DiscState, dt: float) -> int:
+        """Number of steps of dt (s) to the end; none where the steps have become much longer."""
+        return round((self.end - model.time) / dt)
+
+    def is_long_enough(self, model: DiscState, dt: float) -> bool:
+        """Whether so many steps of dt (s) have passed that the force on the base can be measured."""
+        return round((model.time - self.began) / dt) >= LEAST_STEPS
+
+    def rate_at(self, model: DiscState, time: float) -> float:
+        """Acceleration of the base (m/s2) at a time (s) of these steps, over which it changes linearly."""
+        share = (time - self.began) / (self.end - self.began)
+        return self.rate + (model.base_next - self.rate) * share
+
+    def follow(self, model: DiscState, since: float) -> None:
+        """Update the motion of the base after some of the steps; since: time before them (s)."""
+        before, model.base_rate = model.base_rate, self.rate_at(model, model.time)
+        model.base_velocity += 0.5 * (model.time - since) * (before + model.base_rate)
+
+    def measure(self, model: DiscState, dt: float) -> None:
+        """Measure the force on the base after all of the steps, of dt (s): it determines the next acceleration.
+
+        The change of the velocities from the middle of one step to that of a later one follows from the accelerations
+        at the beginnings of the steps in between. Stiff clay rocked the base ever further while the one was taken
+        half a step later than the other.
+        """
+        over, free = model.time - self.began, ~model.fixed
+        moved_mass = float(np.sum((model.mass * (1.0 + _added_mass(model)))[free]))
+        x, z = right_of(model.gravity)
+        acceleration = model.acceleration.mean(self.began - 0.5 * dt, model.time - 0.5 * dt) @ np.array([x, z])
+        acceleration -= self.rate_at(model, 0.5 * (self.began + model.time - dt))
+        force = moved_mass * acceleration - (momentum(model) - self.before) / over
+        model.base_next = (force / model.base_impedance - model.base_velocity) / DELAY
 
 
 def _added_mass(model: DiscState) -> np.ndarray:

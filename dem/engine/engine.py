@@ -16,7 +16,7 @@ from numba import config
 
 from dem.chunked_map import threaded
 from dem.engine.checks import BALANCE, check_balance, check_escape, check_finite, check_overlap, check_speed
-from dem.engine.compliant_base import EVERY, felt, felt_until, follow, momentum
+from dem.engine.compliant_base import Look, felt, felt_until
 from dem.engine.energy_balance import EnergyBalance
 from dem.engine.memory import Room, keep_freed_arrays, large_zeros
 from dem.engine.packer import pack, unpack, unpack_motion
@@ -241,6 +241,7 @@ class EngineRun:
         self.layout: Layout | None = None  # while there is one, the model has no pairs
         self.springs, self.law = springs_of(model), engine.law_of(model)  # as they were when the layout was made
         self.stable: StableStep | None = None  # as it was when the list was made, if that was in this run
+        self.look: Look | None = None  # at a compliant base
         self.pack()
         self.begin_energy_balance()
 
@@ -287,6 +288,7 @@ class EngineRun:
     def advance(self, steps: int) -> EnergyBalance | None:
         """Take this number of steps, and write them back into the model."""
         energies = self.go(steps)
+        self.end_look()  # here, so that a run from a checkpoint has the same bits
         self.update()
         self.show()
         if energies is not None:
@@ -345,15 +347,24 @@ class EngineRun:
 
     def take_stretch(self, steps: int) -> int:
         """Up to `steps` steps, and the motion of a compliant base over them; returns why the kernel returned."""
-        model = self.model
+        model, dt = self.model, self.dt
         if model.base_impedance == 0.0:
             return self.call_kernel(steps)
-        before, began = momentum(model), model.time
-        steps = min(steps, max(1, round(EVERY / self.dt)))
-        reason = self.call_kernel(steps)
-        unpack_motion(self.pack(), model)
-        follow(model, before, began, began + steps * self.dt)
+        if self.look is None or self.look.steps_left(model, dt) < 1:
+            self.look = Look(model, dt)
+        since, left = model.time, self.look.steps_left(model, dt)
+        reason = self.call_kernel(min(steps, left))
+        self.look.follow(model, since)
+        if self.look.steps_left(model, dt) < 1:
+            self.end_look()
         return reason
+
+    def end_look(self) -> None:
+        """Measure the force on a compliant base, unless the look was too short."""
+        if self.look is not None and self.look.is_long_enough(self.model, self.dt):
+            unpack_motion(self.pack(), self.model)
+            self.look.measure(self.model, self.dt)
+        self.look = None
 
     def call_kernel(self, steps: int) -> int:
         """Take up to `steps` steps in all threads; returns why the kernel returned."""
@@ -369,7 +380,7 @@ class EngineRun:
         barrier, stops = new_barrier(threads), np.zeros((2, threads), np.int64)
         layout = self.pack()
         clock = Clock(steps, self.dt, model.last_dt, model.time, model.steps)
-        acceleration = felt_until(model, model.time + steps * self.dt)
+        acceleration = felt_until(model, model.time + steps * self.dt, self.look)
         loads = Loads(acceleration.times, acceleration.with_level(model.gravity))
         entries = Entries(self.engine.energies, model.energy_sums)
         return [

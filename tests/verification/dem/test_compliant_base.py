@@ -1,5 +1,6 @@
 """A base that gives way, beside an elastic layer on an elastic half-space."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 from scipy.optimize import curve_fit
 
 from dem.acceleration import Acceleration
+from dem.engine.compliant_base import EVERY
 from dem.engine.engine import Engine, largest_step
 from dem.ground import ground_of
 from dem.laboratory.soil_contacts import soil_contacts
@@ -114,6 +116,24 @@ def test_a_constant_push_moves_the_base_at_a_constant_speed(column: Column) -> N
     Engine(dt=0.5 * largest_step(model).seconds).run(model, 6.0)
     force = SHAKING * model.mass[~model.fixed].sum()
     assert model.base_velocity == pytest.approx(force / column.impedance, rel=0.1)
+
+
+@pytest.mark.parametrize("steps", [1.0, 2.0, 3.5])
+def test_discs_in_free_flight_leave_the_base_at_rest(column: Column, steps: float) -> None:
+    """What does not touch the base exerts no force on it, however its acceleration changes and in however few steps
+    it is measured: with accelerations of the middle of steps such ground rocked the base ever further.
+    """
+    model = column.model.copy()
+    model.z = np.where(model.fixed, model.z - 100.0, model.z)
+    model.gravity = (0.0, 0.0)
+    model.set_springs([replace(layer, contact_cohesion=0.0, faded=1.0) for layer in model.springs.layers])
+    model.base_impedance = column.impedance
+    model.set_velocity(0.0, 0.0)
+    model.last_dt = EVERY / steps
+    model.acceleration = Acceleration(model.time + np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.zeros(2))
+    Engine(dt=model.last_dt, energies=False).run(model, 0.9)
+    assert np.abs(model.vx[~model.fixed]).max() == pytest.approx(0.4, abs=0.01)
+    assert abs(model.base_velocity) < 1e-9
 
 
 def test_base_of_a_section_is_its_lowest_stratum_where_that_is_stiffest() -> None:
