@@ -18,18 +18,17 @@ from dem.chunked_map import threaded
 from dem.engine.checks import BALANCE, check_balance, check_escape, check_finite, check_overlap, check_speed
 from dem.engine.compliant_base import Look, felt, felt_until
 from dem.engine.energy_balance import EnergyBalance
-from dem.engine.memory import Room, keep_freed_arrays, large_zeros
+from dem.engine.laws import CrackBy, law_of, springs_of
+from dem.engine.memory import Room, keep_freed_arrays
 from dem.engine.packer import pack, unpack, unpack_motion
 from dem.engine.sharing import needs
 from dem.errors import DemError, StepTooLargeError
 from dem.kernels import energy
-from dem.kernels.arguments import Clock, Entries, Law, Loads, Springs, Team
+from dem.kernels.arguments import Clock, Entries, Law, Loads, Team
 from dem.kernels.barrier import new_barrier
-from dem.kernels.contact import KPN
 from dem.kernels.layout import Layout
 from dem.kernels.stable_step import Bodies, LineContacts, Pairs, stable_step
 from dem.kernels.stepping import DONE, MOVED, OVERLAP, take_steps
-from dem.kernels.transpose import CONSTANT_RECORD
 from dem.kernels.work_buffers import new_buffer
 from dem.liquefied_ground import longest_look, steps_between_looks
 from dem.model import DiscModel
@@ -40,7 +39,6 @@ CALL_WORK = 2.0e7  # disc-steps in one call of the kernel, about half a second
 CALL_STEPS = 100  # at least: what is done between two calls takes as long as a step or two
 
 OnOutput = Callable[[DiscModel], None]
-CrackBy = Literal["contact", "pore"]
 
 
 @dataclass(frozen=True)
@@ -73,26 +71,6 @@ def step_finder(model: DiscModel) -> Callable[[], StableStep]:
         return StableStep(float(seconds), int(disc)) if seconds < liquefied else StableStep(liquefied, which)
 
     return find
-
-
-def law_of(model: DiscModel, pulls: bool = False, crack_by: CrackBy = "contact") -> Law:
-    """The contact law of a model as an argument of the kernels; pulls and crack_by as in `Engine`.
-
-    In soil discs Fn of eq. (16) is the force of the pore spring alone: the normal force of the element contact already
-    contributes to the friction of the element.
-    """
-    soil = model.law == "soil"
-    pores = bool(model.springs.pairs[KPN].any())
-    share = 1.0 if crack_by == "contact" and not soil else 0.0
-    return Law(soil, pores, -np.inf if pulls else 0.0, share, model.repeats)
-
-
-def springs_of(model: DiscModel) -> Springs:
-    """All constants of the contacts of a model as an argument of the kernels."""
-    pairs = model.springs.pairs
-    records = large_zeros(pairs.shape[1], CONSTANT_RECORD)
-    records[:, : len(pairs)] = pairs.T
-    return Springs(pairs, records.reshape(-1), model.springs.lines, model.lines)
 
 
 @dataclass(frozen=True)
@@ -350,8 +328,7 @@ class EngineRun:
         model, dt = self.model, self.dt
         if model.base_impedance == 0.0:
             return self.call_kernel(steps)
-        if self.look is None or self.look.steps_left(model, dt) < 1:
-            self.look = Look(model, dt)
+        self.look = self.look or Look(model, dt)
         since, left = model.time, self.look.steps_left(model, dt)
         reason = self.call_kernel(min(steps, left))
         self.look.follow(model, since)
