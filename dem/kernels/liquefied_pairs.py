@@ -260,10 +260,7 @@ def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
 
 @device_function(nogil=True, _nrt=False)
 def fetch_strength(block: int, wet: Liquefied) -> None:
-    """Pressure and strength of the pairs of a block: sums over both discs, to which only liquefied discs contribute.
-
-    Those of bonds have the weights of `bond_weights`, and half of a sum is the mean of both discs.
-    """
+    """Pressure and strength of the pairs of a block: sums over both discs; those of bonds are weighted."""
     discs, w = wet.discs, wet.working
     for lane in range(LANES):
         q = np.uint64(block) * WORKED + np.uint64(lane)
