@@ -9,7 +9,8 @@ from meshes.section.quantity import GRAVITY
 
 @dataclass(frozen=True)
 class Acceleration:
-    """External acceleration of the frame felt by all discs with their full mass (m/s2), linear between the times (s).
+    """External acceleration that acts on the full mass of all discs (m/s2), in the frame of the discs, linear between
+    the times (s).
 
     Before the first and after the last time it is constant. A seismic coefficient Kh is the constant Kh g.
     """
@@ -31,7 +32,8 @@ class Acceleration:
     def seismic(
         cls, kh: float, *, tilt: float = 0.0, ramp: tuple[float, float] | None = None, g: float = GRAVITY
     ) -> "Acceleration":
-        """Kh in a frame whose x axis dips by `tilt` (rad) below the horizontal: positive Kh pushes downhill.
+        """Return the constant acceleration of a seismic coefficient in axes whose x axis dips by `tilt` (rad) below the
+        horizontal; a positive Kh acts downslope.
 
         ramp (start, end) in s: times between which Kh rises from zero to its value along a half cosine.
         kh: seismic coefficient (-); g: gravity (m/s2).
@@ -44,36 +46,36 @@ class Acceleration:
         return cls(ramp[0] + s * (ramp[1] - ramp[0]), ax * share, az * share)
 
     def with_level(self, gravity: tuple[float, float]) -> np.ndarray:
-        """Three components (3, times) in m/s2: along x, along z, and horizontally (perpendicular to gravity),
+        """Return three components (3, times) in m/s2: along x, along z, and horizontally (perpendicular to gravity),
         positive to the right.
         """
         right = right_of(gravity)
         return np.array([self.x, self.z, right[0] * self.x + right[1] * self.z])
 
     def mean(self, begin: float, end: float) -> np.ndarray:
-        """Mean along x and z (2,) from one time (s) to a later one."""
+        """Return the mean acceleration along x and z (2,) from one time (s) to a later time."""
         part = self.between(begin, end)
         values = np.array([part.x, part.z])
         return np.asarray(0.5 * (values[:, 1:] + values[:, :-1]) @ np.diff(part.times) / (end - begin))
 
     def between(self, begin: float, end: float) -> "Acceleration":
-        """The part from one time (s) to a later one."""
+        """Return the part of the acceleration from one time (s) to a later time."""
         inside = self.times[(self.times > begin) & (self.times < end)]
         times = np.concatenate([[begin], inside, [end]])
         return Acceleration(times, np.interp(times, self.times, self.x), np.interp(times, self.times, self.z))
 
     def at(self, time: float) -> "Acceleration":
-        """The acceleration at one time (s), as a constant one."""
+        """Return the acceleration at one time (s), as a constant acceleration."""
         x, z = (np.interp(time, self.times, values) for values in (self.x, self.z))
         return Acceleration(np.array([time]), np.array([x]), np.array([z]))
 
 
 def right_of(gravity: tuple[float, float]) -> tuple[float, float]:
-    """The horizontal direction to the right, perpendicular to gravity (m/s2); along x without gravity."""
+    """Return the horizontal direction to the right, perpendicular to gravity; the x axis without gravity."""
     size = float(np.hypot(*gravity))
     return (-gravity[1] / size, gravity[0] / size) if size > 0.0 else (1.0, 0.0)
 
 
 def tilted_gravity(tilt: float, g: float = GRAVITY) -> tuple[float, float]:
-    """Gravity (m/s2) in a frame whose x axis dips by `tilt` (rad) below the horizontal."""
+    """Return gravity (m/s2) in axes whose x axis dips by `tilt` (rad) below the horizontal."""
     return g * float(np.sin(tilt)), -g * float(np.cos(tilt))

@@ -12,18 +12,18 @@ SHORTEST = 12.0  # period, in largest radii: twice as many cells of the neighbou
 
 
 class DiscGeometry:
-    """Positions, radii and layers of discs.
+    """Holds positions, radii and layers of discs.
 
     Attributes
     ----------
     x, z : (n,)
-        Centres (m).
+        Coordinates of the centres (m).
     radius : (n,)
         Radii (m).
     layer : (n,)
-        Index of the layer, -1 for boundary discs.
+        Index of the layer of each disc, -1 for boundary discs.
     fixed : (n,)
-        Mask of the discs that do not move: boundary discs, and others that are held.
+        Mask of the discs that do not move: boundary discs, and other fixed discs.
 
     Raises
     ------
@@ -54,12 +54,12 @@ class DiscGeometry:
 
 @dataclass(frozen=True)
 class DiscMaterials:
-    """Materials of the discs.
+    """Holds the materials of the discs.
 
     Attributes
     ----------
     layers : sequence of LayerSprings
-        Constants of each layer.
+        Constants of the springs of each layer.
     law, mean : str
         Contact law, and kind of mean of the constants of two layers, see `pair_table.pair_table`.
     turns : bool
@@ -79,27 +79,27 @@ class DiscMaterials:
             )
 
     def densities(self, layer: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Density and buoyant density (kg/m3) of discs of these layers (n,)."""
+        """Return density and buoyant density (kg/m3) of discs of these layers (n,)."""
         density = np.array([soil.density for soil in self.layers] + [self.layers[0].density])
         effective = np.array([soil.effective_density for soil in self.layers] + [0.0])
         return density[layer], effective[layer]
 
     def rotates(self, layer: np.ndarray) -> np.ndarray:
-        """Mask of the discs that rotate, by their layers (n,)."""
+        """Return a mask of the discs that rotate, by their layers (n,)."""
         rolls = np.isfinite([soil.rolling_friction for soil in self.layers] + [0.0])
         return np.asarray(rolls[layer] & self.turns)
 
 
 class DiscBoundary:
-    """Rigid lines that discs cannot pass, and periodic sides.
+    """Holds rigid lines that discs cannot pass, and the period of periodic sides.
 
     Attributes
     ----------
     lines : (k, 6)
         Rigid lines, see `DiscState`.
     strengths : tuple of Strength or None
-        Strength of the contacts with each line, None for the strength of the layer of the disc; empty if it is None for
-        all lines.
+        Strength of the contacts with each line, None for the strength of the disc's layer; empty if it is None for all
+        lines.
     period : (length, rise) or None
         Length (m) of the period, and height (m) by which the ground is higher one period to the right; soil discs only.
     """

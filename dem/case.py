@@ -32,7 +32,8 @@ ResidualStrength = Annotated[Strength, AfterValidator(_of_liquefied_soil)]
 
 
 class Case(Model):
-    """Stiffness, strength and volume of the layers that name this case in `liquefies_in`, after liquefaction."""
+    """Describes layers after liquefaction: stiffness, strength and volume of the layers that name this case in
+    `liquefies_in`."""
 
     name: str = Field(default="", description="name of the case, such as low strength")
     stiffness: float = Field(
@@ -80,34 +81,35 @@ class Case(Model):
 
     @property
     def damping_left(self) -> float:
-        """`damping`; by default the root of `stiffness`, since dashpots are proportional to sqrt(m K) and
-        liquefaction reduces K.
+        """Return `damping`, or by default the square root of `stiffness`, since dashpots are proportional to sqrt(m K)
+        and liquefaction reduces K.
         """
         return float(np.sqrt(self.stiffness)) if self.damping is None else self.damping
 
     def residual_of(self, stratum: str) -> float:
-        """The residual strength of a stratum by its name, over the vertical effective stress."""
+        """Return the ratio of residual strength to vertical effective stress of a stratum, by the stratum's name."""
         return value_of_stratum(self.residual, stratum) or 0.0 if isinstance(self.residual, dict) else self.residual
 
     def strength_of(self, stratum: str) -> float:
-        """The residual strength (Pa) of a stratum by its name, where it is given as a stress."""
+        """Return the residual strength (Pa) of a stratum by its name, if the strength is given as a stress."""
         strengths = self.residual_strength
         return value_of_stratum(strengths, stratum) or 0.0 if isinstance(strengths, dict) else strengths
 
     def strain_potential_of(self, stratum: str) -> float:
-        """The strain potential of a stratum by its name: its shear strain before it regains strength."""
+        """Return the strain potential of a stratum by its name: the shear strain that it undergoes before it regains
+        strength."""
         potential = self.strain_potential
         return value_of_stratum(potential, stratum) or 0.0 if isinstance(potential, dict) else potential
 
     def residual_remains(self, stratum: str) -> Remains:
-        """Remaining strength of a stratum by its name, from its residual strength alone."""
+        """Return the strength that a stratum retains after liquefaction, from its residual strength alone."""
         remains = self.residual_of(stratum), self.strength_of(stratum), self.strain_potential_of(stratum)
         return Remains(0.0, 0.0, *remains)
 
     def remains_of(self, section: Section, number: int) -> Remains:
-        """The strength of a stratum after liquefaction: its residual strength, or shares of cohesion and friction where
-        these are larger. Residual strength and shares are not added, since back-calculated residual strengths are the
-        whole strength of liquefied soil.
+        """Return the strength of a stratum after liquefaction: its residual strength, or shares of cohesion and
+        friction if these are larger. Residual strength and shares are not added, since back-calculated residual
+        strengths are the whole strength of liquefied soil.
         """
         stratum, field = section.strata[number], section.cohesion_field
         residual = self.residual_remains(stratum.name)
@@ -136,8 +138,8 @@ SOFTENED = (Case(stiffness=0.1), Case(stiffness=0.02), Case(stiffness=0.01))  # 
 
 
 def cases_of_loose_sand(section: Section) -> tuple[Case, ...]:
-    """The cases of slides where the input gives none: residual strengths of loose sand (`LOOSE_SAND`), each constant
-    within a soil.
+    """Return the cases of slides if the section file gives none: residual strengths of loose sand (`LOOSE_SAND`), each
+    constant within a soil.
 
     A strength in proportion to the local stress would be zero at the face of a bank. The parts of a soil above and
     below the water table have the same strength.

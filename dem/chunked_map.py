@@ -11,8 +11,8 @@ FEW = 20_000  # of fewer discs one thread has found the neighbours before anothe
 
 
 class Ranges(Protocol):
-    """A function that calls `work` with the begin and end of ranges that cover all numbers below n, and returns the
-    results in order.
+    """Calls `work` with the begin and the end of ranges that cover all numbers below n, and returns the results in
+    order.
     """
 
     def __call__(self, work: Callable[[int, int], Any], n: int) -> list[Any]:

@@ -9,7 +9,7 @@ LONG = 4.0  # mean radii: neighbours are nearer; triangles with longer sides bri
 
 
 def area_per_disc(model: DiscModel, start: DiscModel) -> np.ndarray:
-    """Area of the ground of each stratum with its voids, over the area of its discs at the start (n,).
+    """Return the area of the ground of each stratum with its voids, over the area of its discs at the start (n,).
 
     The area is that of Delaunay triangles, each divided among its corners by their angles. The ratio is 2 sqrt(3)/pi
     where equal discs just touch, NaN for a stratum without triangles.
@@ -32,7 +32,8 @@ def area_per_disc(model: DiscModel, start: DiscModel) -> np.ndarray:
 
 
 def area_with_voids(model: DiscModel) -> np.ndarray:
-    """Area of every disc with its voids (n,) in m2: the area of its stratum is shared in proportion to the discs.
+    """Return the area of every disc with its voids (n,) in m2: the area of its stratum is shared in proportion to the
+    discs.
 
     Fixed discs, and strata without triangles, have the mean ratio of the others.
     """

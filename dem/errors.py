@@ -9,12 +9,12 @@ class DemError(NoAnswerError):
     Attributes
     ----------
     reason, remedy : str
-        The error in words, and what the user can change.
+        Cause of the error in words, and what the user can change.
     """
 
 
 class StepTooLargeError(DemError, ValueError):
-    """The requested time step is larger than the stable one."""
+    """The requested time step is larger than the stable time step."""
 
 
 class EnergyBalanceError(DemError):
@@ -30,11 +30,11 @@ class NotFiniteError(DemError):
 
 
 class EscapeError(DemError):
-    """A disc is behind a rigid line or outside the box."""
+    """A disc has passed a rigid line or left the box."""
 
 
 class SpeedError(DemError):
-    """A disc moves so far in one step that it could pass another without touching it."""
+    """A disc moves so far in one step that it could pass another disc without touching it."""
 
 
 class ConfinementError(DemError):

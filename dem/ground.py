@@ -27,7 +27,7 @@ SOON = 1e-3  # s in which what a record begins or ends with comes on and goes
 
 @dataclass(frozen=True)
 class Ground:
-    """Discs of a section without loads.
+    """The discs of a section, without loads.
 
     Attributes
     ----------
@@ -36,15 +36,15 @@ class Ground:
     kind : str
         "box", "lattice" or "random".
     radius : float
-        Their mean radius (m).
+        Mean radius of the discs (m).
     rows : int
-        Number of rows of a box, else 0.
+        Number of rows of a box, 0 for other packings.
     tilt : float
-        Angle of the u axis below the horizontal (rad).
+        Angle of the u axis of the discs below the horizontal (rad).
     origin : (float, float)
-        Place of u = v = 0 in the section (m).
+        Position of u = v = 0 in the section (m).
     downhill : int
-        +1 where the ground falls along x, -1 where it rises.
+        +1 if the ground falls along x, -1 if it rises.
     section : Section or None
         Section whose water and loads act on the discs; None for discs without them.
     """
@@ -59,17 +59,17 @@ class Ground:
     section: Section | None = None
 
     def to_section(self, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Places (m) in the frame of the section, from places in the frame of the discs."""
+        """Transform positions (m) from the frame of the discs to the frame of the section."""
         dx, dz = self.to_section_axes(u, v)
         return self.origin[0] + dx, self.origin[1] + dz
 
     def to_section_axes(self, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Vectors in the frame of the section, from vectors in the frame of the discs."""
+        """Transform vectors from the frame of the discs to the frame of the section."""
         c, s = np.cos(self.tilt), np.sin(self.tilt)
         return c * u + s * v, -s * u + c * v
 
     def model(self, layers: Sequence[LayerSprings], settings: DemSettings) -> DiscModel:
-        """The discs at rest, without pore springs, under gravity."""
+        """Return the discs at rest, without pore springs, under gravity."""
         gravity = tilted_gravity(self.tilt)
         model = self.packing.discs(DiscMaterials(layers, law=settings.model, mean=settings.mean), gravity=gravity)
         if self.section is not None:
@@ -83,7 +83,7 @@ class Ground:
         return model
 
     def weaken(self, model: DiscModel) -> bool:
-        """Apply the excess pore pressure by shaking to discs at rest; False where there is none."""
+        """Apply the excess pore pressure by shaking to discs at rest; return False if there is none."""
         added = None if self.section is None else excess(self.section, self.to_section(model.x, model.z), model)
         if added is None:
             return False
@@ -93,8 +93,8 @@ class Ground:
         return True
 
     def base_impedance(self) -> float:
-        """Impedance of a compliant base times its length (kg/s per metre): ρ V_s L of the lowest stratum, or the mean
-        of all strata where that is larger; 0 without a section.
+        """Return the impedance of a compliant base times its length (kg/s per metre): ρ V_s L of the lowest stratum, or
+        the mean of all strata if larger; 0 without a section.
         """
         if self.section is None:
             return 0.0
@@ -104,8 +104,8 @@ class Ground:
         return float(max(impedances[-1], np.average(impedances, weights=areas)) * (right - left))
 
     def buoyancy(self, model: DiscModel) -> np.ndarray | None:
-        """Acceleration (2, n) in m/s2, in the frame of the discs, by still water at the present places of the discs;
-        None without water, see `dem.water.buoyancy`.
+        """Return the acceleration (2, n) in m/s2, in the frame of the discs, by buoyancy in still water at the present
+        positions; None without water, see `dem.water.buoyancy`.
         """
         if self.section is None:
             return None
@@ -119,9 +119,9 @@ class Ground:
         return c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]
 
     def constant_acceleration(self, kh: float, start: float, rise: float, seconds: float | None) -> Acceleration:
-        """Kh that rises in `rise` seconds from `start` (s), is held, and falls to zero within a second; + is downhill.
-        seconds: time from `start` until it begins to fall; None if it never falls. kh: seismic coefficient that is held
-        (-).
+        """Return the acceleration of a Kh that rises within `rise` seconds from `start` (s), is constant, and falls to
+        zero within a second; positive is downslope. seconds: time from `start` until Kh begins to fall; None if it
+        never falls. kh: constant seismic coefficient (-).
         """
         on = self.shaking(0.0, kh, start, start + rise)
         if seconds is None:
@@ -130,17 +130,18 @@ class Ground:
         return Acceleration(np.append(on.times, off.times), np.append(on.x, off.x), np.append(on.z, off.z))
 
     def recorded_acceleration(self, times: np.ndarray, acceleration: np.ndarray) -> Acceleration:
-        """A horizontal acceleration (m/s2) given at some times (s), + is downhill; zero before and after."""
+        """Return the acceleration of the discs for a horizontal acceleration (m/s2) given at some times (s), positive
+        downslope; zero before and after."""
         before, after = times[:1] - SOON, times[-1:] + SOON
         felt = self.downhill * np.concatenate([[0.0], acceleration, [0.0]])
         return Acceleration(np.concatenate([before, times, after]), felt * np.cos(self.tilt), felt * np.sin(self.tilt))
 
     def steady(self, kh: float) -> Acceleration:
-        """A constant Kh; + is downhill."""
+        """Return the acceleration of a constant Kh; positive is downslope."""
         return Acceleration.seismic(self.downhill * kh, tilt=self.tilt)
 
     def shaking(self, before: float, after: float, start: float, end: float) -> Acceleration:
-        """Kh that changes along a half cosine between two times; + is downhill.
+        """Return the acceleration of a Kh that changes along a half cosine between two times; positive is downslope.
 
         before, after: Kh before and after (-); start, end: the times (s).
         """
@@ -179,7 +180,7 @@ def springs_of(section: Section, settings: DemSettings, radius: float) -> list[L
 
 
 def ground_of(section: Section, settings: DemSettings) -> Ground:
-    """Place discs in a section.
+    """Return the place discs in a section.
 
     Parameters
     ----------
@@ -218,13 +219,13 @@ def ground_of(section: Section, settings: DemSettings) -> Ground:
 
 
 def mean_slope(section: Section) -> float:
-    """Angle (rad) by which the line between the ends of the surface falls to the right."""
+    """Return the angle (rad) by which the line between the ends of the surface falls to the right."""
     (x0, z0), (x1, z1) = section.ground[0], section.ground[-1]
     return float(np.arctan2(z0 - z1, x1 - x0))
 
 
 def box_fits(section: Section, radius: float) -> bool:
-    """Whether surface and base lie within a radius of two parallel straight lines."""
+    """Return whether surface and base lie within a radius of two parallel straight lines."""
     outline = section.outline()
     tilt = mean_slope(section)
     start = section.ground[0]
@@ -259,7 +260,7 @@ def _box(section: Section, radius: float) -> Ground:
 
 
 def in_stratum(section: Section, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Stratum of each place (m); above the surface that at the surface, below the base that at the base."""
+    """Return the stratum of each place (m); above the surface that at the surface, below the base that at the base."""
     inside = np.clip(x, *section.extent)
     ends = section.layering.interfaces(inside)
     layer = np.asarray(section.stratum_at(inside, np.clip(z, ends[:, -1], ends[:, 0])), np.int32)

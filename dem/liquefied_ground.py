@@ -173,8 +173,8 @@ def liquefy(model: DiscState, onset: Onset) -> None:
 
 
 def longest_look(model: DiscState) -> tuple[float, int]:
-    """Longest time (s) for which forces of liquefied ground may be constant, and the disc that limits it; (inf, -1)
-    without liquefied ground.
+    """Return the longest time (s) for which forces of liquefied ground may be constant, and the disc that limits it;
+    (inf, -1) without liquefied ground.
 
     The time follows from the highest frequency of a disc on its bonds and pore water: twice the sum of their stiffness
     over its mass, as for contacts; sums over pairs are replaced by integrals over a uniform density.
@@ -192,7 +192,7 @@ def longest_look(model: DiscState) -> tuple[float, int]:
 
 
 def steps_between_looks(model: DiscState, dt: float) -> int:
-    """Number of steps of dt (s) for which forces of liquefied ground are constant."""
+    """Return the number of steps of dt (s) for which forces of liquefied ground are constant."""
     return int(np.clip(longest_look(model)[0] / dt, 1, MOST_STEPS))
 
 
@@ -213,7 +213,7 @@ def change_areas(model: DiscState, factor: np.ndarray) -> None:
 
 
 def is_liquefying(model: DiscState) -> np.ndarray:
-    """Mask (n,) of the discs whose liquefaction has begun."""
+    """Return the mask (n,) of the discs whose liquefaction has begun."""
     return model.liquefied[:, bond.STIFFNESS] > 0.0 if len(model.liquefied) else np.zeros(len(model), bool)
 
 
@@ -232,7 +232,7 @@ def change_strength(model: DiscState, factor: np.ndarray) -> None:
 
 
 def pressure_forces(model: DiscState) -> np.ndarray:
-    """Force (N per metre) of the pore pressure on the diameter of each disc that has liquefied."""
+    """Return the force (N per metre) of the pore pressure on the diameter of each disc that has liquefied."""
     if not len(model.liquefied):
         return np.zeros(0)
     which = is_liquefying(model)

@@ -39,7 +39,7 @@ SORT_EVERY = 16  # lists made between two sortings in space
 
 
 class DiscModel(DiscState):
-    """The discs, and operations on them between runs. Make a model with `DiscModel.create`.
+    """Holds the discs, with operations on them between runs. Make a model with `DiscModel.create`.
 
     Call `make_list` after changing lines or skin directly; changed positions are detected when a run begins.
     """
@@ -66,9 +66,9 @@ class DiscModel(DiscState):
         boundary
             Rigid lines and periodic sides; none if left out.
         gravity
-            Along x and z (m/s2).
+            Gravity along x and z (m/s2).
         acceleration
-            External acceleration over time; none if left out.
+            External acceleration over time; no acceleration if left out.
         skin
             Margin of the neighbour list (m); 0.4 mean radii if left out.
 
@@ -122,8 +122,7 @@ class DiscModel(DiscState):
     ) -> None:
         """Set the velocities (m/s, 1/s) of all discs, or of those in the mask `where`.
 
-        Fixed discs keep this velocity, which moves a boundary.
-        vx, vz: (m/s); spin: (1/s).
+        Fixed discs keep this velocity, which moves a boundary. vx, vz: velocities (m/s); spin: angular velocity (1/s).
         """
         chosen = np.ones(len(self), bool) if where is None else where
         rim_speed = np.broadcast_to(spin, int(chosen.sum())) * self.radius[chosen]
@@ -134,11 +133,11 @@ class DiscModel(DiscState):
 
     @property
     def leeway(self) -> float:
-        """Largest displacement (m) of discs before the neighbour list must be renewed."""
+        """Return the largest displacement (m) of discs before the neighbour list must be renewed."""
         return 0.5 * (self.skin - float(self.springs.pairs[GAP].max()))
 
     def refresh_list(self) -> None:
-        """Makes the neighbour list if there is none, or discs have moved by more than half its skin."""
+        """Make the neighbour list if there is none, or if discs have moved by more than half its margin."""
         if self.lists_made == 0 or np.any(np.hypot(self.x - self.x_list, self.z - self.z_list) > self.leeway):
             self.make_list()
 
@@ -254,7 +253,7 @@ class DiscModel(DiscState):
             self.make_list()
 
     def remove_lines(self, which: Sequence[int]) -> None:
-        """Remove rigid lines by their numbers, as a gate that opens. Contacts with other lines keep their forces.
+        """Remove rigid lines by their numbers, as when a gate opens. Contacts with other lines keep their forces.
 
         Parameters
         ----------
@@ -282,7 +281,7 @@ class DiscModel(DiscState):
             self.springs = replace(self.springs, line_block=tuple(self.springs.line_block[k] for k in remaining))
 
     def set_radius(self, radius: np.ndarray) -> None:
-        """Replace the radii (m): discs swell, or shrink as liquefied ground that loses volume.
+        """Replace the radii (m): discs swell, or shrink as in liquefied ground that loses volume.
 
         Mass, angle and spin are unchanged; forces change with the overlaps. The areas with voids, on which pore
         pressure acts, change in proportion.
@@ -319,7 +318,7 @@ class DiscModel(DiscState):
         self.force_z += normal * nz - tangential * nx
 
     def copy(self) -> "DiscModel":
-        """An independent copy of the discs."""
+        """Return an independent copy of the discs."""
         return copy.deepcopy(self)
 
     def save(self, path: Path | str) -> None:
@@ -334,7 +333,7 @@ class DiscModel(DiscState):
 
     @classmethod
     def load(cls, path: Path | str) -> "DiscModel":
-        """The model of a checkpoint. Raises OSError, KeyError or TypeError for a file of another version."""
+        """Read the model of a checkpoint. Raises OSError, KeyError or TypeError for a file of another version."""
         arrays, plain = read_checkpoint(Path(path))
         series = Acceleration(*(arrays.pop(f"acceleration_{name}") for name in ("times", "x", "z")))
         layers = [LayerSprings(**layer) for layer in plain.pop("layers")]

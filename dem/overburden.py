@@ -8,7 +8,7 @@ WIDE = 2.0  # mean diameters to either side over which weight is spread
 
 
 def effective_overburden(model: DiscModel) -> np.ndarray:
-    """Vertical effective stress (n,) in Pa at the centres of all discs.
+    """Return the vertical effective stress (n,) in Pa at the centres of all discs.
 
     The stress is the weight of all higher discs and of half the disc itself, with the forces of water and of loads on
     the ground; the weight of each disc is distributed over `WIDE` mean diameters to either side. Fixed discs have no

@@ -25,16 +25,16 @@ ABOVE = 4  # rows that side walls stand higher than the surface
 
 @dataclass(frozen=True)
 class Packing:
-    """Initial positions and radii of discs, with their boundary.
+    """Holds initial positions and radii of discs, with their boundary.
 
     Attributes
     ----------
     x, z : (n,)
-        Centres (m).
+        Coordinates of the centres (m).
     radius : (n,)
         Radii (m).
     layer : (n,)
-        Numbers of their layers, -1 for boundary discs.
+        Number of the layer of each disc, -1 for boundary discs.
     lines : (k, 6)
         Rigid lines, see DiscModel.
     period : (length, rise) or None
@@ -50,20 +50,21 @@ class Packing:
 
     @property
     def free(self) -> np.ndarray:
-        """Mask of the discs that can move."""
+        """Return a mask of the discs that can move."""
         return self.layer >= 0
 
     def discs(
         self, materials: DiscMaterials, *, gravity: tuple[float, float] = (0.0, 0.0), skin: float | None = None
     ) -> DiscModel:
-        """The packing as a model, see `DiscModel.create`."""
+        """Return the packing as a model, see `DiscModel.create`."""
         geometry = DiscGeometry(self.x, self.z, self.radius, self.layer)
         boundary = DiscBoundary(self.lines, period=self.period)
         return DiscModel.create(geometry, materials, boundary, gravity=gravity, skin=skin)
 
 
 def lattice_box(columns: int, rows: int, radius: float) -> Packing:
-    """Rows with alternately columns - 1 and columns discs, from the bottom, in a box of boundary discs without a lid.
+    """Arrange rows with alternately columns - 1 and columns discs, from the bottom, in a box of boundary discs without
+    a lid.
 
     133 columns and 24 rows give the 3180 elements and 189 boundary elements of the paper (Sec. 3(3)). All discs are in
     layer 0.
@@ -94,10 +95,11 @@ def lattice_box(columns: int, rows: int, radius: float) -> Packing:
 
 
 def triangular_lattice(outline: np.ndarray, stratum_at: StratumAt, radius: float, *, angle: float = 0.0) -> Packing:
-    """Equal discs on a triangular lattice whose rows are inclined by `angle` (rad); all discs that are entirely inside.
+    """Arrange equal discs on a triangular lattice whose rows are inclined by `angle` (rad); all discs that are entirely
+    inside the outline.
 
-    outline: (n, 2) polygon (m); stratum_at: number of the stratum at points x, z; radius: of the discs (m).
-    Raises ValueError if there is none.
+    outline: (n, 2) polygon (m); stratum_at: number of the stratum at points x, z; radius: radius of the discs (m).
+    Raises ValueError if no disc is inside.
     """
     outline = _checked(outline)
     c, s = np.cos(angle), np.sin(angle)
@@ -125,14 +127,13 @@ def random_packing(
     seed: int = 0,
     sweeps: int = 4000,
 ) -> Packing:
-    """Discs of random radii at random places, grown in steps and pushed apart until overlaps are small.
+    """Pack discs of random radii at random places; they grow in steps and are pushed apart until overlaps are small.
 
     radius: mean radius (m); spread: half the width of the uniform distribution of radii over the mean; porosity: voids
-    over area; seed: of the random numbers; equal seeds give equal packings.
-    outline: (n, 2) polygon (m); stratum_at: number of the stratum at points x, z; sweeps: largest number of sweeps that
-    push discs apart.
-    Raises ValueError, with the porosity that was reached, if the discs do not fit; 2-D packings jam at a porosity of
-    about 0.16.
+    over area; seed: seed of the random numbers; equal seeds give equal packings. outline: (n, 2) polygon (m);
+    stratum_at: number of the stratum at points x, z; sweeps: largest number of sweeps that push discs apart. Raises
+    ValueError, with the porosity that was reached, if the discs do not fit; 2-D packings jam at a porosity of about
+    0.16.
     """
     outline = _checked(outline)
     x, z, sizes = _grown_discs(outline, outline, ENDLESS, (radius, spread, porosity), seed, sweeps)
@@ -150,7 +151,8 @@ def periodic_packing(
     seed: int = 0,
     sweeps: int = 4000,
 ) -> Packing:
-    """Discs of random size, as of `random_packing`, between two lines whose right ends continue at their left ends.
+    """Pack discs of random size, as `random_packing` does, between two lines whose right ends continue at their left
+    ends.
 
     There are neither boundary discs nor rigid lines.
     lower, upper: (n, 2) corners of the lines from left to right (m), between the same two x, both with the same rise
@@ -219,7 +221,8 @@ def _grown_discs(
 
 
 def brought_back(x: np.ndarray, z: np.ndarray, left: float, period: Period) -> tuple[np.ndarray, np.ndarray]:
-    """The images of places (m) in the period that begins at `left` (m); the places themselves if it is endless."""
+    """Return the images of positions (m) in the period that begins at `left` (m); the positions themselves if the
+    period is infinite."""
     if period.length == ENDLESS.length:
         return x, z
     times = np.floor((x - left) / period.length)
@@ -227,7 +230,7 @@ def brought_back(x: np.ndarray, z: np.ndarray, left: float, period: Period) -> t
 
 
 def boundary(outline: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """Centres (n, 2) of boundary discs outside the walls, `ABOVE` rows higher at the sides, and rigid lines.
+    """Return the centres (n, 2) of boundary discs outside the walls, `ABOVE` rows higher at the sides, and rigid lines.
 
     Discs are a diameter apart or a little less. At convex corners the lines extend past each other.
     """

@@ -18,7 +18,8 @@ ANY_OVERLAP = 2.0  # half of the sum of radii, and more
 
 @dataclass(frozen=True)
 class PairTable:
-    """Constants by kind of pair: column a * (n + 1) + b for layers a and b; index n stands for the boundary.
+    """Holds contact constants by kind of pair: column a * (n + 1) + b for layers a and b; index n stands for the
+    boundary.
 
     pairs (CONSTANTS, (n + 1)**2): constants between discs; lines (CONSTANTS, n + 1): constants against rigid lines,
     with an additional block for each special strength of lines; line_block: number of the block of every line;
@@ -33,15 +34,15 @@ class PairTable:
 
     @property
     def size(self) -> int:
-        """Number of rows of the square table of pairs: the layers and the boundary."""
+        """Return the number of rows of the square table of pairs: the layers and the boundary."""
         return len(self.layers) + 1
 
 
 def pair_table(
     layers: Sequence[LayerSprings], mean: Mean = "arithmetic", law: Law = "paper", widest: float = np.inf
 ) -> PairTable:
-    """The table of constants for contacts within and between layers. widest: largest gap (m) across which discs attract
-    each other.
+    """Make the table of constants for contacts within and between layers. widest: largest gap (m) across which discs
+    attract each other.
 
     Between layers: the mean of stiffness, damping, friction, cohesion, alpha, beta and allowed overlap. A boundary disc
     has the values of its partner, and the stiffness of a liquefied layer before liquefaction, so that no disc passes
@@ -157,7 +158,7 @@ LineStrengths = Strength | Sequence[Strength | None] | None
 
 
 def strength_of_each(strengths: LineStrengths, count: int) -> tuple[Strength | None, ...]:
-    """One strength for each line, None for the strength of the layer of the disc; empty if it is None for all lines.
+    """Return one strength for each line, None for the strength of the disc's layer; empty if it is None for all lines.
 
     Raises ValueError unless there are ``count`` strengths.
     """
@@ -168,7 +169,7 @@ def strength_of_each(strengths: LineStrengths, count: int) -> tuple[Strength | N
 
 
 def with_line_strengths(table: PairTable, strengths: Sequence[Strength | None], law: Law) -> PairTable:
-    """The table with a block of columns for every strength given to lines.
+    """Return the table with a block of columns for every strength given to lines.
 
     Stiffness and dashpots of a line are always those of its partner. Raises ValueError if friction or cohesion is
     negative, and for cohesion with the paper's discs, whose contacts have none.

@@ -66,13 +66,13 @@ def _compiled(what: str, _: Tell) -> None:
 
 
 def types_of_a_step() -> tuple[Type, ...]:
-    """Types of the arguments of the step loop, for a model of three discs."""
+    """Return the types of the arguments of the step loop, for a model of three discs."""
     arguments = EngineRun(Engine(), three_discs(), dt=1e-6).arguments(steps=1)[0]
     return tuple(typeof(argument) for argument in arguments)
 
 
 def three_discs() -> DiscModel:
-    """A row of discs that touch."""
+    """Return a row of three discs that touch."""
     return DiscModel.create(
         DiscGeometry(np.array([0.0, 1.9, 3.8]), np.zeros(3), 1.0), DiscMaterials([SOIL], law="soil")
     )

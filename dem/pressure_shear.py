@@ -21,7 +21,8 @@ NEAREST = 1e-9  # reaches: no pair counts as nearer
 
 
 def take_back_shear(state: DiscState) -> None:
-    """Set the forces that subtract the shear stress by the pressure of pairs, for the present list of pairs.
+    """Set the forces that cancel the shear stress which the pressure between liquefied discs causes, for the present
+    list of pairs.
 
     Parameters
     ----------
@@ -74,7 +75,7 @@ def _mean(
     """The mean of values (n,) of discs over liquefied neighbours, by the kernel and their areas.
 
     over_pairs: sum over the pairs of every disc; i, j (pairs,): discs of each pair; width (pairs,): W, 0 but for two
-    liquefied discs (1/m2); area (n,): of liquefied discs, 0 for others (m2); own: W at no distance (1/m2).
+    liquefied discs (1/m2); area (n,): areas of liquefied discs, 0 for others (m2); own: W at no distance (1/m2).
     """
     weight = at_zero * area + over_pairs(width * area[j], width * area[i])
     whole = np.where(weight > 0.0, weight, 1.0)

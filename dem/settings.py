@@ -112,26 +112,27 @@ class DemSettings(Model):
 
     @property
     def ductility(self) -> float:
-        """Displacement at which a test ends over the yield displacement: `growth`, or the default of the model."""
+        """Return the displacement at which a test ends over the yield displacement: `growth`, or the default of the
+        model."""
         return GROWTH[self.model] if self.growth is None else self.growth
 
     @property
     def without_effect(self) -> tuple[str, ...]:
-        """The keys of settings that have no effect on calibrated discs, as "dem.key"."""
+        """Return the keys of settings that have no effect on calibrated discs, as "dem.key"."""
         papers_own = self.model == "paper" or self.paper
         return ("dem.workers", *(() if papers_own else OF_THE_PAPER))
 
     @property
     def factors(self) -> tuple[float, float]:
-        """`range`, or its default for the model: the smallest and the largest factor of the calibration."""
+        """Return `range`, the smallest and the largest factor of the calibration, or its default for the model."""
         return self.range or FACTORS[self.model]
 
     def as_paper(self) -> "DemSettings":
-        """Settings for the paper's own discs, uncalibrated."""
+        """Return settings for the paper's own discs, uncalibrated."""
         return self.changed(model="paper", paper=False, parameter="none")
 
     def problems(self, section: Section) -> list[str]:
-        """Settings that do not fit the section, one sentence each."""
+        """Yield settings that do not fit the section, one sentence each."""
         problems = []
         if self.model == "soil" and self.parameter not in ("auto", "strength", "none"):
             problems.append(
@@ -159,8 +160,8 @@ class DemSettings(Model):
         return problems
 
     def mean_radius(self, section: Section) -> float:
-        """Mean radius of the discs (m): `radius`, or the one with which `elements` discs fill the section as a
-        lattice.
+        """Return the mean radius of the discs (m): `radius`, or the radius with which `elements` discs fill the section
+        as a lattice.
         """
         return self.radius or float(np.sqrt(section.layering.areas().sum() / self.elements / np.sqrt(12.0)))
 
@@ -259,7 +260,7 @@ class SlideSettings(Model):
     )
 
     def problems(self, strata: Sequence[str]) -> list[str]:
-        """Settings that contradict the strata or each other, one sentence each."""
+        """Return settings that contradict the strata or each other, one sentence each."""
         problems = []
         if (self.kh_cycles is None) != (self.kh_period is None):
             problems.append("slide, kh_cycles and kh_period: expected both, or neither")
@@ -278,7 +279,7 @@ class SlideSettings(Model):
 
     @property
     def shaking(self) -> str:
-        """The loading of the slides in words: a record, cycles of Kh, or a constant Kh."""
+        """Return the loading of the slides in words: a record, cycles of Kh, or a constant Kh."""
         if self.accelerogram == AVERAGE:
             return "the average acceleration above the slip surface"
         if self.accelerogram:
@@ -290,15 +291,15 @@ class SlideSettings(Model):
         return f"Kh = {self.kh:g}" + (f" for {self.kh_seconds:g} s" if self.kh_seconds is not None else "")
 
     def onset_of(self, model: DiscModelName) -> float:
-        """The setting `onset` (s), or its default for the chosen model of the discs."""
+        """Return the setting `onset` (s), or its default for the chosen model of the discs."""
         return ONSET[model] if self.onset is None else self.onset
 
     def step_of(self, model: DiscModelName) -> float:
-        """The setting `step`, or its default for the chosen model of the discs."""
+        """Return the setting `step`, or its default for the chosen model of the discs."""
         return STEP[model] if self.step is None else self.step
 
     def packings(self, model: DiscModelName) -> tuple[int, ...]:
-        """The setting `seeds`, or its default for the chosen model of the discs."""
+        """Return the setting `seeds`, or its default for the chosen model of the discs."""
         if isinstance(self.seeds, int):
             return tuple(range(self.seeds))
         return SEEDS[model] if self.seeds is None else self.seeds

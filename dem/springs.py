@@ -30,7 +30,7 @@ Law = Literal["paper", "soil"]
 
 @dataclass(frozen=True)
 class LayerSprings:
-    """The constants of one layer: those of a column of Table 2, and the additional ones of soil discs.
+    """Holds the constants of one layer: those of a column of Table 2, and additional constants of soil discs.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class LayerSprings:
     cohesion : float
         Cohesion b C of the pore springs, eq. (16) (N).
     alpha, beta : float
-        Reach of a pore spring when set, eq. (14), and stretch at which it breaks, eq. (15).
+        Reach of a pore spring when it is set, eq. (14), and stretch at which it cracks, eq. (15).
     pore_friction : float or None
         tan(theta) of eq. (16); `friction` if None.
     allowed_overlap : float
@@ -64,9 +64,10 @@ class LayerSprings:
     stop : float
         Stiffness of contacts of soil discs at overlaps above `STOP_DEPTH` (N/m); no effect if kn is larger.
     boundary : float
-        Normal spring against boundary discs (N/m) if stiffer than kn: that of the layer before liquefaction.
+        Normal spring against boundary discs (N/m) if stiffer than kn: the spring of the layer before liquefaction.
     undrained_strength : float
-        s_u of clay (phi = 0), whose volume is constant during a slide (Pa); 0 for soil that is not undrained.
+        Undrained strength s_u of clay (phi = 0), whose volume is constant during a slide (Pa); 0 for soil that is not
+        undrained.
     faded : float
         Lost share of the contacts of soil discs after liquefaction, see `dem.liquefied_ground`.
     """
@@ -112,8 +113,8 @@ class LayerSprings:
             raise ValueError(f"layer {self.name}: alpha must be at least 1 and beta above 1")
 
     def liquefied(self, stiffness: float, damping: float = 0.1, friction: float = 0.0) -> "LayerSprings":
-        """The layer after liquefaction (Sec. 4(3)): factors on element springs, dashpots and friction; no cohesion. The
-        stiffening of soil discs at large overlap remains.
+        """Return the layer after liquefaction (Sec. 4(3)): factors on element springs, dashpots and friction; no
+        cohesion. The stiffening of soil discs at large overlap remains.
 
         The pore springs of the layer have to be cut separately in the model of the discs, see `cut_pore_springs`.
         """
@@ -126,7 +127,7 @@ class LayerSprings:
 
 @dataclass(frozen=True)
 class Strength:
-    """Strength of the contacts of soil discs.
+    """Holds the strength of the contacts of soil discs.
 
     Attributes
     ----------
@@ -148,7 +149,7 @@ SMOOTH = Strength(0.0, rolling_friction=0.0)  # of a rigid line that discs slide
 
 
 def wave_speeds(youngs_modulus: float, poissons_ratio: float, density: float) -> tuple[float, float]:
-    """Wave velocities V_p and V_s (m/s), eqs. (7) and (8); modulus in Pa, density in kg/m3."""
+    """Return the wave velocities V_p and V_s (m/s), eqs. (7) and (8); modulus in Pa, density in kg/m3."""
     e, nu, rho = youngs_modulus, poissons_ratio, density
     if not (e > 0.0 and 0.0 <= nu < 0.5 and rho > 0.0):
         raise ValueError(f"not an elastic soil: E = {e} Pa, nu = {nu}, density = {rho} kg/m3")
@@ -167,15 +168,15 @@ def from_stratum(
     alpha: float = 1.2,
     beta: float = 1.02,
 ) -> LayerSprings:
-    """The constants of the paper's discs in a stratum.
+    """Return the constants of the paper's discs in a stratum.
 
     The horizontal force acts on the seismic density, the weight on the ordinary one (buoyant below water). Seismic and
-    ordinary density are those of the soil, not corrected for the voids between the discs. radius: of the discs (m), b
-    of eq. (17). stiffness_scale: factor on the springs of eqs. (9)-(13); Table 2 was printed with 0.01. damping_ratio:
-    factor on sqrt(m K), which is half of critical for one disc on a fixed spring. Element and pore spring in series
-    make the spring of the soil, eqs. (11)-(13): K_e = (1 + 1/t) K, K_p = t K_e. pore_share: t of eqs. (11)-(13);
-    void_ratio: of the soil (-); alpha: reach of pore springs in radii; beta: of eq. (15), length at which a pore spring
-    cracks.
+    ordinary density are those of the soil, not corrected for the voids between the discs. radius: mean radius of the
+    discs (m), b of eq. (17). stiffness_scale: factor on the springs of eqs. (9)-(13); Table 2 was printed with 0.01.
+    damping_ratio: factor on sqrt(m K), which is half of critical for one disc on a fixed spring. Element and pore
+    spring in series make the spring of the soil, eqs. (11)-(13): K_e = (1 + 1/t) K, K_p = t K_e. pore_share: t of eqs.
+    (11)-(13); void_ratio: void ratio of the soil (-); alpha: reach of pore springs in radii; beta: of eq. (15), length
+    at which a pore spring cracks.
     """
     density = stratum.density_seismic
     vp, vs = wave_speeds(stratum.youngs_modulus, stratum.poissons_ratio, density)
@@ -222,7 +223,7 @@ def soil_discs(
     radius : float
         Mean radius of the discs (m).
     void_ratio : float
-        Area of the voids over that of the discs, as measured in the packing; not negative.
+        Area of the voids over the area of the discs, as measured in the packing; not negative.
     allowed_overlap : float
         Overlap over the mean radius at which a run is stopped.
 
@@ -250,12 +251,14 @@ def soil_discs(
 
 
 def from_strata(strata: Sequence[Stratum], radius: float, **settings: float) -> list[LayerSprings]:
-    """The constants of all strata of a Section, for discs of this (mean) radius; settings as in `from_stratum`."""
+    """Return the constants of all strata of a Section, for discs of this mean radius (m); settings as in
+    `from_stratum`."""
     return [from_stratum(stratum, radius, **settings) for stratum in strata]
 
 
 def table2(states: Mapping[int, str] | None = None) -> list[LayerSprings]:
-    """Table 2 as printed, layers 1 to 10. `states`: "case1", "case2" or "case3" for layers 4 and 6, else "normal"."""
+    """Return Table 2 of the paper as printed, layers 1 to 10. `states`: "case1", "case2" or "case3" for layers 4 and 6,
+    else "normal"."""
     rows: dict[tuple[int, str], LayerSprings] = {}
     with (files("dem") / "table2_dem.csv").open(encoding="utf-8") as source:
         for row in csv.DictReader(source):

@@ -24,51 +24,52 @@ LINE_MEMORY = ("line_shear", "line_force_x", "line_force_z", "line_rolled", "lin
 
 @dataclass(eq=False)
 class DiscState:
-    """n discs, their contacts and the table of springs.
+    """Holds n discs, their contacts and the table of springs.
 
     Attributes
     ----------
     x, z, roll : (n,)
-        Position, and radius times angle of rotation (m).
+        Position of each disc, and radius times angle of rotation (m).
     vx, vz, vr : (n,)
-        Velocity, and radius times spin, at `time` (m/s).
+        Velocity of each disc, and radius times angular velocity, at `time` (m/s).
     vx_half, vz_half, vr_half : (n,)
-        The same half a step before (m/s).
+        The same velocities half a step before (m/s).
     radius : (n,)
-        Radius (m).
+        Radius of each disc (m).
     mass : (n,)
-        Mass with the full density (kg/m).
+        Mass of each disc with the full density (kg/m).
     weight : (n,)
         Effective density over full density.
     pore_acceleration_x, pore_acceleration_z : (n,)
-        Acceleration by pore pressure, and by loads on the ground (m/s2); it moves with the disc.
+        Acceleration by pore pressure and by loads on the ground, which moves with the disc (m/s2).
     added_mass_x, added_mass_z : (n,)
-        Acceleration by the inertia of surcharges and free water, over the horizontal acceleration of the frame.
+        Acceleration by the inertia of surcharges and free water, over the horizontal acceleration.
     inertia_ratio : (n,)
         m r^2/I: 2 for a disc, 0 for one that cannot rotate.
     layer : (n,) int32
-        Number in the table of springs, -1 for boundary discs.
+        Number of each disc's layer in the table of springs, -1 for boundary discs.
     fixed : (n,) bool
         Whether the velocity of a disc is prescribed.
     x_list, z_list : (n,)
-        Position when the neighbour list was made (m).
+        Position of each disc when the neighbour list was made (m).
     order : (n,) int32
         Numbers of the discs in spatial order.
     pair_i, pair_j : (pairs,) int32
-        The neighbour list.
+        Numbers of the two discs of each pair in the neighbour list.
     shear, pore_shear : (pairs,)
         Stored tangential forces of element and pore spring (N).
     pore_length : (pairs,)
-        Distance at which the pore spring was set (m), negative once cracked, 0 without one.
+        Distance at which the pore spring was set (m); negative once cracked, 0 without a pore spring.
     force_x, force_z : (pairs,)
-        Force on pair_j in the last step (N), for the energy balance.
+        Force on the disc pair_j in the last step (N), for the energy balance.
     rolled, torque : (pairs,)
         Rolling moment over r_i r_j/(r_i + r_j): stored in the spring, and of spring and dashpot in the last step (N);
         empty for the paper's discs.
     lines : (k, 6)
         Point (m), inward normal, reach (m) along (-nz, nx) of rigid lines.
     line_strength : tuple
-        Strength of contacts with each rigid line, None for that of the layer of the disc; empty if it is None for all.
+        Strength of contacts with each rigid line, None for the strength of the disc's layer; empty if it is None for
+        all.
     line_disc, line_id : (contacts with lines,)
         Numbers of discs near rigid lines, and numbers of these lines.
     line_shear, line_force_x, line_force_z, line_rolled, line_torque : (contacts with lines,)
@@ -80,11 +81,11 @@ class DiscState:
     liquefied : (n, FIELDS)
         Fields of liquefied discs, see `kernels.liquefied_pairs`; (0, FIELDS) before liquefaction.
     liquefied_i, liquefied_j : (wide pairs,) int32
-        Pairs with a liquefied disc within the reach of its pore water, sorted in space.
+        Numbers of the discs of pairs with a liquefied disc within the reach of its pore water, sorted in space.
     bonds : (wide pairs, 8)
         History variables of the bonds of these pairs.
     strength_factor : (n,)
-        Strength of the bonds of liquefied discs over the prescribed one; empty before liquefaction.
+        Strength of the bonds of liquefied discs over the prescribed strength; empty before liquefaction.
     reach : float
         Reach of the kernel of the pore water (m), 0 before liquefaction.
     steps_between_looks : int
@@ -96,16 +97,16 @@ class DiscState:
     gravity : (float, float)
         Gravity (m/s2).
     acceleration : Acceleration
-        Acceleration of the frame over time.
+        External acceleration over time.
     skin : float
         Margin of the neighbour list (m).
     time, steps, last_dt : float, int, float
         Time (s), number of steps, and the step of the half-step velocities (s), 0 after velocities were set.
     rough_base : bool
-        Whether the fixed discs are a random packing as the others are; else they lie in straight rows.
+        Whether the fixed discs are a random packing like the others; otherwise they lie in straight rows.
     base_impedance, base_velocity, base_rate, base_next : float
-        Of a compliant base (`dem.engine.compliant_base`): impedance times length (kg/s per metre), 0 for a rigid base;
-        velocity (m/s), acceleration now and at the next look (m/s2).
+        State of a compliant base (`dem.engine.compliant_base`): impedance times length (kg/s per metre), 0 for a rigid
+        base; velocity (m/s), acceleration now and at the next update (m/s2).
     lists_made : int
         Number of neighbour lists made so far.
     energy_known, energy_edited, turnover : float
@@ -185,57 +186,58 @@ class DiscState:
 
     @property
     def memory(self) -> tuple[str, ...]:
-        """Names of the history variables of a pair."""
+        """Return the names of the history variables of a pair."""
         return MEMORY + (ROLLING_MEMORY if self.law == "soil" else ())
 
     @property
     def pull(self) -> tuple[np.ndarray, np.ndarray]:
-        """Acceleration of every disc by its weight and by water, along x and z (m/s2)."""
+        """Return the acceleration of every disc by its weight and by water, along x and z (m/s2)."""
         x, z = self.gravity
         return self.weight * x + self.pore_acceleration_x, self.weight * z + self.pore_acceleration_z
 
     @property
     def liquefied_forces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Force of liquefied ground on every disc, along x and z (N), at the last evaluation."""
+        """Return the force of liquefied ground on every disc, along x and z (N), at the last evaluation."""
         if not len(self.liquefied):
             return np.zeros(len(self)), np.zeros(len(self))
         return self.liquefied[:, FORCE_X], self.liquefied[:, FORCE_Z]
 
     @property
     def fading(self) -> np.ndarray:
-        """Mask of the listed pairs (pairs,) whose contact is fading or lost, since one of their layers liquefies."""
+        """Return a mask of the listed pairs (pairs,) whose contact is fading or lost, since one of their layers
+        liquefies."""
         faded = np.array([*(layer.faded > 0.0 for layer in self.springs.layers), False])
         return np.asarray(faded[self.layer[self.pair_i]] | faded[self.layer[self.pair_j]])
 
     @property
     def spin(self) -> np.ndarray:
-        """Angular velocity (1/s), counter-clockwise."""
+        """Return the angular velocity of each disc (1/s), counter-clockwise."""
         return self.vr / self.radius
 
     @property
     def angle(self) -> np.ndarray:
-        """Angle of rotation of each disc (rad), counter-clockwise."""
+        """Return the angle of rotation of each disc (rad), counter-clockwise."""
         return self.roll / self.radius
 
     def kind(self, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-        """Column of the table of springs for pairs of discs."""
+        """Return the column of the table of springs for pairs of discs."""
         code = np.where(self.layer < 0, self.springs.size - 1, self.layer).astype(np.uint16)
         return code[i] * np.uint16(self.springs.size) + code[j]
 
     @property
     def line_kind(self) -> np.ndarray:
-        """Column of the table of lines for every disc near one."""
+        """Return the column of the table of lines for every disc near a line."""
         block = np.array([0, *self.springs.line_block], np.int64)
         which = self.line_id + 1 if self.springs.line_block else np.zeros(len(self.line_id), np.int64)
         return np.asarray(block[which] * self.springs.size + self.layer[self.line_disc])
 
     @property
     def repeats(self) -> Period:
-        """The period of ground with periodic sides."""
+        """Return the period of ground with periodic sides."""
         return ENDLESS if self.period is None else Period(*self.period)
 
     def branch(self) -> np.ndarray:
-        """Vector from pair_i to the nearest image of pair_j, of all listed pairs (2, pairs) (m)."""
+        """Return the vector from pair_i to the nearest image of pair_j, of all listed pairs (2, pairs) (m)."""
         i, j = self.pair_i, self.pair_j
         dx, dz = self.x[j] - self.x[i], self.z[j] - self.z[i]
         length, rise = self.repeats
@@ -243,5 +245,5 @@ class DiscState:
         return np.array([dx - n * length, dz - n * rise])
 
     def distance(self) -> np.ndarray:
-        """Distance of the centres of all listed pairs (m), to the nearest image."""
+        """Return the distance of the centres of all listed pairs (m), to the nearest image."""
         return np.hypot(*self.branch())

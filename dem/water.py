@@ -28,7 +28,7 @@ Outside = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 def still_water(section: Section, places: Places, discs: DiscState) -> np.ndarray:
-    """Acceleration (n, 2) in m/s2 of discs by pore pressure at rest and by loads on the ground."""
+    """Return the acceleration (n, 2) in m/s2 of discs by static pore pressure and by loads on the ground."""
     acceleration = np.zeros((len(discs), 2))
     water, size = section.water_pressure, EDGE * float(discs.radius.mean())
     if water.present:
@@ -42,7 +42,7 @@ def still_water(section: Section, places: Places, discs: DiscState) -> np.ndarra
 
 
 def buoyancy(section: Section, places: Places, discs: DiscState) -> np.ndarray | None:
-    """Acceleration (n, 2) in m/s2 of discs by the pore pressure at rest below the water table, averaged over each.
+    """Return the acceleration (n, 2) in m/s2 of discs by buoyancy below the water table, averaged over each disc.
 
     The buoyancy of a disc is proportional to its part below the table, so that ground that sinks becomes buoyant, and
     ground that rises above the table has its full weight.
@@ -79,14 +79,15 @@ def buoyancy(section: Section, places: Places, discs: DiscState) -> np.ndarray |
 
 
 def excess(section: Section, places: Places, discs: DiscState) -> np.ndarray | None:
-    """Acceleration (n, 2) in m/s2 of discs by excess pore pressure by shaking; None without any."""
+    """Return the acceleration (n, 2) in m/s2 of discs by excess pore pressure by shaking; None without any."""
     if not any(s.excess_pore_pressure_ratio for s in section.strata):
         return None
     return _of_pores(section, places, discs, section.water_pressure.excess, None)
 
 
 def added_mass(section: Section, places: Places, discs: DiscState) -> np.ndarray | None:
-    """Acceleration (n, 2) of discs by the inertia of surcharges and free water, over that of the frame along x.
+    """Return the acceleration (n, 2) of discs by the inertia of surcharges and free water, over the horizontal
+    acceleration.
 
     None without surcharges and free water.
     """

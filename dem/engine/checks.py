@@ -20,7 +20,7 @@ def _place(model: DiscModel, disc: int) -> str:
 
 
 def check_finite(model: DiscModel, checkpoint_note: str) -> None:
-    """Raises NotFiniteError if a position or velocity is not a number."""
+    """Raise NotFiniteError if a position or velocity is not a finite number."""
     if all_finite(model.x, model.z, model.vx, model.vz, model.vr):
         return
     fine = np.isfinite(model.x) & np.isfinite(model.z) & np.isfinite(model.vx) & np.isfinite(model.vz)
@@ -32,7 +32,7 @@ def check_finite(model: DiscModel, checkpoint_note: str) -> None:
 
 
 def check_speed(model: DiscModel, dt: float, checkpoint_note: str) -> None:
-    """Raises SpeedError if a disc moves more than a quarter of the smallest radius in one step."""
+    """Raise SpeedError if a disc moves more than a quarter of the smallest radius in one step."""
     speed = np.hypot(model.vx_half, model.vz_half)
     disc = int(np.argmax(speed))
     least = float(model.radius.min())
@@ -45,7 +45,7 @@ def check_speed(model: DiscModel, dt: float, checkpoint_note: str) -> None:
 
 
 def check_overlap(model: DiscModel, checkpoint_note: str) -> None:
-    """Raises OverlapError if two discs overlap by more than their layers allow."""
+    """Raise OverlapError if two discs overlap by more than their layers allow."""
     i, j = model.pair_i, model.pair_j
     mean = 0.5 * (model.radius[i] + model.radius[j])
     share = (2.0 * mean - model.distance()) / mean
@@ -70,7 +70,7 @@ def check_overlap(model: DiscModel, checkpoint_note: str) -> None:
 
 
 def line_gaps(model: DiscModel) -> tuple[np.ndarray, np.ndarray]:
-    """Gap (m) between rigid lines and the rims of the discs listed at them, and position (m) of the disc along the
+    """Return the gap (m) between rigid lines and the rims of nearby discs, and the position (m) of each disc along the
     line.
     """
     line = model.lines[model.line_id]
@@ -82,7 +82,7 @@ def line_gaps(model: DiscModel) -> tuple[np.ndarray, np.ndarray]:
 
 
 def check_escape(model: DiscModel, checkpoint_note: str) -> None:
-    """Raises EscapeError if the centre of a disc is behind a rigid line by a radius or more."""
+    """Raise EscapeError if the centre of a disc has passed a rigid line by a radius or more."""
     line, disc = first_behind(model.x, model.z, model.radius, model.fixed, model.lines)
     if disc >= 0:
         raise EscapeError(
@@ -92,9 +92,10 @@ def check_escape(model: DiscModel, checkpoint_note: str) -> None:
 
 
 def check_balance(model: DiscModel, energies: EnergyBalance, tolerance: float, checkpoint_note: str) -> None:
-    """Raises EnergyBalanceError if more than `tolerance` of the total energy exchanged is not accounted for.
+    """Raise EnergyBalanceError if more than `tolerance` of the total energy exchanged is unaccounted for.
 
-    model: the discs; energies: balance since the start; checkpoint_note: sentence on the checkpoint of the run.
+    model: model of the discs; energies: balance since the start; checkpoint_note: sentence on the checkpoint of the
+    run.
     """
     if not abs(energies.gap) <= tolerance * energies.turnover:
         speed = np.hypot(model.vx, model.vz) * np.sqrt(model.mass) * ~model.fixed

@@ -24,7 +24,7 @@ DELAY = 0.04  # s; with less than ten looks the lowest row of discs resonates wi
 
 
 def felt(model: DiscState) -> Acceleration:
-    """Acceleration of the discs now, with that of a compliant base."""
+    """Return the present acceleration of the discs, including the acceleration of a compliant base."""
     here = model.acceleration.at(model.time)
     if model.base_impedance == 0.0:
         return here
@@ -33,7 +33,7 @@ def felt(model: DiscState) -> Acceleration:
 
 
 def felt_until(model: DiscState, end: float, look: "Look | None") -> Acceleration:
-    """Acceleration of the discs from now to a time (s), with that of a compliant base during a look."""
+    """Return the acceleration of the discs from now to a time (s), with that of a compliant base during a look."""
     if look is None:
         return model.acceleration
     begin = model.time
@@ -44,7 +44,7 @@ def felt_until(model: DiscState, end: float, look: "Look | None") -> Acceleratio
 
 
 def momentum(model: DiscState) -> float:
-    """Horizontal momentum in the middle of the last step of the discs that can move (kg m/s per metre)."""
+    """Return the horizontal momentum in the middle of the last step of the discs that can move (kg m/s per metre)."""
     x, z = right_of(model.gravity)
     free = ~model.fixed
     return float(np.sum(model.mass[free] * (x * model.vx_half[free] + z * model.vz_half[free])))
@@ -67,15 +67,15 @@ class Look:
         self.before, self.rate = momentum(model), model.base_rate
 
     def steps_left(self, model: DiscState, dt: float) -> int:
-        """Number of steps of dt (s) to the end; none where the steps have become much longer."""
+        """Return the number of steps of dt (s) to the end; none where the steps have become much longer."""
         return round((self.end - model.time) / dt)
 
     def is_long_enough(self, model: DiscState, dt: float) -> bool:
-        """Whether so many steps of dt (s) have passed that the force on the base can be measured."""
+        """Return whether so many steps of dt (s) have passed that the force on the base can be measured."""
         return round((model.time - self.began) / dt) >= LEAST_STEPS
 
     def rate_at(self, model: DiscState, time: float) -> float:
-        """Acceleration of the base (m/s2) at a time (s) of these steps, over which it changes linearly."""
+        """Return the acceleration of the base (m/s2) at a time (s) of these steps, over which it changes linearly."""
         share = (time - self.began) / (self.end - self.began)
         return self.rate + (model.base_next - self.rate) * share
 

@@ -9,7 +9,7 @@ from dem.kernels import arguments, energy
 
 @dataclass(frozen=True)
 class EnergyBalance:
-    """Energies at one instant, and work and losses since the model was made, all in J per metre.
+    """Holds the energies at one instant, and work and losses since the model was made, in J per metre out of plane.
 
     Attributes
     ----------
@@ -18,8 +18,8 @@ class EnergyBalance:
     elements, pores, rolling_springs : float
         Energy stored in springs: element springs, pore springs, springs of rolling resistance.
     bonds : float
-        Energy of contacts of cohesive soil discs, which attract each other; negative, minus the work that separates
-        them all.
+        Energy of contacts between discs of cohesive soil, which attract each other: minus the work that separates all
+        of these contacts.
     dashpots, sliding, cracks, rolling : float
         Energy dissipated by dashpots, by sliding, by cracks and by rolling resistance.
     pore_water, liquefied_bonds : float
@@ -27,13 +27,13 @@ class EnergyBalance:
     liquefied_slip, viscosity : float
         Energy dissipated in liquefied ground: by slip of bonds, and by viscosity.
     stand_in : float
-        Work of the pore pressure that replaces adjacent ground which has not liquefied.
+        Work of the pore pressure with which ground that has not liquefied supports liquefied ground.
     weight, external, boundary : float
         Work of weight, of the external acceleration (Kh) and of moving boundaries.
     edits : float
         Energy added by changes of the model between runs (springs set, cut or changed, velocities set).
     turnover : float
-        Energy turned over so far, the reference of relative errors.
+        Total energy exchanged so far, the reference of relative errors.
     """
 
     translation: float
@@ -59,7 +59,7 @@ class EnergyBalance:
 
     @classmethod
     def of(cls, measured: np.ndarray, sums: np.ndarray, edits: float, turnover: float) -> "EnergyBalance":
-        """The balance from the results of the kernels: `energy.energies` and the sums of all slices.
+        """Return the energy balance from the results of the kernels: `energy.energies` and the sums of all slices.
 
         measured: (ENERGIES,) energies now (J); sums: (slices, ENERGY_COLUMNS) work and losses (J); edits: energy that
         changes of the model added (J); turnover: total energy exchanged so far (J).
@@ -94,26 +94,27 @@ class EnergyBalance:
 
     @property
     def kinetic(self) -> float:
-        """Kinetic energy of translation and rotation (J/m)."""
+        """Return the kinetic energy of translation and rotation (J/m)."""
         return self.translation + self.rotation
 
     @property
     def in_springs(self) -> float:
-        """Energy stored in springs."""
+        """Return the energy stored in springs."""
         return self.elements + self.pores + self.rolling_springs
 
     @property
     def stored(self) -> float:
-        """Energy stored in springs and bonds, and in liquefied ground."""
+        """Return the energy stored in springs and bonds, and in liquefied ground."""
         return self.in_springs + self.bonds + self.pore_water + self.liquefied_bonds
 
     @property
     def dissipated(self) -> float:
-        """Energy dissipated by dashpots, sliding, cracks and rolling resistance, and in liquefied ground."""
+        """Return the energy dissipated by dashpots, sliding, cracks and rolling resistance, and in liquefied ground."""
         return self.dashpots + self.sliding + self.cracks + self.rolling + self.liquefied_slip + self.viscosity
 
     @property
     def gap(self) -> float:
-        """Present and dissipated energy less the work of all forces: zero in the limit of small steps."""
+        """Return the energy that is unaccounted for: present and dissipated energy less the work of all forces; zero in
+        the limit of small steps."""
         work = self.weight + self.external + self.boundary + self.stand_in + self.edits
         return self.kinetic + self.stored + self.dissipated - work

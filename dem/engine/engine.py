@@ -43,20 +43,20 @@ OnOutput = Callable[[DiscModel], None]
 
 @dataclass(frozen=True)
 class StableStep:
-    """The largest stable step (s) and the disc that limits it (-1 without contacts)."""
+    """Holds the largest stable time step (s) and the disc that limits it (-1 without contacts)."""
 
     seconds: float
     disc: int
 
 
 def largest_step(model: DiscModel) -> StableStep:
-    """The largest stable step of a model in its present state, by the bound of `stable_step`."""
+    """Return the largest stable time step of a model in its present state, by the bound of `stable_step`."""
     return step_finder(model)()
 
 
 def step_finder(model: DiscModel) -> Callable[[], StableStep]:
-    """A function that computes the largest stable step of a model in its present state; it may run while the layout
-    is made.
+    """Return a function that computes the largest stable time step of a model in its present state, and may run while
+    the layout is made.
     """
     invmass = np.where(model.fixed, 0.0, 1.0 / model.mass)
     bodies = Bodies(model.x, model.z, model.radius, invmass, invmass * model.inertia_ratio)
@@ -75,24 +75,24 @@ def step_finder(model: DiscModel) -> Callable[[], StableStep]:
 
 @dataclass(frozen=True)
 class Engine:
-    """Settings of a run.
+    """Integrates the motion of discs; holds the settings of a run.
 
     Attributes
     ----------
     dt : float or "auto"
-        The time step (s); "auto" is the share `AUTO_SHARE` of the stable step at the beginning of a run.
+        Time step (s); "auto" is the share `AUTO_SHARE` of the stable time step at the beginning of a run.
     threads : int
         Number of threads; the result does not depend on it.
     energies : bool
         Whether the energy balance is computed; then a run stops with an error if it does not close.
     balance : float
-        Largest gap of the energy balance over the total energy exchanged; after liquefaction ten times this, since
-        forces of liquefied ground are held for several steps.
+        Largest unaccounted energy over the total energy exchanged; after liquefaction ten times this value, since
+        forces of liquefied ground are constant over several steps.
     pulls : bool
         Whether dashpots of element springs may pull (only for comparison with closed forms).
     crack_by : "contact" or "pore"
-        Normal force of eq. (16): of element and pore spring together, or of the pore spring alone. Soil discs always
-        use the latter.
+        Normal force in the crack criterion of eq. (16): of element and pore spring together, or of the pore spring
+        alone. Soil discs always use the latter.
     checkpoint, checkpoint_every : path, float
         File of the checkpoint, and model time between two checkpoints (s); the last checkpoint is kept when a run stops
         with an error.
@@ -116,7 +116,8 @@ class Engine:
             raise ValueError(f"crack_by is 'contact' or 'pore', not {self.crack_by!r}")
 
     def step_of(self, model: DiscModel) -> float:
-        """The time step of a run of this model (s). Raises StepTooLargeError, which names the stable step."""
+        """Return the time step of a run of this model (s). Raises StepTooLargeError, which names the stable time
+        step."""
         stable = largest_step(model)
         if self.dt == "auto":
             if not np.isfinite(stable.seconds):
@@ -135,7 +136,7 @@ class Engine:
             )
 
     def measure(self, model: DiscModel) -> EnergyBalance:
-        """The energy balance of a model in its present state."""
+        """Measure the energy balance of a model in its present state."""
         return self.measure_layout(model, pack(model))
 
     def run(
@@ -149,9 +150,9 @@ class Engine:
     ) -> EnergyBalance | None:
         """Advance the model by `duration` seconds (rounded to whole steps) or by a number of steps, which may be 0.
 
-        on_output is called with the model every `every` seconds and at the end; it may read and save it, not change it.
-        Returns the energy balance at the end, None if it is not computed. Raises DemError, with the model in the state
-        in which the error was found, and ValueError unless either a duration or a number of steps is given.
+        on_output is called with the model every `every` seconds and at the end; it may read and save the model, but not
+        change it. Returns the energy balance at the end, None if it is not computed. Raises DemError, with the model in
+        the state in which the error was found, and ValueError unless either a duration or a number of steps is given.
         """
         model.refresh_list()
         dt = self.step_of(model)
@@ -189,19 +190,19 @@ class Engine:
         return EnergyBalance.of(measured, model.energy_sums, model.energy_edited, model.turnover)
 
     def law_of(self, model: DiscModel) -> Law:
-        """The contact law with which this engine moves a model."""
+        """Return the contact law with which this engine moves a model."""
         return law_of(model, self.pulls, self.crack_by)
 
     @property
     def checkpoint_note(self) -> str:
-        """A sentence on the checkpoint to continue from, for error messages."""
+        """Return a sentence on the checkpoint to continue from, for error messages."""
         if self.checkpoint and Path(self.checkpoint).exists():
             return f"The last checkpoint is {self.checkpoint}."
         return "No checkpoint was kept."
 
 
 class EngineRun:
-    """One run: its layout and threads, and the calls of the kernel."""
+    """One run of the engine: layout in memory, threads, and calls of the stepping kernel."""
 
     def __init__(self, engine: Engine, model: DiscModel, dt: float) -> None:
         self.engine, self.model, self.dt = engine, model, dt
@@ -232,7 +233,7 @@ class EngineRun:
             self.pool.shutdown()
 
     def pack(self) -> Layout:
-        """The layout; it is made from the model if there is none."""
+        """Return the layout in memory; it is made from the model if there is none."""
         if self.layout is None:
             self.layout = pack(self.model, keep_pairs=False, in_ranges=self.in_ranges, room=self.room)
             self.springs, self.law = springs_of(self.model), self.engine.law_of(self.model)
@@ -252,7 +253,7 @@ class EngineRun:
         check_escape(self.model, self.engine.checkpoint_note)
 
     def begin_energy_balance(self) -> None:
-        """Enter the energy of changes of the model since the last run as edits."""
+        """Count the energy of changes of the model since the last run as edits in the energy balance."""
         if not self.engine.energies:
             self.model.energy_known = float("nan")
             return
@@ -264,7 +265,7 @@ class EngineRun:
             model.energy_edited += energies.kinetic + energies.stored + energies.dissipated - model.energy_known
 
     def advance(self, steps: int) -> EnergyBalance | None:
-        """Take this number of steps, and write them back into the model."""
+        """Take this number of steps, and write the resulting state back into the model."""
         energies = self.go(steps)
         self.end_look()  # here, so that a run from a checkpoint has the same bits
         self.update()
@@ -274,7 +275,7 @@ class EngineRun:
         return energies
 
     def go(self, steps: int) -> EnergyBalance | None:
-        """Take this number of steps without writing them back, in calls of the kernel that are short enough to be
+        """Take this number of steps without writing the state back, in calls of the kernel that are short enough to be
         interrupted.
         """
         model, engine = self.model, self.engine
@@ -311,7 +312,7 @@ class EngineRun:
         self.engine._refuse(model, self.dt, self.stable)
 
     def balance(self) -> EnergyBalance:
-        """The energy balance now. Raises EnergyBalanceError."""
+        """Compute the present energy balance. Raises EnergyBalanceError."""
         model, engine = self.model, self.engine
         energies = engine.measure_layout(model, self.pack())
         model.turnover = energies.turnover
@@ -324,7 +325,7 @@ class EngineRun:
         return energies
 
     def take_stretch(self, steps: int) -> int:
-        """Up to `steps` steps, and the motion of a compliant base over them; returns why the kernel returned."""
+        """Take up to `steps` steps, and update the motion of a compliant base; return why the kernel returned."""
         model, dt = self.model, self.dt
         if model.base_impedance == 0.0:
             return self.call_kernel(steps)
@@ -337,14 +338,14 @@ class EngineRun:
         return reason
 
     def end_look(self) -> None:
-        """Measure the force on a compliant base, unless the look was too short."""
+        """Measure the force on a compliant base, if enough steps were taken since the last measurement."""
         if self.look is not None and self.look.is_long_enough(self.model, self.dt):
             unpack_motion(self.pack(), self.model)
             self.look.measure(self.model, self.dt)
         self.look = None
 
     def call_kernel(self, steps: int) -> int:
-        """Take up to `steps` steps in all threads; returns why the kernel returned."""
+        """Take up to `steps` steps in all threads; return why the kernel returned."""
         arguments = self.arguments(steps)
         if self.pool is None:
             return self.add(*take_steps(*arguments[0]))
@@ -352,7 +353,7 @@ class EngineRun:
         return self.collect()
 
     def arguments(self, steps: int) -> list[tuple[Any, ...]]:
-        """The arguments of the stepping kernel for every thread."""
+        """Return the arguments of the stepping kernel for every thread."""
         model, threads = self.model, self.threads
         barrier, stops = new_barrier(threads), np.zeros((2, threads), np.int64)
         layout = self.pack()
@@ -369,13 +370,13 @@ class EngineRun:
         ]  # fmt: skip
 
     def collect(self) -> int:
-        """Wait for the kernel and count its steps; returns why the kernel returned."""
+        """Wait for the kernel and count its steps; return why the kernel returned."""
         results = [thread.result() for thread in self.working]  # of all, before any is believed
         self.working = []
         return self.add(*results[0])
 
     def add(self, taken: int, now: float, reason: int) -> int:
-        """Count the steps that the kernel took up to the time `now` (s); returns the reason."""
+        """Count the steps that the kernel took up to the time `now` (s); return the reason why it returned."""
         self.model.steps += taken
         self.model.time = now
         self.model.last_dt = self.dt

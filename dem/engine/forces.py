@@ -18,12 +18,12 @@ from dem.model import DiscModel
 
 @dataclass(frozen=True)
 class ContactForces:
-    """Forces (N per metre) at one instant, element and pore spring together.
+    """Holds the contact forces at one instant, element and pore spring together (N per metre).
 
     Attributes
     ----------
     fx, fz : (pairs,)
-        Force on pair_j; the force on pair_i is opposite.
+        Force on the disc pair_j; the force on pair_i is opposite.
     rim, rim_i : (pairs,)
         Moment over radius on pair_j and on pair_i: the tangential force times the ratio of distance and sum of radii,
         and what rolling resistance adds.
@@ -45,7 +45,7 @@ class ContactForces:
 
 
 def contact_forces(model: DiscModel) -> ContactForces:
-    """The forces of all contacts, computed by the stepping kernel from a copy of the state of the model."""
+    """Compute the forces of all contacts, by the stepping kernel from a copy of the state of the model."""
     layout = _evaluated(model)
     slices = len(layout.chunk_start) - 1
     number = np.empty(len(model), np.int32)
@@ -86,7 +86,8 @@ def _evaluated(model: DiscModel) -> Layout:
 
 
 def resultants(model: DiscModel, forces: ContactForces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Force (x, z) and moment on each disc from contacts, weight, water, loads and the frame (N, N m per metre)."""
+    """Return force (x, z) and moment on each disc from contacts, weight, water, loads and external acceleration (N, N m
+    per metre)."""
     n = len(model)
 
     def total(on_j: np.ndarray, on_i: np.ndarray, lines: np.ndarray) -> np.ndarray:

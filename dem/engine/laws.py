@@ -14,7 +14,7 @@ CrackBy = Literal["contact", "pore"]
 
 
 def law_of(model: DiscModel, pulls: bool = False, crack_by: CrackBy = "contact") -> Law:
-    """The contact law of a model as an argument of the kernels; pulls and crack_by as in `Engine`.
+    """Return the contact law of a model as an argument of the kernels; pulls and crack_by as in `Engine`.
 
     In soil discs Fn of eq. (16) is the force of the pore spring alone: the normal force of the element contact already
     contributes to the friction of the element.
@@ -26,7 +26,7 @@ def law_of(model: DiscModel, pulls: bool = False, crack_by: CrackBy = "contact")
 
 
 def springs_of(model: DiscModel) -> Springs:
-    """All constants of the contacts of a model as an argument of the kernels."""
+    """Return all constants of the contacts of a model as an argument of the kernels."""
     pairs = model.springs.pairs
     records = large_zeros(pairs.shape[1], CONSTANT_RECORD)
     records[:, : len(pairs)] = pairs.T

@@ -15,7 +15,7 @@ MORE = 1.02  # times what is wanted now: the next list is a little longer, or sh
 
 
 def large_zeros(*shape: int) -> np.ndarray:
-    """An array of zeros in large pages of memory, which NumPy requests only for uninitialised arrays."""
+    """Return an array of zeros in large pages of memory, which NumPy requests only for uninitialised arrays."""
     size = math.prod(shape)
     room = np.empty(size + LINE)
     begin = -room.ctypes.data % (8 * LINE) // 8
@@ -25,7 +25,7 @@ def large_zeros(*shape: int) -> np.ndarray:
 
 
 class Room:
-    """Memory that is reused, by name, for arrays of zeros of about the same size; earlier contents are lost.
+    """Memory that is reused, by name, for arrays of about the same size; earlier contents are lost.
 
     `Room` serves arrays above `LARGEST`, which glibc otherwise returns to the system: for 300,000 discs a quarter of
     the time of a new neighbour list was spent on new pages.
@@ -36,7 +36,7 @@ class Room:
         self.rooms: dict[str, np.ndarray] = {}
 
     def zeros(self, name: str, *shape: int) -> np.ndarray:
-        """Zeros in large pages, as of `large_zeros`."""
+        """Return an array of zeros in large pages, as `large_zeros` does."""
         size = math.prod(shape)
         if not self.keeps or 8 * size <= LARGEST:
             return large_zeros(*shape)

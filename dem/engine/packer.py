@@ -38,11 +38,11 @@ _LINE_ROLLING = {1: "line_rolled", 2: "line_torque"}
 
 
 def pack(model: DiscModel, *, keep_pairs: bool = True, in_ranges: Ranges = serial, room: Room | None = None) -> Layout:
-    """The layout of a model for the stepping kernel; the same model always gives the same layout.
+    """Return the layout of a model for the stepping kernel; the same model always gives the same layout.
 
     keep_pairs: False removes the pairs from the model until `unpack` restores them, so that they are not stored twice.
-    room: reusable memory for the largest arrays; an earlier layout in it becomes invalid.
-    in_ranges: how loops over contacts are run, in this thread or in several.
+    room: reusable memory for the largest arrays; an earlier layout in it becomes invalid. in_ranges: function that runs
+    loops over contacts, in this thread or in several.
     """
     room = Room() if room is None else room
     n = len(model)
@@ -166,12 +166,12 @@ def _bonds(layout: Layout, model: DiscModel) -> np.ndarray:
 
 
 def unpack_motion(layout: Layout, model: DiscModel) -> None:
-    """Writes positions and velocities of the discs into the model; the history of contacts stays in the layout."""
+    """Write positions and velocities of the discs into the model; the history of contacts stays in the layout."""
     list_motion(layout, model.order, tuple(getattr(model, name) for name in _STATE), model.roll)
 
 
 def unpack(layout: Layout, model: DiscModel, in_ranges: Ranges = serial) -> None:
-    """Writes everything that a run has changed back into the model."""
+    """Write everything that a run has changed back into the model."""
     unpack_motion(layout, model)
     start = count_links(layout, len(model))
     count = int(start[-1])

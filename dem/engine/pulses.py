@@ -1,6 +1,7 @@
-"""Runs in short pulses, between which only positions and velocities are read. Conversion of a model into a layout and
-back takes as long as some forty steps; ground whose load depends on its motion, as in displacement control, is read
-more often than this.
+"""A run in many short sections, between which only positions and velocities are read.
+
+Conversion of a model into the layout of the kernels and back takes as long as some forty steps; positions of ground
+whose load depends on its motion, as in displacement control, are read more often than this.
 """
 
 from types import TracebackType
@@ -10,8 +11,8 @@ from dem.model import DiscModel
 
 
 class Pulses:
-    """A run in pulses: inside the block positions and velocities of the model are current, its contacts only after
-    `whole`.
+    """A run in short sections: inside the block positions and velocities of the model are current, its contacts only
+    after `whole`.
 
     Energies are not summed. The step is a share of the stable step at the time when the neighbour list was made.
     """
@@ -30,7 +31,7 @@ class Pulses:
         self.run.close()
 
     def on(self, seconds: float) -> None:
-        """Runs the model for some seconds, by whole steps. Raises DemError."""
+        """Run the model for some seconds, by whole steps. Raises DemError."""
         run = self.run
         assert run.stable is not None
         run.dt = min(self.share * run.stable.seconds, seconds)
@@ -38,5 +39,5 @@ class Pulses:
         run.show()
 
     def whole(self) -> None:
-        """Writes the contacts back into the model, which may then be changed, except for positions."""
+        """Write the contacts back into the model, which may then be changed, except for positions."""
         self.run.update()

@@ -6,8 +6,8 @@ from dem.kernels.layout import LANES, LINK_FIELDS, Layout
 
 
 def needs(thread: int, threads: int, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-    """Slices of a thread that share contacts with other threads, and how many slices each other thread must have
-    finished before they move.
+    """Return the slices of a thread that share contacts with other threads, and how many slices each other thread must
+    have finished before these slices move.
 
     Returns (slices (shared,), counts (shared, threads)).
     """

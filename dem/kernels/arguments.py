@@ -19,11 +19,11 @@ class Springs(NamedTuple):
     Attributes
     ----------
     pairs : (CONSTANTS, kinds)
-        Constants between discs, a column for each kind of pair.
+        Constants of contacts between discs, a column for each kind of pair.
     records : (kinds * CONSTANT_RECORD,)
         The same constants, kind by kind.
     lines : (CONSTANTS, layers + 1)
-        Constants against rigid lines, a column for each layer.
+        Constants of contacts with rigid lines, a column for each layer.
     walls : (k, 6)
         Geometry of the rigid lines: see `LINE_X` and the names after it in `interaction`.
     """
@@ -57,11 +57,11 @@ class Law(NamedTuple):
     ----------
     soil : bool
         Whether the law is that of soil discs (weaker of two strengths, cohesion, rolling resistance, stiffening at
-        large overlap), else the paper's.
+        large overlap); otherwise it is the paper's law.
     pores : bool
         Whether there are pore springs.
     floor : float
-        Least normal force of an element contact (N): 0, or -inf where its dashpot may pull.
+        Least normal force of an element contact (N): 0, or -inf if the dashpot may pull.
     share : float
         Share of the element's normal force in Fn of eq. (16).
     period : Period
@@ -76,7 +76,7 @@ class Law(NamedTuple):
 
 
 class Loads(NamedTuple):
-    """The external acceleration of all discs, without their weight.
+    """Holds the external acceleration of all discs, without gravity.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ class Clock(NamedTuple):
     dt : float
         Time step (s).
     last_dt : float
-        The step before (s); 0 after velocities were set.
+        Length of the step before (s); 0 after velocities were set.
     time : float
         Time at the beginning (s).
     before : int
@@ -115,7 +115,7 @@ class Clock(NamedTuple):
 
 
 class Team(NamedTuple):
-    """The threads that compute steps together.
+    """Holds the threads that compute steps together.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ class Team(NamedTuple):
     barrier : array of int64
         Counters with which threads wait for each other, see `barrier.new_barrier`.
     stops : (2, threads)
-        Reason to stop that each thread found in a step, alternately for odd and even steps.
+        Reason to stop that each thread met in a step, alternately for odd and even steps.
     """
 
     thread: int
@@ -139,7 +139,7 @@ class Entries(NamedTuple):
     Attributes
     ----------
     wanted : bool
-        Whether work and losses are summed at all.
+        Whether work and losses are summed.
     sums : (slices, ENERGY_COLUMNS)
         Work and losses of each slice's discs (J per metre).
     """
@@ -154,8 +154,8 @@ class Step(NamedTuple):
     Attributes
     ----------
     kick, dt, slip_time : float
-        Times (s): between the stored and the new velocities; from the present to the new positions; from the last to
-        the present positions.
+        Durations (s): between the stored and the new velocities; from the present to the new positions; from the last
+        to the present positions.
     ax, az, level : float
         External acceleration at the beginning of the step: along x, along z, and horizontally (m/s2).
     mean_x, mean_z, mean_level : float

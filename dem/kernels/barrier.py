@@ -20,7 +20,7 @@ SPINS = 500
 
 
 def new_barrier(threads: int) -> np.ndarray:
-    """The counters that the threads of one run share."""
+    """Return the counters that the threads of one run share."""
     return np.zeros(PROGRESS + APART * threads, np.int64)
 
 
@@ -33,9 +33,9 @@ def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 @intrinsic
 def fetch_add(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
-    """Adds to an entry of an int64 array, and returns its earlier value; atomic.
+    """Add a number to an entry of an int64 array, and return the earlier value; atomic.
 
-    typing_context: Numba's; array: of int64; index: of the entry; value: added to it.
+    typing_context: typing context of Numba; array: int64 array; index: index of the entry; value: number that is added.
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -47,7 +47,7 @@ def fetch_add(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
 
 @intrinsic
 def load(typing_context: Any, array: Any, index: Any) -> Any:
-    """Reads an entry that other threads write; everything that they wrote before it is visible afterwards."""
+    """Read an entry that other threads write; everything that they wrote before it is visible afterwards."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.load_atomic(_place(context, builder, signature, arguments), "acquire", 8)
@@ -57,7 +57,7 @@ def load(typing_context: Any, array: Any, index: Any) -> Any:
 
 @intrinsic
 def give_way(typing_context: Any) -> Any:
-    """Lets another thread have this processor (POSIX sched_yield)."""
+    """Let another thread use this processor (POSIX sched_yield)."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         function = cgutils.get_or_insert_function(builder.module, ir.FunctionType(ir.IntType(32), []), "sched_yield")
@@ -68,7 +68,7 @@ def give_way(typing_context: Any) -> Any:
 
 @device_function(nogil=True)
 def wait(barrier: np.ndarray, threads: int) -> None:
-    """Returns when all `threads` have called it."""
+    """Wait until all `threads` have called this function."""
     turn = load(barrier, ROUND)
     if fetch_add(barrier, ARRIVED, 1) == threads - 1:
         fetch_add(barrier, ARRIVED, -threads)
@@ -83,15 +83,15 @@ def wait(barrier: np.ndarray, threads: int) -> None:
 
 @device_function(nogil=True)
 def report(barrier: np.ndarray, thread: int) -> None:
-    """Count one more finished piece of work of this thread; everything that it wrote before is visible to a thread
-    that reads the count.
+    """Count one more finished piece of work of this thread; everything that the thread wrote before is visible to a
+    thread that reads the count.
     """
     fetch_add(barrier, PROGRESS + APART * thread, 1)
 
 
 @device_function(nogil=True)
 def wait_for(barrier: np.ndarray, thread: int, count: int) -> None:
-    """Returns when `thread` has reported `count` pieces of work."""
+    """Wait until `thread` has reported `count` pieces of work."""
     spins = 0
     while load(barrier, PROGRESS + APART * thread) < count:
         spins += 1
@@ -101,5 +101,5 @@ def wait_for(barrier: np.ndarray, thread: int, count: int) -> None:
 
 @device_function(nogil=True, _nrt=False)
 def slices_of(thread: int, threads: int, slices: int) -> tuple[int, int]:
-    """First slice of a thread, and the one after its last."""
+    """Return the first slice of a thread, and the one after its last."""
     return slices * thread // threads, slices * (thread + 1) // threads

@@ -16,7 +16,7 @@ LEAST_WAY = 1e-12  # of the way to the limit
 
 @device_function(forceinline=True)
 def mobilised(along: float, across: float) -> tuple[float, float]:
-    """Both components of the force of a bond over its limit, scaled so that their resultant is at most 1."""
+    """Return both components of the force of a bond over its limit, scaled so that their resultant is at most 1."""
     square = along * along + across * across
     scale = 1.0 / math.sqrt(square if square > 1.0 else 1.0)
     return along * scale, across * scale
@@ -24,16 +24,18 @@ def mobilised(along: float, across: float) -> tuple[float, float]:
 
 @device_function(forceinline=True)
 def slopes(knee: float, soft_to: float) -> tuple[float, float]:
-    """Slopes of both lines of a bond: force over the limit, divided by displacement over that at the limit (-)."""
+    """Return the slopes of both lines of a bond: force over the limiting force, divided by displacement over the
+    limiting displacement (-)."""
     return knee / (soft_to + LEAST_WAY), (1.0 - knee) / (1.0 - soft_to)
 
 
 @device_function(forceinline=True)
 def force_share(along: float, across: float, soft: float, steep: float) -> float:
-    """Secant of a bond: force over its limit, divided by displacement over that at the limit; 1 without a strain
-    potential.
+    """Return the secant stiffness of a bond: force over the limiting force, divided by displacement over the limiting
+    displacement; 1 without a strain potential.
 
-    along, across: displacement along and across the bond, over that at its limit (-); soft, steep: see `slopes`.
+    along, across: displacement along and across the bond, over the limiting displacement (-); soft, steep: see
+    `slopes`.
     """
     way = math.sqrt(along * along + across * across) + LEAST_WAY
     second = steep - (steep - 1.0) / way
@@ -42,11 +44,11 @@ def force_share(along: float, across: float, soft: float, steep: float) -> float
 
 @device_function(forceinline=True)
 def energy_share(along: float, across: float, soft: float, steep: float, soft_to: float) -> float:
-    """Energy that a bond stores, over its energy at the limit without a strain potential (in that case the square of
-    its displacement).
+    """Return the energy that a bond stores, over its energy at the limit without a strain potential (in that case the
+    square of its displacement).
 
-    along, across: displacement along and across the bond, over that at its limit (-); soft, steep: see `slopes`;
-    soft_to: share of the displacement at which the steep line begins (-).
+    along, across: displacement along and across the bond, over the limiting displacement (-); soft, steep: see
+    `slopes`; soft_to: share of the displacement at which the steep line begins (-).
     """
     square = along * along + across * across
     way = math.sqrt(square)

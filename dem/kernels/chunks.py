@@ -15,7 +15,7 @@ from dem.kernels.work_buffers import BLOCK, constant, load_partners
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)
 def add(total: float, value: float) -> float:
-    """A sum whose order the compiler may choose; used for the energy balance, never for the motion."""
+    """Add two numbers in an order that the compiler may choose; used for the energy balance, never for the motion."""
     return total + value
 
 
@@ -24,13 +24,12 @@ def contact(
     d: int, q: int, w: int, state: State, buffer: np.ndarray, slip_time: float, law: Law, soil: bool,
     pores: bool, with_losses: bool,
 ) -> tuple[bool, float, float, float, float]:  # fmt: skip
-    """Computes the contact in lane q of a chunk, and writes its forces and memory.
+    """Compute the contact in lane q of a chunk, and write its forces and history variables.
 
-    d, w: where the chunk begins in `state.links` and `state.rolling`; state: arrays of discs and contacts; buffer: rows
-    that `load_geometry` filled; slip_time: length of the last step (s); law: law of the contacts; soil, pores,
-    with_losses: see `between_discs`.
-    Returns whether the overlap is too large, and twice what dashpots, sliding, cracks and rolling dissipated since the
-    last step (J).
+    d, w: places at which the chunk begins in `state.links` and `state.rolling`; state: arrays of discs and contacts;
+    buffer: rows that `load_geometry` filled; slip_time: length of the last step (s); law: law of the contacts; soil,
+    pores, with_losses: see `between_discs`. Returns whether the overlap is too large, and twice what dashpots, sliding,
+    cracks and rolling dissipated since the last step (J).
     """
     links = state.links
     m, now = between_discs(d, q, w, state, buffer, slip_time, law, soil, pores, with_losses)
@@ -54,7 +53,7 @@ def contact(
 
 @device_function(forceinline=True)
 def load_geometry(chunk: int, state: State, buffer: np.ndarray, law: Law, soil: bool) -> None:
-    """Loads the partners of one chunk into the rows of `buffer`, with directions and distances.
+    """Load the partners of one chunk into the rows of `buffer`, with directions and distances.
 
     state: arrays of discs and contacts; law: contact law with the period of the ground; soil: whether the discs are
     soil discs.
@@ -71,7 +70,7 @@ def all_lanes(
     chunk: int, state: State, buffer: np.ndarray, slip_time: float, law: Law, soil: bool, pores: bool,
     with_losses: bool,
 ) -> tuple[bool, float, float, float, float]:  # fmt: skip
-    """Computes the contacts of one chunk.
+    """Compute the contacts of one chunk.
 
     state, buffer, slip_time, law, soil, pores, with_losses: as in `contact`.
     Returns whether an overlap is too large, and the sums of what dashpots, sliding, cracks and rolling dissipated (J).
@@ -96,7 +95,7 @@ def all_lanes(
 
 @device_function(nogil=True)
 def contacts(chunk: int, state: State, buffer: np.ndarray, slip_time: float, law: Law) -> bool:
-    """Computes forces and memory of one chunk of contacts; True if an overlap is larger than allowed.
+    """Compute forces and history variables of one chunk of contacts; return True if an overlap is larger than allowed.
 
     state, buffer, slip_time, law: as in `contact`.
     """
@@ -111,7 +110,7 @@ def contacts(chunk: int, state: State, buffer: np.ndarray, slip_time: float, law
 def contacts_with_losses(
     chunk: int, state: State, buffer: np.ndarray, slip_time: float, law: Law
 ) -> tuple[bool, float, float, float, float]:
-    """Computes forces and memory of one chunk as `contacts`, and the losses since the last step.
+    """Compute forces and history variables of one chunk as `contacts` does, and the losses since the last step.
 
     state, buffer, slip_time, law: as in `contact`.
     Returns whether an overlap is too large, and the losses by dashpots, sliding, cracks and rolling (J).
@@ -127,7 +126,7 @@ def contacts_with_losses(
 def line_contact(
     e: int, layout: Layout, springs: Springs, slip_time: float, law: Law
 ) -> tuple[bool, float, float, float]:
-    """Computes the contact e of a disc with a rigid line, and writes its forces and memory.
+    """Compute the contact e of a disc with a rigid line, and write its forces and history variables.
 
     layout: discs and contacts; springs: constants; slip_time: length of the last step (s); law: law of the contacts.
     Returns whether the overlap is too large, and what dashpots, sliding and rolling dissipated since the last step (J).

@@ -18,26 +18,26 @@ CONSTANTS = 20
 
 @device_function(forceinline=True)
 def clamp(value: float, limit: float) -> float:
-    """`value` limited to [-limit, limit]."""
+    """Return `value`, limited to [-limit, limit]."""
     value = value if value < limit else limit
     return value if value > -limit else -limit
 
 
 @device_function(forceinline=True)
 def spring(over: float, kn: float, gap: float) -> float:
-    """Push (N) of the element's normal spring at an overlap (m).
+    """Return the force (N) of the element's normal spring at an overlap (m), positive in compression.
 
     gap: largest gap across which discs of cohesive soil attract each other (m), 0 for all others. The spring pulls up
-    to kn times the gap, and beyond it there is no force. The spring has no memory, so that sheared soil attracts as
-    before.
+    to kn times the gap; there is no force across a larger gap. The spring has no memory, so that sheared soil attracts
+    as before.
     """
     return kn * over if over > -gap else 0.0
 
 
 @device_function(forceinline=True)
 def spring_energy(over: float, kn: float, gap: float) -> tuple[float, float]:
-    """Energy (J) of the spring of `spring`, and energy of the bond. The energy of the bond is negative: minus the work
-    that separates attracting discs from the state without spring force.
+    """Return the energy (J) of the spring of `spring`, and the energy of the bond. The energy of the bond is negative:
+    minus the work that separates attracting discs from the state without spring force.
     """
     touch = over > -gap
     return 0.5 * kn * over * over if touch else 0.0, -0.5 * kn * gap * gap if touch else 0.0
@@ -45,9 +45,9 @@ def spring_energy(over: float, kn: float, gap: float) -> tuple[float, float]:
 
 @device_function(forceinline=True)
 def stop(over: float, stiffness: float, depth: float) -> float:
-    """Additional push (N) of soil discs where the overlap exceeds `depth` (m), which stiffens the contact.
+    """Return the additional repulsion (N) of soil discs if the overlap exceeds `depth` (m), which stiffens the contact.
 
-    So discs do not pass through each other, however soft their layer becomes.
+    So discs do not pass through each other, however soft their layer becomes by liquefaction.
     """
     deep = over - depth
     return stiffness * deep if deep > 0.0 else 0.0
@@ -55,7 +55,7 @@ def stop(over: float, stiffness: float, depth: float) -> float:
 
 @device_function(forceinline=True)
 def normal_force(over: float, vn: float, floor: float, spring: float, cn: float, gap: float) -> float:
-    """Element spring and dashpot, eqs. (1)-(2): normal force (N), zero where the discs do not touch.
+    """Return the normal force (N) of element spring and dashpot, eqs. (1)-(2); zero if the discs do not touch.
 
     over: overlap (m); vn: speed of separation (m/s); spring: force of the spring (N); cn: dashpot (N s/m);
     gap: see `spring` (m).
@@ -68,7 +68,7 @@ def normal_force(over: float, vn: float, floor: float, spring: float, cn: float,
 
 @device_function(forceinline=True)
 def friction_limit(normal: float, mu: float) -> float:
-    """Largest tangential force (N) of an element contact in the paper's discs: Coulomb friction, with the
+    """Return the largest tangential force (N) of an element contact in the paper's discs: Coulomb friction, with the
     coefficient of Table 2.
     """
     limit = mu * normal
@@ -77,7 +77,8 @@ def friction_limit(normal: float, mu: float) -> float:
 
 @device_function(forceinline=True)
 def strength(over: float, normal: float, mu: float, c: float, mu_other: float, c_other: float, gap: float) -> float:
-    """Largest tangential force of a contact of soil discs (N) while they touch: mu Fn + C of the weaker material.
+    """Return the largest tangential force of a contact of soil discs (N) while they touch: mu Fn + C of the weaker
+    material.
 
     over: overlap (m); normal: normal force (N); mu, c, mu_other, c_other: friction (-) and cohesion (N) of both
     materials; gap: see `spring` (m). A contact that opens and closes again has its whole cohesion: shearing does not
@@ -94,14 +95,14 @@ def strength(over: float, normal: float, mu: float, c: float, mu_other: float, c
 def friction_spring(
     force: float, way: float, speed: float, stiffness: float, dashpot: float, limit: float
 ) -> tuple[float, float, float]:
-    """Spring and dashpot in parallel whose force has a limit, eqs. (3)-(4): of slip or of rolling.
+    """Compute the force of a spring and a dashpot in parallel with a common limit, eqs. (3)-(4), for slip or for
+    rolling.
 
-    force: force of the spring in the last step (N); way: slip since then (m); speed: of slip (m/s); stiffness: of the
-    spring
-    (N/m); dashpot: (N s/m); limit: of the force (N).
-    The force of the spring is cut at the limit, and so is the sum of spring and dashpot: sliding then dissipates
-    exactly the limit per metre, and neither part can add energy. Returns (force, force of the spring before the limit,
-    force of the spring kept).
+    force: force of the spring in the last step (N); way: slip since then (m); speed: speed of slip (m/s); stiffness:
+    stiffness of the spring (N/m); dashpot: coefficient of the dashpot (N s/m); limit: limit of the force (N). The force
+    of the spring is limited, and so is the sum of spring and dashpot: sliding then dissipates exactly the limit per
+    metre, and neither part can add energy. Returns (force, force of the spring before the limit, stored force of the
+    spring).
     """
     trial = force + stiffness * way
     cut = clamp(trial, limit)
@@ -121,14 +122,15 @@ def pore(
     bc: float,
     beta: float,
 ) -> tuple[float, float, float, float]:
-    """Pore spring, eqs. (11)-(17): state 1 pulls, pushes and shears; state 2 works only while compressed.
+    """Compute the forces of a pore spring, eqs. (11)-(17). An intact spring pulls, pushes and shears; a cracked one
+    works only while compressed.
 
     length: distance L at which the spring was set (m), negative once cracked, 0 where there is none. distance: D of the
     centres (m); slip: since the last step (m); kpn, kps: normal and tangential stiffness (N/m); tan: tan(theta) of eq.
-    (16); bc: b C of eq. (16) (N); beta: of eq. (15). contact_normal: what the element spring adds to Fn of eq. (16)
-    (N); shear: tangential force kept (N). A pore spring cracks where D >= beta L (eq. 15) or |Ft| > max(Fn tan(theta) +
-    bC, 0) (eq. 16), and is in state 2 from this step on: without cohesion, its shear force is limited by friction under
-    its own compression. Returns (normal force, tangential force before the limit, tangential force kept, new length).
+    (16); bc: b C of eq. (16) (N); beta: of eq. (15). contact_normal: share of the element spring in Fn of eq. (16) (N);
+    shear: tangential force kept (N). A pore spring cracks where D >= beta L (eq. 15) or |Ft| > max(Fn tan(theta) + bC,
+    0) (eq. 16), and is in state 2 from this step on: without cohesion, its shear force is limited by friction under its
+    own compression. Returns (normal force, tangential force before the limit, tangential force kept, new length).
     """
     size = abs(length)
     normal = kpn * (size - distance)

@@ -11,8 +11,8 @@ from numba import config, njit
 
 
 def device_function(**options: Any) -> Callable[[Any], Any]:
-    """`njit` without wrappers, and without a file in the cache, since the cached files of its callers contain the
-    function.
+    """Compile with `njit` without wrappers, and without a file in the cache, since the cached files of its callers
+    contain the function.
     """
 
     def compiled(function: Any) -> Any:

@@ -32,7 +32,7 @@ PARTNER_X, PARTNER_Z, PARTNER_R = field.VX, field.VZ, field.VR
 
 @device_function(nogil=True, forceinline=True)
 def book(now: Contact, out: np.ndarray) -> None:
-    """Adds the energy stored in a contact, and its losses since the last step."""
+    """Add the energy stored in a contact, and its losses since the last step, to `out`."""
     out[ELEMENTS] += now.elements
     out[BONDS] += now.bonds
     out[PORES] += now.pores
@@ -47,10 +47,10 @@ def book(now: Contact, out: np.ndarray) -> None:
 def lanes_energy(
     chunk: int, state: State, buffer: np.ndarray, slip_time: float, law: Law, soil: bool, out: np.ndarray
 ) -> None:
-    """Adds the energies of one chunk of contacts to `out`; their forces go to the owners' sums and into the partners'
+    """Add the energies of one chunk of contacts to `out`; their forces go to the owners' sums and into the partners'
     rows.
 
-    state, buffer, slip_time, law, soil: as in `chunks.contact`; out: (ENERGIES,) (J).
+    state, buffer, slip_time, law, soil: as in `chunks.contact`; out: energies (ENERGIES,) in J.
     """
     wide_vectors()
     d, w = np.uint64(chunk) * field.LINK, np.uint64(chunk) * field.ROLL_LINK
@@ -90,11 +90,11 @@ def slice_energy(
     p: int, layout: Layout, springs: Springs, buffer: np.ndarray, slip_time: float, law: Law, force: np.ndarray,
     out: np.ndarray,
 ) -> None:  # fmt: skip
-    """Adds the energies of all contacts that slice p owns to `out`, and their forces and rim forces to those on the
+    """Add the energies of all contacts that slice p owns to `out`, and their forces and rim forces to those on the
     discs.
 
     layout: discs and contacts; springs: constants; buffer: rows to work in; slip_time: length of the last step (s);
-    law: law of the contacts; force: (3, discs) force along x, z and at the rim (N); out: (ENERGIES,) (J).
+    law: law of the contacts; force: (3, discs) force along x, z and at the rim (N); out: energies (ENERGIES,) in J.
     """
     state = State(layout.discs, layout.links, layout.rolling, layout.shared, layout.partner)
     load_own(p, layout.shared, buffer)
@@ -122,7 +122,7 @@ def slice_energy(
 def line_energy(
     e: int, layout: Layout, springs: Springs, slip_time: float, law: Law, out: np.ndarray
 ) -> tuple[float, float, float]:
-    """Adds the energies of the contact e of a disc with a rigid line to `out`.
+    """Add the energies of the contact e of a disc with a rigid line to `out`.
 
     layout, springs, slip_time, law, out: as in `slice_energy`. Returns the force along x and z and the rim force on the
     disc (N).
@@ -137,11 +137,11 @@ def line_energy(
 def kinetic(
     p: int, layout: Layout, buffer: np.ndarray, force: np.ndarray, loads: Loads, dt: float, out: np.ndarray
 ) -> None:
-    """Adds the kinetic energy of the free discs of slice p to `out`, and the work done on discs whose motion is
+    """Add the kinetic energy of the free discs of slice p to `out`, and the work done on discs whose motion is
     prescribed.
 
-    layout, buffer, out: as in `slice_energy`; force: (3, discs) on every disc (N); loads: acceleration at this instant;
-    dt: length of the last step (s).
+    layout, buffer, out: as in `slice_energy`; force: forces (3, discs) on every disc (N); loads: acceleration at this
+    instant; dt: length of the last step (s).
     """
     wide_vectors()
     discs = layout.discs
@@ -171,7 +171,7 @@ def kinetic(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def energies(layout: Layout, springs: Springs, law: Law, loads: Loads, last_dt: float) -> np.ndarray:
-    """Energies of all discs and contacts (ENERGIES,) in J.
+    """Compute the energies of all discs and contacts (ENERGIES,) in J.
 
     layout: discs and contacts; springs: constants; law: law of the contacts; loads: acceleration at this instant;
     last_dt: length of the last step (s).

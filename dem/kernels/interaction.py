@@ -43,14 +43,14 @@ LINE_X, LINE_Z, LINE_NX, LINE_NZ, LINE_FROM, LINE_TO = range(6)
 
 
 class Motion(NamedTuple):
-    """Geometry and relative motion of the two sides of a contact.
+    """Holds geometry and relative motion of the two sides of a contact.
 
     Attributes
     ----------
     distance : float
-        Of the centres (m).
+        Distance of the centres (m).
     nx, nz : float
-        Direction from i to j.
+        Unit vector from i to j.
     lever : float
         Lever of the tangential force over the radius, the same for both discs. The levers are the distance times
         r_i/(r_i + r_j). Their sum is the distance, so that angular momentum is conserved and a pair that rotates as one
@@ -72,7 +72,7 @@ class Motion(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """Forces, memory and losses of a contact by its law.
+    """Holds forces, history variables and losses of a contact by its law.
 
     Attributes
     ----------
@@ -112,10 +112,10 @@ class Contact(NamedTuple):
 
 @device_function(forceinline=True)
 def contact_geometry(d: int, q: int, state: State, buffer: np.ndarray, law: Law, soil: bool) -> None:
-    """Writes direction, distance and lever arms of the contact in lane q into the rows of `buffer`.
+    """Write direction, distance and lever arms of the contact in lane q into the rows of `buffer`.
 
-    d: where its chunk begins in `state.links`; law: contact law with the period of the ground, which only `soil` discs
-    have. One square root and one division take longer than the rest of the law. So root and division are computed
+    d: place at which  chunk begins in `state.links`; law: contact law with the period of the ground, which only `soil`
+    discs have. One square root and one division take longer than the rest of the law. So root and division are computed
     separately, while the records of the next partners are fetched.
     """
     radii = state.links[d + field.RADII + q]
@@ -134,7 +134,8 @@ def contact_geometry(d: int, q: int, state: State, buffer: np.ndarray, law: Law,
 
 @device_function(forceinline=True)
 def motion(q: int, buffer: np.ndarray, slip_time: float) -> Motion:
-    """Slip and separation of the contact in lane q of a slice, after `contact_geometry` has written its geometry."""
+    """Return slip and separation of the contact in lane q of a slice, after `contact_geometry` has written its
+    geometry."""
     nx, nz = buffer[NORMAL_X + q], buffer[NORMAL_Z + q]
     distance, lever = buffer[DISTANCE + q], buffer[LEVER + q]
     ux = buffer[field.VXS + q] - buffer[OWNED_DISCS + field.VXS + q]
@@ -149,7 +150,8 @@ def motion(q: int, buffer: np.ndarray, slip_time: float) -> Motion:
 
 @device_function(forceinline=True)
 def rolling_motion(q: int, buffer: np.ndarray, share: float, slip_time: float) -> tuple[float, float]:
-    """R times the rotation of j less that of i since the last step (m), and its speed at the end of the step (m/s).
+    """Return R times the rotation of j less that of i since the last step (m), and the speed of this difference at the
+    end of the step (m/s).
 
     q: lane of the contact; buffer: rows that `load_geometry` filled; slip_time: length of the last step (s);
     share: r_i/(r_i + r_j). With rim speeds r_i w_i, R (w_j - w_i) is share (r_i w_i + r_j w_j) - r_i w_i.
@@ -172,7 +174,7 @@ def between_discs(
     pores: bool,
     with_losses: bool,
 ) -> tuple[Motion, Contact]:
-    """The contact in lane q of the chunk at d (rolling memory at w); the state is not changed.
+    """Compute the contact in lane q of the chunk at d (rolling memory at w); the state is not changed.
 
     state: arrays of discs and contacts; buffer: rows that `load_geometry` filled; slip_time: length of the last step
     (s); law: law of the contacts; soil, pores, with_losses: whether the law of soil discs holds, there are pore
@@ -263,7 +265,7 @@ def between_discs(
 
 @device_function(nogil=True)
 def line_motion(e: int, layout: Layout, walls: np.ndarray, slip_time: float) -> tuple[float, Motion]:
-    """Overlap (m) of a disc with a rigid line, and their relative motion; the lever is the disc's radius.
+    """Return the overlap (m) of a disc with a rigid line, and their relative motion; the lever is the disc's radius.
 
     e: number of the contact; layout: discs and contacts; walls: see `Springs`; slip_time: length of the last step (s).
     """
@@ -289,8 +291,8 @@ def line_motion(e: int, layout: Layout, walls: np.ndarray, slip_time: float) -> 
 def at_line(
     e: int, at: np.uint64, w: np.uint64, layout: Layout, springs: Springs, slip_time: float, law: Law
 ) -> tuple[Motion, Contact]:
-    """The contact of a disc with a rigid line, whose forces are in lane `at` (rolling memory at w); the state is not
-    changed.
+    """Compute the contact of a disc with a rigid line, whose forces are in lane `at` (rolling memory at w); the state
+    is not changed.
 
     e: number of the contact; layout: discs and contacts; springs: constants; slip_time: length of the last step (s);
     law: law of the contacts.
@@ -329,6 +331,7 @@ def at_line(
 
 @device_function(nogil=True)
 def line_lane(e: int, layout: Layout) -> tuple[np.uint64, np.uint64]:
-    """Places of the contact e with a rigid line in `links` and in `rolling`: after the chunks and the empty chunk."""
+    """Return the places of the contact e with a rigid line in `links` and in `rolling`: after the chunks and the empty
+    chunk."""
     place = np.uint64(layout.chunk_start[-1] + 1) + np.uint64(e // field.LANES)
     return place * field.LINK + np.uint64(e % field.LANES), place * field.ROLL_LINK + np.uint64(e % field.LANES)

@@ -43,7 +43,7 @@ ROLL_LINK = np.uint64(ROLL_FIELDS * LANES)
 
 
 class Layout(NamedTuple):
-    """All arrays that the stepping kernel reads and writes; see `pack`.
+    """Holds all arrays that the stepping kernel reads and writes; see `pack`.
 
     Attributes
     ----------
@@ -56,9 +56,9 @@ class Layout(NamedTuple):
     shared : (slices * 64 * SHARED,)
         The fields of the discs that partners read, disc by disc.
     partner : (chunks * 64,)
-        Number of the partner in spatial order.
+        Number of the partner of each contact in spatial order.
     kinds : (chunks * 64,)
-        Column of the table of constants.
+        Column of each contact in the table of constants.
     fresh : (groups of eight lanes,)
         Places in `kinds` of groups of lanes whose kinds differ from those of the chunk before.
     fresh_start : (chunks + 1,)
@@ -66,24 +66,24 @@ class Layout(NamedTuple):
     chunk_start : (slices + 1,)
         First chunk of each slice.
     incoming : (slots * 64,)
-        Places in `links` of the forces of contacts that another disc owns.
+        Places in `links` of the contact forces that another disc owns, for each disc.
     incoming_start : (slices + 1,)
         First slot of each slice.
     first, last : (slices,)
         Lowest and highest slice that owns a contact of the slice's discs.
     line_disc, line_id, line_kind : (contacts with lines,)
-        Number of the disc in spatial order, number of the line, column of the table of lines.
+        Contacts with lines: number of the disc in spatial order, number of the line, column of the table of lines.
     line_radius : (contacts with lines,)
         Radius of the disc (m).
     line_start : (slices + 1,)
-        First contact with a line of each slice.
+        First contact with a line in each slice.
     added_mass_disc : (discs with added mass,)
-        Numbers of these discs in spatial order.
+        Numbers of the discs with added mass, in spatial order.
     added_mass : (discs with added mass, 4)
-        Their PULL_X and PULL_Z without added mass, and the acceleration by added mass over the horizontal acceleration
-        of the frame.
+        Acceleration of these discs without added mass (PULL_X, PULL_Z), and the acceleration by added mass over the
+        horizontal acceleration.
     added_mass_start : (slices + 1,)
-        First of them in each slice.
+        First disc with added mass in each slice.
     liquefied : Liquefied
         Liquefied discs and their pairs.
     """
@@ -114,20 +114,20 @@ class Layout(NamedTuple):
 
 @device_function(nogil=True, forceinline=True)
 def entry(disc: int, field: int) -> np.uint64:
-    """Place in `shared` of a field of a disc."""
+    """Return the place in `shared` of a field of a disc."""
     return np.uint64(disc) * np.uint64(SHARED) + field // np.uint64(LANES)
 
 
 @device_function(nogil=True, forceinline=True)
 def place(disc: int, field: int) -> np.uint64:
-    """Place in `discs` of a field of a disc."""
+    """Return the place in `discs` of a field of a disc."""
     return np.uint64(disc // LANES) * DISC + np.uint64(disc % LANES) + field
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def count_slots(member: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]:
-    """First slot of each slice, which has as many slots as one of its discs occurs in `member` at most; and the number
-    of every entry among those of its disc.
+    """Return the first slot of each slice, and the number of every entry among those of its disc. A slice has as many
+    slots as one of its discs occurs in `member` at most.
     """
     seen = np.zeros(slices * LANES, np.int32)
     turn = np.empty(len(member), np.int32)
@@ -162,9 +162,10 @@ def place_links(
     """Write the contacts from begin to end into their lanes; `links` to `kind` are prefilled with entries of lanes
     without contact.
 
-    owner, partner: discs of each contact; turn: its number among those of its owner; chunk_start: as in `Layout`;
-    radii: of the discs (m); kinds: column of the constants; memory: of each contact, as named in `state.MEMORY`, then
-    in `state.ROLLING_MEMORY` (empty for the paper's discs); links, rolling, where, kind: arrays of the layout to fill.
+    owner, partner: discs of each contact; turn: number of the contact among the contacts of its owner; chunk_start: as
+    in `Layout`; radii: radii of the discs (m); kinds: column of the constants; memory: history variables of each
+    contact, as named in `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty for the paper's discs); links, rolling,
+    where, kind: arrays of the layout to fill.
     """
     for c in range(begin, end):
         i = owner[c]
@@ -214,11 +215,11 @@ def find_fresh(where: np.ndarray, nobody: int, kind: np.ndarray) -> tuple[np.nda
 def place_incoming(
     where: np.ndarray, chunk_start: np.ndarray, line_disc: np.ndarray, discs: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """For every disc, the places of the forces of contacts that it does not own: partners first, then lines.
+    """Return, for every disc, the places of the forces of contacts that it does not own: partners first, then lines.
 
-    where: partner in every lane; chunk_start, line_disc: as in `Layout`; discs: how many there are. The places are in
-    the order of the lanes, so that a sum of these forces depends only on the layout, and not on the order of the
-    contact list. Also returns the first and last slice that owns a contact of each slice.
+    where: partner in every lane; chunk_start, line_disc: as in `Layout`; discs: number of discs. The places are in the
+    order of the lanes, so that a sum of these forces depends only on the layout, and not on the order of the contact
+    list. Also returns the first and last slice that owns a contact of each slice.
     """
     slices = len(chunk_start) - 1
     chunks = chunk_start[-1]
@@ -257,7 +258,7 @@ def place_incoming(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def count_links(layout: Layout, discs: int) -> np.ndarray:
-    """First contact of each slice in the contact list, and the end of the list (slices + 1,)."""
+    """Return the first contact of each slice in the contact list, and the end of the list (slices + 1,)."""
     slices = len(layout.chunk_start) - 1
     start = np.zeros(slices + 1, np.int64)
     for p in range(slices):
@@ -279,7 +280,7 @@ def list_links(
     other: np.ndarray,
     memory: tuple[np.ndarray, ...],
 ) -> None:
-    """Lists the contacts of slices begin to end from their lanes, slice by slice, slot by slot, lane by lane.
+    """List the contacts of slices begin to end from their lanes, slice by slice, slot by slot, lane by lane.
 
     start: as from `count_links`; layout: discs and contacts; order: original number of every disc. Writes `owner` and
     `other` (original numbers) and `memory`, as named in `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty for the

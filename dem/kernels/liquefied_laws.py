@@ -7,7 +7,7 @@ from dem.kernels.device_function import device_function
 
 @device_function(forceinline=True)
 def density_kernel(r: float, reach: float) -> tuple[float, float]:
-    """W (1/m2) of Wendland's C2 at a distance r below the reach (m), and its slope (1/m3)."""
+    """Return the kernel W (1/m2) of Wendland's C2 at a distance r below the reach (m), and its slope (1/m3)."""
     q = r / reach
     scale = 7.0 / (math.pi * reach * reach)
     rest = 1.0 - q
@@ -17,7 +17,7 @@ def density_kernel(r: float, reach: float) -> tuple[float, float]:
 
 @device_function(forceinline=True)
 def bond_kernel(r: float, reach: float) -> float:
-    """The share w of the strength of a bond at a distance r below the reach (m)."""
+    """Return the share w of the strength of a bond at a distance r below the reach (m)."""
     q = r / reach
     rest = 1.0 - q
     return rest * rest * (1.0 + 2.0 * q)
@@ -25,8 +25,8 @@ def bond_kernel(r: float, reach: float) -> float:
 
 @device_function(forceinline=True)
 def water_pressure(share: float, pressure: float, stiffness: float, compressed: float) -> float:
-    """Pore pressure (Pa) of ground whose volume is `compressed` since liquefaction, never below zero; share: degree of
-    liquefaction; stiffness: K_w (Pa).
+    """Return the pore pressure (Pa) of ground whose volume has been `compressed` since liquefaction, never below zero;
+    share: degree of liquefaction; stiffness: K_w (Pa).
     """
     u = share * (pressure + stiffness * compressed)
     return u if u > 0.0 else 0.0
@@ -34,7 +34,8 @@ def water_pressure(share: float, pressure: float, stiffness: float, compressed: 
 
 @device_function(forceinline=True)
 def water_energy(share: float, area: float, pressure: float, stiffness: float, density: float, now: float) -> float:
-    """Energy (J) stored in the pore water of a disc: area times the integral of u/rho^2 from where u is zero to `now`.
+    """Return the energy (J) stored in the pore water of a disc: area times the integral of u/rho^2 from the density at
+    which u is zero to `now`.
 
     share: degree of liquefaction; area (m2); pressure u0, stiffness K_w (Pa); density: rho0.
     """

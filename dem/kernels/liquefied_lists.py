@@ -14,8 +14,8 @@ FIRST, SECOND = int(WIDTH_1), int(WIDTH_2)
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def place_pairs(first: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]:
-    """Lane (pairs,) of every pair, and first block (slices + 1,) of every slice; each slice begins with a new block
-    of lanes.
+    """Return the lane (pairs,) of every pair, and the first block (slices + 1,) of every slice; each slice begins with
+    a new block of lanes.
     """
     start = np.zeros(slices + 1, np.int64)
     for c in range(len(first)):
@@ -33,7 +33,7 @@ def place_pairs(first: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def members_of(first: np.ndarray, second: np.ndarray, lane: np.ndarray, slots: int) -> tuple[np.ndarray, np.ndarray]:
-    """`member` and `members` of pairs: for every disc its pairs, in the order of the list.
+    """Return `member` and `members` of pairs: for every disc its pairs, in the order of the list.
 
     first, second: discs of each pair; lane: lane of each pair; slots: number of discs including padding.
     """
@@ -58,9 +58,9 @@ def members_of(first: np.ndarray, second: np.ndarray, lane: np.ndarray, slots: i
 def densities(
     x: np.ndarray, z: np.ndarray, area: np.ndarray, first: np.ndarray, second: np.ndarray, reach: float, period: Period
 ) -> np.ndarray:
-    """Density of areas (m2) at all discs (n,), summed over the listed pairs.
+    """Return the density of areas (m2) at all discs (n,), summed over the listed pairs.
 
-    x, z: places (m); area: of each disc (m2); first, second: discs of each pair; reach: of the kernel (m);
+    x, z: places (m); area: area of each disc (m2); first, second: discs of each pair; reach: reach of the kernel (m);
     period: length after which periodic ground repeats itself.
     """
     out = area * (7.0 / (math.pi * reach * reach))

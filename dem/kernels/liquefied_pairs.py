@@ -90,7 +90,7 @@ LESS = 1e-12  # of a reach: what S is at least
 
 
 class Liquefied(NamedTuple):
-    """Liquefied discs and their pairs as arguments of kernels; without liquefaction there are no pairs.
+    """Holds liquefied discs and their pairs as arguments of kernels; without liquefaction there are no pairs.
 
     Attributes
     ----------
@@ -114,7 +114,7 @@ class Liquefied(NamedTuple):
     near_start : (slices + 1,)
         First entry of `near` of each slice.
     reach : float
-        H (m).
+        Reach H of the kernels (m).
     every : int
         Number of steps for which forces are constant.
     """
@@ -135,7 +135,7 @@ class Liquefied(NamedTuple):
 
 @device_function(nogil=True, _nrt=False)
 def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, later: float, with_losses: bool) -> None:
-    """Relative positions, in `later` seconds, and velocities of the discs of a block of pairs.
+    """Compute relative positions, in `later` seconds, and velocities of the discs of a block of pairs.
 
     wet: liquefied pairs; shared: records of all discs; with_losses: whether work is summed.
     """
@@ -162,8 +162,8 @@ def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, later: float, w
 
 @device_function(nogil=True, _nrt=False)
 def look_at_pairs(block: int, wet: Liquefied, period: Period, with_losses: bool) -> float:
-    """Densities, levers and speeds of a block of pairs, after `fetch_motion`; `wet`: liquefied pairs; `period`: of the
-    ground.
+    """Compute densities, levers and speeds of a block of pairs, after `fetch_motion`; `wet`: liquefied pairs; `period`:
+    period of the ground.
 
     With `with_losses` it returns the work (J) since the last evaluation of the terms that replace discs which have not
     liquefied.
@@ -202,7 +202,7 @@ def look_at_pairs(block: int, wet: Liquefied, period: Period, with_losses: bool)
 
 @device_function(nogil=True, _nrt=False)
 def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, later: float, with_losses: bool) -> float:
-    """Density, pressure and share of strength of the discs near[begin:end]; returns the losses (J) by viscosity.
+    """Compute density, pressure and share of strength of the discs near[begin:end]; return the losses (J) by viscosity.
 
     wet: liquefied pairs; shared: records of all discs; later: see `fetch_motion`; with_losses: whether work is summed.
     """
@@ -239,7 +239,7 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, late
 
 @device_function(forceinline=True)
 def bond_weights(discs: np.ndarray, i: int, j: int) -> tuple[float, float]:
-    """How often the terms of either disc count in their bond: once each in one stratum, else twice the weaker one's."""
+    """Return the weights of both discs in their bond: one each in one stratum, else two for the weaker disc."""
     if discs[i, SHARE] == 0.0:
         return 0.0, 2.0
     if discs[j, SHARE] == 0.0:
@@ -251,7 +251,7 @@ def bond_weights(discs: np.ndarray, i: int, j: int) -> tuple[float, float]:
 
 @device_function(forceinline=True)
 def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
-    """Slopes of both lines of the bond of two discs, and the share of the displacement at which the lines meet."""
+    """Return the slopes of both lines of a bond, and the share of the displacement at which the lines meet."""
     a, b = bond_weights(discs, i, j)
     soft_to = 0.5 * (a * discs[i, SOFT_TO] + b * discs[j, SOFT_TO])
     soft, steep = slopes(0.5 * (a * discs[i, KNEE] + b * discs[j, KNEE]), soft_to)
@@ -260,7 +260,7 @@ def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
 
 @device_function(nogil=True, _nrt=False)
 def fetch_strength(block: int, wet: Liquefied) -> None:
-    """Pressure and strength of the pairs of a block: sums over both discs; those of bonds are weighted."""
+    """Compute pressure and strength of the pairs of a block: sums over both discs; those of bonds are weighted."""
     discs, w = wet.discs, wet.working
     for lane in range(LANES):
         q = np.uint64(block) * WORKED + np.uint64(lane)
@@ -372,7 +372,7 @@ def sum_pairs(begin: int, end: int, wet: Liquefied) -> None:
 
 @device_function(nogil=True)
 def liquefied_energy(wet: Liquefied, shared: np.ndarray, force: np.ndarray) -> tuple[float, float]:
-    """Energy (J) stored in pore water and in bonds; adds the forces of the last evaluation to `force` (3, slots).
+    """Return the energy (J) stored in pore water and in bonds; add the last forces to `force` (3, slots).
 
     The work of these forces on displacements since the last evaluation counts as stored.
     """

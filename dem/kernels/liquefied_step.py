@@ -23,9 +23,9 @@ from dem.kernels.work_buffers import SUM_X, SUM_Z
 
 @device_function(nogil=True, _nrt=False)
 def look_at_slice(p: int, layout: Layout, law: Law, entries: Entries, later: float) -> None:
-    """Densities, levers and speeds of the pairs of slice p at the positions of discs in `later` seconds.
+    """Compute densities, levers and speeds of the pairs of slice p at the positions of discs in `later` seconds.
 
-    layout: discs and contacts; law: contact law with the period of the ground; entries: of the energy balance.
+    layout: discs and contacts; law: contact law with the period of the ground; entries: entries of the energy balance.
     """
     wet = layout.liquefied
     for block in range(wet.start[p], wet.start[p + 1]):
@@ -37,9 +37,9 @@ def look_at_slice(p: int, layout: Layout, law: Law, entries: Entries, later: flo
 
 @device_function(nogil=True, _nrt=False)
 def press_slice(p: int, wet: Liquefied, entries: Entries, damping_time: float, relaxation: float) -> None:
-    """Forces of the pairs of slice p; damping_time, relaxation: see `press_pairs`.
+    """Compute the forces of the pairs of slice p; damping_time, relaxation: see `press_pairs`.
 
-    wet: liquefied pairs; entries: of the energy balance.
+    wet: liquefied pairs; entries: entries of the energy balance.
     """
     for block in range(wet.start[p], wet.start[p + 1]):
         fetch_strength(block, wet)
@@ -52,10 +52,10 @@ def press_slice(p: int, wet: Liquefied, entries: Entries, damping_time: float, r
 
 @device_function(nogil=True, _nrt=False)
 def press(team: Team, layout: Layout, law: Law, entries: Entries, dt: float) -> None:
-    """Computes the forces of all pairs of liquefied ground, which then stay constant until the next call.
+    """Compute the forces of all pairs of liquefied ground, which then stay constant until the next call.
 
     Threads of the `team` wait for each other three times. layout: discs and contacts; law: contact law with the period
-    of the ground; entries: of the energy balance; dt: time step (s).
+    of the ground; entries: entries of the energy balance; dt: time step (s).
     """
     wet = layout.liquefied
     begin, end = slices_of(team.thread, team.threads, len(layout.chunk_start) - 1)

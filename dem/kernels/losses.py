@@ -12,13 +12,14 @@ ANY_ORDER = {"reassoc", "contract"}
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)
 def along(ax: float, az: float, bx: float, bz: float) -> float:
-    """Scalar product of the vectors (ax, az) and (bx, bz), for the energy balance alone."""
+    """Return the scalar product of the vectors (ax, az) and (bx, bz), for the energy balance alone."""
     return ax * bx + az * bz
 
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)
 def damping_loss(way: float, dashpot: float, dashpot_before: float) -> float:
-    """Twice the work of a dashpot in one step (J), from its forces at the begin and at the end of the step (N).
+    """Return twice the work of a dashpot in one step (J), from its forces at the beginning and at the end of the step
+    (N).
 
     The work in a step is the displacement times the mean of the forces at both ends of the step. The scheme reduces the
     kinetic energy v(n-1/2) v(n+1/2) m/2 by this amount, so that the balance of linear springs and dashpots closes to
@@ -40,10 +41,10 @@ def damping_losses(
     springs_t: float,
     springs_n: float,
 ) -> float:
-    """Twice the energy (J) that the dashpots along and across a contact dissipated since the last step.
+    """Return twice the energy (J) that the dashpots along and across a contact dissipated since the last step.
 
     nx, nz, slip, stretch: see `interaction.Motion`; fx, fz: force of springs and dashpots in the last step (N);
-    springs_t, springs_n: that of the springs alone; dashpot_t, dashpot_n: force of the dashpots now (N).
+    springs_t, springs_n: force of the springs alone; dashpot_t, dashpot_n: force of the dashpots now (N).
     """
     before_n = fx * nx + fz * nz - springs_n
     before_t = fx * nz - fz * nx - springs_t
@@ -52,19 +53,20 @@ def damping_losses(
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)
 def sliding_loss(before: float, trial: float, limited: float, flexibility: float) -> float:
-    """Twice the work (J) dissipated in one step by a spring whose force was reduced from `trial` to `limited` (N).
+    """Return twice the work (J) dissipated in one step by a spring whose force was reduced from `trial` to `limited`
+    (N).
 
-    before: its force in the last step (N); flexibility: one over its stiffness (m/N).
+    before: force of the spring in the last step (N); flexibility: one over the stiffness of the spring (m/N).
     """
     return (before + limited) * (trial - limited) * flexibility
 
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)
 def crack_loss(kpn: float, length: float, distance: float, stretch: float) -> float:
-    """Twice the elastic energy (J) that a pore spring loses as it cracks.
+    """Return twice the elastic energy (J) that a pore spring loses as it cracks.
 
-    kpn: normal stiffness (N/m); length: of the spring (m); distance: of the centres (m); stretch: separation since the
-    last step (m).
+    kpn: normal stiffness (N/m); length: length of the spring (m); distance: distance of the centres (m); stretch:
+    separation since the last step (m).
     """
     pressed = abs(length) - distance
     before = pressed + stretch
@@ -73,15 +75,16 @@ def crack_loss(kpn: float, length: float, distance: float, stretch: float) -> fl
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)
 def both(first: float, second: float) -> float:
-    """The sum of two losses."""
+    """Return the sum of two losses."""
     return first + second
 
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)
 def spring_before(over: float, stretch: float, kn: float, gap: float) -> float:
-    """Push (N) of a spring in the last step.
+    """Return the force (N) of a spring in the last step, positive in compression.
 
-    over: overlap now (m); stretch: decrease of the overlap since (m); kn: stiffness (N/m); gap: see `contact.spring`.
+    over: overlap now (m); stretch: decrease of the overlap since the last step (m); kn: stiffness (N/m); gap: see
+    `contact.spring`.
     """
     over_then = over + stretch
     return kn * over_then if over_then > -gap else 0.0
@@ -89,7 +92,7 @@ def spring_before(over: float, stretch: float, kn: float, gap: float) -> float:
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)
 def pore_before(length: float, distance: float, stretch: float, kpn: float) -> float:
-    """Normal force (N) of a pore spring in the last step; length, distance, kpn: see `contact.pore`.
+    """Return the normal force (N) of a pore spring in the last step; length, distance, kpn: see `contact.pore`.
 
     stretch: separation since the last step (m).
     """

@@ -11,7 +11,7 @@ FAR_BEHIND = 1e3  # radii behind a line, from which on a disc has nothing to do 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def place_motion(order: np.ndarray, state: tuple[np.ndarray, ...], shared: np.ndarray) -> None:
-    """Writes the arrays of `state` into the shared fields of every disc, in their order."""
+    """Write the arrays of `state` into the shared fields of every disc, in their order."""
     for i in range(len(order)):
         disc = order[i]
         for field in range(SHARED):
@@ -43,7 +43,7 @@ def list_motion(layout: Layout, order: np.ndarray, state: tuple[np.ndarray, ...]
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def all_finite(x: np.ndarray, z: np.ndarray, vx: np.ndarray, vz: np.ndarray, vr: np.ndarray) -> bool:
-    """Whether all places x, z and velocities vx, vz, vr are finite numbers."""
+    """Return whether all places x, z and velocities vx, vz, vr are finite numbers."""
     fine = True
     for i in range(len(x)):
         fine &= np.isfinite(x[i]) & np.isfinite(z[i]) & np.isfinite(vx[i]) & np.isfinite(vz[i]) & np.isfinite(vr[i])
@@ -54,10 +54,11 @@ def all_finite(x: np.ndarray, z: np.ndarray, vx: np.ndarray, vz: np.ndarray, vr:
 def first_behind(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, lines: np.ndarray
 ) -> tuple[int, int]:
-    """(line, disc) of a free disc whose centre is behind a rigid line by a radius or more, (-1, -1) without one.
+    """Return (line, disc) of a free disc whose centre has passed a rigid line by a radius or more, (-1, -1) without
+    one.
 
-    x, z: places (m); radius: (m); fixed: whether the disc is held; lines: (k, 6) point, inward normal, begin and end
-    (m).
+    x, z: places (m); radius: radii (m); fixed: whether the disc is held; lines: (k, 6) point, inward normal, begin and
+    end (m).
     """
     for k in range(len(lines)):
         px, pz, nx, nz, begin, end = lines[k]

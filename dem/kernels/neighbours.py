@@ -17,26 +17,26 @@ PANEL = 192  # discs across a panel of the spatial order: two rows of it stay in
 
 
 def spatial_order(x: np.ndarray, z: np.ndarray, spacing: float) -> np.ndarray:
-    """Numbers of the discs, sorted by panels of x, then rows of z, then x; spacing: typical diameter (m)."""
+    """Return the numbers of the discs, sorted by panels of x, then rows of z, then x; spacing: typical diameter (m)."""
     panel = np.floor((x - x.min()) / (PANEL * spacing))
     row = np.floor((z - z.min()) / (spacing * np.sqrt(0.75)) + 0.5)
     return np.lexsort((x, row, panel)).astype(np.int32)
 
 
 class Near(NamedTuple):
-    """Discs in spatial order, and the criterion of neighbours: a distance below factor (r_i + r_j) + skin, and not both
-    fixed.
+    """Holds discs in spatial order, and the criterion of neighbours: a distance below factor (r_i + r_j) + skin, and
+    not both fixed.
 
     Attributes
     ----------
     x, z, radius : (n,)
-        Places and radii (m).
+        Positions and radii (m).
     fixed : (n,)
         Whether discs are fixed.
     factor, skin : float
-        Factor (-) and skin (m) of the criterion.
+        Factor (-) and margin (m) of the criterion of neighbours.
     period : Period
-        Period of the ground, longer than three such distances.
+        Period of the ground, longer than three times the largest distance of neighbours.
     """
 
     x: np.ndarray
@@ -49,13 +49,13 @@ class Near(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """Discs sorted into cells, at most four cells for each disc. Cells are square unless their columns have to fill a
-    period.
+    """Holds discs sorted into cells, at most four cells for each disc. Cells are square unless their columns have to
+    fill a period.
 
     Attributes
     ----------
     column, row : (n,)
-        The cell of each disc.
+        Column and row of the cell of each disc.
     columns, rows : int
         Numbers of columns and rows.
     size, low : float
@@ -83,7 +83,7 @@ class Grid(NamedTuple):
 
 
 class Known(NamedTuple):
-    """Pairs of an old list by their lower number.
+    """Holds the pairs of an old list by their lower number.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ class Known(NamedTuple):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def cell_grid(near: Near) -> Grid:
-    """Discs sorted into cells that are no smaller than the largest distance of neighbours; the columns fill the period,
+    """Sort discs into cells that are no smaller than the largest distance of neighbours; the columns fill the period,
     if there is one.
     """
     x, z, radius, period = near.x, near.z, near.radius, near.period
@@ -139,7 +139,7 @@ def cell_grid(near: Near) -> Grid:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def known_pairs(i: np.ndarray, j: np.ndarray, number: np.ndarray) -> Known:
-    """The pairs of an old list; number: number of each disc in spatial order."""
+    """Return the pairs of an old list; number: number of each disc in spatial order."""
     start = np.zeros(len(number) + 1, np.int32)
     for c in range(len(i)):
         start[min(number[i[c]], number[j[c]]) + 1] += 1
@@ -158,7 +158,7 @@ def known_pairs(i: np.ndarray, j: np.ndarray, number: np.ndarray) -> Known:
 
 @device_function(nogil=True)
 def longer(array: np.ndarray, size: int) -> np.ndarray:
-    """A copy with room for `size` entries."""
+    """Return a copy with space for `size` entries."""
     grown = np.empty(size, array.dtype)
     for k in range(len(array)):
         grown[k] = array[k]
@@ -181,7 +181,7 @@ def sort_run(begin: int, end: int, key: np.ndarray, other: np.ndarray) -> None:
 
 @device_function(nogil=True)
 def near_pairs(begin: int, end: int, near: Near, grid: Grid) -> tuple[np.ndarray, np.ndarray]:
-    """The neighbouring pairs i < j of `find_pairs`: first pair of each i, and the j of all pairs.
+    """Find the neighbouring pairs i < j for `find_pairs`: first pair of each i, and the j of all pairs.
 
     begin, end: range of the lower numbers; near: discs and distance of neighbours; grid: the discs sorted into cells.
     """
@@ -227,7 +227,7 @@ def near_pairs(begin: int, end: int, near: Near, grid: Grid) -> tuple[np.ndarray
 def find_pairs(
     begin: int, end: int, near: Near, grid: Grid, known: Known, old_length: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All neighbouring pairs, and the old pairs with a pore spring.
+    """Find all neighbouring pairs, and the old pairs with a pore spring.
 
     begin, end: range of the lower numbers; near: discs and distance of neighbours; grid: the discs sorted
     into cells; known: old pairs, by their numbers in spatial order; old_length: length of their pore springs (m).
@@ -260,7 +260,7 @@ def find_pairs(
 def pairs_within(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, skin: float, period: Period
 ) -> tuple[np.ndarray, np.ndarray]:
-    """All pairs (i, j), i < j, nearer than the sum of their radii and a skin (m), not both fixed.
+    """Find all pairs (i, j), i < j, nearer than the sum of their radii and a margin (m), not both fixed.
 
     x, z, radius: places and radii (m); fixed: whether a disc is held; period: length after which periodic ground
     repeats itself.
@@ -291,7 +291,7 @@ def share_out(i: np.ndarray, j: np.ndarray, n: int) -> None:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def reversal_signs(owner: np.ndarray, other: np.ndarray, old: np.ndarray) -> np.ndarray:
-    """-1 for pairs whose owner has changed, 1 for all others; old: as from `find_pairs`."""
+    """Return -1 for pairs whose owner has changed, 1 for all others; old: as returned by `find_pairs`."""
     sign = np.ones(len(old))
     for c in range(len(old)):
         if old[c] >= 0 and owner[old[c]] == other[c]:
@@ -327,10 +327,12 @@ def carry_over(
 def find_lines(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, skin: float, lines: np.ndarray, depth: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(disc, line) of all discs that can touch a rigid line: less than r + skin in front of the line, or behind it.
+    """Find (disc, line) of all discs that can touch a rigid line: less than r + skin in front of the line, or beyond
+    it.
 
-    x, z, radius: places and radii (m); fixed: whether a disc is held; skin: (m); lines: (k, 6) point, inward normal,
-    begin and end (m); depth: largest distance (m) behind a line at which the line still acts on a disc.
+    x, z, radius: places and radii (m); fixed: whether a disc is held; skin: margin of the neighbour list (m); lines:
+    (k, 6) point, inward normal, begin and end (m); depth: largest distance (m) behind a line at which the line still
+    acts on a disc.
     """
     n = 0
     disc = np.empty(64, np.int32)

@@ -12,7 +12,7 @@ from dem.kernels.layout import Layout, entry, place
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def share_inside(x: float, z: float, along_x: float, along_z: float, region: np.ndarray) -> float:
-    """Share of the way from (x, z) along (along_x, along_z) that lies in a rectangle (Liang-Barsky).
+    """Return the share of the way from (x, z) along (along_x, along_z) that lies in a rectangle (Liang-Barsky).
 
     region: (2, 2), its low and high corner.
     """
@@ -30,12 +30,12 @@ def share_inside(x: float, z: float, along_x: float, along_z: float, region: np.
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def pair_forces(layout: Layout, discs: int, back: np.ndarray, region: np.ndarray) -> tuple[np.ndarray, float, int]:
-    """Mean stress in a patch by the contact forces of the last step, dashpots included.
+    """Compute the mean stress in a patch from the contact forces of the last step, dashpots included.
 
-    layout: discs and contacts; discs: how many there are; back: (2, 2), the inverse of the deformation, since `region`
-    is given in undeformed coordinates.
-    Returns (sum of pair force times the part of the branch vector inside the region (N m, 2 x 2, tension positive),
-    mean unbalanced force on a free disc over the mean pair force, number of cracked pore springs).
+    layout: discs and contacts; discs: number of discs; back: (2, 2), the inverse of the deformation, since `region` is
+    given in undeformed coordinates. Returns (sum of pair force times the part of the branch vector inside the region (N
+    m, 2 x 2, tension positive), mean unbalanced force on a free disc over the mean pair force, number of cracked pore
+    springs).
     """
     shared, links = layout.shared, layout.links
     stress = np.zeros((2, 2))
@@ -80,7 +80,8 @@ def pair_forces(layout: Layout, discs: int, back: np.ndarray, region: np.ndarray
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def outside(layout: Layout, discs: int, back: np.ndarray) -> int:
-    """Number in spatial order of a free disc that is not within the frame, -1 if there is none; see `pair_forces`.
+    """Return the number in spatial order of a free disc that is not within the frame, -1 if there is none; see
+    `pair_forces`.
 
     A disc whose position is NaN counts as outside.
     """

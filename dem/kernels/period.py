@@ -13,12 +13,12 @@ from dem.kernels.device_function import device_function
 
 
 class Period(NamedTuple):
-    """Length and rise after which periodic ground repeats itself.
+    """Holds length and rise after which periodic ground repeats itself.
 
     Attributes
     ----------
     length : float
-        To the right (m).
+        Length of the period along x (m).
     rise : float
         Rise (m) over one period, negative where the ground falls to the right.
     """
@@ -34,15 +34,15 @@ ENDLESS = Period(1e100, 0.0)
 
 @device_function(forceinline=True)
 def image(dx: float, dz: float, period: Period) -> tuple[float, float]:
-    """The vector (m) to the image that is nearest along x."""
+    """Return the vector (m) to the image that is nearest along x."""
     n = math.floor(dx * (1.0 / period.length) + 0.5)
     return dx - n * period.length, dz - n * period.rise
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def folded(x: np.ndarray, z: np.ndarray, period: Period) -> tuple[np.ndarray, np.ndarray]:
-    """The images of all places (m) in the period that begins with the leftmost place; the places themselves without
-    a period.
+    """Return the images of all positions (m) in the period that begins with the leftmost position; the positions
+    themselves without a period.
     """
     if period.length == ENDLESS.length:
         return x, z

@@ -48,10 +48,10 @@ def wide_vectors(typing_context: Any) -> Any:
 if config.DISABLE_JIT:
 
     def fetch(array: Any, at: Any) -> None:
-        """Does nothing: without the JIT there is no cache line to fetch."""
+        """Do nothing: without the JIT compiler there is no cache line to fetch."""
 
     def wide_vectors() -> None:
-        """Does nothing: without the JIT there is no vector width to choose."""
+        """Do nothing: without the JIT compiler there is no vector width to choose."""
 
 else:
 

@@ -8,7 +8,8 @@ from dem.kernels.period import Period, image
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def nearest_edge(px: float, pz: float, outline: np.ndarray) -> tuple[float, float, float]:
-    """Distance of a point to the outline, positive inside, and the unit vector that leads inwards from there."""
+    """Return the distance of a point to the outline, positive inside, and the unit vector that leads inwards from
+    there."""
     n = len(outline)
     best = np.inf
     bx = bz = ex = ez = 0.0
@@ -35,7 +36,7 @@ def nearest_edge(px: float, pz: float, outline: np.ndarray) -> tuple[float, floa
 def deepest_in_pairs(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, i: np.ndarray, j: np.ndarray, period: Period
 ) -> float:
-    """The largest overlap of pairs of discs (m); 0 if none overlap."""
+    """Return the largest overlap of pairs of discs (m); 0 if none overlap."""
     deepest = 0.0
     for c in range(len(i)):
         a, b = i[c], j[c]
@@ -57,8 +58,8 @@ def spread_out(
 ) -> None:
     """Push overlapping discs apart, and discs too near the outline inwards.
 
-    x, z: places (m), changed here; radius: (m); i, j: pairs that may overlap; outline: (n, 2)
-    polygon (m); sweeps: number of sweeps; period: of the ground, infinite for a box.
+    x, z: places (m), changed here; radius: radii (m); i, j: pairs that may overlap; outline: (n, 2) polygon (m);
+    sweeps: number of sweeps; period: period of the ground, infinite for a box.
     """
     for _ in range(sweeps):
         for c in range(len(i)):
@@ -84,7 +85,7 @@ def spread_out(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def clearance(x: np.ndarray, z: np.ndarray, outline: np.ndarray) -> np.ndarray:
-    """Distance of each point to the outline (m), negative outside."""
+    """Return the distance of each point to the outline (m), negative outside."""
     out = np.empty(len(x))
     for a in range(len(x)):
         out[a] = nearest_edge(x[a], z[a], outline)[0]

@@ -31,7 +31,7 @@ BLOCKS = 16  # doubles of a disc: its two blocks, each in a cache line
 
 
 class Bodies(NamedTuple):
-    """Discs, n of them.
+    """Holds n discs.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Bodies(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """Listed pairs, m of them.
+    """Holds m listed pairs.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Pairs(NamedTuple):
 
 
 class LineContacts(NamedTuple):
-    """Discs near rigid lines, k of them.
+    """Holds k discs near rigid lines.
 
     Attributes
     ----------
@@ -85,10 +85,10 @@ class LineContacts(NamedTuple):
 def add_block(
     blocks: np.ndarray, at: np.uint64, sign: float, way: tuple[float, float, float], normal: float, tangential: float
 ) -> None:
-    """Adds a spring along a direction and one across it to the six entries of a block.
+    """Add a spring along a direction and a spring across it to the six entries of a block.
 
-    blocks: of all discs; at: where the block begins; sign: -1 at the other end of the spring; way: unit direction, and
-    the lever of the transverse spring, in radii; normal, tangential: stiffnesses (N/m).
+    blocks: blocks of all discs; at: place at which the block begins; sign: -1 at the other end of the spring; way: unit
+    direction, and the lever of the transverse spring, in radii; normal, tangential: stiffnesses (N/m).
     """
     nx, nz, lever = way
     blocks[at] += normal * nx * nx + tangential * nz * nz
@@ -101,9 +101,10 @@ def add_block(
 
 @device_function(nogil=True, forceinline=True)
 def bound(blocks: np.ndarray, at: np.uint64, invmass: float, rim: float) -> float:
-    """Gershgorin's bound of the largest eigenvalue (1/s2) of the block that begins at `at`, over mass.
+    """Return Gershgorin's bound of the largest eigenvalue (1/s2) of the block that begins at `at`, over mass.
 
-    blocks: of all discs; invmass: 1/m (1/kg); rim: r^2/I (1/kg), where the lever arms are in units of the radius.
+    blocks: blocks of all discs; invmass: 1/m (1/kg); rim: r^2/I (1/kg), where the lever arms are in units of the
+    radius.
     """
     cross = np.sqrt(invmass * rim)
     across, moment_x, moment_z = abs(blocks[at + TWO]), abs(blocks[at + THREE]), abs(blocks[at + FOUR])
@@ -115,7 +116,7 @@ def bound(blocks: np.ndarray, at: np.uint64, invmass: float, rim: float) -> floa
 
 @device_function(nogil=True, forceinline=True)
 def blocks_of(disc: int) -> np.uint64:
-    """Places of the two blocks of a disc: of stiffness, then of dashpots."""
+    """Return the places of the two blocks of a disc: of stiffness, then of dashpots."""
     return np.uint64(disc) * np.uint64(BLOCKS)
 
 
@@ -132,10 +133,11 @@ def add_pair(
     skin: float,
     records: np.ndarray,
 ) -> None:
-    """Adds a pair to the blocks of its discs a and b.
+    """Add a pair to the blocks of its discs a and b.
 
-    way: from a to b (m); radii: their sum (m), parts: the share of each in it; length: of the pore spring (m); kind:
-    column of the constants; skin: decrease of the distance that is allowed for (m); records: see `Springs`.
+    way: vector from a to b (m); radii: sum of their radii (m); parts: share of each radius in the sum; length: length
+    of the pore spring (m); kind: column of the constants; skin: decrease of the distance that is allowed for (m);
+    records: see `Springs`.
     """
     dx, dz = way
     d = max(np.sqrt(dx * dx + dz * dz), 1e-300)
@@ -166,7 +168,7 @@ def add_pair(
 
 @device_function(nogil=True)
 def add_line(blocks: np.ndarray, disc: int, line: int, kind: int, springs: Springs) -> None:
-    """Adds a rigid line to the blocks of a disc; kind: column of the constants in `springs.lines`."""
+    """Add a rigid line to the blocks of a disc; kind: column of the constants in `springs.lines`."""
     table, at = springs.lines, blocks_of(disc)
     against = (springs.walls[line, 2], springs.walls[line, 3], 1.0)
     add_block(blocks, at, -1.0, against, table[KN, kind], table[KS, kind])
@@ -178,8 +180,8 @@ def add_line(blocks: np.ndarray, disc: int, line: int, kind: int, springs: Sprin
 
 @device_function(nogil=True)
 def step_of(blocks: np.ndarray, disc: int, invmass: float, rim: float) -> float:
-    """Largest stable time step (s) of a disc from its blocks; inf for a disc that cannot move; invmass, rim: see
-    `bound`.
+    """Return the largest stable time step (s) of a disc from its blocks; inf for a disc that cannot move; invmass, rim:
+    see `bound`.
     """
     k2 = 2.0 * bound(blocks, blocks_of(disc), invmass, rim)
     c2 = 2.0 * bound(blocks, blocks_of(disc) + DASHPOTS, invmass, rim)
@@ -190,10 +192,10 @@ def step_of(blocks: np.ndarray, disc: int, invmass: float, rim: float) -> float:
 def stable_step(
     bodies: Bodies, pairs: Pairs, skin: float, at_lines: LineContacts, springs: Springs, period: Period
 ) -> tuple[float, int]:
-    """Largest stable time step (s) and the disc that limits it; (inf, -1) without contacts.
+    """Return the largest stable time step (s) and the disc that limits it; (inf, -1) without contacts.
 
     bodies: the discs; pairs: listed pairs; skin: decrease of the distance of a pair before the list is renewed (m);
-    at_lines: contacts with rigid lines; springs: constants; period: of the ground.
+    at_lines: contacts with rigid lines; springs: constants; period: period of the ground.
     """
     x, z, radius = bodies.x, bodies.z, bodies.radius
     blocks = np.zeros(len(x) * BLOCKS)
@@ -217,9 +219,9 @@ def stable_step(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def stable_step_of_layout(layout: Layout, discs: int, skin: float, springs: Springs, period: Period) -> float:
-    """Stable time step (s) from the arrays of the kernels; equal to `stable_step` to rounding.
+    """Return the stable time step (s) from the arrays of the kernels; equal to `stable_step` to rounding.
 
-    layout: discs and contacts; discs: how many there are; skin, springs, period: as in `stable_step`.
+    layout: discs and contacts; discs: number of discs; skin, springs, period: as in `stable_step`.
     """
     blocks = np.zeros(discs * BLOCKS)
     shared, links = layout.shared, layout.links

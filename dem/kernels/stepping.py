@@ -54,7 +54,7 @@ OWN_LINES = (
 
 @device_function(nogil=True, _nrt=False, forceinline=True)
 def sum_forces(p: int, layout: Layout, buffer: np.ndarray) -> None:
-    """Forces and rim force on the 64 discs of slice p, from the contacts they own, then from the others."""
+    """Sum forces and rim force on the 64 discs of slice p, from the contacts they own, then from the others."""
     wide_vectors()
     links = layout.links
     first = np.uint64(layout.chunk_start[p])
@@ -89,7 +89,7 @@ def sum_forces(p: int, layout: Layout, buffer: np.ndarray) -> None:
 def move_lanes(
     p: int, discs: np.ndarray, shared: np.ndarray, buffer: np.ndarray, step: Step, with_losses: bool
 ) -> tuple[bool, float, float, float]:
-    """Moves the 64 discs of slice p by one step.
+    """Move the 64 discs of slice p by one step.
 
     discs, shared: see `Layout`; buffer: rows with the sums of forces; step: the time step and its accelerations.
     Returns whether a disc has moved beyond the reach of the neighbour list and, if `with_losses`, the work of weight,
@@ -139,7 +139,7 @@ def move_lanes(
 
 @device_function(nogil=True, _nrt=False)
 def move(p: int, discs: np.ndarray, shared: np.ndarray, buffer: np.ndarray, step: Step) -> bool:
-    """Moves the 64 discs of slice p; True if one has left the reach of the list; discs, shared, buffer, step:
+    """Move the 64 discs of slice p; return True if one has left the reach of the list; discs, shared, buffer, step: see
     `move_lanes`.
     """
     return move_lanes(p, discs, shared, buffer, step, False)[0]
@@ -149,7 +149,7 @@ def move(p: int, discs: np.ndarray, shared: np.ndarray, buffer: np.ndarray, step
 def move_with_work(
     p: int, discs: np.ndarray, shared: np.ndarray, buffer: np.ndarray, step: Step
 ) -> tuple[bool, float, float, float]:
-    """Moves the discs of slice p, and returns the work of weight, external acceleration and moving boundaries too (J).
+    """Move the discs of slice p, and return the work of weight, external acceleration and moving boundaries, too (J).
 
     discs, shared, buffer, step: as in `move_lanes`.
     """
@@ -167,11 +167,11 @@ def contacts_of_slice(
     law: Law,
     entries: Entries,
 ) -> bool:
-    """Computes all contacts that slice p owns; True if an overlap is too large.
+    """Compute all contacts that slice p owns; return True if an overlap is too large.
 
     layout: discs and contacts; springs: constants; buffer: rows to work in; slip_time: length of the last step (s);
-    law: law of the contacts; entries: of the energy balance. unknown: the first chunk of the thread, before which the
-    buffer holds no constants.
+    law: law of the contacts; entries: entries of the energy balance. unknown: the first chunk of the thread, before
+    which the buffer holds no constants.
     """
     too_deep = False
     load_own(p, layout.shared, buffer)
@@ -211,10 +211,10 @@ def contacts_of_slice(
 
 @device_function(nogil=True, _nrt=False)
 def move_slice(p: int, layout: Layout, buffer: np.ndarray, step: Step, entries: Entries, at_hand: int) -> bool:
-    """Sums the forces on slice p and moves it; True if a disc has left the reach of the neighbour list.
+    """Sum the forces on slice p and move it; return True if a disc has left the reach of the neighbour list.
 
-    layout: discs and contacts; buffer: rows to work in; step: the time step; entries: of the energy balance; at_hand:
-    the slice whose discs are in the buffer.
+    layout: discs and contacts; buffer: rows to work in; step: the time step; entries: entries of the energy balance;
+    at_hand: the slice whose discs are in the buffer.
     """
     sum_forces(p, layout, buffer)
     if len(layout.liquefied.near) > 0:
@@ -234,7 +234,7 @@ def move_slice(p: int, layout: Layout, buffer: np.ndarray, step: Step, entries: 
 
 @device_function(nogil=True, _nrt=False)
 def interpolate(time: float, times: np.ndarray, values: np.ndarray, place: int) -> float:
-    """Linear interpolation at `time` of `values` given at `times` (s), constant outside.
+    """Interpolate `values`, given at `times` (s), linearly at `time`; constant outside.
 
     place: an interval at or before that of `time`.
     """
@@ -250,7 +250,7 @@ def interpolate(time: float, times: np.ndarray, values: np.ndarray, place: int) 
 
 @device_function(nogil=True, _nrt=False, forceinline=True)
 def step_at(time: float, last_dt: float, dt: float, loads: Loads, place: int, reach: float) -> Step:
-    """The step that begins at `time`; its length may change without a jump of the velocities.
+    """Return the step that begins at `time`; its length may change without a jump of the velocities.
 
     last_dt, dt: length of the last step and of this one (s); loads: acceleration; place: see `interpolate`; reach:
     square of the displacement after which a disc needs a new neighbour list (m2).
@@ -307,14 +307,14 @@ def take_steps(
     need: np.ndarray,
     buffer: np.ndarray,
 ) -> tuple[int, float, int]:
-    """Takes the steps of the clock or fewer; each thread of the team calls it with its own number.
+    """Take the steps of the clock or fewer; each thread of the team calls this function with its own number.
 
     team: the threads; clock: steps to take and the time; layout: discs and contacts; springs: constants; law: law of
-    the contacts; loads: acceleration; entries: of the energy balance; reach: square of the displacement after which a
-    disc needs a new neighbour list (m2); shared, need: see `sharing.needs`; buffer: see `new_buffer`. With no steps to
-    take it computes the contacts in the present state and moves no disc. Returns (steps taken, time, reason): MOVED if
-    the neighbour list must be made anew before the next step, OVERLAP if two discs overlap by more than allowed, DONE
-    otherwise.
+    the contacts; loads: acceleration; entries: entries of the energy balance; reach: square of the displacement after
+    which a disc needs a new neighbour list (m2); shared, need: see `sharing.needs`; buffer: see `new_buffer`. With no
+    steps to take it computes the contacts in the present state and moves no disc. Returns (steps taken, time, reason):
+    MOVED if the neighbour list must be made anew before the next step, OVERLAP if two discs overlap by more than
+    allowed, DONE otherwise.
     """
     thread, threads, barrier = team.thread, team.threads, team.barrier
     slices = len(layout.chunk_start) - 1

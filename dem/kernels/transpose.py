@@ -66,10 +66,11 @@ def _turn(builder: Any, source: Any, begin: list[Any], fields: int, target: Any,
 
 @intrinsic(prefer_literal=True)
 def gather(context: Any, records: Any, apart: Any, fields: Any, places: Any, first: Any, rows: Any, to: Any) -> Any:
-    """The first `fields` of eight records into rows[to : to + 8], rows[to + 64 : to + 72] and so on.
+    """Copy the first `fields` of eight records into rows[to : to + 8], rows[to + 64 : to + 72] and so on.
 
-    context: Numba's; records: array of records; the records places[first] to places[first + 7] are read; `apart` is the
-    distance of one record to the next. `apart` and `fields`, an even number, are constants where this is called.
+    context: typing context of Numba; records: array of records; the records places[first] to places[first + 7] are
+    read; `apart` is the distance of one record to the next. `apart` and `fields`, an even number, are constants where
+    this is called.
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -89,9 +90,9 @@ def gather(context: Any, records: Any, apart: Any, fields: Any, places: Any, fir
 
 @intrinsic
 def unfold(context: Any, records: Any, at: Any, rows: Any, to: Any) -> Any:
-    """The inverse of `spread`: eight consecutive records of discs, from records[at] on, into eight rows.
+    """Copy eight consecutive records of discs, from records[at] on, into eight rows: the inverse of `spread`.
 
-    context: Numba's; the rows begin at rows[to].
+    context: typing context of Numba; the rows begin at rows[to].
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -107,9 +108,10 @@ def unfold(context: Any, records: Any, at: Any, rows: Any, to: Any) -> Any:
 
 @intrinsic
 def spread(context: Any, rows: Any, at: Any, records: Any, to: Any) -> Any:
-    """Eight rows of eight, rows[at : at + 8], rows[at + 64 : at + 72] and so on, into eight records at records[to].
+    """Copy eight rows of eight, rows[at : at + 8], rows[at + 64 : at + 72] and so on, into eight records at
+    records[to].
 
-    context: Numba's.
+    context: typing context of Numba.
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -137,7 +139,7 @@ def add_gathered(context: Any, values: Any, places: Any, first: Any, rows: Any, 
     """Add eight values from arbitrary places to each of three rows: rows[to : to + 8], rows[to + 64 : to + 72], ...
 
     The first row gets the values at places[first] to places[first + 7], the others the values 64 and 128 places
-    further. LLVM decides whether the processor gathers them with one instruction. context: Numba's.
+    further. LLVM decides whether the processor gathers them with one instruction. context: typing context of Numba.
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -175,25 +177,25 @@ def add_gathered(context: Any, values: Any, places: Any, first: Any, rows: Any, 
 if config.DISABLE_JIT:
 
     def gather(records: Any, apart: int, fields: int, places: Any, first: Any, rows: Any, to: Any) -> None:
-        """`gather` without vectors, one double at a time."""
+        """Do the same as `gather` without vector instructions, one double at a time."""
         for lane in range(EIGHT):
             for field in range(fields):
                 rows[int(to) + field * _ROW + lane] = records[int(places[int(first) + lane]) * apart + field]
 
     def unfold(records: Any, at: Any, rows: Any, to: Any) -> None:
-        """`unfold` without vectors, one double at a time."""
+        """Do the same as `unfold` without vector instructions, one double at a time."""
         for lane in range(EIGHT):
             for field in range(SHARED):
                 rows[int(to) + field * _ROW + lane] = records[int(at) + lane * SHARED + field]
 
     def spread(rows: Any, at: Any, records: Any, to: Any) -> None:
-        """`spread` without vectors, one double at a time."""
+        """Do the same as `spread` without vector instructions, one double at a time."""
         for lane in range(EIGHT):
             for field in range(SHARED):
                 records[int(to) + lane * SHARED + field] = rows[int(at) + field * _ROW + lane]
 
     def add_gathered(values: Any, places: Any, first: Any, rows: Any, to: Any) -> None:
-        """`add_gathered` without vectors, one double at a time."""
+        """Do the same as `add_gathered` without vector instructions, one double at a time."""
         for lane in range(EIGHT):
             for row in range(3):
                 rows[int(to) + row * _ROW + lane] += values[int(places[int(first) + lane]) + row * _ROW]

@@ -30,7 +30,7 @@ PREFETCHED = 2  # chunks
 
 @njit(cache=True, nogil=True)
 def new_buffer() -> np.ndarray:
-    """Rows of zeros that are aligned to cache lines, since access across cache lines or pages is slow."""
+    """Return rows of zeros that are aligned to cache lines, since access across cache lines or pages is slow."""
     room = np.zeros(BUFFER_SIZE + 7)
     begin = -room.ctypes.data % 64 // 8
     return room[begin : begin + BUFFER_SIZE]
@@ -38,7 +38,7 @@ def new_buffer() -> np.ndarray:
 
 @device_function(forceinline=True)
 def constant(row: int) -> np.uint64:
-    """Place of the row of a constant."""
+    """Return the place of the row of a constant."""
     return CONSTANT + np.uint64(row) * ROW
 
 
@@ -63,7 +63,7 @@ def load_constants(
 def load_all_constants(
     first: int, kinds: np.ndarray, records: np.ndarray, soil: bool, pores: bool, buffer: np.ndarray
 ) -> None:
-    """Loads the constants of all contacts of a chunk; first, kinds, records, soil, pores, buffer: as in
+    """Load the constants of all contacts of a chunk; first, kinds, records, soil, pores, buffer: as in
     `load_constants`.
     """
     for lane in range(0, LANES, EIGHT):
@@ -72,7 +72,7 @@ def load_all_constants(
 
 @device_function(nogil=True, forceinline=True)
 def load_own(p: int, shared: np.ndarray, buffer: np.ndarray) -> None:
-    """The shared fields of the 64 discs of slice p, in rows."""
+    """Copy the shared fields of the 64 discs of slice p into rows."""
     for lane in range(0, LANES, EIGHT):
         q = np.uint64(lane)
         unfold(shared, (np.uint64(p) * ROW + q) * LINE, buffer, OWNED_DISCS + q)
@@ -80,11 +80,11 @@ def load_own(p: int, shared: np.ndarray, buffer: np.ndarray) -> None:
 
 @device_function(nogil=True, forceinline=True)
 def load_partners(chunk: int, lane: int, state: State, buffer: np.ndarray, soil: bool) -> None:
-    """Loads position and velocities of 16 partners from `lane` on into rows of `buffer`, and prefetches a later chunk.
+    """Load position and velocities of 16 partners from `lane` on into rows of `buffer`, and prefetch a later chunk.
 
-    chunk: its number; state: arrays of discs and contacts; soil: whether contacts remember rolling.
-    Prefetches alternate between one cache line of contacts and one of partners, since a core stalls after a few dozen
-    outstanding requests.
+    chunk: number of the chunk; state: arrays of discs and contacts; soil: whether contacts remember rolling. Prefetches
+    alternate between one cache line of contacts and one of partners, since a core stalls after a few dozen outstanding
+    requests.
     """
     chunks = np.uint64(len(state.partner)) // ROW
     later = min(np.uint64(chunk + PREFETCHED), chunks - ONE) * ROW

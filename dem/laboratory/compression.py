@@ -17,7 +17,7 @@ INERTIAL = 6e-3  # inertial number at most; half of both changes the strength by
 
 @dataclass(frozen=True)
 class PatchStrength:
-    """The strength of one patch at one pressure.
+    """Holds the strength of one patch at one pressure.
 
     Attributes
     ----------
@@ -26,12 +26,12 @@ class PatchStrength:
     E : float
         Young's modulus in plane strain of a soil with the stiffness of the confined patch (Pa).
     peak, after : float
-        Half the deviator stress: at the peak, and mean from a strain of `AFTER` to `STRAIN` (Pa).
+        Half the deviator stress (Pa): at the peak, and its mean from a strain of `AFTER` to `STRAIN`.
     dilation : float
         Angle of dilation at the peak (rad).
     course : (BINS,)
         Half the deviator stress in each of `BINS` equal intervals of strain up to `STRAIN` (Pa). The curve of one patch
-        is jerky, unlike the curve of a sample with many more grains: so the peak is taken from the mean curve of
+        scatters, unlike the curve of a sample with many more grains; so the peak is taken from the mean curve of
         several patches.
     """
 
@@ -46,7 +46,7 @@ class PatchStrength:
 def compress(sample: PatchSample, pressure: float) -> PatchStrength:
     """Confine a sample, measure its stiffness by small strains, and compress it in plane strain.
 
-    Raises DemError if it does not come to rest or cannot be compressed to `STRAIN`.
+    Raises DemError if the sample does not come to rest or cannot be compressed to `STRAIN`.
     """
     patch = sample.patch()
     confine(patch, pressure)

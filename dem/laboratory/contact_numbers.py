@@ -20,18 +20,18 @@ FRICTIONS, DOUBLINGS, SAND_DOUBLINGS = 0.05, 0.5, 2.0
 
 
 class ContactNumbers(NamedTuple):
-    """Dimensionless numbers of contacts under a confining pressure p.
+    """Holds the dimensionless numbers of contacts under a confining pressure p.
 
     Attributes
     ----------
     turns : bool
-        Whether the discs turn.
+        Whether the discs rotate.
     friction : float
         Friction coefficient mu.
     cohesion : float
         Cohesion number C / (2 r p).
     kappa : float
-        kn over the sum of the pressure and the attraction of the contacts.
+        Stiffness number: kn over the sum of the pressure and the attraction of the contacts.
     """
 
     turns: bool
@@ -41,13 +41,13 @@ class ContactNumbers(NamedTuple):
 
     @classmethod
     def of(cls, contacts: SoilContacts, pressure: float) -> "ContactNumbers":
-        """The numbers of the contacts of a soil at a confining pressure (Pa)."""
+        """Return the numbers of the contacts of a soil at a confining pressure (Pa)."""
         pressed = pressure + ATTRACTION * contacts.cohesion
         return cls(contacts.turns, contacts.friction, contacts.cohesion / pressure, contacts.stiffness / pressed)
 
     @property
     def nearest(self) -> "ContactNumbers":
-        """The numbers rounded to steps, so that similar contacts have the same numbers."""
+        """Return the numbers rounded to steps, so that similar contacts have the same numbers."""
         doublings = DOUBLINGS if self.cohesion > 0.0 else SAND_DOUBLINGS
         cohesion = _step(self.cohesion, DOUBLINGS) if self.cohesion > 0.0 else 0.0
         friction = round(FRICTIONS * round(self.friction / FRICTIONS), 9)
@@ -55,25 +55,25 @@ class ContactNumbers(NamedTuple):
 
     @property
     def stiffness(self) -> float:
-        """kn over the pressure."""
+        """Return the contact stiffness kn over the pressure."""
         return self.kappa * (1.0 + ATTRACTION * self.cohesion)
 
     @property
     def strength(self) -> float:
-        """Half the deviator stress after the peak over the pressure, by the strength map."""
+        """Return half the deviator stress after the peak over the pressure, by the strength map."""
         table, unit = strength_map(self.turns), np.ones(1)
         by_softness = table.gained_by_softness(self.stiffness, unit, self.cohesion)
         return float((table.strength(self.friction, self.cohesion, unit) * by_softness)[0])
 
     @property
     def modulus(self) -> float:
-        """Young's modulus in plane strain over kn, by the strength map."""
+        """Return Young's modulus in plane strain over kn, by the strength map."""
         return strength_map(self.turns).modulus_over_kn(self.friction, self.cohesion, self.kappa)
 
     def sample(self, seed: int, allowed_overlap: float = 1.0) -> PatchSample:
-        """A random patch with these numbers at `PRESSURE`.
+        """Return a random patch with these numbers at `PRESSURE`.
 
-        ``seed``: of its packing; ``allowed_overlap``: over the mean radius, at which a test is stopped.
+        ``seed``: seed of the packing; ``allowed_overlap``: overlap over the mean radius at which a test is stopped.
         """
         strength = Strength(self.friction, self.cohesion * 2.0 * RADIUS * PRESSURE, ROLLING if self.turns else np.inf)
         layer = soil_discs(

@@ -20,7 +20,8 @@ PACKINGS: tuple[PackingKind, ...] = ("lattice", "random")
 
 
 def middle_stresses(section: Section) -> np.ndarray:
-    """Vertical effective stress (Pa) in the middle of each stratum where it is thickest."""
+    """Return the vertical effective stress (Pa) in the middle of each stratum, at the place where the stratum is
+    thickest."""
     left, right = section.extent
     outline = section.outline()
     sums = np.zeros((len(section.strata), 2))  # thickness, stress
@@ -56,10 +57,11 @@ def element_tests(
     seed: int = 0,
     executor: Executor = SERIAL,
 ) -> list[dict[str, Any]]:
-    """Tests of every layer as a lattice and as a random packing; a test that fails is replaced by the reason.
+    """Test every layer as a lattice and as a random packing; a test that fails is replaced by the reason of its
+    failure.
 
-    section: the ground; layers: springs of each stratum; radius: of the discs (m); seed: of the random packing;
-    executor: computes the tests.
+    section: the ground; layers: springs of each stratum; radius: mean radius of the discs (m); seed: seed of the random
+    packing; executor: computes the tests.
     """
     stresses = middle_stresses(section)
     tests = [

@@ -24,7 +24,7 @@ INERTIAL = 3e-3  # number at most: what is weakly confined is tested more slowly
 
 @dataclass(frozen=True)
 class PressureTest:
-    """The tests at one pressure.
+    """Holds the tests at one pressure.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class PressureTest:
     stiffness : PlaneElastic
         Stiffness from small strains.
     skewness : float
-        Anisotropy: M_xx / M_zz - 1.
+        Anisotropy of the stiffness: M_xx / M_zz - 1.
     biaxial, shear : Curve
         Curves of the two tests.
     biaxial_strength, shear_strength : MeasuredStrength
@@ -57,7 +57,7 @@ class PressureTest:
 
 @dataclass(frozen=True)
 class ElementTest:
-    """The soil that the discs of a layer represent.
+    """Describes the soil that the discs of a layer represent.
 
     Attributes
     ----------
@@ -66,17 +66,17 @@ class ElementTest:
     stiffness : PlaneElastic
         Initial tangent stiffness, mean over the pressures.
     G : float
-        Shear modulus from shear (Pa).
+        Shear modulus from the simple-shear part of the tests (Pa).
     c, phi : float
         Mohr-Coulomb parameters from the peaks of the biaxial tests (Pa, rad).
     c_last, phi_last : float
-        The same from the ends of the biaxial tests, the means of the last tenth (Pa, rad).
+        Mohr-Coulomb parameters from the last tenth of the biaxial tests (Pa, rad).
     c_shear, phi_shear : float
-        The same from the peaks of the simple-shear tests (Pa, rad).
+        Mohr-Coulomb parameters from the peaks of the simple-shear tests (Pa, rad).
     dilation : float
         Mean dilation angle at the peaks of the biaxial tests (rad).
     tests : tuple of PressureTest
-        One for each pressure, rising.
+        One test for each pressure, rising.
     """
 
     sample: PatchSample
@@ -93,17 +93,17 @@ class ElementTest:
 
     @property
     def E(self) -> float:
-        """Young's modulus of the soil (Pa)."""
+        """Return Young's modulus of the soil (Pa)."""
         return self.stiffness.E
 
     @property
     def nu(self) -> float:
-        """Poisson's ratio of the soil."""
+        """Return Poisson's ratio of the soil."""
         return self.stiffness.nu
 
     @property
     def verdicts(self) -> tuple[str, ...]:
-        """Sentences on measured strengths that are neither a peak nor a plateau."""
+        """Return sentences on measured strengths that are neither a peak nor a plateau."""
         verdicts = []
         for test in self.tests:
             for curve, result in ((test.biaxial, test.biaxial_strength), (test.shear, test.shear_strength)):
@@ -124,8 +124,8 @@ class ElementTest:
 
     @property
     def quality(self) -> dict[str, float]:
-        """How quasi-static the tests were up to their peaks: unbalanced force ratio, inertial number, error of the
-        servo control.
+        """Return how quasi-static the tests were up to their peaks: unbalanced force ratio, inertial number, error of
+        the servo control.
 
         The error is the relative error of the confining pressure.
         """
@@ -144,7 +144,7 @@ class ElementTest:
         }
 
     def as_json(self, stratum: Stratum) -> dict[str, Any]:
-        """The comparison of the discs with their soil as data for JSON; None for missing numbers."""
+        """Return the comparison of the discs with their soil as data for JSON; None for missing numbers."""
         return {
             "stratum": stratum.name,
             "packing": self.sample.packing,
@@ -191,7 +191,7 @@ def element_test(
     rate: float = RATE,
     threads: int = 1,
 ) -> ElementTest:
-    """Tests a sample at two or more confining pressures (Pa).
+    """Test a sample at two or more confining pressures (Pa).
 
     Parameters
     ----------

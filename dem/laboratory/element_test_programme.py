@@ -23,7 +23,7 @@ TestOutcome = PatchStrength | str  # the result of a test, or the reason why the
 
 @dataclass(frozen=True)
 class ElementTestProgramme:
-    """Tests of the discs of some layers: several patches for each layer at three confining pressures.
+    """Tests the discs of some layers: several patches for each layer at three confining pressures.
 
     Similar contacts, as those of one sand at two pressures, share their patches: the patches have rounded dimensionless
     numbers (`ContactNumbers.nearest`). Strength and stiffness are corrected by the ratio, of a few per cent, of the
@@ -42,7 +42,7 @@ class ElementTestProgramme:
 
     @property
     def tasks(self) -> list[Task]:
-        """The patches to compress."""
+        """Return the patches to compress."""
         kinds = dict.fromkeys(
             ContactNumbers.of(layer, float(p)).nearest for layer in self.layers for p in layer.pressures
         )
@@ -50,11 +50,11 @@ class ElementTestProgramme:
 
     @property
     def is_stored(self) -> bool:
-        """Whether all patches were compressed in earlier runs, whose results are stored."""
+        """Return whether all patches were compressed in earlier runs, whose results are stored."""
         return all(is_stored(*task) for task in self.tasks)
 
     def checks(self, done: Sequence[TestOutcome]) -> list[LayerCheck]:
-        """The comparison of every layer with its discs, from the results of the ``tasks``."""
+        """Return the comparison of every layer with its discs, from the results of the ``tasks``."""
         outcomes = dict(zip(self.tasks, done, strict=True))
         return [self._check(layer, outcomes) for layer in self.layers]
 
@@ -69,7 +69,7 @@ class ElementTestProgramme:
 
 
 def compressed(task: Task, _: Tell) -> TestOutcome:
-    """The result of one compressed patch, or the reason why it has no strength."""
+    """Return the result of one compressed patch, or the reason why it has no strength."""
     return strength_of_patch(*task)
 
 

@@ -7,18 +7,17 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class LayerCheck:
-    """Comparison of a stratum with its discs at three confining pressures; means over the seeds, None for missing
-    numbers.
+    """Compares a stratum with its discs at three confining pressures; means over the seeds, None for missing numbers.
 
     Attributes
     ----------
     stratum : str
-        Its name.
+        Name of the stratum.
     pressures_Pa, strength_soil_Pa, strength_discs_Pa, peak_discs_Pa : (3,)
         Confining pressures, and half the deviator stress: of the soil at failure, of the discs after their peak, and of
         the discs at the peak of their mean curve.
     E_soil_Pa, E_discs_Pa : float
-        Young's modulus; that of the discs at small strain.
+        Young's modulus of the soil, and of the discs at small strain.
     c_soil_Pa, c_discs_Pa, phi_soil_deg, phi_discs_deg : float
         Mohr-Coulomb parameters. Those of the discs follow from the strengths after the peak, with c = 0 where the soil
         has no cohesion.

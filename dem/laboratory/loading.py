@@ -30,14 +30,14 @@ REACTION, MEMORY = 1.2, 2.0  # intervals in which the servo takes back an error,
 
 @dataclass(frozen=True)
 class Curve:
-    """The records of a test.
+    """Holds the records of a test.
 
     Attributes
     ----------
     kind : "biaxial" or "simple shear"
         Kind of the test.
     pressure : float
-        Constant stress of the test (Pa, compression positive).
+        Constant stress during the test (Pa, compression positive).
     strain : (n,)
         Axial compression (natural strain), or shear strain gamma.
     stress : (n, 2, 2)
@@ -51,7 +51,7 @@ class Curve:
     rate : float
         Strain rate (1/s).
     stopped : str
-        Why the test ended before the largest strain; empty if it did not.
+        Reason why the test ended before the largest strain; empty if it reached the largest strain.
     """
 
     kind: LoadingKind
@@ -66,33 +66,33 @@ class Curve:
 
     @property
     def principal(self) -> tuple[np.ndarray, np.ndarray]:
-        """Major and minor principal stress, compression positive (Pa)."""
+        """Return the major and the minor principal stress, compression positive (Pa)."""
         values = np.linalg.eigvalsh(-0.5 * (self.stress + self.stress.swapaxes(1, 2)))
         return values[:, 1], values[:, 0]
 
     @property
     def deviator(self) -> np.ndarray:
-        """Difference of the principal stresses (Pa)."""
+        """Return the difference of the principal stresses (Pa)."""
         major, minor = self.principal
         return major - minor
 
     @property
     def shear(self) -> np.ndarray:
-        """Shear stress sigma_xz on the horizontal plane (Pa), positive in the direction of the motion of the upper
-        side.
+        """Return the shear stress sigma_xz on the horizontal plane (Pa), positive in the direction in which the upper
+        side moves.
         """
         return self.stress[:, 0, 1]
 
     @property
     def resistance(self) -> np.ndarray:
-        """The resistance whose peak is the strength: the deviator, or the shear stress (Pa)."""
+        """Return the resistance whose peak is the strength: the deviator, or the shear stress (Pa)."""
         return self.deviator if self.kind == "biaxial" else self.shear
 
 
 def confine(patch: Patch, pressure: float) -> None:
     """Bring a patch to rest under a pressure that is equal on all sides, without shear stress.
 
-    Raises ConfinementError if it does not come to rest, OverlapError if its discs are too soft.
+    Raises ConfinementError if the patch does not come to rest, OverlapError if its discs are too soft.
     """
     modulus = lattice_elastic(patch.model.springs.layers[0], pores=False).M
     unit = patch.time_unit
@@ -114,8 +114,8 @@ def confine(patch: Patch, pressure: float) -> None:
 
 
 def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
-    """Tangent stiffness of a confined patch from three small strains, each constant until the patch is at rest; and
-    M_xx / M_zz - 1.
+    """Measure the tangent stiffness of a confined patch by three small strains, each constant until the patch is at
+    rest; also returns M_xx / M_zz - 1.
 
     The response of a copy without strain is subtracted, since the state of rest is not perfect. Raises ConfinementError
     if the result is not the stiffness of a stable body, since then the patch still rearranges.
@@ -153,12 +153,11 @@ def load(
     stiffness: PlaneElastic,
     to_the_end: bool = False,
 ) -> Curve:
-    """A test from the confined state up to `strain`, at `rate` (strain per time unit of the patch).
+    """Load a confined patch up to `strain`, at `rate` (strain per time unit of the patch), and return the records.
 
     Biaxial: compression along z under constant lateral stress. Simple shear: no strain along x, constant vertical
     stress. A test ends well past its peak, or with `to_the_end` at the largest strain; if it cannot continue, `stopped`
-    has the reason.
-    kind: of the test; stiffness: plane elastic constants of the confined patch.
+    has the reason. kind: kind of the test; stiffness: plane elastic constants of the confined patch.
     """
     per_second = rate / patch.time_unit
     lengths = 1.0 + np.arange(INTERVALS) / GROWTH

@@ -40,12 +40,12 @@ SKIN = 0.2  # radii; pairs in a wider margin would only shorten the step
 
 @dataclass(frozen=True)
 class PatchSample:
-    """Specification of the discs of a patch.
+    """Specifies the discs of a patch.
 
     Attributes
     ----------
     layer : LayerSprings
-        The springs of its discs.
+        Springs of the discs.
     packing : "lattice" or "random"
         Arrangement of the discs.
     radius : float
@@ -53,9 +53,9 @@ class PatchSample:
     seed : int
         Seed of a random packing.
     size : (int, int) or None
-        Columns and rows, frame included; `SIZES` if None.
+        Numbers of columns and rows, including the frame; `SIZES` if None.
     law : "paper" or "soil"
-        Contact law; soil discs have the porosity of the slope.
+        Contact law; soil discs have the porosity of the discs in the slope.
     """
 
     layer: LayerSprings
@@ -73,7 +73,7 @@ class PatchSample:
             raise ValueError(f"a patch of {columns} x {rows} discs has no interior; expected at least 8 x 8")
 
     def patch(self, threads: int = 1) -> "Patch":
-        """The sample in its frame, not yet confined. Raises ValueError if there is no such random packing."""
+        """Place the sample in its frame, not yet confined. Raises ValueError if there is no such random packing."""
         size = self.size or SIZES[self.packing]
         if self.packing == "lattice":
             patch = lattice_patch(self.layer, self.radius, size)
@@ -84,12 +84,12 @@ class PatchSample:
 
 @dataclass(eq=False)
 class Patch:
-    """The current state of a sample in its frame.
+    """Holds the current state of a sample in its frame of fixed discs.
 
     Attributes
     ----------
     model : DiscModel
-        All discs, the frame's among them.
+        All discs, including those of the frame.
     frame : (n,)
         Mask of the discs of the frame.
     region : (2, 2)
@@ -101,7 +101,7 @@ class Patch:
     rates : (2, 2)
         Velocity gradient of the frame (1/s).
     run : EngineRun or None
-        Run of the press in which the patch is strained.
+        The press that strains the patch at present.
     """
 
     model: DiscModel
@@ -114,36 +114,35 @@ class Patch:
 
     @property
     def time_unit(self) -> float:
-        """sqrt(m / kn) of a disc of the layer (s)."""
+        """Return sqrt(m / kn) of a disc of the layer (s), the time unit of the tests."""
         return float(np.sqrt(self.model.mass.mean() / self.model.springs.layers[0].kn))
 
     def inertia(self, pressure: float) -> float:
-        """Inertial number at this pressure (Pa) for unit strain rate: diameter times sqrt(density / p), in s."""
+        """Return the inertial number at this pressure (Pa) for unit strain rate: diameter times sqrt(density / p), in
+        s."""
         model = self.model
         diameter = 2.0 * float(model.radius[~self.frame].mean())
         density = model.springs.layers[0].density
         return diameter * float(np.sqrt(density / pressure)) / self.time_unit
 
     def copy(self) -> "Patch":
-        """A copy of the patch in the same state."""
+        """Return a copy of the patch in the same state."""
         return replace(self, model=self.model.copy(), deformation=self.deformation.copy(), rates=self.rates.copy())
 
     @property
     def layout(self) -> Layout:
-        """The layout of discs and contacts: that of the press, or one made from the model."""
+        """Return the layout of discs and contacts: that of the press, or a layout made from the model."""
         return pack(self.model) if self.run is None else self.run.pack()
 
     def stress_state(self) -> "StressState":
-        """Stress by the contact forces of the last step, dashpots included."""
+        """Return the stress from the contact forces of the last step, dashpots included."""
         back = np.linalg.inv(self.deformation)
         sums, unbalanced, cracked = pair_forces(self.layout, len(self.model), back, self.region)
         area = float(np.prod(self.region[1] - self.region[0]) * np.linalg.det(self.deformation))
         return StressState(sums / area, unbalanced, cracked)
 
     def check_frame(self) -> None:
-        """Raises EscapeError if a free disc has slipped out through the frame, NotFiniteError if its position is
-        NaN.
-        """
+        """Raise EscapeError if a free disc has left the frame, NotFiniteError if its position is NaN."""
         model = self.model
         gone = outside(self.layout, len(model), np.linalg.inv(self.deformation))
         if gone >= 0:
@@ -157,7 +156,7 @@ class Patch:
 
 @dataclass(frozen=True)
 class StressState:
-    """Stress and equilibrium of a patch.
+    """Holds stress and equilibrium of a patch.
 
     Attributes
     ----------
@@ -167,7 +166,7 @@ class StressState:
     unbalanced : float
         Mean unbalanced force on a free disc, over the mean force of loaded contacts.
     cracked : int
-        Pore springs that are cracked.
+        Number of cracked pore springs.
     """
 
     stress: np.ndarray
@@ -178,8 +177,8 @@ class StressState:
 class Press:
     """Imposes strain on a patch: steps of the engine with constant velocity gradients of the frame.
 
-    Inside the ``with`` block the contacts are only in the layout of the kernels, since writing them back takes longer
-    than most intervals of strain; the model of the patch is complete again after the block.
+    Inside the ``with`` block the contacts are only in the layout of the kernels, since writing the contacts back takes
+    longer than most intervals of strain; the model of the patch is complete again after the block.
     """
 
     def __init__(self, patch: Patch) -> None:
@@ -199,14 +198,14 @@ class Press:
         """Set the velocity gradient (2, 2) of the frame (1/s).
 
         Free discs get the same change of velocity, so that no wave runs inwards from the frame. Velocities are changed
-        in the layout: after `set_velocity` the contacts would lose the slip of the last step.
+        in the layout, since after `set_velocity` the contacts would lose the slip of the last step.
         """
         patch, model = self.patch, self.patch.model
         turn(self.run.pack(), model.radius[model.order], rates - patch.rates, rates)
         patch.rates = rates.copy()
 
     def stable_step(self) -> float:
-        """The largest stable step in the present state (s)."""
+        """Return the largest stable time step in the present state (s)."""
         model, layout = self.patch.model, self.run.pack()
         return float(stable_step_of_layout(layout, len(model), model.skin, self.run.springs, model.repeats))
 
@@ -226,7 +225,7 @@ class Press:
 
 
 def lattice_patch(layer: LayerSprings, radius: float, size: tuple[int, int] = SIZES["lattice"]) -> Patch:
-    """Rows of discs that just touch, along x; the frame is the outermost ring.
+    """Arrange rows of discs that just touch, along x; the outermost ring of discs is the frame.
 
     The region spans whole columns and rows, so that the mean over it is that of the lattice.
     """
@@ -248,11 +247,11 @@ def random_patch(
     seed: int = 0,
     law: Law = "paper",
 ) -> Patch:
-    """Discs of `random_packing` in the same space; the discs at its rim, within the reach of pore springs, are the
-    frame.
+    """Arrange the discs of `random_packing` in the space of the lattice; discs at the rim, within the reach of pore
+    springs, are the frame.
 
-    layer: springs; radius: of the discs (m); size: half width and half height in radii and rows; seed: of the packing;
-    law: of the contacts.
+    layer: springs of the layer; radius: mean radius of the discs (m); size: half width and half height in radii and
+    rows; seed: seed of the packing; law: contact law.
     """
     half = radius * np.array([size[0], size[1] * ROW])
     packing = _heap(float(half[0]), float(half[1]), radius, seed, law)

@@ -9,7 +9,7 @@ from dem.springs import LayerSprings
 
 @dataclass(frozen=True)
 class PlaneElastic:
-    """sigma_xx = M eps_xx + lame eps_zz, tau = G gamma, per metre out of plane.
+    """Holds the elastic constants of a sheet: sigma_xx = M eps_xx + lame eps_zz, tau = G gamma, per metre out of plane.
 
     Attributes
     ----------
@@ -32,27 +32,28 @@ class PlaneElastic:
 
     @property
     def nu_2d(self) -> float:
-        """Poisson's ratio of the sheet."""
+        """Return Poisson's ratio of the sheet."""
         return self.lame / self.M
 
     @property
     def E_2d(self) -> float:
-        """Young's modulus of the sheet (Pa)."""
+        """Return Young's modulus of the sheet (Pa)."""
         return self.M * (1.0 - self.nu_2d**2)
 
     @property
     def nu(self) -> float:
-        """Poisson's ratio of the soil in plane strain."""
+        """Return Poisson's ratio of the soil in plane strain."""
         return self.lame / (self.M + self.lame)
 
     @property
     def E(self) -> float:
-        """Young's modulus of the soil in plane strain (Pa)."""
+        """Return Young's modulus of the soil in plane strain (Pa)."""
         return self.E_2d * (1.0 - self.nu**2)
 
 
 def lattice_elastic(layer: LayerSprings, pores: bool = True) -> PlaneElastic:
-    """The triangular lattice of discs without slip: M = sqrt(3)/4 (3 kn + ks), G = sqrt(3)/4 (kn + ks).
+    """Return the elastic constants of a triangular lattice of discs without slip: M = sqrt(3)/4 (3 kn + ks), G =
+    sqrt(3)/4 (kn + ks).
 
     Pore springs, where set, act in parallel with the element springs: kn and ks are the sums of both. The spacing is
     two radii. The moduli follow from the energy of the three bonds of a disc that rotates with the mean rotation, as in

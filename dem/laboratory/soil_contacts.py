@@ -23,7 +23,7 @@ OVERLAP = 0.5  # of a radius, that soil discs may reach whatever softens
 
 @dataclass(frozen=True)
 class SoilContacts:
-    """Contacts with which random discs come closest to a soil.
+    """Holds the contacts with which random discs come closest to a soil.
 
     Attributes
     ----------
@@ -34,17 +34,17 @@ class SoilContacts:
     wanted : (3,)
         Half the deviator stress at failure of the soil at these pressures (Pa).
     expected : (3,)
-        The same of the discs, by the strength map (Pa).
+        Half the deviator stress at failure of the discs at these pressures, by the strength map (Pa).
     friction : float
-        mu of the contacts.
+        Friction coefficient mu of the contacts.
     cohesion : float
         Cohesion C of the contacts over the mean diameter (Pa).
     stiffness : float
-        kn of the contacts (N/m).
+        Normal stiffness kn of the contacts (N/m).
     turns : bool
-        Whether the discs turn: those of soil with friction do, those of clay do not.
+        Whether the discs rotate: discs of soil with friction do, discs of clay do not.
     notes : tuple of str
-        Sentences on properties of the soil that the discs cannot have.
+        Sentences on properties of the soil that discs cannot have.
     """
 
     stress: float
@@ -58,7 +58,7 @@ class SoilContacts:
     notes: tuple[str, ...]
 
     def strength(self, radius: float) -> Strength:
-        """Strength of the contacts of discs of this mean radius (m)."""
+        """Return the strength of the contacts between discs of this mean radius (m)."""
         return Strength(self.friction, self.cohesion * 2.0 * radius, ROLLING if self.turns else np.inf)
 
     def discs(
@@ -70,7 +70,7 @@ class SoilContacts:
         *,
         buoyant_density: float | None = None,
     ) -> LayerSprings:
-        """The constants of a layer of discs that behave like this soil.
+        """Return the constants of a layer of discs that behave like this soil.
 
         Parameters
         ----------
@@ -88,7 +88,7 @@ class SoilContacts:
         Returns
         -------
         LayerSprings
-            For `DiscMaterials` with law="soil".
+            Constants for `DiscMaterials` with law="soil".
         """
         weight = density if buoyant_density is None else buoyant_density
         strength = self.strength(radius)
@@ -97,14 +97,14 @@ class SoilContacts:
 
 
 def mohr_coulomb_strength(cohesion: float, friction_angle: float, pressure: np.ndarray) -> np.ndarray:
-    """Half the deviator stress at failure by Mohr-Coulomb (Pa), (p sin phi + c cos phi) / (1 - sin phi).
+    """Return half the deviator stress at failure by Mohr-Coulomb (Pa), (p sin phi + c cos phi) / (1 - sin phi).
 
     Parameters
     ----------
     cohesion
-        c (Pa).
+        Cohesion c (Pa).
     friction_angle
-        phi (rad).
+        Friction angle phi (rad).
     pressure : (n,)
         Confining pressures p (Pa).
 
@@ -128,13 +128,14 @@ def soil_contacts(
     Parameters
     ----------
     cohesion
-        c, or c_u with a friction angle of 0 (Pa).
+        Cohesion c, or undrained strength c_u with a friction angle of 0 (Pa).
     friction_angle
-        phi (rad).
+        Friction angle phi (rad).
     stress
         Vertical effective stress in the middle of the soil (Pa).
     youngs_modulus
-        E (Pa); if None, kn is 800 times the stress, which is stiff enough that the strength does not depend on it.
+        Young's modulus E (Pa); if None, kn is 800 times the stress, which is stiff enough that the strength does not
+        depend on it.
 
     Returns
     -------

@@ -12,18 +12,18 @@ from meshes.section.section import Section, Stratum
 
 @dataclass(frozen=True)
 class SoilLayer(SoilContacts):
-    """Required strength of a stratum, and the contacts with which random discs come closest to it.
+    """Holds the required strength of a stratum, and the contacts with which random discs come closest to it.
 
     Attributes
     ----------
     stratum : Stratum
-        The soil.
+        The soil of the stratum.
     """
 
     stratum: Stratum
 
     def springs(self, radius: float, void_ratio: float) -> LayerSprings:
-        """The constants of discs of this mean radius (m) in a packing of this void ratio."""
+        """Return the constants of discs of this mean radius (m) in a packing of this void ratio."""
         s = self.stratum
         return self.discs(s.name, s.density_seismic, radius, void_ratio, buoyant_density=s.density_ordinary)
 

@@ -28,7 +28,7 @@ OVERLAP = 0.5  # over the mean radius, at which a test is stopped
 
 
 def strength_of_patch(numbers: ContactNumbers, seed: int) -> PatchStrength | str:
-    """The strength of a patch at `PRESSURE`, tested now or earlier, or the reason why it has none.
+    """Return the strength of a patch at `PRESSURE`, tested now or earlier, or the reason why it has none.
 
     Parameters
     ----------
@@ -63,7 +63,8 @@ def strength_of_patch(numbers: ContactNumbers, seed: int) -> PatchStrength | str
 
 
 def is_stored(numbers: ContactNumbers, seed: int) -> bool:
-    """Whether the result of a patch is stored; ``numbers``: of its contacts, ``seed``: of its packing."""
+    """Return whether the result of a patch is stored; ``numbers``: dimensionless numbers of its contacts, ``seed``:
+    seed of its packing."""
     return _file(numbers, seed).exists()
 
 

@@ -13,7 +13,7 @@ WINDOW = 0.05  # of the records on either side, for the slope at the peak
 
 @dataclass(frozen=True)
 class MeasuredStrength:
-    """Strength of a test: at its largest resistance, and at its end.
+    """Holds the strength of a test: at its largest resistance, and at its end.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class MeasuredStrength:
 
 
 def strength(curve: Curve) -> MeasuredStrength:
-    """The strength of one test. Raises ValueError for a curve that ended before its third record."""
+    """Return the strength of one test. Raises ValueError for a curve that ended before its third record."""
     if len(curve.strain) < 3:
         raise ValueError(f"{curve.kind} test at {curve.pressure:g} Pa: it stopped at the start. {curve.stopped}")
     resistance = curve.resistance
@@ -62,7 +62,7 @@ def strength(curve: Curve) -> MeasuredStrength:
 
 
 def verdict(resistance: np.ndarray, stopped: bool = False) -> str:
-    """Whether a test has passed a peak, levels off, still rises, or was stopped before its peak."""
+    """Return whether a test has passed a peak, levels off, still rises, or was stopped before its peak."""
     top = float(resistance.max())
     if resistance[-1] < (1.0 - FALL) * top:
         return "peak"
@@ -72,7 +72,8 @@ def verdict(resistance: np.ndarray, stopped: bool = False) -> str:
 
 
 def dilation(curve: Curve, at: int) -> float:
-    """Dilation angle psi (rad) at a record, from the slope of the volumetric strain over some records around it.
+    """Return the dilation angle psi (rad) at a record, from the slope of the volumetric strain over some records around
+    it.
 
     Biaxial: sin psi = d eps_v / d(eps_1 - eps_3), eps_3 that of the sides, in plane strain; simple shear:
     tan psi = d eps_v / d gamma (Bolton 1986, Geotechnique 36, 65). Positive where the patch grows.
@@ -87,10 +88,10 @@ def dilation(curve: Curve, at: int) -> float:
 
 
 def from_principal(major: Sequence[float], minor: Sequence[float]) -> tuple[float, float]:
-    """c (Pa) and phi (rad) of the line sigma_1 = sigma_3 N + 2 c sqrt(N), least squares.
+    """Fit c (Pa) and phi (rad) of the line sigma_1 = sigma_3 N + 2 c sqrt(N), by least squares.
 
-    N = (1 + sin phi)/(1 - sin phi).
-    NaN for both if the major stress does not rise with the minor one, for which there is no friction angle.
+    N = (1 + sin phi)/(1 - sin phi). Both are NaN if the major stress does not rise with the minor stress, as then there
+    is no friction angle.
     """
     slope, start = np.polyfit(minor, major, 1)
     if not slope > 0.0:
@@ -99,6 +100,6 @@ def from_principal(major: Sequence[float], minor: Sequence[float]) -> tuple[floa
 
 
 def from_plane(normal: Sequence[float], shear: Sequence[float]) -> tuple[float, float]:
-    """c (Pa) and phi (rad) of the line tau = c + sigma tan phi, least squares."""
+    """Fit c (Pa) and phi (rad) of the line tau = c + sigma tan phi, by least squares."""
     slope, start = np.polyfit(normal, shear, 1)
     return float(start), float(np.arctan(slope))

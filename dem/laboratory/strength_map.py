@@ -49,12 +49,12 @@ EARLY = 0.1  # cohesion number below which the map is even: the axis is the loga
 
 @dataclass(frozen=True)
 class ContactStrength:
-    """Constants of contacts, and the strength of discs with these contacts by the map.
+    """Holds constants of contacts, and the strength of discs with these contacts by the map.
 
     Attributes
     ----------
     friction : float
-        mu.
+        Friction coefficient mu.
     cohesion : float
         C over the mean diameter (Pa).
     expected : (n,)
@@ -68,12 +68,12 @@ class ContactStrength:
 
 @dataclass(frozen=True)
 class StrengthMap:
-    """Strength and stiffness of patches over friction and cohesion number.
+    """Gives strength and stiffness of patches as functions of friction and cohesion number.
 
     Attributes
     ----------
     friction : (m,)
-        Friction mu of the contacts, in rising order.
+        Friction coefficients mu of the contacts, in rising order.
     cohesion : (k,)
         Cohesion numbers C / (2 r p).
     after, peak : (m, k)
@@ -92,14 +92,15 @@ class StrengthMap:
     modulus: np.ndarray
 
     def strongest(self, cohesive: bool) -> float:
-        """The largest ratio of half the deviator stress to the pressure in the map, with or without cohesion of
+        """Return the largest ratio of half the deviator stress to the pressure in the map, with or without cohesion of
         contacts.
         """
         return float(self.after.max() if cohesive else self._sand[1].max())
 
     def normal_stiffness(self, youngs_modulus: float, pressure: float, friction: float, cohesion: float) -> float:
-        """kn (N/m) with which patches have this Young's modulus (Pa) at this pressure (Pa); cohesion: C over the
-        diameter (Pa), whose attraction adds to the pressure. youngs_modulus: (Pa); friction: of the contacts (-).
+        """Return the contact stiffness kn (N/m) with which patches have this Young's modulus (Pa) at this pressure
+        (Pa); cohesion: C over the diameter (Pa), whose attraction adds to the pressure. youngs_modulus: Young's modulus
+        (Pa); friction: friction of the contacts (-).
         """
         power = LOOSENS[cohesion > 0.0]
         modulus = float(self._at(self.modulus, friction, np.array([cohesion / pressure]))[0])
@@ -107,13 +108,14 @@ class StrengthMap:
         return float(stiff ** (1.0 / (1.0 - power)))
 
     def modulus_over_kn(self, friction: float, cohesion_number: float, kappa: float) -> float:
-        """Young's modulus in plane strain over kn of patches of these dimensionless numbers."""
+        """Return Young's modulus in plane strain over kn of patches with these dimensionless numbers."""
         modulus = float(self._at(self.modulus, friction, np.array([cohesion_number]))[0])
         return modulus * (KAPPA / kappa) ** LOOSENS[cohesion_number > 0.0]
 
     def gained_by_softness(self, stiffness: float, pressure: np.ndarray, cohesion: float) -> np.ndarray:
-        """Strength of discs of this kn (N/m) at these pressures (Pa) over that of the map; cohesion: C over the
-        diameter (Pa). The ratio is interpolated between its values without cohesion and with large cohesion.
+        """Return the strength of discs with this kn (N/m) at these pressures (Pa) over the strength of the map;
+        cohesion: C over the diameter (Pa). The ratio is interpolated between its values without cohesion and with large
+        cohesion.
         """
         kappa = stiffness / (pressure + ATTRACTION * cohesion)
         dry = EARLY / (EARLY + cohesion / pressure)
@@ -129,8 +131,8 @@ class StrengthMap:
         return np.asarray(np.exp(between(where)))
 
     def strength(self, friction: float, cohesion: float, pressure: np.ndarray) -> np.ndarray:
-        """Half the deviator stress after the peak (Pa) at confining pressures (Pa); cohesion: C over the diameter
-        (Pa).
+        """Return half the deviator stress after the peak (Pa) at confining pressures (Pa); cohesion: C over the
+        diameter (Pa).
         """
         pressure = np.asarray(pressure, float)
         return self._at(self.after, friction, cohesion / pressure) * pressure
@@ -144,8 +146,8 @@ class StrengthMap:
         return self.friction[has_any], self.after[has_any, 0]
 
     def fit(self, wanted: np.ndarray, pressure: np.ndarray, cohesive: bool = True) -> ContactStrength:
-        """Friction and cohesion whose strengths are closest to the required ones (Pa), by their ratios, at all the
-        pressures.
+        """Fit friction and cohesion whose strengths are closest to the required strengths (Pa), by their ratios, at all
+        the pressures.
 
         cohesive: False for contacts without cohesion.
         """
@@ -177,7 +179,8 @@ class StrengthMap:
 
 @lru_cache(maxsize=2)
 def strength_map(turns: bool = True) -> StrengthMap:
-    """The map of the package: of rotating discs for soil with friction, or of discs that do not rotate for clay."""
+    """Return the map of the package: of rotating discs for soil with friction, or of discs that do not rotate for
+    clay."""
     with (files("dem.laboratory") / MAP).open(encoding="utf-8") as source:
         every = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(source)]
     rows = [row for row in every if row["turns"] == turns]

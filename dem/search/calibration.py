@@ -41,7 +41,7 @@ OnSearch = Callable[[str, float, Search], None]
 
 @dataclass(frozen=True)
 class Calibration:
-    """Result of a calibration: the factor that reaches the target, or the closest one.
+    """Holds the result of a calibration: the factor that reaches the target, or the closest one.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Calibration:
 
 
 def changed(layers: Sequence[LayerSprings], parameter: str, factor: float) -> list[LayerSprings]:
-    """The layers with a factor on one parameter. Raises ValueError for an unknown parameter."""
+    """Return the layers with a factor on one parameter. Raises ValueError for an unknown parameter."""
     if parameter not in PARAMETERS:
         raise ValueError(f"there is no parameter {parameter!r}; expected one of {', '.join(PARAMETERS)}")
     stiffness = factor if parameter in ("stiffness", "all") else 1.0
@@ -101,7 +101,7 @@ def changed(layers: Sequence[LayerSprings], parameter: str, factor: float) -> li
 
 
 def key_of(parameter: str, factor: float) -> Key:
-    """Key of a search: a factor of 1 belongs to no parameter."""
+    """Return the key of a search: a factor of 1 belongs to no parameter."""
     return (parameter, factor) if factor != 1.0 else ("", 1.0)
 
 
@@ -163,7 +163,7 @@ class Calibrator:
         return self.__dict__ | nothing | {"on_trial": None, "on_search": None, "executor": SERIAL, "threads": 1}
 
     def settled_with(self, parameter: str, factor: float) -> DiscModel:
-        """Discs at rest with a factor on a parameter.
+        """Return discs at rest with a factor on a parameter.
 
         The paper's discs start again from the initial lattice or packing. Soil discs start from the state of rest with
         uncalibrated strength, since their surface is already cut to that of the section.
@@ -178,7 +178,7 @@ class Calibrator:
         return self.rested[key]
 
     def search(self, parameter: str, factor: float, *, fine: bool = True) -> Search:
-        """The critical Kh with a factor on a parameter; fine: with a resolution of at most half the tolerance."""
+        """Return the critical Kh with a factor on a parameter; fine: to half the tolerance or better."""
         key = key_of(parameter, factor)
         if key in self.searches:
             return self.searches[key]
@@ -229,14 +229,14 @@ def _searched(task: tuple[Calibrator, str, float, bool], _: Tell) -> Search:
 
 
 def sensitivities(calibrator: Calibrator) -> list[tuple[str, float, Search]]:
-    """The critical Kh with each parameter halved and doubled, one at a time."""
+    """Return the critical Kh with each parameter halved and doubled, one at a time."""
     wanted = [("", 1.0), *((p, f) for p in ONE_AT_A_TIME for f in SENSITIVITIES)]
     searches = calibrator.search_all(wanted, fine=False)
     return [(p, f, search) for (p, f), search in zip(wanted, searches, strict=True)]
 
 
 def choose(calibrator: Calibrator, table: Sequence[tuple[str, float, Search]], target: float) -> str:
-    """The parameter to calibrate: among those that reach the target, the one with the largest influence.
+    """Return the parameter to calibrate: among those that reach the target, the one with the largest influence.
 
     A parameter reaches the target if halving or doubling it does; failing that, the end of its range; if none reaches
     it, the closest one is taken.
@@ -264,8 +264,8 @@ def best(
 ) -> Calibration:
     """Calibrate one parameter; "auto" is that of `choose`, or all together if the critical Kh jumps past the target.
 
-    calibrator: of the discs; target: critical Kh to reach; parameter: its name; table: searches done (name, factor,
-    result).
+    calibrator: calibrator of the discs; target: critical Kh to reach; parameter: name of the parameter; table: searches
+    done (name, factor, result).
     """
     if parameter == "auto" and calibrator.settings.model == "soil":
         parameter = "strength"
@@ -279,7 +279,7 @@ def best(
 
 
 def calibrated(calibrator: Calibrator, continuum: Continuum, one_at_a_time: bool) -> Calibration:
-    """The factor with which the discs reach the nearest critical Kh within the bracket of the continuum; with
+    """Return the factor with which the discs reach the nearest critical Kh within the bracket of the continuum; with
     ``one_at_a_time`` the sensitivities to all parameters are computed first.
     """
     table = sensitivities(calibrator) if one_at_a_time else []
@@ -289,7 +289,7 @@ def calibrated(calibrator: Calibrator, continuum: Continuum, one_at_a_time: bool
 
 
 def middle(search: Search) -> float:
-    """The critical Kh of a search as one number: the mean of its bracket, or the end of its range."""
+    """Return the critical Kh of a search as one number: the mean of its bracket, or the end of its range."""
     if search.kc_upper is None:
         return search.kc_lower
     return 0.5 * (search.kc_lower + search.kc_upper)

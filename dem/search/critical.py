@@ -20,7 +20,7 @@ OnTrial = Callable[[Trial, DiscModel], None]
 
 @dataclass
 class Search:
-    """The bracket of the critical Kh, with all trials.
+    """Holds the bracket of the critical Kh, with all trials.
 
     Attributes
     ----------
@@ -31,13 +31,13 @@ class Search:
     verdict : str
         "bracketed", or why there is no bracket.
     reason : str
-        Reason of the verdict, in words.
+        Reason of the verdict in words.
     flexibility_m : float
         Elastic displacement over Kh (m).
     trials : list of Trial
         All trials, in the order of computation.
     curve : list of (Kh, displacement in m)
-        Kh and displacement of the states that stood.
+        Kh and displacement of the states of equilibrium.
     """
 
     kc_lower: float = 0.0
@@ -50,12 +50,12 @@ class Search:
 
     @property
     def kc(self) -> float | None:
-        """The mean of the bracket; None without a bracket."""
+        """Return the mean of the bracket; None without a bracket."""
         return None if self.kc_upper is None or self.verdict != "bracketed" else 0.5 * (self.kc_lower + self.kc_upper)
 
     @property
     def seconds(self) -> float:
-        """Model time of all trials (s)."""
+        """Return the model time of all trials (s)."""
         return round(sum(trial.seconds for trial in self.trials), 3)
 
 
@@ -70,9 +70,9 @@ def critical_kh(
 ) -> Search:
     """Find the critical seismic coefficient of discs at rest, as a bracket.
 
-    Kh rises by steps from one state that stands to the next. A step after which the discs do not stand is halved, down
-    to the width of the bracket. A Kh that failed is tried again only from a state one width below it, so that both ends
-    of the bracket are reached from the same state. An undecided trial counts as one that does not stand.
+    Kh rises by steps from one state of equilibrium to the next. A step after which the discs do not stand is halved,
+    down to the width of the bracket. A Kh that failed is tried again only from a state one width below it, so that both
+    ends of the bracket are reached from the same state. An undecided trial counts as a failure.
 
     Parameters
     ----------

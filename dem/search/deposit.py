@@ -54,7 +54,7 @@ LOOSER = (0.0, 0.005, 0.01, 0.02)  # porosity beyond that of the element tests, 
 
 @dataclass(frozen=True)
 class Deposit:
-    """Soil discs at rest in the section.
+    """Holds the soil discs at rest in the section.
 
     Attributes
     ----------
@@ -124,7 +124,8 @@ def deposit(
 
 
 def densified_by_shaking(settled: DiscModel, ground: Ground) -> DiscModel:
-    """Discs at rest after cycles of Kh in both directions; unchanged if they keep moving under every Kh of `SHAKES`."""
+    """Return discs at rest after cycles of Kh in both directions; unchanged if they keep moving under every Kh of
+    `SHAKES`."""
     cycle = PERIODS * period(settled, ground)
     time = np.linspace(0.0, cycle, 41)
     for kh in SHAKES:
@@ -147,13 +148,13 @@ def densified_by_shaking(settled: DiscModel, ground: Ground) -> DiscModel:
 
 
 def void_ratio(section: Section, packing: Packing) -> float:
-    """Area of the section over the area of the free discs, less one."""
+    """Return the area of the section over the area of the free discs, less one."""
     solid = float(np.sum(np.pi * packing.radius[packing.free] ** 2))
     return float(section.layering.areas().sum()) / solid - 1.0
 
 
 def cut(section: Section, settled: DiscModel, ground: Ground) -> Packing:
-    """A packing of the discs in their present positions, without those above the surface."""
+    """Return a packing of the discs in their present positions, without those above the surface."""
     packing = _packing_of(section, settled)
     level = np.interp(packing.x, *section.ground.T)
     keep = ~packing.free | (packing.z <= level - CUT * ground.radius)
@@ -175,7 +176,7 @@ def _in_strata(section: Section, packing: Packing) -> Packing:
 
 
 def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) -> Ground:
-    """The ground of a checkpoint of settled soil discs."""
+    """Return the ground of a checkpoint of settled soil discs."""
     packing = _packing_of(section, settled)
     radius = settings.mean_radius(section)
     return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)

@@ -76,7 +76,7 @@ class Rise(NamedTuple):
 
 @dataclass(frozen=True)
 class Trial:
-    """The verdict on one seismic coefficient, and the numbers behind it.
+    """Holds the verdict on one seismic coefficient, and the numbers behind it.
 
     Attributes
     ----------
@@ -105,7 +105,8 @@ class Trial:
 
 
 def unbalanced_ratio(model: DiscModel) -> float:
-    """Mean resultant force on free discs, over the mean force of loaded contacts, or of pore pressure on a diameter."""
+    """Return the mean resultant force on free discs, over the mean force of loaded contacts, or of pore pressure on a
+    diameter."""
     forces = contact_forces(model)
     fx, fz, _ = resultants(model, forces)
     size = np.hypot(np.append(forces.fx, forces.line_fx), np.append(forces.fz, forces.line_fz))
@@ -117,8 +118,8 @@ def unbalanced_ratio(model: DiscModel) -> float:
 
 
 def kinetic_ratio(model: DiscModel, kinetic: float | None = None) -> float:
-    """Kinetic energy over energy in springs, and in pore water and bonds of clay; `kinetic` (J/m) replaces the present
-    kinetic energy.
+    """Return the kinetic energy over energy in springs, and in pore water and bonds of clay; `kinetic` (J/m) replaces
+    the present kinetic energy.
     """
     energy = Engine().measure(model)
     stored = energy.in_springs + energy.pore_water + energy.liquefied_bonds
@@ -141,12 +142,13 @@ class Displacement:
 
 
 def displacement(model: DiscModel, before: DiscModel, ground: Ground) -> float:
-    """The displacement of discs since `before` (m)."""
+    """Return the displacement of discs since `before` (m)."""
     return Displacement(before, ground)(model)
 
 
 def period(model: DiscModel, ground: Ground) -> float:
-    """Period of the lowest shear mode of the ground (s): 4 times the travel time of a shear wave from base to surface.
+    """Return the period of the lowest shear mode of the ground (s): 4 times the travel time of a shear wave from base
+    to surface.
 
     V_s of each layer is that of the triangular lattice, r sqrt(1.5 (kn + ks) / m); its thickness follows from its share
     of the discs.
@@ -236,7 +238,7 @@ def advance_damped(model: DiscModel, seconds: float, last: float, threads: int =
     """Continue with kinetic damping. last: kinetic energy at the end of the last call (J/m). Returns the final and the
     largest kinetic energy.
 
-    model: the discs; seconds: model time; threads: of the engine.
+    model: model of the discs; seconds: model time; threads: threads of the engine.
     """
     count = round(LOOK / PULSE)
     most = 0.0
@@ -260,7 +262,7 @@ def stop(model: DiscModel) -> None:
 
 
 def moving_energy(model: DiscModel) -> float:
-    """Kinetic energy of the discs (J per metre)."""
+    """Return the kinetic energy of the discs (J per metre)."""
     turning = np.divide(model.vr**2, model.inertia_ratio, out=np.zeros(len(model)), where=model.inertia_ratio > 0.0)
     return float(0.5 * np.sum((model.mass * (model.vx**2 + model.vz**2 + turning))[~model.fixed]))
 
@@ -285,8 +287,8 @@ def try_kh(
     contacts hardly damp the vibration of the whole ground, which is not the subject of the test. The discs stand if
     both ratios are below their limits. The discs fail if the displacement since `before` exceeds `growth` times the
     elastic one and grew at every record of the last period, and neither ratio is below its limit. Otherwise the trial
-    is undecided: after `patience` periods, or when a DemError stopped the discs. settings: of the discs; rise: start
-    and end of Kh, and the elastic displacement per Kh (m); threads: of the engine.
+    is undecided: after `patience` periods, or when a DemError stopped the discs. settings: settings of the discs; rise:
+    start and end of Kh, and the elastic displacement per Kh (m); threads: threads of the engine.
     """
     from_kh, kh, flexibility = rise
     cycle = period(model, ground)

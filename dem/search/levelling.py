@@ -22,7 +22,8 @@ TOUCHES = 0.02  # mean radii that a disc may overlap others as it is laid in, as
 
 
 def misfit(section: Section, model: DiscModel, radius: float) -> np.ndarray:
-    """Height of the discs above the surface of the section (m), column by column of two diameters or a little less.
+    """Return the height of the discs above the surface of the section (m), column by column of two diameters or a
+    little less.
 
     The value of a column is that of the disc whose top is highest above the surface vertically below it. (Across a
     column a face may fall by more than the tolerance.) Discs among the fixed discs of the sides are left out.
@@ -34,7 +35,7 @@ def misfit(section: Section, model: DiscModel, radius: float) -> np.ndarray:
 
 
 def levelled(section: Section, packing: Packing, radius: float, spread: float) -> Packing:
-    """The packing without the discs whose tops are above the surface, and with its hollows filled.
+    """Return the packing without the discs whose tops are above the surface, and with its hollows filled.
 
     The free discs of this packing have no stratum yet (number 0): the caller assigns each to the stratum in which it
     lies. section: the ground; radius: mean of the discs (m); spread: half the width of the radii over the mean.

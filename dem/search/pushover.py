@@ -42,16 +42,17 @@ HURRY = 0.1  # reaches in a period of the ground, once the curve is known
 
 
 class Continuum(NamedTuple):
-    """The FEM model that discs are calibrated to.
+    """Holds results of the FEM model that discs are calibrated to.
 
     Attributes
     ----------
     kc : float
-        The critical Kh of the continuum with the sides of the discs.
+        Critical Kh of the continuum with the sides of the discs.
     yielding : float
-        Mean displacement of the continuum in the direction of the seismic force when it reaches the critical Kh (m).
+        Yield displacement: mean displacement of the continuum in the direction of the seismic force when Kh reaches the
+        critical value (m).
     upper : float
-        Upper end of the bracket of the critical Kh of the continuum; where its path softens only this bracket is known.
+        Upper end of the bracket of the critical Kh of the continuum; if its path softens, only this bracket is known.
     """
 
     kc: float
@@ -59,12 +60,12 @@ class Continuum(NamedTuple):
     upper: float = 0.0
 
     def nearest(self, kh: float) -> float:
-        """The critical Kh within the bracket of the FEM that is nearest to ``kh``."""
+        """Return the critical Kh within the bracket of the FEM that is nearest to ``kh``."""
         return float(np.clip(kh, self.kc, max(self.kc, self.upper)))
 
 
 class DisplacementControl(NamedTuple):
-    """The spring and the parallel dashpot that move the discs.
+    """Displacement control: a spring and a parallel dashpot that move the discs.
 
     Attributes
     ----------
@@ -79,16 +80,17 @@ class DisplacementControl(NamedTuple):
 
     @property
     def frequency(self) -> float:
-        """Natural angular frequency of the ground on the spring (rad/s)."""
+        """Return the natural angular frequency of the ground on the spring (rad/s)."""
         return float(np.sqrt(GRAVITY * self.stiffness))
 
     @property
     def dashpot(self) -> float:
-        """Kh over the speed of shortening (s/m)."""
+        """Return the coefficient of the dashpot: Kh over the speed of shortening (s/m)."""
         return 2.0 * DAMPING * self.frequency / GRAVITY
 
     def speed(self, moved: float, cycle: float) -> float:
-        """Speed (m/s) of the loading end of the spring when the ground of period ``cycle`` (s) has ``moved`` (m)."""
+        """Return the speed (m/s) of the loading end of the spring when the ground of period ``cycle`` (s) has ``moved``
+        (m)."""
         share = HURRY if moved >= BEYOND * self.reach else np.clip(0.15 * moved / self.reach, SLOWEST, QUICKEST)
         return self.reach * float(share) / cycle
 
@@ -103,14 +105,14 @@ def pushover_critical_kh(
     on_trial: OnTrial | None = None,
     until_failed: bool = True,
 ) -> tuple[Search, DiscModel]:
-    """The critical Kh of settled discs, the load-displacement curve, and the discs at the end of the test. With
+    """Compute the critical Kh of settled discs, the load-displacement curve, and the discs at the end of the test. With
     ``until_failed`` the test continues beyond the curve until a slip surface has formed, a part has separated, or the
     displacement is large enough. The settled discs are not changed.
 
-    on_trial is called with every point of the curve.
-    The verdict is "undecided" if a DemError stops the discs before the end of the curve; after a later one, the discs
-    are those at the end of the curve. ground: place of the discs; settings: of the discs; continuum: critical Kh
-    and yield displacement (m) of the finite elements; threads: of the engine.
+    on_trial is called with every point of the curve. The verdict is "undecided" if a DemError stops the discs before
+    the end of the curve; after a later one, the discs are those at the end of the curve. ground: place of the discs;
+    settings: settings of the discs; continuum: critical Kh and yield displacement (m) of the finite elements; threads:
+    threads of the engine.
     """
     if min(continuum.kc, continuum.yielding) <= 0.0:
         raise ValueError(f"{continuum}: expected a critical Kh and a displacement above 0")
@@ -148,7 +150,7 @@ def pushover_critical_kh(
 
 
 def critical_point(points: Sequence[Trial]) -> tuple[float, float, int]:
-    """The critical Kh, half the width of its bracket, and the number of the point at which it was reached.
+    """Return the critical Kh, half the width of its bracket, and the number of the point at which it was reached.
 
     The width is the standard error of the mean over the window, since the curve of loose ground is jerky.
     """

@@ -34,7 +34,7 @@ SHARE = 0.5  # of the stable step
 
 
 def clay_of(layers: Sequence[LayerSprings]) -> list[int]:
-    """Numbers of the layers of undrained clay."""
+    """Return the numbers of the layers of undrained clay."""
     return [k for k, layer in enumerate(layers) if layer.undrained_strength > 0.0]
 
 
@@ -88,7 +88,7 @@ def set_strengths(model: DiscModel, layers: Sequence[LayerSprings]) -> None:
 
 
 def undrained_strength(model: DiscModel, ground: Ground | None = None) -> np.ndarray:
-    """The undrained strength s_u (n,) of all discs of clay in Pa, 0 for others; parameters as above."""
+    """Return the undrained strength s_u (n,) of all discs of clay in Pa, 0 for others; parameters as above."""
     layers = model.springs.layers
     strength = np.append([layer.undrained_strength for layer in layers], 0.0)[model.layer]
     if ground is None or ground.section is None:

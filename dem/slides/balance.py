@@ -24,7 +24,8 @@ STOPPED = 0.5  # of the largest slide: what has slid so far and ends at a side w
 
 
 def ground_area(model: DiscModel, ground: Ground) -> float:
-    """Area below the surface of the discs, above the lowest of them, between the outermost of them.
+    """Return the area of the ground: below the surface of the discs, above the lowest disc, between the outermost
+    discs.
 
     Between the side and the top disc of the first column the surface is taken as level.
     """
@@ -36,7 +37,7 @@ def ground_area(model: DiscModel, ground: Ground) -> float:
 
 
 def disc_area(model: DiscModel, strata: Sequence[int] | None = None) -> float:
-    """Area of the free discs, of all strata or of some."""
+    """Return the area of the free discs, of all strata or of some."""
     free = ~model.fixed if strata is None else np.isin(model.layer, strata) & ~model.fixed
     return float(np.sum(np.pi * model.radius[free] ** 2))
 
@@ -44,12 +45,11 @@ def disc_area(model: DiscModel, strata: Sequence[int] | None = None) -> float:
 def expected_loss(
     start: DiscModel, model: DiscModel, strata: Sequence[int], area: float, drained: Mapping[int, float]
 ) -> float:
-    """Expected decrease of the ground's area (m2), by drainage and by softer springs of strata.
+    """Return the expected decrease of the ground's area (m2), by drainage and by softer springs of strata.
 
     drained: drained share of the volume, by stratum. Springs that shorten by a share of the distance of two discs
-    reduce
-    the area of their stratum by twice this share.
-    start, model: discs at the start and now; strata: numbers of the softened ones; area: of the ground (m2).
+    reduce the area of their stratum by twice this share. start, model: discs at the start and now; strata: numbers of
+    the softened strata; area: area of the ground (m2).
     """
     discs = disc_area(start)
     gone = sum(share * disc_area(start, [k]) for k, share in drained.items())
@@ -58,8 +58,8 @@ def expected_loss(
 
 
 def pressed_through(model: DiscModel) -> int:
-    """Number of free discs that overlap fixed ones by more than a mean radius, so that the box no longer retains
-    them.
+    """Return the number of free discs that overlap fixed discs by more than a mean radius, so that the box no longer
+    retains them.
     """
     i, j = model.pair_i, model.pair_j
     wall = model.fixed[i] != model.fixed[j]
@@ -70,7 +70,8 @@ def pressed_through(model: DiscModel) -> int:
 
 
 def deepest_overlap(model: DiscModel) -> float:
-    """The largest overlap of two free discs, over their mean radius; fading contacts do not count."""
+    """Return the largest overlap of two free discs, over their mean radius; contacts that fade by liquefaction do not
+    count."""
     i, j = model.pair_i, model.pair_j
     inside = ~model.fixed[i] & ~model.fixed[j] & ~model.fading
     mean = 0.5 * (model.radius[i] + model.radius[j])
@@ -78,20 +79,20 @@ def deepest_overlap(model: DiscModel) -> float:
 
 
 class AtSide(NamedTuple):
-    """The influence of a side of the box on a slide.
+    """Describes the influence of a side of the box on a slide.
 
     Attributes
     ----------
     name : str
         "left" or "right".
     came : int
-        Number of discs of the surface that slid to within `NEAR` diameters of the side.
+        Number of surface discs that slid to within `NEAR` diameters of the side.
     furthest : float
         Largest slide of these discs, over the largest slide of the surface.
     rise : float
         Rise of the surface at the side (m).
     piled : bool
-        Whether the ground has piled up there.
+        Whether ground has piled up at the side.
     """
 
     name: str
@@ -102,7 +103,7 @@ class AtSide(NamedTuple):
 
 
 def both_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[AtSide]:
-    """The influence of each side of the box on a slide from `start` to `model`; empty for periodic ground."""
+    """Return the influence of each side of the box on a slide from `start` to `model`; empty for periodic ground."""
     if model.period is not None:
         return []
     before, after = (Surface.of(m, ground).points(m, ground) for m in (start, model))
@@ -121,16 +122,17 @@ def both_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[AtSid
 
 
 def stopped_by(sides: Sequence[AtSide]) -> str | None:
-    """The side of the box ("left" or "right") that stopped a slide, None where it ended by itself.
+    """Return the side of the box ("left" or "right") that stopped a slide, None if the slide ended without a side.
 
-    A side stopped it if ground piled up there, or if ground there slid at least half as far as the largest slide.
+    A side counts as having stopped the slide if ground piled up there, or if ground there slid at least half as far as
+    the largest slide.
     """
     reached = [side for side in sides if side.piled or side.furthest > STOPPED]
     return max(reached, key=lambda side: (side.furthest, side.rise)).name if reached else None
 
 
 def at_the_sides(sides: Sequence[AtSide]) -> list[str]:
-    """The sides that affect the slide: discs of the surface come near them, or ground piles up there."""
+    """Return the sides that affect the slide: discs of the surface come near them, or ground piles up there."""
     notes = []
     for side in sides:
         if side.piled:
@@ -144,10 +146,10 @@ def at_the_sides(sides: Sequence[AtSide]) -> list[str]:
 
 
 def within_scatter(far: float, radius: float) -> list[str]:
-    """A sentence on a slide that is not larger than the scatter of liquefied discs on level ground; empty for larger
-    slides.
+    """Return a sentence on a slide that is not larger than the scatter of liquefied discs on level ground; empty for
+    larger slides.
 
-    far: the largest slide (m); radius: mean radius of the discs (m).
+    far: largest slide (m); radius: mean radius of the discs (m).
     """
     if abs(far) >= SCATTER * 2.0 * radius:
         return []
@@ -158,7 +160,7 @@ def within_scatter(far: float, radius: float) -> list[str]:
 
 
 def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[str]:
-    """Liquefied layers that are less than two discs thick, in one note with the radius that they need.
+    """Return a note on liquefied layers that are less than two discs thick, with the radius that they need.
 
     With such layers River Park moved by 0.5 m, while material points moved by 1.1 m and 3.7 m were measured.
     """
@@ -201,7 +203,8 @@ def _columns(x: np.ndarray, radius: float) -> np.ndarray:
 
 
 def thin_crust(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[str]:
-    """The strata above liquefied ground if they are less than two discs thick, with the radius that they need.
+    """Return a note on the strata above liquefied ground if they are less than two discs thick, with the radius that
+    they need.
 
     86 m behind the quay of Port Island N the ground moved by -0.29 and -0.31 m with discs of three quarters of the
     thickness of its crust, and by 0.24 and 0.63 m with discs half as large (two packings; 1.18 m measured). The

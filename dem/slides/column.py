@@ -92,12 +92,12 @@ class SoilColumn:
 
     @property
     def unit(self) -> float:
-        """sqrt(height / g) (s)."""
+        """Return sqrt(height / g) (s)."""
         return float(np.sqrt(self.height / G))
 
     @property
     def porosity(self) -> float:
-        """Area of voids over total area of the column below its mean top, before the release."""
+        """Return the area of voids over total area of the column below its mean top, before the release."""
         free = ~self.model.fixed
         x, top = self.model.x[free], (self.model.z + self.model.radius)[free]
         column = (x / (4.0 * self.radius)).astype(int)

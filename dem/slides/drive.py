@@ -22,7 +22,8 @@ APART = 1e-6  # s between the two ends of a step of a record
 
 @dataclass(frozen=True, eq=False)
 class Shaking:
-    """A record of the base, or the acceleration of the ground, and the time at which each stratum begins to liquefy.
+    """Holds a record of the base, or the acceleration of the ground, and the time at which each stratum begins to
+    liquefy.
 
     Base and fixed discs move as one rigid body. In the frame of the base, the opposite of its acceleration acts on the
     full mass of the discs. This is exact for a box and for periodic sides. Cycles of Kh, and the average acceleration
@@ -33,8 +34,8 @@ class Shaking:
     time : (n,)
         Times (s), rising.
     acceleration : (n,)
-        Acceleration of the discs in the frame of the base (m/s2), linear in between; positive downhill, where the base
-        accelerates uphill.
+        Acceleration of the discs relative to the base (m/s2), linear in between; positive downslope, while the base
+        accelerates upslope.
     onsets : dict
         Onset of liquefaction by stratum (s after the beginning of the record).
     of_the_base : bool
@@ -49,22 +50,22 @@ class Shaking:
 
 @dataclass(frozen=True, eq=False)
 class BaseMotion:
-    """Loading of a slide: base motion and onset of liquefaction, in s since the slide began.
+    """Holds the loading of a slide: base motion and onset of liquefaction, in s since the beginning of the slide.
 
     Attributes
     ----------
     acceleration : Acceleration
-        Acceleration of the frame.
+        External acceleration of the discs in the frame of the base.
     starts : dict
         Time at which each stratum begins to liquefy.
     first : float
-        First time at which a stratum liquefies, or could liquefy.
+        First time at which a stratum liquefies, or could liquefy (s).
     onset : float
-        Duration of the liquefaction of each stratum.
+        Time in which each stratum liquefies (s).
     rest_from : float
-        Time from which the ground may come to rest.
+        Time before which the slide does not end, even if the ground is at rest (s).
     end : float
-        Time at which the computation ends.
+        Time at which the computation ends (s).
     """
 
     acceleration: Acceleration
@@ -75,14 +76,14 @@ class BaseMotion:
     end: float
 
     def share(self, stratum: int, since: float) -> float:
-        """Degree of liquefaction of a stratum, 0 to 1, rounded to steps."""
+        """Return the degree of liquefaction of a stratum, 0 to 1, rounded to steps."""
         since -= self.starts[stratum]
         if since < -SAME:
             return 0.0
         return 1.0 if self.onset == 0.0 else min(1.0, (np.floor(FADE * since / self.onset + SAME) + 1.0) / FADE)
 
     def wait(self, since: float, longest: float) -> float:
-        """Time to the next change of springs (s), at most ``longest``."""
+        """Return the time to the next change of springs (s), at most ``longest``."""
         starts = {self.first, *self.starts.values()}
         waits = [start - since for start in starts if start - since > SAME]
         going = self.onset > 0.0 and any(-SAME <= since - start < self.onset for start in starts)
@@ -92,12 +93,13 @@ class BaseMotion:
 def cycles(
     settings: SlideSettings, strata: Sequence[int], law: Law = "soil", passed: Mapping[int, float] | None = None
 ) -> Shaking | None:
-    """Cycles of Kh after a pause of one onset, in which ground that liquefies at the beginning liquefies.
+    """Return cycles of Kh after a pause of one onset, in which ground that liquefies at the beginning liquefies.
 
     Parameters
     ----------
     settings
-        Of the slide: ``kh``, ``kh_cycles``, ``kh_period`` (s), and ``liquefies_at``, s after the pause, or "F_L".
+        Settings of the slide: ``kh``, ``kh_cycles``, ``kh_period`` (s), and ``liquefies_at``, s after the pause, or
+        "F_L".
     strata
         Numbers of the strata that liquefy.
     law
@@ -109,7 +111,7 @@ def cycles(
     Returns
     -------
     Shaking or None
-        None if Kh is zero or not cyclic.
+        The cycles; None if Kh is zero or not cyclic.
     """
     if settings.kh_cycles is None or settings.kh_period is None or settings.kh == 0.0:
         return None
@@ -123,9 +125,9 @@ def cycles(
 
 
 def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings) -> BaseMotion:
-    """Loading by a constant Kh; all strata liquefy together, in soil discs once Kh has its full value.
+    """Return the loading by a constant Kh; all strata liquefy together, in soil discs once Kh has its full value.
 
-    start: discs at rest; ground: in which they lie; settings: of the slide.
+    start: discs at rest; ground: the ground in which the discs lie; settings: settings of the slide.
     """
     lead, onset = LEAD[start.law], settings.onset_of(start.law)
     begin = lead + onset
@@ -144,10 +146,10 @@ def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], setting
 def recorded_motion(
     start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings, shaking: Shaking
 ) -> BaseMotion:
-    """Loading by a record of the base; each stratum liquefies at its onset.
+    """Return the loading by a record of the base; each stratum liquefies at its onset.
 
-    start: discs at rest; ground: in which they lie; strata: numbers of those that liquefy; settings: of the slide;
-    shaking: acceleration of the base, and onsets (s).
+    start: discs at rest; ground: the ground in which the discs lie; strata: numbers of the strata that liquefy;
+    settings: settings of the slide; shaking: acceleration of the base, and onsets (s).
     """
     over, onset = float(shaking.time[-1] - shaking.time[0]), settings.onset_of(start.law)
     starts = {k: shaking.onsets[k] for k in strata}

@@ -26,11 +26,11 @@ ELASTIC = 0.25 * np.pi * FITTED
 def liquefied(
     layers: list[LayerSprings], which: list[int], case: Case | None, share: float = 1.0, law: Law = "paper"
 ) -> list[LayerSprings]:
-    """The springs of all layers when some have liquefied to the degree ``share``.
+    """Return the springs of all layers when some have liquefied to the degree ``share``.
 
     Springs of the paper's discs are multiplied by the factors of the case to the power of the share, and their overlap
     is not limited. Contacts of soil discs fade out, since pore water then carries the load (`dem.liquefied_ground`).
-    which: numbers of the layers that liquefy; law: of the contacts.
+    which: numbers of the layers that liquefy; law: contact law.
     """
     out = []
     for k, layer in enumerate(layers):
@@ -45,12 +45,12 @@ def liquefied(
 
 
 def effect_of(case: Case, section: Section, strata: Sequence[int], law: Law) -> Hashable:
-    """All parameters of the discs that a case changes: two cases with equal parameters have the same slide, to the last
-    bit.
+    """Return all parameters of the discs that a case changes: two cases with equal parameters have the same slide, to
+    the last bit.
 
     For the paper's discs these are the factors of the case. For soil discs they are the residual strength of each
     stratum, and its stiffness unless it follows from a strain potential (see `onset`). case: stiffness and strength
-    after liquefaction; section: the ground; strata: numbers of those that liquefy; law: of the contacts.
+    after liquefaction; section: the ground; strata: numbers of those that liquefy; law: contact law.
     """
     felt = tuple(strata), case.volumetric_strain, bool(case.residual or case.residual_strength)  # notes name the last
     if law == "paper":
@@ -60,13 +60,13 @@ def effect_of(case: Case, section: Section, strata: Sequence[int], law: Law) -> 
 
 
 def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> Onset:
-    """State of soil discs at the onset of liquefaction: overburden, and residual strength by the case.
+    """Return the state of soil discs at the onset of liquefaction: overburden, and residual strength by the case.
 
     The strength is given as a ratio of the vertical effective stress at that time, as a stress, or as shares of the
     friction and cohesion of the soil (`Case.remains_of`). The residual strength is reached at a shear strain s/G, with
     the shear modulus G by the case, but at most `MOST_STRAIN`; ground with a strain potential reaches it only beyond
-    that potential (`meshes.section.strain_potential`). model: the discs; ground: in which they lie; strata: numbers of
-    those that liquefy; case: stiffness and strength after liquefaction.
+    that potential (`meshes.section.strain_potential`). model: model of the discs; ground: the ground in which the discs
+    lie; strata: numbers of those that liquefy; case: stiffness and strength after liquefaction.
     """
     pressure, section = effective_overburden(model), ground.section
     consolidated = pressure - _not_consolidated(model, ground)
@@ -100,8 +100,8 @@ def weaken_clay(model: DiscModel, start: DiscModel, ground: Ground, shares: Mapp
     """Lower the strength of clay in strata that liquefy from s_u to what the case leaves, by their degree of
     liquefaction. Clay has the laws of liquefied ground already (`dem.search.undrained_clay`).
 
-    model: discs, which are changed; start: discs at the start; ground: in which they lie; shares: degree of
-    liquefaction by stratum; case: strength after liquefaction.
+    model: discs, which are changed; start: discs at the start; ground: the ground in which the discs lie; shares:
+    degree of liquefaction by stratum; case: strength after liquefaction.
     """
     clay = is_liquefying(start) & np.isin(start.layer, list(shares))
     if not clay.any():

@@ -15,14 +15,14 @@ LITTLE = 0.01  # of the total energy exchanged, in a window
 
 
 def at_rest(times: Sequence[float], moved: Sequence[Sequence[float]], still: float) -> bool:
-    """Whether no displacement increased by `still` (m) within the last window of time, or oscillated by more than a few
-    times this length.
+    """Return whether the ground is at rest: no displacement increased by `still` (m) within the last window of time, or
+    oscillated by more than a few times this length.
 
     The increase is twice the difference of the means over the two halves of the window: for creeping ground it is equal
     to the displacement, for oscillating ground much smaller.
 
-    times (n,): of the records (s), rising; moved (n, k): displacements at each time (m): slides and settlements of the
-    thirds, and the largest slide.
+    times (n,): times of the records (s), rising; moved (n, k): displacements at each time (m): slides and settlements
+    of the thirds, and the largest slide.
     """
     time, where = np.asarray(times, float), np.asarray(moved, float)
     if len(time) == 0 or time[-1] - time[0] < WINDOW - 1e-9:
@@ -35,13 +35,14 @@ def at_rest(times: Sequence[float], moved: Sequence[Sequence[float]], still: flo
 
 
 def moved_lately(times: Sequence[float], moved: Sequence[float]) -> float:
-    """Displacement within the last 10 s (m); times (n,) of the records (s), moved (n,): displacement at each (m)."""
+    """Return the displacement within the last 10 s (m); times (n,): times of the records (s), moved (n,): displacement
+    at each time (m)."""
     first = int(np.searchsorted(np.asarray(times, float), times[-1] - LATELY - 1e-9))
     return float(np.ptp(np.asarray(moved, float)[first:]))
 
 
 def residual_motion_source(times: Sequence[float], weight: Sequence[float], shaking: Sequence[float]) -> str:
-    """Source of the energy of the last window of time, in words.
+    """Return the source of the energy of the last window of time, in words.
 
     weight, shaking (n,): work of gravity and of the seismic force since the beginning (J per metre).
     """

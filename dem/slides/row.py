@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Row:
-    """State of a slide at one time, a line of history.csv.
+    """Holds the state of a slide at one time, a line of history.csv.
 
     Attributes
     ----------

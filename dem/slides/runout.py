@@ -22,14 +22,14 @@ FULL = 0.5  # of a row of discs: columns with less are beyond the front
 
 @dataclass(frozen=True)
 class RunOut:
-    """Extent of a deposit.
+    """Holds the extent of a deposit of discs.
 
     Attributes
     ----------
     front : float
         Furthest rim of the connected deposit along x (m).
     x98 : float
-        Place to the left of which 98 % of the mass lies (m).
+        Horizontal position to the left of which 98 % of the mass lies (m).
     height : float
         Top of the connected deposit over the lowest rim (m).
     loose : float
@@ -43,18 +43,18 @@ class RunOut:
 
 
 def connected_ground(model: DiscModel) -> np.ndarray:
-    """Mask (n,) of the connected free discs: the part of the largest mass whose discs touch, or nearly touch.
+    """Find the connected free discs, as a mask (n,): the part of the largest mass whose discs touch, or nearly touch.
 
     Parameters
     ----------
     model
-        Discs; they nearly touch if their gap is below a quarter of their mean radius, or below that radius where bonds
-        hold both.
+        The discs; discs nearly touch if their gap is below a quarter of their mean radius, or below that radius if
+        bonds hold both.
 
     Returns
     -------
     (n,) bool
-        False for fixed discs.
+        The mask, False for fixed discs.
     """
     free = np.flatnonzero(~model.fixed)
     places, r = np.column_stack([model.x, model.z])[free], model.radius[free]
@@ -81,33 +81,33 @@ def loose_share(model: DiscModel) -> float:
     Returns
     -------
     float
-        From 0 to 1.
+        Share of the mass, from 0 to 1.
     """
     free = ~model.fixed
     return float(1.0 - model.mass[connected_ground(model)].sum() / model.mass[free].sum())
 
 
 def on_loose_mass(share: float) -> list[str]:
-    """A sentence on the share of the mass that has left the connected ground; empty if it is small."""
+    """Return a sentence on the share of the mass that has left the connected ground; empty if the share is small."""
     if share <= TELL:
         return []
     return [f"{100.0 * share:.0f} % of the mass has left the connected ground: single discs flew or rolled away"]
 
 
 def mass_quantile(model: DiscModel, share: float) -> float:
-    """x (m) to the left of which this share of the mass of the free discs lies.
+    """Return the position x (m) to the left of which this share of the mass of the free discs lies.
 
     Parameters
     ----------
     model
         Discs.
     share
-        From 0 to 1.
+        Share of the mass, from 0 to 1.
 
     Returns
     -------
     float
-        The place in the frame of the discs (m).
+        Position in the frame of the discs (m).
 
     Raises
     ------
@@ -123,7 +123,7 @@ def mass_quantile(model: DiscModel, share: float) -> float:
 
 
 def deposit_profile(model: DiscModel, width: float | None = None) -> np.ndarray:
-    """Surface of the connected deposit, column by column.
+    """Return the surface of the connected deposit, column by column.
 
     Parameters
     ----------
@@ -135,8 +135,8 @@ def deposit_profile(model: DiscModel, width: float | None = None) -> np.ndarray:
     Returns
     -------
     (k, 2)
-        Middle of each column and highest rim in it (m), from the left to the last column that holds at least half a row
-        of discs; empty columns in between are left out.
+        Middle of each column and highest rim in the column (m), from the left to the last column that contains at least
+        half a row of discs; empty columns in between are left out.
     """
     chosen = connected_ground(model)
     x, z, r = model.x[chosen], model.z[chosen], model.radius[chosen]
@@ -152,7 +152,7 @@ def deposit_profile(model: DiscModel, width: float | None = None) -> np.ndarray:
 
 
 def run_out(model: DiscModel) -> RunOut:
-    """Extent along x of the discs in their present positions.
+    """Measure the extent along x of the discs in their present positions.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def run_out(model: DiscModel) -> RunOut:
     Returns
     -------
     RunOut
-        The run-out of a column of width d is `front` - d.
+        Extent of the deposit; a column of width d has the run-out `front` - d.
     """
     chosen = connected_ground(model)
     x, z, r = model.x[chosen], model.z[chosen], model.radius[chosen]

@@ -13,7 +13,7 @@ MOVES = 2.0  # times what Kh alone does, beyond which a disc of the surface slid
 
 @dataclass
 class Slide:
-    """Result of a slide: its history, and the reason of its end.
+    """Holds the result of a slide: its history, and the reason why it ended.
 
     Attributes
     ----------
@@ -22,7 +22,7 @@ class Slide:
     settled : bool
         Whether the surface has come to rest.
     reason : str
-        Why the computation of the slide ended.
+        Reason why the computation of the slide ended.
     escaped : int
         Number of discs outside the rigid lines.
     loose_share : float
@@ -32,15 +32,15 @@ class Slide:
     slide : list of float
         Smoothed slide of each disc of the surface, from uphill to downhill (m).
     slide_along : list of [x, slide]
-        The same from left to right, over the place of the disc before the slide (m).
+        Smoothed slide of each surface disc from left to right, over the position of the disc before the slide (m).
     surface_before, surface_after : list of [x, z]
         Tops of the discs at the surface before and after the slide (m).
     seconds_simulated : float
         Simulated time since the onset (s).
     step_share : float
-        Time step over the stable one.
+        Time step over the stable time step.
     overlap : float
-        Largest overlap of two discs at any record, over their mean radius.
+        Largest overlap of two discs at any record, over their mean radius (-).
     area_lost_share : float
         Share of the area of the ground that is lost, beyond drainage and compression of springs.
     slide_by_weight_m : float or None
@@ -74,8 +74,8 @@ class Slide:
     notes: list[str] = field(default_factory=list)
 
     def as_json(self, alone: "Slide | None" = None) -> dict[str, Any]:
-        """The numbers of a case. alone: the same ground under Kh alone; a disc slides if it moves twice as far as
-        there.
+        """Return the numbers of a case. alone: the same ground under Kh alone; a disc counts as sliding if it moves
+        twice as far as there.
         """
         last = asdict(self.rows[-1])
         answers = {key: last[key] for key in last if key.startswith(("settlement", "slide", "crack_"))}

@@ -19,16 +19,16 @@ REACH = 3.0  # mean radii within which discs move as one: a band of shear is eig
 
 @dataclass(frozen=True)
 class Agreement:
-    """Comparison of two slip surfaces in the columns where both exist.
+    """Compares two slip surfaces in the columns where both exist.
 
     Attributes
     ----------
     mean_distance_m : float
         Mean vertical distance (m).
     mean_height_m : float
-        Mean height of the first above the second (m).
+        Mean height of the first surface above the second (m).
     same_stratum_share : float
-        Share of the columns in which both lie in the same stratum.
+        Share of the columns in which both surfaces lie in the same stratum.
     columns : int
         Number of compared columns.
     """
@@ -40,7 +40,7 @@ class Agreement:
 
 
 def cracked_shares(model: DiscModel) -> dict[str, float]:
-    """Share of cracked pore springs of each layer; a spring between two layers counts in both."""
+    """Return the share of cracked pore springs in each layer; a spring between two layers counts in both."""
     set_, cracked = model.pore_length != 0.0, model.pore_length < 0.0
     first, second = model.layer[model.pair_i], model.layer[model.pair_j]
     shares = {}
@@ -51,7 +51,8 @@ def cracked_shares(model: DiscModel) -> dict[str, float]:
 
 
 def slip_surface(model: DiscModel, before: DiscModel, ground: Ground) -> np.ndarray:
-    """The line between discs that moved since `before` and discs at rest, see `slip_line`; empty if none moved.
+    """Return the slip surface between discs that moved since `before` and discs at rest, see `slip_line`; empty if none
+    moved.
 
     The displacement at a point is the mean of the discs within `REACH`, including fixed ones.
     """
@@ -69,7 +70,7 @@ def slip_surface(model: DiscModel, before: DiscModel, ground: Ground) -> np.ndar
 
 
 def compare(section: Section, first: np.ndarray, second: np.ndarray) -> Agreement | None:
-    """Agreement of two slip surfaces, at the columns of the first within the extent of the second; None if there is
+    """Compare two slip surfaces, at the columns of the first within the extent of the second; return None if there is
     none.
     """
     if len(first) == 0 or len(second) < 2:
@@ -84,5 +85,5 @@ def compare(section: Section, first: np.ndarray, second: np.ndarray) -> Agreemen
 
 
 def cracked_count(model: DiscModel) -> int:
-    """Number of cracked pore springs."""
+    """Return the number of cracked pore springs."""
     return int((model.pore_length < 0.0).sum())

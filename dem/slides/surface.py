@@ -13,7 +13,7 @@ THIRDS = ("uphill", "middle", "downhill")
 
 @dataclass(frozen=True)
 class Surface:
-    """The topmost disc of every column of discs, from uphill to downhill, as they were before a slide.
+    """Holds the topmost disc of every column of discs, from uphill to downhill, as they were before a slide.
 
     Attributes
     ----------
@@ -22,7 +22,7 @@ class Surface:
     x, z : (n,)
         Positions before the slide, in the frame of the section (m).
     third : (n,)
-        0 uphill, 1 middle, 2 downhill.
+        Third of the surface: 0 uphill, 1 middle, 2 downhill.
     """
 
     discs: np.ndarray
@@ -32,7 +32,7 @@ class Surface:
 
     @classmethod
     def of(cls, model: DiscModel, ground: Ground) -> "Surface":
-        """The surface of discs in their present positions."""
+        """Return the surface of discs in their present positions."""
         free = np.flatnonzero(~model.fixed)
         x, z = ground.to_section(model.x[free], model.z[free])
         column = ((x - x.min()) / (2.0 * ground.radius)).astype(int)
@@ -43,29 +43,29 @@ class Surface:
         return cls(free[top], x[top], z[top], third)
 
     def movement(self, model: DiscModel, ground: Ground) -> tuple[np.ndarray, np.ndarray]:
-        """Slide (horizontally downhill) and settlement (downwards) of each disc of the surface (m)."""
+        """Return slide (horizontally downhill) and settlement (downwards) of each disc of the surface (m)."""
         x, z = ground.to_section(model.x[self.discs], model.z[self.discs])
         return ground.downhill * (x - self.x), self.z - z
 
     def by_thirds(self, values: np.ndarray) -> dict[str, float]:
-        """The median of each third."""
+        """Return the median of each third of the surface."""
         return {name: float(np.median(values[self.third == k])) for k, name in enumerate(THIRDS)}
 
     def smoothed(self, values: np.ndarray) -> np.ndarray:
-        """Running median over `NEIGHBOURS` discs of the surface."""
+        """Return the running median over `NEIGHBOURS` discs of the surface."""
         half = NEIGHBOURS // 2
         padded = np.pad(values, half, mode="edge")
         return np.median(np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS), axis=-1)
 
     def points(self, model: DiscModel, ground: Ground) -> np.ndarray:
-        """Tops of the discs of the surface (n, 2), from left to right (m)."""
+        """Return the tops of the discs of the surface (n, 2), from left to right (m)."""
         x, z = ground.to_section(model.x[self.discs], model.z[self.discs])
         order = np.argsort(x, kind="stable")
         return np.column_stack([x, z + model.radius[self.discs]])[order]
 
 
 def crack_opening(model: DiscModel, ground: Ground, surface: Surface) -> float:
-    """The widest gap between the discs at the surface, measured as the width of its opening (m)."""
+    """Return the widest gap between the discs at the surface, measured as the width of the opening (m)."""
     x, z = ground.to_section(model.x, model.z)
     depth = np.interp(x, *surface.points(model, ground).T) - z
     near = np.flatnonzero(~model.fixed & (depth < 1.6 * ground.radius))
@@ -76,7 +76,7 @@ def crack_opening(model: DiscModel, ground: Ground, surface: Surface) -> float:
 
 
 def escaped(model: DiscModel) -> int:
-    """Number of discs whose centres are outside the rigid lines."""
+    """Return the number of discs whose centres are outside the rigid lines."""
     free = ~model.fixed
     gone = np.zeros(len(model), bool)
     for px, pz, nx, nz, begin, end in model.lines:

@@ -17,18 +17,18 @@ MOST = 0.98  # of the mass has to lie still: single discs that roll on are not w
 
 @dataclass(frozen=True)
 class UntilRest:
-    """Result of a run until rest.
+    """Holds the result of a run until rest.
 
     Attributes
     ----------
     rested : bool
-        Whether the discs lie still.
+        Whether the discs are at rest.
     seconds : float
         Model time of the run (s).
     time : (k,)
         Times of the records (s since the beginning).
     moved : (k,)
-        Displacement since the record before that 98 % of the mass did not exceed (m).
+        Displacement since the record before that 98 % of the mass did not exceed (m), at each record.
     """
 
     rested: bool
@@ -62,9 +62,10 @@ def run_until_rest(
     at_least
         Time before which the run does not end (s), such as the duration of a record or of Kh.
     step_share
-        Time step over the stable one; it is renewed at every record, and shortened if a contact stiffens in between.
+        Time step over the stable time step; it is renewed at every record, and shortened if a contact stiffens in
+        between.
     on_look
-        Called at every record.
+        Function that is called at every record.
 
     Returns
     -------

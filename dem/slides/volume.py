@@ -20,14 +20,15 @@ PACE = 0.002  # of the area at one look: what holds the ground changes little
 
 
 def undrained(start: DiscModel, liquefy: Sequence[int]) -> list[int]:
-    """Strata of soil discs that keep their volume: those with undrained strength, and those that ``liquefy``."""
+    """Return the strata of soil discs that keep their volume: those with undrained strength, and those that
+    ``liquefy``."""
     if start.law != "soil":
         return []
     return [k for k, layer in enumerate(start.springs.layers) if k in liquefy or layer.undrained_strength > 0.0]
 
 
 def volume_change(start: DiscModel, model: DiscModel) -> np.ndarray:
-    """Relative growth of the area of the ground of each stratum (n,), negative where it got denser.
+    """Return the relative growth of the area of the ground of each stratum (n,), negative where it got denser.
 
     The growth is 0 for a stratum of which no three discs are neighbours any more.
     """
@@ -35,7 +36,7 @@ def volume_change(start: DiscModel, model: DiscModel) -> np.ndarray:
 
 
 def shortening(model: DiscModel, strata: Sequence[int]) -> float:
-    """Mean overlap of the contacts of some strata, over the distance of just touching discs.
+    """Return the mean overlap of the contacts of some strata, over the distance of just touching discs.
 
     Contacts that fade by liquefaction do not count.
     """
@@ -54,7 +55,7 @@ def swollen(
     sizes: Sequence[float],
     drained: Mapping[int, float],
 ) -> list[float]:
-    """Required area of the discs of some strata over their area at the start; `sizes` is the present ratio.
+    """Return the required area of the discs of some strata over their area at the start; `sizes` is the present ratio.
 
     before: `area_per_disc` at the start; drained: prescribed drained share of the volume, by stratum. The shortening of
     softer springs is not compensated.
