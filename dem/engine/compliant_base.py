@@ -85,7 +85,7 @@ class Look:
         model.base_velocity += 0.5 * (model.time - since) * (before + model.base_rate)
 
     def measure(self, model: DiscState, dt: float) -> None:
-        """Measure the force on the base after all of the steps, of dt (s): it determines the next acceleration.
+        """Measure the force on the base after all of the steps, of dt (s); the force determines the next acceleration.
 
         The change of the velocities from the middle of one step to that of a later one follows from the accelerations
         at the beginnings of the steps in between. Stiff clay rocked the base ever further while the one was taken
