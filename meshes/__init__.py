@@ -1,8 +1,8 @@
 """The ground: a layered section, and the meshes made from it.
 
-What a script needs stands here: ``Section`` is read from TOML, ``MeshSettings`` says how to mesh it, ``generate`` makes
-the quadrilaterals of the finite elements (``QuadMesh``), ``triangulate`` the triangles of limit analysis (``TriMesh``).
-Each is imported when it is first asked for, and not before: gmsh by the first of the last two.
+The names that a script needs: ``Section`` is read from TOML, ``MeshSettings`` are the settings of a mesh, ``generate``
+makes the quadrilaterals of the finite elements (``QuadMesh``), ``triangulate`` the triangles of limit analysis
+(``TriMesh``). Each name is imported when it is first used; the last two import gmsh.
 """
 
 from typing import TYPE_CHECKING

@@ -1,7 +1,7 @@
-"""A mesh made anew for what was found on the last one: small cells where the ground yields, large ones elsewhere.
+"""A mesh adapted to the answer on the last mesh: small cells where the ground yields, large ones elsewhere.
 
-A mechanism is thin: its shear goes through a band as narrow as the mesh can make it, and the load comes out too large
-in proportion to the width of that band. So cells are best spent there.
+Plastic shear is concentrated in a band as narrow as the cells allow, and the limit load is too large in proportion to
+the width of the band. So small cells are most useful in the band.
 """
 
 from pathlib import Path
@@ -45,25 +45,25 @@ def adapted(
 ) -> QuadMesh:
     """Make a free mesh of a section with small cells where an indicator is large.
 
-    The size of a new cell is proportional to one over the root of the indicator, so that its integral is the same over
-    each cell. Where it is zero everywhere cells stay alike.
+    The size of a new cell is proportional to one over the root of the indicator, so that the integral of the indicator
+    is the same over each cell. If the indicator is zero everywhere, all cells have the same size.
 
     Parameters
     ----------
     section : Section
         The section.
     settings : MeshSettings
-        Sizes in strata and towards lines are kept as upper limits.
+        Settings of the mesh; sizes in strata and towards lines remain upper limits.
     mesh : QuadMesh
         The last mesh of this section.
     indicator : array (cells of ``mesh``,)
-        Not negative, such as the plastic shear strain of each cell.
+        Indicator, not negative, such as the plastic shear strain of each cell.
     cells : int
-        About how many quadrilaterals.
+        Approximate number of quadrilaterals.
     path : Path or str, optional
-        Where to write the mesh as a gmsh file.
+        File to which the mesh is written, in the format of gmsh.
     repeats : bool, optional
-        Whether the sides are periodic: where both have the same layers they get the same points.
+        Whether the sides are periodic; if both have the same layers, they get the same points.
 
     Returns
     -------
@@ -74,7 +74,7 @@ def adapted(
     InputError
         If the indicator does not fit the mesh.
     BadMeshError
-        As `generate` does.
+        If gmsh leaves a cell without a positive Jacobian.
     """
     indicator = np.asarray(indicator, dtype=float)
     if indicator.shape != (len(mesh.cells),) or not np.all(indicator >= 0.0):
@@ -102,9 +102,10 @@ def adapted(
 
 
 def wanted_sizes(mesh: QuadMesh, indicator: np.ndarray, cells: float, largest: float) -> np.ndarray:
-    """Size (m) of new cells that make about so many ``cells``, none above ``largest``; at the points (n,) of a mesh.
+    """Return the size (m) of new cells at the points (n,) of a mesh, so that about ``cells`` cells result; no size is
+    above ``largest``.
 
-    ``indicator`` (n,): at the points of ``mesh``; cells are small where it is large.
+    ``indicator`` (n,): values at the points of ``mesh``; cells are small where it is large.
     """
     area = areas(mesh.points, mesh.cells)
     least = np.sqrt(area) / FINER
@@ -120,10 +121,10 @@ def wanted_sizes(mesh: QuadMesh, indicator: np.ndarray, cells: float, largest: f
 
 
 class Growth:
-    """Sizes at the points of a mesh that grow by no more than GROWTH a metre from cell to cell.
+    """Limits sizes at the points of a mesh, so that they grow by no more than GROWTH per metre from cell to cell.
 
-    They are the shortest paths, along edges and diagonals, from one more point that is as far from every other as the
-    size there says.
+    The limited sizes are the shortest paths, along edges and diagonals, from an additional point whose distance to
+    every other point is the wanted size there.
     """
 
     def __init__(self, mesh: QuadMesh) -> None:
@@ -137,7 +138,7 @@ class Growth:
         self._growth = GROWTH * lengths
 
     def limited(self, sizes: np.ndarray) -> np.ndarray:
-        """Sizes (n,) at the points, at most the ``sizes`` (m,) of the cells round them."""
+        """Return sizes (n,) at the points, at most the ``sizes`` (m,) of the cells around each point."""
         at_points = np.full(self._count, np.inf)
         np.minimum.at(at_points, self._cells.ravel(), np.repeat(sizes, 4))
         entries = np.concatenate([self._growth, at_points]), (self._rows, self._columns)

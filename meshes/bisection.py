@@ -9,8 +9,8 @@ from meshes.triangles import TriMesh
 
 
 def bisect(mesh: TriMesh, marked: np.ndarray) -> tuple[TriMesh, np.ndarray]:
-    """The mesh with the cells in ``marked`` (numbers or a mask) bisected at their longest edges, and the number of the
-    old cell that each new one is a part of."""
+    """Bisect the cells in ``marked`` (numbers or a mask) at their longest edges; return the mesh, and the number of the
+    old cell that contains each new cell."""
     longest = longest_edges(mesh)
     cut = np.zeros(len(mesh.edges), dtype=bool)
     cut[longest[marked]] = True
@@ -33,10 +33,10 @@ def _alike(mesh: TriMesh, cut: np.ndarray) -> np.ndarray:
 
 
 def fan_out(mesh: TriMesh, points: np.ndarray, widest: float) -> tuple[TriMesh, np.ndarray]:
-    """The mesh with the cells round points (a mask) halved from there, where their angle exceeds ``widest`` (rad), and
-    the number of the old cell that each new one is a part of.
+    """Halve the cells around points (a mask) through these points if their angle exceeds ``widest`` (rad); return the
+    mesh, and the number of the old cell that contains each new cell.
 
-    Bisection of the longest edges alone would never bring more cells to a point.
+    Bisection of the longest edges alone would never add cells at a point.
     """
     corners = mesh.points[mesh.cells]
     edges = np.roll(corners, -1, axis=1) - corners
@@ -49,8 +49,8 @@ def fan_out(mesh: TriMesh, points: np.ndarray, widest: float) -> tuple[TriMesh, 
 
 
 def cut_edges(mesh: TriMesh, cut: np.ndarray) -> tuple[TriMesh, np.ndarray]:
-    """The mesh with edges (a mask) cut at their middles, every cell first at its longest one of these, and the number
-    of the old cell that each new one is a part of."""
+    """Cut edges (a mask) at their middles, every cell first at its longest edge among them; return the mesh, and the
+    number of the old cell that contains each new cell."""
     rank = np.where(cut, _rank(mesh), -1)[mesh.cell_edges]
     first = np.take_along_axis(mesh.cell_edges, np.argmax(rank, axis=1)[:, None], axis=1)[:, 0]
     middle = np.full(len(mesh.edges), -1)
@@ -62,7 +62,7 @@ def cut_edges(mesh: TriMesh, cut: np.ndarray) -> tuple[TriMesh, np.ndarray]:
 
 
 def longest_edges(mesh: TriMesh) -> np.ndarray:
-    """Number of the longest edge of every cell; of equal ones neighbours take the same."""
+    """Return the number of the longest edge of every cell; among equal edges neighbours take the same."""
     rank = _rank(mesh)[mesh.cell_edges]
     return np.take_along_axis(mesh.cell_edges, np.argmax(rank, axis=1)[:, None], axis=1)[:, 0]
 
@@ -102,7 +102,7 @@ def _divided_edges(ends: np.ndarray, middle: np.ndarray) -> np.ndarray:
 
 
 def split_at_middle(mesh: TriMesh, marked: np.ndarray) -> TriMesh:
-    """The mesh with every cell of a mask divided at its middle into three."""
+    """Return the mesh with every cell of a mask divided into three at its middle."""
     if not marked.any():
         return mesh
     centre = len(mesh.points) + np.arange(np.count_nonzero(marked))

@@ -14,7 +14,7 @@ ROWS, WIDER = 12, 1.5
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """Blocks of columns by bands of rows.
+    """Holds the blocks of columns, and the bands of rows, of a mapped mesh.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class Blocks:
 
 
 def blocks_of(section: Section) -> Blocks | str:
-    """The blocks and bands of a section, or the reason why it has none.
+    """Return the blocks and bands of a section, or the reason why it has none.
 
     A section can be mapped if the same number of layers lies under every point, all of them thicker than zero, and if
     their borders meet from block to block; lateral neighbours lie in one band of rows.
@@ -59,7 +59,7 @@ def blocks_of(section: Section) -> Blocks | str:
 
 
 def share_out(total: int, weights: Sequence[float] | np.ndarray) -> np.ndarray:
-    """``total`` whole things shared out by weight (largest remainder), at least one for each.
+    """Divide ``total`` items in proportion to weights (largest remainder), with at least one item for each weight.
 
     Raises ValueError if there are more weights than things.
     """
@@ -76,10 +76,9 @@ def share_out(total: int, weights: Sequence[float] | np.ndarray) -> np.ndarray:
 
 
 def divisions(blocks: Blocks, columns: int | None, rows: int | None, size: float | None, most: int) -> tuple[int, int]:
-    """Columns and rows as asked for; else from ``size`` (m); else 12 rows or one for each layer, and columns that
-    make the cells half as wide again as high.
-    ``blocks``: of the section; ``columns``, ``rows``: wanted numbers, or None; ``most``: cells where nothing is wanted,
-    fewer rows of longer ones where they would be more.
+    """Return numbers of columns and rows as given; else from ``size`` (m); else 12 rows or one for each layer, and
+    columns that make the cells half as wide again as high. ``blocks``: blocks of the section; ``columns``, ``rows``:
+    given numbers, or None; ``most``: largest number of cells if nothing is given; with fewer rows the cells are longer.
     """
     widths, thickness = np.diff(blocks.x), band_thickness(blocks)
     if size is not None:
@@ -94,12 +93,13 @@ def divisions(blocks: Blocks, columns: int | None, rows: int | None, size: float
 
 
 def band_thickness(blocks: Blocks) -> np.ndarray:
-    """Mean thickness (m) of every band."""
+    """Return the mean thickness (m) of every band."""
     borders = 0.5 * (blocks.left + blocks.right)
     return np.average(borders[:, :-1] - borders[:, 1:], axis=0, weights=np.diff(blocks.x))
 
 
 def largest_corner(blocks: Blocks) -> float:
-    """The largest angle (deg) in the corners of a mapped mesh's cells: between the vertical and the steepest border."""
+    """Return the largest angle (deg) in the corners of a mapped mesh's cells: between the vertical and the steepest
+    border."""
     rise = (blocks.right - blocks.left) / np.diff(blocks.x)[:, None]
     return 90.0 + float(np.degrees(np.arctan(np.abs(rise).max())))

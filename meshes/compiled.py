@@ -1,10 +1,10 @@
-"""Where compiled kernels are kept: a folder for each state of their sources, so that no change is overlooked.
+"""The folder of compiled kernels: one for each state of their sources, so that no change is overlooked.
 
-Numba keeps what it has compiled and compiles anew when the file of a function changes. It does not look at the files
-of the functions that are called from there (Numba's issue 1833): after a change in `contact.py` alone, `stepping.py`
-would go on with the old law. So the folder's name holds a hash of all kernels there are.
+Numba stores compiled functions and compiles again when the file of a function changes. It does not check the files of
+functions that are called from there (Numba's issue 1833): after a change in `contact.py` alone, `stepping.py` would
+continue with the old law. So the folder's name contains a hash of all kernels.
 
-It lies in the user's cache, since an installation may be read-only, or in NUMBA_CACHE_DIR where that is set.
+The folder is in the user's cache, since an installation may be read-only, or in NUMBA_CACHE_DIR if that is set.
 """
 
 import atexit
@@ -24,9 +24,10 @@ FORGOTTEN_AFTER = 28 * 86400.0  # s since a folder was last used
 
 
 def keep_compiled_kernels() -> None:
-    """Lets Numba keep the kernels of this process in the folder of their sources; call it before they are imported.
+    """Let Numba store the kernels of this process in the folder of their sources; call this function before they are
+    imported.
 
-    Child processes inherit it. Where no folder can be written, kernels are compiled for this process alone.
+    Child processes inherit the folder. If no folder can be written, kernels are compiled for this process alone.
     """
     chosen = os.environ.get(VARIABLE)
     base = Path(chosen) if chosen else _user_cache() / "noshiro"
@@ -44,19 +45,19 @@ def keep_compiled_kernels() -> None:
 
 
 def kernel_folder() -> Path:
-    """The folder of this process; call it after `keep_compiled_kernels`."""
+    """Return the folder of compiled kernels of this process; call this function after `keep_compiled_kernels`."""
     return Path(os.environ[VARIABLE])
 
 
 def hash_of_kernels(top: Path) -> str:
-    """Hash of all sources in the kernels' rooms of the packages in the folder `top`."""
+    """Return the hash of all sources in the kernels' rooms of the packages in the folder `top`."""
     return hash_of_files(
         (path for package in PACKAGES for path in sorted((top / package / "kernels").rglob("*.py"))), top
     )
 
 
 def hash_of_files(paths: Iterable[Path], top: Path) -> str:
-    """Hash of the contents of files, in their order, and of their places in the folder `top`."""
+    """Return the hash of the contents of files, in their order, and of their places in the folder `top`."""
     digest = hashlib.sha256()
     for path in paths:
         digest.update(str(path.relative_to(top)).encode() + b"\0" + path.read_bytes() + b"\0")
@@ -64,7 +65,7 @@ def hash_of_files(paths: Iterable[Path], top: Path) -> str:
 
 
 def forget(base: Path, current: Path) -> None:
-    """Removes the folders of other sources that nobody has used for four weeks."""
+    """Remove the folders of other sources that nobody has used for four weeks."""
     for folder in base.glob(PREFIX + "*"):
         try:
             old = time.time() - folder.stat().st_mtime > FORGOTTEN_AFTER

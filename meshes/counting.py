@@ -2,7 +2,7 @@
 
 
 def counted(count: int, singular: str, plural: str) -> str:
-    """A count with its noun and, where the verb follows, the verb: "1 disc overlaps", "2 discs overlap".
+    """Return a count with its noun and, if a verb follows, the verb: "1 disc overlaps", "2 discs overlap".
 
     Parameters
     ----------

@@ -1,10 +1,11 @@
-"""The edges of cells, each once, whatever number of corners the cells have."""
+"""The edges of cells, each listed once, for cells with any number of corners."""
 
 import numpy as np
 
 
 def edges_of(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Edges (e, 2), the lower point of each first, and the numbers of those of every cell, (cells, corners).
+    """Return the edges (e, 2), the lower point number of each first, and the numbers of the edges of every cell,
+    (cells, corners).
 
     ``cells`` (cells, corners) are point numbers in the order round the cell; its edge k leads from corner k onwards.
     """
@@ -14,7 +15,8 @@ def edges_of(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def without_cells(cells: np.ndarray, boundary: np.ndarray) -> np.ndarray:
-    """Edges (k, 2) that are outer ones of the cells and not of the ``boundary`` (n, 2), or the other way round."""
+    """Return edges (k, 2) that are outer edges of the cells but not of the ``boundary`` (n, 2), or the other way
+    round."""
     edges, of_cell = edges_of(cells)
     outer = edges[np.bincount(of_cell.ravel()) == 1]
     either, times = np.unique(np.concatenate([outer, np.sort(boundary, axis=1)]), axis=0, return_counts=True)

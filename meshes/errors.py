@@ -1,4 +1,4 @@
-"""Errors for a person whose input cannot be used, or has no answer."""
+"""Errors for the user whose input cannot be used, or has no answer."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 
 class InputError(ValueError):
-    """Input that cannot be used.
+    """The input cannot be used.
 
     Attributes
     ----------
@@ -23,7 +23,7 @@ class InputError(ValueError):
         super().__init__("\n".join([f"{source}: {count}", *(f"  - {text}" for text in self.problems)]))
 
     def of_file(self, name: str, file: Path | None) -> "InputError":
-        """The error of a ``file``, if there is one, in place of the section that it calls by ``name``."""
+        """Return the error of a ``file``, if there is one, with the file in place of the ``name`` of the section."""
         return self if file is None or self.source != name else InputError(str(file), self.problems)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -32,16 +32,16 @@ class InputError(ValueError):
 
 
 class NoAnswerError(RuntimeError):
-    """An analysis that ended without an answer, though its input could be used.
+    """An analysis ended without an answer, though its input can be used.
 
     Attributes
     ----------
     reason : str
-        Why there is none.
+        Reason why there is no answer.
     remedy : str
-        What to try; empty where nobody knows.
+        What the user can try; empty if nothing is known.
     MISSING : str
-        What there is none of, in words.
+        Name of the missing answer, in words.
     """
 
     MISSING: ClassVar[str] = "No answer"

@@ -1,5 +1,5 @@
-"""Tasks side by side: an executor is handed down, and does the tasks that it is given in order, or in threads, or in
-processes of this machine. Their results do not depend on the choice.
+"""Concurrent tasks: an executor does tasks in order, in threads, or in processes of this machine. The results of the
+tasks do not depend on the choice of the executor.
 
 One rule for interruption and cancelling
 ----------------------------------------
@@ -49,11 +49,12 @@ class Executor(futures.Executor):
     count = 1
 
     def submit(self, work: Callable[P, A], /, *arguments: P.args, **named: P.kwargs) -> "Future[A]":
-        """The future result of some work."""
+        """Return a future with the result of some work."""
         return self.begin(partial(_telling_nothing, partial(work, *arguments, **named)))
 
     def begin(self, work: Callable[[Tell], A], heard: Tell | None = None) -> "Future[A]":
-        """The future result of work that reports its progress. Work for another process can be pickled."""
+        """Return a future with the result of work that reports its progress. Work for another process must be
+        picklable."""
         future: Future[A] = Future()
         _do(future, partial(work, heard or _unheard), Exception)
         return future
@@ -65,11 +66,10 @@ class Executor(futures.Executor):
         heard: Callable[[int, Any], None] | None = None,
         done: Callable[[int, Result], None] | None = None,
     ) -> list[Result]:
-        """The results of the work for all inputs, in their order; raises the first error of a task.
+        """Compute the results for all inputs, in the order of the inputs; raise the first error of a task.
 
-        In this thread ``heard`` hears what a task tells, with the place of its input, and ``done`` every result as it
-        comes.
-        ``inputs``: one for each task.
+        ``heard`` is called in this thread with every message of a task and the place of the task's input, ``done`` with
+        every result. ``inputs``: one input for each task.
         """
         results = []
         for place, task_input in enumerate(inputs):
@@ -99,14 +99,15 @@ def _do(future: "Future[A]", work: Callable[[], A], errors: type[BaseException] 
 
 
 def then(future: "Future[A]", follow: Callable[["Future[A]"], Result]) -> "Future[Result]":
-    """A future of what follows once another future is done; it runs in the thread that has done that one."""
+    """Return a future for work that follows once another future is done; the work runs in the thread that has done the
+    other future."""
     following: Future[Result] = Future()
     future.add_done_callback(lambda done: _do(following, partial(follow, done)))
     return following
 
 
 class OneThread(Executor):
-    """One more thread, which takes up tasks in their order; for work that lets go of Python's lock."""
+    """Executes tasks in one additional thread, in their order; for work that releases Python's global lock."""
 
     count = 2
 
@@ -115,21 +116,21 @@ class OneThread(Executor):
         self._pool = ThreadPoolExecutor(1, initializer=_cancelled.set, initargs=(self._event,))
 
     def begin(self, work: Callable[[Tell], A], heard: Tell | None = None) -> "Future[A]":
-        """See `Executor.begin`. The thread that asks for the result does the task itself, unless the other thread has
-        begun it.
+        """Start a task, see `Executor.begin`. The thread that asks for the result does the task itself, unless the
+        other thread has begun it.
         """
         shared = _Shared(partial(work, heard or _unheard))
         self.begin_there(shared.do)
         return shared
 
     def begin_there(self, work: Callable[[], A]) -> "Future[A]":
-        """A task assigned to the thread."""
+        """Return a task assigned to the thread."""
         future = self._pool.submit(work)
         self._futures.add(future)
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Cancel all that is left, and wait for nothing."""
+        """Cancel all remaining tasks without waiting for any task."""
         self._event.set()
         self._pool.shutdown(wait=False, cancel_futures=True)
         _left.update(future for future in self._futures if not future.done())
@@ -148,15 +149,15 @@ class _Shared(Future[A]):
             _do(self, self._work)
 
     def result(self, timeout: float | None = None) -> A:
-        """The result of the task; raises its error, and KeyboardInterrupt on Ctrl-C in this thread."""
+        """Return the result of the task; raise its error, and KeyboardInterrupt on Ctrl-C in this thread."""
         self.do()
         return super().result(timeout)
 
 
 def interruptible(work: Callable[[], A]) -> A:
-    """The result of some work; in the main thread it is done by another thread, so that Ctrl-C is noticed.
+    """Return the result of some work; the main thread lets another thread do it, so that Ctrl-C is noticed.
 
-    Raises its error, and KeyboardInterrupt in a thread whose work nobody waits for any more.
+    Raises the error of the work, and KeyboardInterrupt in a thread whose result is no longer needed.
     """
     if current_thread() is main_thread():
         with OneThread() as thread:
@@ -175,32 +176,32 @@ def check_cancelled() -> None:
 
 
 def is_interrupt(error: BaseException | None) -> bool:
-    """Whether an error is Ctrl-C, as such or as compiled code passes it on: as a cause of an error of its own."""
+    """Return whether an error is Ctrl-C, directly or as the cause of another error, as compiled code raises it."""
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__ or error.__context__
     return error is not None
 
 
 def is_left_working() -> bool:
-    """Whether a thread whose result is no longer needed still works."""
+    """Return whether a thread whose result is no longer needed is still working."""
     return any(not future.done() for future in _left)
 
 
 class LostError(RuntimeError):
-    """A task whose process ended each time that it was tried."""
+    """A task was lost, since its process ended each time that the task was tried."""
 
 
 class Processes(Executor):
-    """So many processes of this machine, each started when it is first needed.
+    """Executes tasks in processes of this machine, each started when it is first needed.
 
     Parameters
     ----------
     count
-        How many.
+        Number of processes.
     environment
-        Their environment; by default that of this process, with one thread each.
+        Environment of the processes; by default that of this process, with one thread each.
     preload, forks, tries
-        See `Worker`; and how often a task is tried whose process ends.
+        As in `Worker`; ``tries``: how often a task is tried whose process ends.
     """
 
     def __init__(
@@ -217,7 +218,7 @@ class Processes(Executor):
         self._of_thread, self._workers, self._lock, self._ended = local(), set[Worker](), Lock(), False
 
     def begin(self, work: Callable[[Tell], A], heard: Tell | None = None) -> "Future[A]":
-        """See `Executor.begin`. The error of a task whose processes have ended is LostError."""
+        """Start a task, see `Executor.begin`. If the processes of the task have ended, its error is LostError."""
         return self._threads.submit(self._done, pickle.dumps(work), heard or _unheard)
 
     def compute(
@@ -227,9 +228,10 @@ class Processes(Executor):
         heard: Callable[[int, Any], None] | None = None,
         done: Callable[[int, Result], None] | None = None,
     ) -> list[Result]:
-        """See `Executor.compute`. A single task, or all for one process, are done in this one.
+        """Compute the results for all inputs, see `Executor.compute`. A single task, or all tasks for one process, are
+        done in this process.
 
-        ``work``, ``inputs``, ``heard``, ``done``: as there.
+        ``work``, ``inputs``, ``heard``, ``done``: as in `Executor.compute`.
         """
         if self.count < 2 or len(inputs) < 2:
             return super().compute(work, inputs, heard, done)
@@ -259,7 +261,7 @@ class Processes(Executor):
         return [task.result() for task in tasks]
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Cancel all that is left, and end the processes whatever they are at."""
+        """Cancel all remaining tasks, and end the processes at once."""
         with self._lock:
             self._ended = True
         self._threads.shutdown(wait=False, cancel_futures=True)

@@ -1,4 +1,4 @@
-"""What a package offers at its top: each name is written once, in an import, and imported when it is asked for."""
+"""Public names of a package: each name is written once, in an import, and imported when it is first used."""
 
 import ast
 from collections.abc import Callable
@@ -8,16 +8,17 @@ from typing import Any
 
 
 def homes(file: str) -> dict[str, str]:
-    """Name and module of all that the `__init__` of a package imports under `if TYPE_CHECKING`."""
+    """Return name and module of all names that the `__init__` of a package imports under `if TYPE_CHECKING`."""
     blocks = [line.body for line in ast.parse(Path(file).read_text(encoding="utf-8")).body if isinstance(line, ast.If)]
     imports = [line for block in blocks for line in block if isinstance(line, ast.ImportFrom)]
     return {alias.name: str(line.module) for line in imports for alias in line.names}
 
 
 def exports(package: str, file: str) -> tuple[list[str], Callable[[str], Any]]:
-    """`__all__` and `__getattr__` (PEP 562) of such a package, whose heavy imports so wait for their use.
+    """Return `__all__` and `__getattr__` (PEP 562) of such a package, so that its heavy imports are delayed until they
+    are used.
 
-    Type checkers read the same block. Raises AttributeError for a name that is not in it.
+    Type checkers read the same block. Raises AttributeError for a name that is not in the block.
     """
     home = homes(file)
 

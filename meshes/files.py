@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, and checkpoints of arrays in such files."""
+"""Files that are written completely or not at all, and checkpoints of arrays in such files."""
 
 import json
 import os
@@ -18,10 +18,10 @@ PLAIN = "plain"  # name in a checkpoint of all values that are no arrays, as JSO
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
-    """A path temporary one, to write to; what stands there at the end of the block becomes the file, at once.
+    """Provide the path of a temporary file to write to; at the end of the block it replaces the final file at once.
 
-    Its folder is made if need be. On any error what was there before stays, and nothing else is left behind. Raises
-    OSError if the file cannot be written.
+    The folder of the file is made if necessary. After any error the earlier file remains, and the temporary file is
+    removed. Raises OSError if the file cannot be written.
     """
     temporary = path.with_name(f".{os.getpid()}-{path.name}")
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -30,17 +30,17 @@ STEP_CELLS, STEP_GROWTH = 2.0, 0.4
 
 @dataclass(frozen=True, eq=False)
 class Sizes:
-    """The sizes of cell edges that are wanted (m); the smallest that holds at a place is taken.
+    """Holds the required sizes of cell edges (m); the smallest size that applies at a place is used.
 
     Attributes
     ----------
-    ordinary : where nothing else is said
-    strata : in a stratum, by its name
-    towards : at "surface", "base" or the bottom of a stratum, by name
+    ordinary : size by default
+    strata : size in a stratum, by its name
+    towards : size at "surface", "base" or the bottom of a stratum, by name
     corners, at_corners : (k, 3, 2) triangles (m) that cover the section, and (k, 3) the sizes at their corners, linear
         in between; none if there is no such field
-    far : how many times larger the ordinary ones are far beyond the ends of the section as it was given
-    repeats : whether the right side gets the points of the left one, as periodic sides need, where both have the same
+    far : factor by which ordinary sizes are larger far beyond the given ends of the section
+    repeats : whether the right side gets the points of the left one, as periodic sides require, if both have the same
         layers
     """
 
@@ -59,7 +59,7 @@ class Sizes:
         return KDTree(self.corners.reshape(-1, 2))
 
     def at(self, stratum: str, points: np.ndarray) -> np.ndarray:
-        """The size (n,) in a stratum at points (n, 2), as it is without what is wanted ``towards`` lines."""
+        """Return the size (n,) in a stratum at points (n, 2), without the sizes ``towards`` lines."""
         size = np.full(len(points), self.strata.get(stratum, self.ordinary))
         if len(self.corners):
             nearest = self._tree.query(points)[1]
@@ -67,7 +67,7 @@ class Sizes:
         return size
 
     def times(self, scale: float) -> "Sizes":
-        """All sizes multiplied."""
+        """Return all sizes multiplied by a factor."""
         return replace(
             self,
             ordinary=scale * self.ordinary,

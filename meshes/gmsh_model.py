@@ -55,16 +55,16 @@ FAR = 3.0
 
 
 def generate(section: Section, settings: MeshSettings | None = None, path: Path | str | None = None) -> QuadMesh:
-    """Mesh a section with quadrilaterals.
+    """Return the mesh a section with quadrilaterals.
 
     Parameters
     ----------
     section : Section
-        The section.
+        The section to be meshed.
     settings : MeshSettings, optional
-        Method and sizes of cells; the defaults if not given.
+        Method and sizes of cells; default settings if left out.
     path : Path or str, optional
-        Where to write the mesh as a gmsh file.
+        File to which the mesh is written, in the format of gmsh.
 
     Returns
     -------
@@ -96,19 +96,19 @@ def generate(section: Section, settings: MeshSettings | None = None, path: Path 
 
 
 def sizes_of(section: Section, settings: MeshSettings) -> Sizes:
-    """The sizes of a free mesh by its settings."""
+    """Return the sizes of a free mesh by its settings."""
     far = FAR if section.beyond is not None else 1.0
     sizes = Sizes(settings.cell_size(section), settings.sizes_in(section), settings.towards_in(section), far=far)
     return sizes.times(1.0 / settings.refine)
 
 
 def free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path: Path | str | None = None) -> QuadMesh:
-    """A free mesh of the given sizes, or of somewhat smaller ones, by the first of gmsh's algorithms that leaves no bad
-    cell.
+    """Make a free mesh of the given sizes, or of somewhat smaller ones, by the first of gmsh's algorithms that leaves
+    no bad cell.
 
     Of the settings only the thickness counts in which a layer ends that thins out. Raises BadMeshError, the first
-    one's, if none does.
-    ``section``: the ground; ``sizes``: of cells (m); ``path``: of the .msh file to write, or None.
+    one's, if none does. ``section``: the section of the ground; ``sizes``: sizes of cells (m); ``path``: of the .msh
+    file to write, or None.
     """
     try:
         return _in_fresh_processes.submit(
@@ -180,7 +180,8 @@ def _built(
 
 @contextmanager
 def session(name: str) -> Iterator[Any]:
-    """A quiet gmsh session with one empty model, closed again whatever happens; one at a time in all threads."""
+    """Provide a quiet gmsh session with one empty model, closed again after any error; one session at a time in all
+    threads."""
     with _one_session:
         gmsh.initialize(readConfigFiles=False, interruptible=False)
         try:
@@ -225,9 +226,9 @@ def _from_gmsh(section: Section, method: str) -> QuadMesh:
 
 
 def refuse_bare_ground(cells: np.ndarray, boundary: np.ndarray, tags: np.ndarray, coordinates: np.ndarray) -> None:
-    """Raise BadMeshError unless the outer edges of the cells are those (n, 2) of the boundary.
+    """Raise BadMeshError unless the outer edges of the cells are the edges (n, 2) of the boundary.
 
-    ``tags``, ``coordinates``: of all nodes, as gmsh lists them.
+    ``tags``, ``coordinates``: tags and coordinates of all nodes, as gmsh lists them.
     """
     bare = without_cells(cells, boundary)
     if len(bare):
@@ -236,9 +237,9 @@ def refuse_bare_ground(cells: np.ndarray, boundary: np.ndarray, tags: np.ndarray
 
 
 def refuse_other_ground(mesh: QuadMesh, layers: Layering) -> None:
-    """Raise BadMeshError unless every stratum has the area that it has in the layers, and the outline its length.
+    """Raise BadMeshError unless every stratum has the same area as in the layers, and the outline has the same length.
 
-    Beside the tip of a wedge gmsh has given ground to the wrong stratum, and left a slit between two.
+    Near the tip of a wedge gmsh has assigned ground to the wrong stratum, and left a slit between two strata.
     """
     areas, wanted = mesh.stratum_areas(), layers.areas()
     worst = int(np.argmax(np.abs(areas - wanted)))
@@ -257,9 +258,10 @@ def refuse_other_ground(mesh: QuadMesh, layers: Layering) -> None:
 
 
 def group_nodes(dimension: int, name: str, element_type: int, corners: int) -> np.ndarray:
-    """Node tags (n, corners) of a named group, in the order of its entities.
+    """Return the node tags (n, corners) of a named group, in the order of its entities.
 
-    ``dimension``: of the group; ``name``: of the group; ``element_type``: gmsh's number; ``corners``: of an element.
+    ``dimension``: dimension of the group; ``name``: name of the group; ``element_type``: gmsh's number; ``corners``:
+    corners of an element.
     """
     for group_dimension, tag in gmsh.model.getPhysicalGroups(dimension):
         if gmsh.model.getPhysicalName(group_dimension, tag) == name:
@@ -272,7 +274,7 @@ def group_nodes(dimension: int, name: str, element_type: int, corners: int) -> n
 def _write(path: Path, section: Section) -> None:
     """Write the gmsh file, which says, too, if a section is a reconstruction.
 
-    Raises OSError if the disk did not take all of it: gmsh itself would not say so.
+    Raises OSError if the file could not be written completely: gmsh itself would not report it.
     """
     path.touch()  # gmsh does not say why a file cannot be written, this does
     gmsh.write(str(path))

@@ -11,10 +11,11 @@ from meshes.settings import MeshSettings
 
 
 def build_mapped(section: Section, settings: MeshSettings) -> None:
-    """Mesh the section in the current gmsh model as columns by rows, each cell divided ``refine`` x ``refine``.
+    """Mesh the section in the current gmsh model as columns by rows, each cell divided into ``refine`` x ``refine``
+    cells.
 
-    What is not given of columns and rows follows from the size or a default. Columns go to the blocks by their
-    widths, rows to the bands by their mean thickness. Raises InputError if the section cannot be mapped or has more
+    Missing numbers of columns and rows follow from the size or a default. Columns are divided among the blocks by their
+    widths, rows among the bands by their mean thickness. Raises InputError if the section cannot be mapped or has more
     kinks than columns or more layers than rows.
     """
     blocks = blocks_of(section)
@@ -74,7 +75,7 @@ def _transfinite(section: Section, blocks: Blocks, columns: np.ndarray, rows: np
 
 
 def name_groups(section: Section, surfaces: dict[int, list[int]], boundaries: dict[str, list[int]]) -> None:
-    """Physical groups: stratum k of the section as surface group k + 1, then the boundaries as curve groups."""
+    """Name physical groups: stratum k of the section is surface group k + 1, then the boundaries are curve groups."""
     for k, group in enumerate(group_names([stratum.name for stratum in section.strata])):
         gmsh.model.addPhysicalGroup(2, surfaces[k], tag=k + 1, name=group)
     for number, (name, curves) in enumerate(boundaries.items(), start=1):

@@ -14,19 +14,19 @@ SAME_PRESSURE = 1e-12
 
 
 class EdgeJumps(NamedTuple):
-    """The k inner edges across which the pore pressure jumps.
+    """Holds the k inner edges across which the pore pressure jumps.
 
     Attributes
     ----------
     edges : ndarray (k,)
-        Numbers of the edges in the mesh.
+        Numbers of the jump edges in the mesh.
     ends : ndarray (k, 2)
-        Numbers of their end points.
+        Numbers of the end points of each edge.
     traction : ndarray (k, 2 ends, 2)
-        What presses on the skeleton (Pa), away from the first of ``TriMesh.edge_cells`` where that has more pressure,
-        and does not depend on a load multiplier.
+        Traction on the skeleton (Pa) that does not depend on a load multiplier; it acts away from the first of
+        ``TriMesh.edge_cells`` if that cell has more pressure.
     live : ndarray (k, 2 ends, 2)
-        The same of what a load multiplier acts on.
+        Traction on the skeleton (Pa) that is multiplied by the load multiplier.
     """
 
     edges: np.ndarray
@@ -36,7 +36,8 @@ class EdgeJumps(NamedTuple):
 
 
 def corner_pressure(mesh: TriMesh, pressure: Pressure | None) -> np.ndarray:
-    """A pressure (m, 3) in Pa at the corners of every cell, as it is within the cell; zero without one."""
+    """Return a pressure (m, 3) in Pa at the corners of every cell, with its value within the cell; zero without
+    pressure."""
     if pressure is None:
         return np.zeros(mesh.cells.shape)
     corners = mesh.points[mesh.cells]
@@ -45,7 +46,7 @@ def corner_pressure(mesh: TriMesh, pressure: Pressure | None) -> np.ndarray:
 
 
 def outward_normals(mesh: TriMesh, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Outward unit normals (k, 2) of edges, given by their end points (k, 2), of cells (k,)."""
+    """Return outward unit normals (k, 2) of edges, given by their end points (k, 2), of cells (k,)."""
     along = mesh.points[ends[:, 1]] - mesh.points[ends[:, 0]]
     normal = np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
     outwards = mesh.points[ends[:, 0]] - mesh.points[mesh.cells[cells]].mean(axis=1)
@@ -53,16 +54,17 @@ def outward_normals(mesh: TriMesh, cells: np.ndarray, ends: np.ndarray) -> np.nd
 
 
 def at_ends(mesh: TriMesh, values: np.ndarray, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Values (k, 2) at the ends of edges (k, 2) of cells (k,), from values (m, 3) at the corners of all cells.
+    """Return values (k, 2) at the ends of edges (k, 2) of cells (k,), from values (m, 3) at the corners of all cells.
 
-    ``mesh``: triangles; ``values`` (m, 3); ``cells`` (k,); ``ends`` (k, 2): numbers of points.
+    ``mesh``: triangles; ``values`` (m, 3): values at the corners; ``cells`` (k,): numbers of cells; ``ends`` (k, 2):
+    numbers of points.
     """
     corner = np.argmax(mesh.cells[cells][:, None, :] == ends[:, :, None], axis=2)
     return values[cells[:, None], corner]
 
 
 def edge_jumps(mesh: TriMesh, pressure: np.ndarray) -> EdgeJumps:
-    """The inner edges across which a pressure (m, 3) in Pa at the corners of cells jumps."""
+    """Find the inner edges across which a pressure (m, 3) in Pa at the corners of cells jumps."""
     interior = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
     ends = mesh.edges[interior]
     first, second = (at_ends(mesh, pressure, mesh.edge_cells[interior, side], ends) for side in (0, 1))

@@ -13,7 +13,7 @@ from meshes.section.naming import BOUNDARIES, group_names
 
 @dataclass(frozen=True, eq=False)
 class QuadMesh:
-    """Quadrilaterals of a section.
+    """Holds the quadrilaterals of a section.
 
     Attributes
     ----------
@@ -33,16 +33,16 @@ class QuadMesh:
     method: str = ""
 
     def quality(self) -> Quality:
-        """Number of cells and nodes, and the worst of the cells."""
+        """Return the numbers of cells and nodes, and the worst measures of quality."""
         return quality(self.points, self.cells)
 
     def stratum_areas(self) -> np.ndarray:
-        """Area (m²) of the cells of each stratum."""
+        """Return the area (m²) of the cells of each stratum."""
         return np.bincount(self.stratum, weights=areas(self.points, self.cells), minlength=len(self.strata))
 
 
 def divided(mesh: QuadMesh) -> QuadMesh:
-    """The mesh with every cell cut at the middles of its edges into four."""
+    """Return the mesh with every cell divided into four at the middles of its edges."""
     edges, of_cell = edges_of(mesh.cells)
     middle = len(mesh.points) + of_cell
     centre = len(mesh.points) + len(edges) + np.arange(len(mesh.cells))
@@ -64,14 +64,14 @@ def divided(mesh: QuadMesh) -> QuadMesh:
 
 
 class BadMeshError(NoAnswerError):
-    """A mesh with a cell that cannot be computed with.
+    """The mesh has a cell that cannot be used for computing.
 
     Attributes
     ----------
     reason : str
-        Which cell, and where.
+        The cell, its place, and what is wrong with it.
     remedy : str
-        What to try.
+        What the user can try.
     """
 
     MISSING = "No usable mesh"

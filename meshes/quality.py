@@ -1,4 +1,4 @@
-"""How good quadrilaterals are: scaled Jacobian, angles, aspect ratio (Verdict's definitions, Stimpson et al. 2007)."""
+"""Quality of quadrilaterals: scaled Jacobian, angles, aspect ratio (Verdict's definitions, Stimpson et al. 2007)."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Quality:
-    """Number of cells of a mesh, and the worst measures of quality among them.
+    """Holds the number of cells of a mesh, and the worst measures of quality among them.
 
     Attributes
     ----------
@@ -27,22 +27,23 @@ class Quality:
 
 
 def corner_vectors(points: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The edges that leave every corner forwards and backwards, each (cells, 4, 2)."""
+    """Return the edges that leave every corner forwards and backwards, each (cells, 4, 2)."""
     corners = points[cells]
     return np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
 
 
 def corner_angles(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Angles (cells, 4) in degrees in the corners of counter-clockwise cells; negative where one is folded."""
+    """Return the angles (cells, 4) in degrees in the corners of counter-clockwise cells; negative in folded cells."""
     following, back = corner_vectors(points, cells)
     cross = following[..., 0] * back[..., 1] - following[..., 1] * back[..., 0]
     return np.degrees(np.arctan2(cross, np.sum(following * back, axis=-1)))
 
 
 def scaled_jacobians(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Smallest over the four corners of the sine-like Jacobian over its two edge lengths, (cells,).
+    """Return the smallest Jacobian over the product of the two edge lengths, over the four corners of each cell
+    (cells,).
 
-    Not above zero means a corner that is flat, folded, or a cell that turns clockwise.
+    A value that is not positive means a corner that is flat or folded, or a cell that turns clockwise.
     """
     following, back = corner_vectors(points, cells)
     jacobian = following[..., 0] * back[..., 1] - following[..., 1] * back[..., 0]
@@ -51,14 +52,14 @@ def scaled_jacobians(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
 
 
 def areas(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Area (m²) of every cell: half the cross product of its diagonals."""
+    """Return the area (m²) of every cell: half the cross product of its diagonals."""
     corners = points[cells]
     diagonal, other_diagonal = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
     return 0.5 * (diagonal[:, 0] * other_diagonal[:, 1] - diagonal[:, 1] * other_diagonal[:, 0])
 
 
 def quality(points: np.ndarray, cells: np.ndarray) -> Quality:
-    """The quality of a mesh of quadrilaterals: points (n, 2), cells (m, 4) counter-clockwise."""
+    """Return the quality of a mesh of quadrilaterals: points (n, 2), cells (m, 4) counter-clockwise."""
     following, _ = corner_vectors(points, cells)
     angles = corner_angles(points, cells)
     lengths = np.hypot(following[..., 0], following[..., 1])

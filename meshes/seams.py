@@ -1,8 +1,8 @@
-"""Thin layers in a free mesh: rows of quadrilaterals from one of their lines to the other.
+"""Thin layers in a free mesh: rows of quadrilaterals from the top of a layer to its bottom.
 
-Triangles that are larger than a layer is thick have angles of a few degrees in it, and what is made of them is no
-better. A seam is where ground fails first, so it gets columns as long as the cells there are to be, each
-between a point of its top and one of its bottom, and as many rows as its cells are to be high.
+In a layer thinner than the triangles around it, triangles have angles of a few degrees, and so have quadrilaterals made
+from them. Ground often fails in such a layer first. So the layer gets columns of the required length, each between a
+point of its top and a point of its bottom, and rows of the required height.
 """
 
 import math
@@ -38,14 +38,15 @@ Place = tuple[int, int]
 
 @dataclass(frozen=True, eq=False)
 class Seam:
-    """A thin layer between two ends, each an edge of its outline.
+    """Describes a thin layer between two ends, each an edge of its outline.
 
     Attributes
     ----------
     top, bottom : ndarray (columns + 1, 2)
-        Points (m) of its two lines, from the left to the right; the k-th of one belongs to the k-th of the other.
+        Points (m) of the top and the bottom line, from left to right; point k of one line is connected to point k of
+        the other.
     rows : int
-        Rows of cells from the bottom to the top.
+        Number of rows of cells.
     """
 
     top: np.ndarray
@@ -54,21 +55,21 @@ class Seam:
 
     @property
     def thickness(self) -> float:
-        """Mean length (m) of the lines between its points."""
+        """Return the mean length (m) of the lines between top and bottom."""
         return float(np.hypot(*(self.top - self.bottom).T).mean())
 
     def narrowest(self) -> float:
-        """The smallest angle (deg) in the corners of its columns; negative where one is folded."""
+        """Return the smallest angle (deg) in the corners of the columns; negative if a column is folded."""
         start = np.arange(len(self.bottom) - 1)
         cells = np.stack([start, start + 1, start + 1 + len(self.bottom), start + len(self.bottom)], axis=1)
         return float(corner_angles(np.vstack([self.bottom, self.top]), cells).min())
 
     def points(self) -> np.ndarray:
-        """All its points (n, 2), in m."""
+        """Return all points of the seam (n, 2), in m."""
         return np.vstack([self.top, self.bottom])
 
     def corners(self) -> np.ndarray:
-        """Its four corners (4, 2), in m."""
+        """Return the four corners of the seam (4, 2), in m."""
         return np.array([self.bottom[0], self.bottom[-1], self.top[-1], self.top[0]])
 
 
@@ -78,7 +79,8 @@ def seams_of(
     size: Callable[[int, np.ndarray], np.ndarray],
     tolerance: float,
 ) -> dict[Place, Seam]:
-    """The seams among ``pieces``, outlines (n, 2) of strata by the numbers of the stratum and of the piece of it.
+    """Return the thin layers among ``pieces``, outlines (n, 2) of strata by the numbers of the stratum and of its
+    piece.
 
     ``corners`` (n, 2) are the points (m) at which lines are cut; ``size`` gives for a stratum and points (k, 2) the
     length (m) of cells there. The thinner one of two seams that lie on each other comes first, and the other one has
@@ -101,8 +103,8 @@ def seams_of(
 
 
 def seam_ends(layers: Layering, k: int, size: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """The x (n,) in m at which stratum k is divided: on one side thinner than a cell (``size``), on the other thicker.
-    The thin part then ends in one edge, as a seam needs.
+    """Return the x (n,) in m at which stratum k is divided because it is thinner than a cell (``size``) on one side and
+    thicker on the other. The thin part then ends in one edge, as a seam requires.
     """
     at = np.column_stack([layers.x[:-1], layers.x[1:]])
     top, bottom = (np.column_stack([layers.left[:, j], layers.right[:, j]]) for j in (k, k + 1))
@@ -151,20 +153,20 @@ class _Line:
     along: np.ndarray
 
     def cut_at(self, points: np.ndarray, tolerance: float) -> np.ndarray:
-        """Its corners and those of the points (n, 2) that lie on it, from the left to the right."""
+        """Return the corners of the line, and those of the points (n, 2) that lie on it, from left to right."""
         cuts = [_on(start, end, points, tolerance) for start, end in pairwise(self.corners)]
         return np.unique(np.vstack([self.corners, *cuts]), axis=0)
 
     def places(self, points: np.ndarray) -> np.ndarray:
-        """Where points (n, 2) of it lie along the layer (m)."""
+        """Return the places along the layer (m) of points (n, 2) on the line."""
         return np.interp(points[:, 0], self.x, self.along)
 
     def elevation(self, along: np.ndarray) -> np.ndarray:
-        """Elevation (m) of the points at a place along the layer."""
+        """Return the elevation (m) of the line at places along the layer."""
         return np.interp(np.interp(along, self.along, self.x), *self.corners.T)
 
     def points(self, along: np.ndarray, fixed: np.ndarray) -> np.ndarray:
-        """The points (n, 2) at places along the layer; exactly those of the ``fixed`` points that coincide with
+        """Return the points (n, 2) at places along the layer; exactly those of the ``fixed`` points that coincide with
         them.
         """
         x = np.interp(along, self.along, self.x)
@@ -245,7 +247,8 @@ def _on(start: np.ndarray, end: np.ndarray, points: np.ndarray, tolerance: float
 
 
 def along_and_above(start: np.ndarray, end: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How far (m) points (n, 2) are along the line of an edge, and how far above or below it, or beside an upright one.
+    """Return how far (m) points (n, 2) are along the line of an edge, and how far above or below it, or beside a
+    vertical edge.
 
     Lines of a section that are nearer to each other at one x are one. Measured square to a steep face, lines below it
     would be as near long before.

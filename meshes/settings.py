@@ -1,4 +1,4 @@
-"""How to mesh a section: the table [mesh] of the input."""
+"""The settings of meshes: the table [mesh] of the input."""
 
 import math
 from typing import Literal
@@ -29,7 +29,7 @@ THINNEST = 1.0 / 3.0
 
 
 class MeshSettings(Model):
-    """How to mesh a section. Sizes are lengths of cell edges (m)."""
+    """Settings of the mesh of a section. Sizes are lengths of cell edges (m)."""
 
     method: Literal["auto", "mapped", "free"] = Field(
         default="auto", description="mapped columns and rows, free, or whichever the layers allow"
@@ -56,7 +56,7 @@ class MeshSettings(Model):
     refine: int = Field(default=1, ge=1, le=64, description="a whole number that divides every cell size")
 
     def problems(self, section: Section) -> list[str]:
-        """Settings that do not fit the section, one sentence each."""
+        """Return settings that do not fit the section, one sentence each."""
         names = [stratum.name for stratum in section.strata]
         known = {"sizes": names, "towards": [*names, "surface", "base"]}
         problems = [
@@ -83,13 +83,13 @@ class MeshSettings(Model):
         return problems
 
     def at_most(self, cells: int) -> "MeshSettings":
-        """The settings with no more than so many ``cells`` where they do not say how many."""
+        """Return the settings with at most so many ``cells`` if they do not give a number."""
         if "max_cells" in self.model_fields_set or cells >= self.max_cells:
             return self
         return self.changed(max_cells=cells)
 
     def method_for(self, section: Section) -> Literal["mapped", "free"]:
-        """The method as set; for "auto", mapped if columns or rows are set, or if layers and slopes allow it."""
+        """Return the method as set; for "auto", mapped if columns or rows are set, or if layers and slopes allow it."""
         if self.method != "auto":
             return self.method
         if self.sizes or self.towards:
@@ -100,7 +100,7 @@ class MeshSettings(Model):
         return "free" if isinstance(blocks, str) or largest_corner(blocks) > LARGEST_CORNER else "mapped"
 
     def expected_quadrilaterals(self, section: Section) -> float:
-        """About how many quadrilaterals a mesh will have; 0 where mapping will be refused anyhow."""
+        """Return the approximate number of quadrilaterals of a mesh; 0 if a mapped mesh will be refused."""
         if self.method_for(section) == "mapped":
             blocks = blocks_of(section)
             if isinstance(blocks, str):
@@ -118,7 +118,7 @@ class MeshSettings(Model):
         return count * self.refine**2
 
     def cell_size(self, section: Section) -> float:
-        """The target size (m) as set, or else a twelfth of the section's mean height, more for ``max_cells``."""
+        """Return the target size (m) as set, or else a twelfth of the section's mean height, more for ``max_cells``."""
         if self.size is not None:
             return self.size
         left, right = section.extent
@@ -126,18 +126,20 @@ class MeshSettings(Model):
         return max(area / (right - left) / ROWS, math.sqrt(area / self.max_cells))
 
     def sizes_in(self, section: Section) -> dict[str, float]:
-        """`sizes` by the names of all strata with a size of their own, parts that water cut off among them."""
+        """Return `sizes` by the names of all strata with a size of their own, including parts that water cut off."""
         sizes = {stratum.name: value_of_stratum(self.sizes, stratum.name) for stratum in section.strata}
         return {name: size for name, size in sizes.items() if size is not None}
 
     def towards_in(self, section: Section) -> dict[str, float]:
-        """`towards` by the names of all lines; the bottom of a stratum that water cuts is that of its part below."""
+        """Return `towards` by the names of all lines; the bottom of a stratum that water divides is that of its lower
+        part."""
         names = [stratum.name for stratum in section.strata]
         lower = {name: name + BELOW_WATER for name in names if name + BELOW_WATER in names}
         return {lower.get(name, name): size for name, size in self.towards.items()}
 
     def meshed_layers(self, section: Section) -> tuple[Layering, list[str]]:
-        """The layers as they are meshed, and what is different from the section's, one sentence each."""
+        """Return the layers as they are meshed, and their differences from the layers of the section, one sentence
+        each."""
         names = [stratum.name for stratum in section.strata]
         if self.method_for(section) == "mapped":
             return section.layering, []
@@ -146,7 +148,7 @@ class MeshSettings(Model):
         return without_needless(layers, self.cell_size(section) / self.refine), notices
 
     def notices(self, section: Section) -> list[str]:
-        """Notices on the mesh before it is made, one sentence each."""
+        """Return notices on the mesh before it is made, one sentence each."""
         notices = self.meshed_layers(section)[1]
         left, right = section.extent
         length, height = right - left, float(section.layering.areas().sum()) / (right - left)

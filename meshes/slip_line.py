@@ -1,4 +1,4 @@
-"""The slip surface of ground that moves, defined alike for finite elements and discs: in the middle of the shear."""
+"""The slip surface of moving ground, defined alike for finite elements and discs: the middle of the sheared zone."""
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -7,8 +7,9 @@ ARCH = 0.25  # of the height of a line, by which it lies above the chord between
 
 
 def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
-    """Where moving ground meets ground at rest, (k, 2) in m; empty where nothing moves, or where no line is a surface
-    of slip: below a crest that sinks while the ground gives way to both sides it rises from both of its ends.
+    """Find the line between moving ground and ground at rest, (k, 2) in m. The line is empty if nothing moves, or if it
+    is no slip surface: below a crest that settles while the ground moves to both sides, the line rises from both of its
+    ends.
 
     x (m,) are columns, z (m, n) points in each of them from below upwards, in m, and ``moved`` (m, n) how far or how
     fast the ground there moves, not a number where there is none. A column counts as moving if its top moves by more

@@ -1,7 +1,7 @@
-"""Columns and rows of a mapped mesh, and finer ones where a mechanism goes through.
+"""Columns and rows of a mapped mesh, and finer ones in a mechanism.
 
 Opposite edges of quadrilaterals follow each other through a strip of cells from boundary to boundary; in a mapped mesh
-these strips are its columns and its rows. A strip that is cut lengthwise leaves all others as they are.
+these strips are its columns and its rows. A strip that is cut lengthwise leaves all other strips unchanged.
 """
 
 from dataclasses import dataclass, replace
@@ -17,16 +17,16 @@ from meshes.quality import areas
 
 @dataclass(frozen=True, eq=False)
 class Strips:
-    """The strips of a mesh of m cells and e edges.
+    """Holds the strips of a mesh of m cells and e edges.
 
     Attributes
     ----------
     edges : ndarray (e, 2)
-        Ends of the edges, the smaller number first.
+        Ends of the edges, the smaller point number first.
     of_cell : ndarray (m, 4)
-        Numbers of the edges from corner to corner of every cell.
+        Numbers of the edges of every cell, from corner to corner.
     of_edge : ndarray (e,)
-        The strip that every edge lies across.
+        Number of the strip that every edge lies across.
     """
 
     edges: np.ndarray
@@ -35,7 +35,7 @@ class Strips:
 
 
 def strips_of(mesh: QuadMesh) -> Strips:
-    """The strips of a mesh."""
+    """Return the strips of a mesh."""
     edges, of_cell = edges_of(mesh.cells)
     opposite = np.concatenate([of_cell[:, [0, 2]], of_cell[:, [1, 3]]])
     graph = coo_array((np.ones(len(opposite)), opposite.T), shape=(len(edges), len(edges)))
@@ -43,7 +43,8 @@ def strips_of(mesh: QuadMesh) -> Strips:
 
 
 def with_finer_strips(mesh: QuadMesh, indicator: np.ndarray, cells: int) -> QuadMesh:
-    """The mesh with columns and rows divided where that helps most, until it has at least ``cells`` cells.
+    """Return the mesh with columns and rows divided where division is most useful, until it has at least ``cells``
+    cells.
 
     The benefit of a cut is ``indicator`` (m,), such as plastic shear strain, times area and width of the cells of a
     strip, per cell that the cut adds.

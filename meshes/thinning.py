@@ -1,4 +1,5 @@
-"""Where a layer thins out to nothing: for a mesh it ends before, in a vertical step; no cell has to fill a wedge.
+"""Treatment of layers that thin out to nothing: in a mesh such a layer ends earlier, in a vertical step, so that no
+cell has to fill a wedge.
 
 A quadrilateral in the tip of a wedge of a few degrees has an angle of a few degrees, and cells behind it are as thin as
 the wedge. The soil of the tip that is cut off is taken to be that of the layer below it (of the one above, if there is
@@ -36,9 +37,11 @@ BEND, OUTLINE = 1.0 / 20.0, 5.0
 
 
 def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering, list[str]]:
-    """The layers with the sharp tips of strata cut off where they are ``least`` (m) thick, and a sentence for each.
+    """Cut off the sharp tips of strata where they are ``least`` (m) thick; return the layers, and a sentence for each
+    tip.
 
-    They are cut nearer to their ends where they would hold too much of their stratum, or it is nowhere as thick.
+    Tips are cut nearer to their ends if they contain too much of their stratum, or if the stratum is nowhere as thick
+    as ``least``.
     """
     all_notices: list[str] = []
     while len(all_notices) < MOST_STEPS:  # what is cut off one stratum may be a tip of its neighbour
@@ -141,8 +144,8 @@ def _crumbs(layers: Layering, k: int, least: float) -> list[tuple[float, float]]
 def _necks(layers: Layering, k: int, least: float, longest: float) -> list[tuple[float, float]]:
     """Stretches up to the ``longest`` (m) where a stratum is thinner than ``least`` (m), and somewhere much thinner.
 
-    On one side at least it is thick; the other may be the section's. A stratum that is thin everywhere is left as it
-    is.
+    On one side at least the stratum is thick; the other side may be the end of the section. A stratum that is thin
+    everywhere is unchanged.
     """
     thick = _thickness(layers, k)
     necks: list[list[float]] = []  # from, to, and the smallest thickness there
@@ -195,7 +198,7 @@ def _step_at(layers: Layering, k: int | None, tip: float, way: int, at: float) -
 def _cut_of(layers: Layering, k: int | None, tip: float, way: int, least: float) -> tuple[float, float] | None:
     """Where (m) a stratum that grows from its tip (m) in one ``way`` is first ``least`` thick, and the area (m²) to it.
 
-    None if it ends, or begins to fall, before it is as thick.
+    None if the stratum ends, or begins to thin, before it is as thick as ``least``.
     """
     thick = _thickness(layers, k)[:, ::way]
     start = int(np.argmin(np.abs(layers.x - tip)))
@@ -263,9 +266,10 @@ def _without_empty_ends(layers: Layering) -> Layering:
 
 
 def without_needless(layers: Layering, cell: float) -> Layering:
-    """The layers without breakpoints near others, beside cells (m), at which lines bend by next to nothing.
+    """Return the layers without breakpoints near others, compared with cells (m), at which lines bend very little.
 
-    Ground and base keep within a fifth of what other lines do. Where strata begin, end or step, breakpoints stay.
+    Surface and base are kept within a fifth of the tolerance of other lines. Breakpoints at which strata begin, end or
+    step stay.
     """
     near = 0.5 * cell
     gaps = np.diff(layers.x)

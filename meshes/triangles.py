@@ -22,12 +22,12 @@ SCALES = (1.0, 0.83, 0.61, 0.4)
 
 @dataclass(frozen=True, eq=False)
 class TriMesh:
-    """A mesh of triangles; edge j of a cell goes from its corner j to the next.
+    """Holds a mesh of triangles; edge j of a cell goes from its corner j to the next.
 
     Attributes
     ----------
     points : array (n, 2)
-        Corners (m).
+        Coordinates of the corners (m).
     cells : array (m, 3)
         Indices of the corners of every triangle, counter-clockwise.
     stratum : array (m,)
@@ -46,7 +46,7 @@ class TriMesh:
 
     @cached_property
     def areas(self) -> np.ndarray:
-        """Area (m²) of every cell, positive."""
+        """Return the area (m²) of every cell, positive."""
         a, b, c = (self.points[self.cells[:, k]] for k in range(3))
         return 0.5 * ((b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0]))
 
@@ -56,17 +56,17 @@ class TriMesh:
 
     @property
     def edges(self) -> np.ndarray:
-        """The edges (e, 2), each once, its lower point first."""
+        """Return the edges (e, 2), each once, its lower point first."""
         return self._numbered[0]
 
     @property
     def cell_edges(self) -> np.ndarray:
-        """Number of the edges of every cell, (m, 3)."""
+        """Return the numbers of the edges of every cell, (m, 3)."""
         return self._numbered[1]
 
     @cached_property
     def edge_cells(self) -> np.ndarray:
-        """The cells on either side of every edge, (e, 2), the second -1 on the outline."""
+        """Return the cells on either side of every edge, (e, 2), the second -1 on the outline."""
         order = np.argsort(self.cell_edges.ravel(), kind="stable")
         edge, cell = self.cell_edges.ravel()[order], order // 3
         first = np.concatenate([[True], edge[1:] != edge[:-1]])
@@ -77,27 +77,27 @@ class TriMesh:
 
     @property
     def six_nodes(self) -> np.ndarray:
-        """Nodes of quadratic triangles (m, 6): corners, then middles of edges, counted on from the points."""
+        """Return the nodes of quadratic triangles (m, 6): corners, then middles of edges, numbered after the points."""
         return np.hstack([self.cells, len(self.points) + self.cell_edges])
 
     @cached_property
     def gradients(self) -> np.ndarray:
-        """Gradients (m, 3, 2) of the three area coordinates of every cell (1/m)."""
+        """Return the gradients (m, 3, 2) of the three area coordinates of every cell (1/m)."""
         corners = self.points[self.cells]
         opposite = np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)
         normals = np.stack([-opposite[..., 1], opposite[..., 0]], axis=-1)
         return normals / (2.0 * self.areas)[:, None, None]
 
     def edge_numbers(self, ends: np.ndarray) -> np.ndarray:
-        """Numbers of edges given by their end points (k, 2)."""
+        """Return the numbers of edges given by their end points (k, 2)."""
         span = len(self.points)
         key = np.sort(ends, axis=1) @ np.array([span, 1])
         return np.searchsorted(self.edges @ np.array([span, 1]), key)
 
     @cached_property
     def matched(self) -> tuple[np.ndarray, np.ndarray]:
-        """End points (k, 2) of the edges of the left side, and of those of the right side that these are one with, from
-        below upwards; none unless the section repeats."""
+        """Return end points (k, 2) of the edges of the left side, and of the edges of the right side that correspond to
+        them, upwards; none unless the section repeats."""
         pairs = []
         for name in ("left", "right"):
             ends = self.boundaries[name] if self.repeats else np.empty((0, 2), dtype=np.int64)
@@ -108,7 +108,8 @@ class TriMesh:
 
     @cached_property
     def own_node(self) -> np.ndarray:
-        """Number of each node of quadratic triangles; on periodic sides the right side has the numbers of the left."""
+        """Return the number of each node of quadratic triangles; on periodic sides the right side has the numbers of
+        the left."""
         nodes = np.arange(len(self.points) + len(self.edges))
         left, right = self.matched
         nodes[right] = left
@@ -116,19 +117,19 @@ class TriMesh:
         return nodes
 
     def moved(self, shift: np.ndarray, scale: float) -> "TriMesh":
-        """A copy of the mesh with its points at ``(points - shift) / scale``."""
+        """Return a copy of the mesh with its points at ``(points - shift) / scale``."""
         return TriMesh((self.points - shift) / scale, self.cells, self.stratum, self.boundaries, self.repeats)
 
 
 def triangulate(section: Section, size: float, sizes: dict[str, float] | None = None, repeats: bool = False) -> TriMesh:
-    """Mesh a section with triangles.
+    """Return the mesh a section with triangles.
 
     Parameters
     ----------
     section : Section
-        The section.
+        The section to be meshed.
     size : float
-        About the length of their edges (m).
+        Approximate length of edges (m).
     sizes : dict of str to float, optional
         Other lengths (m) in strata, by name.
     repeats : bool

@@ -1,7 +1,7 @@
-"""A process of this machine that does what another one asks, one task after the other.
+"""A process of this machine that does tasks for another process, one after the other.
 
-It hears no Ctrl-C, and ends with the program that started it, in the middle of a task if need be: its main thread does
-nothing but wait for requests, and where these end it ends the process.
+The process ignores Ctrl-C, and ends with the program that started it, even in the middle of a task: its main thread
+only waits for requests, and at their end it ends the process.
 """
 
 import os
@@ -27,21 +27,21 @@ _PROGRAM = "import sys; sys.path[:] = {path!r}; from meshes.worker import serve;
 
 
 class WorkerEndedError(RuntimeError):
-    """The process of a worker has ended in the middle of a task."""
+    """The process of a worker ended in the middle of a task."""
 
 
 class Worker:
-    """Such a process.
+    """A process of this machine that does tasks for this one.
 
     Parameters
     ----------
     environment
-        Its environment; by default that of this process, with one thread.
+        Environment of the process; by default that of this process, with one thread.
     preload
-        A module that it imports before its first task.
+        Module that the process imports before its first task.
     forks
-        Whether it does each task in a child that it forks, in a thread of its own: so each begins in the same state,
-        with fresh memory, whatever was done before.
+        Whether each task is done in a forked child, in a thread of its own: so each task begins in the same state, with
+        fresh memory, whatever was done before.
     """
 
     def __init__(self, environment: Mapping[str, str] | None, preload: str, forks: bool) -> None:
@@ -58,7 +58,7 @@ class Worker:
         other.close()  # so that this process hears the end of that one
 
     def call(self, request: bytes) -> tuple[int, Any]:
-        """Ask for a task, and hear its first answer; raises WorkerEndedError."""
+        """Start a task, and return its first answer; raise WorkerEndedError."""
         try:
             self._pipe.send_bytes(request)
         except OSError:
@@ -66,7 +66,7 @@ class Worker:
         return self.next()
 
     def next(self) -> tuple[int, Any]:
-        """The next answer, after something was told; raises WorkerEndedError."""
+        """Return the next answer, after a message was sent; raise WorkerEndedError."""
         try:
             answer = self._pipe.recv_bytes()
         except (EOFError, OSError):
@@ -77,7 +77,7 @@ class Worker:
         return kind, value
 
     def kill(self) -> None:
-        """End the process and its child, whatever they are at."""
+        """End the process and its child at once, whatever they do."""
         if self._process.poll() is None:
             with suppress(ProcessLookupError):
                 os.killpg(self._process.pid, signal.SIGKILL)
@@ -85,7 +85,7 @@ class Worker:
 
 
 def serve(descriptor: int, preload: str, forks: bool) -> None:
-    """Loop of the process until there are no more requests."""
+    """Do tasks until there are no more requests: the loop of the process."""
     if preload:
         import_module(preload)
     pipe: Connection[Any, Any] = Connection(descriptor)

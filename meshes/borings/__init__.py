@@ -1,1 +1,1 @@
-"""What was bored: where, which layers were met, and the blow counts of the standard penetration test."""
+"""Borings: their places, the layers that they met, and the blow counts of the standard penetration test."""

@@ -11,7 +11,7 @@ FIRST_GROUP = re.compile(r'\s*"?\*\*\??\w+')
 
 @dataclass
 class Ags3:
-    """The data of a file: rows and headings by group, and units by heading."""
+    """Holds the data of an AGS3 file: rows and headings by group, and units by heading."""
 
     rows: dict[str, list[dict[str, str]]] = field(default_factory=dict)
     headings: dict[str, list[str]] = field(default_factory=dict)
@@ -19,12 +19,13 @@ class Ags3:
 
 
 def is_ags3(text: str) -> bool:
-    """Whether a file begins with a group of AGS3, such as "**PROJ"; AGS4 may speak of groups further down, too."""
+    """Return whether a file begins with a group of AGS3, such as "**PROJ"; an AGS4 file may mention groups further
+    down."""
     return FIRST_GROUP.match(text) is not None
 
 
 def read_ags3(text: str) -> Ags3:
-    """The groups of a file; a line that begins with <CONT> continues the cells of the row above it."""
+    """Read the groups of a file; a line that begins with <CONT> continues the cells of the row above it."""
     groups, group = Ags3(), ""
     row: dict[str, str] = {}
     reader = csv.reader(text.splitlines(keepends=True))

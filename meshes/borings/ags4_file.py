@@ -30,12 +30,13 @@ NO_READING = re.compile(r"-9{3,}(\.\d*)?")  # what loggers write for a reading t
 
 
 def cones_of(name: str, groups: Groups) -> tuple[Cone, ...]:
-    """The readings of all tests at a boring, from the top down; of two at one depth the first counts.
+    """Return the readings of all cone tests at a boring, from the top down; of two readings at one depth the first
+    counts.
 
-    The resistance is SCPT_QT; where that was not reported it is SCPT_RES + (1 - a) SCPT_PWP2 with the area ratio a of
-    the cone, SCPG_CAR, or SCPT_RES alone, which in sand is nearly the same. Sleeve friction below zero, noise, is zero.
-    Readings without a resistance or a sleeve friction, or with -999 for it, are left out, as files have them where a
-    push begins.
+    The resistance is SCPT_QT; if SCPT_QT was not reported, it is SCPT_RES + (1 - a) SCPT_PWP2 with the area ratio a of
+    the cone, SCPG_CAR, or SCPT_RES alone, which in sand is nearly the same. Negative sleeve friction, which is noise,
+    counts as zero. Readings without a resistance or a sleeve friction, or with -999 in its place, are left out; files
+    have such readings at the beginning of a push.
     """
     ratios = {location.get("SCPG_TESN", ""): location.get("SCPG_CAR", "") for location in groups.of("SCPG", name)}
     cones: dict[float, Cone] = {}
@@ -104,8 +105,8 @@ DRY = {
 
 
 def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:
-    """The borings of a file that have layers or a cone, in its order; one with a fault is left out, as is a blow count
-    that is not understood, with a notice.
+    """Read the borings of a file that have layers or a cone test, in the order of the file. A boring with a fault is
+    left out, and so is a blow count that cannot be read; a notice reports either.
 
     Parameters
     ----------
@@ -115,8 +116,8 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
     Raises
     ------
     InputError
-        With all problems, where fewer than two borings with layers are without, or more than half of the blow counts
-        are not understood.
+        With all problems, if fewer than two borings with layers have no fault, or if more than half of the blow counts
+        cannot be read.
     """
     groups, columns = read_groups(path), columns or {}
     naming = (columns["layer"],) if "layer" in columns else ("GEOL_GEOL", "GEOL_LEG")

@@ -29,7 +29,7 @@ Row = Mapping[str, str]
 
 @dataclass(frozen=True)
 class Groups:
-    """The data of a file.
+    """Holds the groups of an AGS file.
 
     Attributes
     ----------
@@ -48,16 +48,17 @@ class Groups:
     unread: list[str] = field(default_factory=list)
 
     def of(self, group: str, boring: str) -> list[Row]:
-        """The rows of a group that belong to a boring."""
+        """Return the rows of a group that belong to a boring."""
         return [row for row in self.rows.get(group, ()) if row.get("LOCA_ID") == boring]
 
     def meaning(self, code: str) -> str:
-        """What group ABBR says of a code that is a number, as those of GEOL_LEG are; of others the code."""
+        """Return the meaning that group ABBR gives to a code that is a number, as codes of GEOL_LEG are; other codes
+        are returned unchanged."""
         named = (row.get("ABBR_DESC", "") for row in self.rows.get("ABBR", ()) if row.get("ABBR_CODE") == code)
         return (next(named, "") if code.isdecimal() else "") or code
 
     def read(self, row: Row, key: str) -> float:
-        """A length (m) or stress (Pa) by the unit of its heading; a stress may be below zero. Raises ValueError."""
+        """Read a length (m) or stress (Pa) by the unit of its heading; a stress may be negative. Raises ValueError."""
         text, kind = DECIMAL_COMMA.sub(r"\1.\2\3", row.get(key, "")), KINDS[key]
         below = kind is STRENGTH and text.startswith("-")
         size = float(kind.read(with_unit(text.removeprefix("-") if below else text, self.units.get(key, ""))))
@@ -65,7 +66,7 @@ class Groups:
 
 
 def read_groups(path: Path) -> Groups:
-    """The groups of a file. Raises InputError where it is no AGS, or has units that are not understood."""
+    """Read the groups of a file. Raises InputError if it is no AGS file, or has units that cannot be read."""
     text, notice = read_text(path)
     notices = [notice] if notice else []
     if is_ags3(text):

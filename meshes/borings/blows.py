@@ -1,4 +1,4 @@
-"""Blow counts as logs write them: numbers, and refusals, where the sampler did not go in as far as it was to."""
+"""Blow counts as logs write them: numbers, and refusals, which are drives that ended before the full penetration."""
 
 import math
 import re
@@ -48,7 +48,7 @@ REFUSED = re.compile(
 
 
 def read_blows(value: Any) -> Quantity:
-    """The blow count of a test; of a refusal the least that it can be.
+    """Read the blow count of a test; for a refusal return the least possible count.
 
     A drive that ended after ``b`` blows and ``p`` mm has at least ``b`` blows, and in proportion 300 b / p; a refusal
     counts as the smaller of these two where ``b`` is below 50, and at most as 50 then. A sampler that sinks under the
@@ -57,7 +57,7 @@ def read_blows(value: Any) -> Quantity:
     Raises
     ------
     ValueError
-        With what was expected.
+        With the expected form of a blow count.
     """
     if isinstance(value, Quantity):
         number, written = float(value), value.written
@@ -73,7 +73,7 @@ def read_blows(value: Any) -> Quantity:
 
 
 def is_refusal(blows: float) -> bool:
-    """Whether a count is the least that a refusal can be."""
+    """Return whether a count is the least possible count of a refusal."""
     written = getattr(blows, "written", blows)
     return isinstance(written, str) and _counted(written)[1]
 

@@ -11,7 +11,7 @@ from meshes.section.section import Model
 
 
 class Sample(Model):
-    """One standard penetration test, and what the sampler brought up."""
+    """One standard penetration test, and the properties of its sample."""
 
     depth: Length = Field(description='the depth below the ground in the middle of the test, such as "3.3 m"')
     N: Blows = Field(
@@ -42,7 +42,7 @@ class Cone(Model):
 
 
 class Boring(Model):
-    """A boring: its name, where it stands along the section, and its tests from the top down."""
+    """A boring with its name, its place along the section, and its tests from the top down."""
 
     name: str = Field(min_length=1, description="the name of the boring, such as B-1")
     x: Coordinate = Field(description="where it stands along the section, a coordinate in m")

@@ -31,7 +31,7 @@ NUMBERS, NONE = 25, -999999.0
 
 
 def read_bro(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:
-    """The sounding of a document, without layers; its place is that in metres of the Dutch grid.
+    """Read the sounding of a document, without layers; its coordinates are those of the Dutch grid in metres.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def read_bro(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
     Raises
     ------
     InputError
-        If it is no such document, or its readings are no soil's.
+        If it is no such document, or if no soil has such readings.
     """
     text = path.read_bytes()
     if b"<!ENTITY" in text:

@@ -1,4 +1,4 @@
-"""What is wrong with a file of borings, with complaints of one kind told once."""
+"""Problems of a file of borings; similar problems are reported once."""
 
 import re
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ PLACE = re.compile(r"boring \S+?(?=[,:])")
 
 
 def unread_counts(unread: Sequence[str], read: int) -> tuple[list[str], list[str]]:
-    """Notices on blow counts that are left out, and problems where they are more than half of the counts of a file.
+    """Return notices on blow counts that are left out, and problems if they are more than half of the counts of a file.
 
     Parameters
     ----------
@@ -24,7 +24,8 @@ def unread_counts(unread: Sequence[str], read: int) -> tuple[list[str], list[str
 
 
 def folded(problems: Sequence[str]) -> list[str]:
-    """The problems, of more than three that differ in places and values alone the first one with their number."""
+    """Return the problems; of more than three that differ only in places and values, only the first with their
+    number."""
     alike: dict[str, list[str]] = {}
     for text in dict.fromkeys(problems):
         alike.setdefault(VALUES.sub("·", PLACE.sub("boring ·", text)), []).append(text)

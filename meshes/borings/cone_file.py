@@ -19,7 +19,7 @@ KNOWN = (*NEEDED, *PLACE, "fines")
 
 
 def read_cones(path: Path, columns: Mapping[str, str]) -> BoringFile:
-    """The soundings of a file, in its order, without layers.
+    """Read the soundings of a file, in the order of the file, without layers.
 
     Parameters
     ----------

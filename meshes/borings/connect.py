@@ -21,7 +21,7 @@ OFF_LINE = 20.0  # m, beside the line, beyond which a boring does not belong to 
 
 @dataclass(frozen=True)
 class Placed:
-    """A boring with its place along the section, and how far beside the line it was (m)."""
+    """Holds a boring, its place along the section, and its distance from the line of the section (m)."""
 
     log: Log
     x: float
@@ -30,7 +30,7 @@ class Placed:
 
 @dataclass(frozen=True)
 class Connected:
-    """What borings say of a section.
+    """Holds what borings determine of a section.
 
     Attributes
     ----------
@@ -53,9 +53,10 @@ class Connected:
 
 
 def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...]:
-    """The borings along the line through the two with layers that are farthest apart, or at the x that they give.
+    """Place the borings along the line through the two with layers that are farthest apart, or at the x that they give.
 
-    Raises InputError where two share a name or a place, where one lies off the line, or a sounding beyond the borings.
+    Raises InputError if two borings have the same name or place, if a boring lies off the line, or if a sounding lies
+    beyond the borings.
     """
     names = [log.name for log in logs]
     problems = [f"boring {name}: there are {names.count(name)} of this name" for name in dict.fromkeys(names)
@@ -100,7 +101,8 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...
 
 
 def order(logs: Sequence[Log]) -> tuple[str, ...] | None:
-    """The names of the strata from the top down, as every boring has them; None where there is no such order."""
+    """Return the names of the strata from the top down, in the order in which every boring has them; None if there is
+    no such order."""
     below: dict[str, set[str]] = {}
     for log in logs:
         names = [layer.name for layer in log.layers]
@@ -131,11 +133,11 @@ def _numbered(borings: Sequence[Placed]) -> tuple[tuple[Placed, ...], Stack]:
 
 
 def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
-    """The strata between borings: straight from one to the next, or ending half-way where the next one has none; an
-    embankment's fill ends at the ground of the next boring.
+    """Connect the strata of neighbouring borings by straight lines; a stratum that is missing in the next boring ends
+    half-way, and the fill of an embankment ends at the ground of the next boring.
 
-    A layer that lies above and below others is several strata, with numbers. What lies below a boring's end is taken
-    level from the nearest boring that reached it. Raises InputError.
+    A layer that lies above and below other layers becomes several strata, with numbers. The ground below a boring's end
+    is continued level from the nearest boring that is deep enough. Raises InputError.
     """
     logs, alike = _spelled_alike(logs)
     everything = placed(logs, off_line)

@@ -33,10 +33,10 @@ OF_A_BORING = (*PLACE, "ground_level", *WATER)
 
 
 def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:
-    """The borings of a file, in its order.
+    """Read the borings of a file, in the order of the file.
 
-    A layer may have several lines, one for each of its tests; N stands in the middle of its line. A file with a column
-    qc holds cone penetration tests. A blow count that is not understood is left out, with a notice.
+    A layer may have several lines, one for each of its tests; N applies to the middle of its line. A file with a column
+    qc contains cone penetration tests. A blow count that cannot be read is left out, with a notice.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
     Raises
     ------
     InputError
-        With all problems, and where more than half of the blow counts are not understood.
+        With all problems, or if more than half of the blow counts cannot be read.
     """
     columns = columns or {}
     if has_column(path, "qc", columns):

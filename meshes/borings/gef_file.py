@@ -29,10 +29,10 @@ Header = dict[str, list[list[str]]]
 
 
 def read_gef(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:
-    """The sounding of a file, without layers.
+    """Read the sounding of a file, without layers.
 
-    The resistance is the corrected one, or else the measured one with (1 - a) of the pore pressure u2 where the file
-    tells the area ratio a. Readings without a resistance or a sleeve friction are left out.
+    The resistance is the corrected one, or else the measured one with (1 - a) of the pore pressure u2 if the file gives
+    the area ratio a. Readings without a resistance or a sleeve friction are left out.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def _log(path: Path, header: Header, data: str) -> Log:
 
 
 def cones_of(path: Path, readings: Iterable[Mapping[int, float]], area: float) -> tuple[Cone, ...]:
-    """Cone resistances from the top down, without readings that met nothing.
+    """Return cone resistances from the top down, without readings of zero.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def cones_of(path: Path, readings: Iterable[Mapping[int, float]], area: float) -
     Raises
     ------
     InputError
-        If a reading cannot be, or none is left.
+        If a reading is impossible, or if none is left.
     """
     cones: dict[float, Cone] = {}
     for count, values in enumerate(readings, start=1):
@@ -117,7 +117,7 @@ def cones_of(path: Path, readings: Iterable[Mapping[int, float]], area: float) -
 
 
 def sounding_file(path: Path, log: Log, notices: Sequence[str]) -> BoringFile:
-    """A file of one sounding; raises InputError where its readings are no soil's."""
+    """Return a file of one sounding; raise InputError if no soil has such readings."""
     if problems := list(implausible_cones(f"sounding {log.name}, ", log.cones, with_units=True)):
         raise InputError(str(path), folded(problems))
     return BoringFile([log], list(notices))
@@ -153,7 +153,7 @@ def _readings(path: Path, header: Header, data: str) -> Iterator[list[float | No
 def _reading(values: Mapping[int, float], area: float) -> dict[str, float] | None:
     """Depth (m), resistance and friction (Pa) of quantities by their numbers; None where the cone met nothing.
 
-    ``area``: ratio of the cone's net area.
+    ``area``: net area ratio of the cone.
     """
     if not {RESISTANCE, CORRECTED} & values.keys() or not {FRICTION, RATIO} & values.keys():
         return None

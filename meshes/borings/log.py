@@ -1,4 +1,4 @@
-"""A boring log as a file has it: where it was bored, what was met, and what was measured."""
+"""A boring log as its file gives it: the place, the layers met, and the measurements."""
 
 import math
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ DEPTHS_EXPECTED = "expected depths below the ground, from 0 downwards without a 
 
 @dataclass(frozen=True)
 class LogLayer:
-    """A layer that a boring met: its name, depths of top and bottom (m), and its unit weight as it was written."""
+    """A layer that a boring met: name, depths of top and bottom (m), and unit weight as written in the file."""
 
     name: str
     top: float
@@ -30,7 +30,7 @@ class LogLayer:
 
 @dataclass(frozen=True)
 class Log:
-    """One boring.
+    """The log of one boring.
 
     Attributes
     ----------
@@ -53,20 +53,20 @@ class Log:
 
     @property
     def bottom(self) -> float:
-        """Elevation at which the boring ends (m)."""
+        """Return the elevation at which the boring ends (m)."""
         return self.ground_level - self.layers[-1].bottom
 
 
 @dataclass(frozen=True)
 class BoringFile:
-    """The borings of a file, in its order, and notices on how they were read, one sentence each."""
+    """Holds the borings of a file, in the order of the file, and notices on how they were read, one sentence each."""
 
     logs: list[Log]
     notices: list[str]
 
 
 def refusal_notices(logs: Sequence[Log]) -> list[str]:
-    """A notice where blow counts are refusals, naming the first of them."""
+    """Return a notice if blow counts are refusals, with the place of the first refusal."""
     notices = [f'{log.name} at {sample.depth:g} m "{getattr(sample.N, "written", sample.N)}", N = {sample.N:g}'
              for log in logs for sample in log.samples if is_refusal(sample.N)]  # fmt: skip
     if not notices:
@@ -76,7 +76,7 @@ def refusal_notices(logs: Sequence[Log]) -> list[str]:
 
 
 def layer_problems(name: str, layers: list[LogLayer]) -> list[str]:
-    """What is wrong with the layers of a boring: none, gaps, overlaps, layers upside down."""
+    """Return what is wrong with the layers of a boring: none, gaps, overlaps, or layers upside down."""
     problems = [] if layers else [f"boring {name}: it has no layers"]
     if layers and min(min(layer.top, layer.bottom) for layer in layers) < -CONTACT:
         return [f"boring {name}: layers at {layers[0].top:g} to {layers[0].bottom:g} m; {DEPTHS_EXPECTED}"]
@@ -94,7 +94,8 @@ def layer_problems(name: str, layers: list[LogLayer]) -> list[str]:
 
 
 def depth_problems(log: Log) -> list[str]:
-    """What lies far below the end of a boring, blow counts and water: a slip, or a depth in another unit."""
+    """Return blow counts and water levels far below the end of a boring, which suggest a typing error or another
+    unit."""
     end = log.layers[-1].bottom if log.layers else math.inf
     if end < math.inf and not within(end, DEPTH):
         return [sentence(f"boring {log.name}, depth of its end", round(end, 2), DEPTH, "")]
@@ -105,7 +106,7 @@ def depth_problems(log: Log) -> list[str]:
 
 
 def joined(layers: list[LogLayer]) -> list[LogLayer]:
-    """Neighbours with the same name as one layer: a file may have a line for each test, or each description."""
+    """Merge neighbouring layers with the same name: a file may have a line for each test, or for each description."""
     merged: list[LogLayer] = []
     for layer in layers:
         if merged and merged[-1].name == layer.name and abs(merged[-1].bottom - layer.top) <= CONTACT:
@@ -116,6 +117,6 @@ def joined(layers: list[LogLayer]) -> list[LogLayer]:
 
 
 def cone_problems(name: str, cones: Sequence[Cone]) -> list[str]:
-    """Depths of a sounding that do not rise."""
+    """Return depths of a sounding that do not increase."""
     return [f"sounding {name}: {b.depth:g} m follows {a.depth:g} m; expected every depth below the one before"
             for a, b in pairwise(cones) if b.depth <= a.depth]  # fmt: skip

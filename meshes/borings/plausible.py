@@ -1,4 +1,4 @@
-"""Numbers of blow counts and cones that no test has: slips of the pen, mostly a unit."""
+"""Impossible numbers of blow counts and cone tests, which usually have a wrong unit."""
 
 from collections.abc import Iterator, Sequence
 
@@ -20,7 +20,7 @@ OF_A_SAMPLE = {"depth": DEPTH, "N": BLOWS, "plasticity": PLASTICITY, "d50": GRAI
 
 
 def implausible_tests(borings: Sequence[Boring]) -> list[str]:
-    """One sentence for each number of borings in [triggering] that is beyond what there is."""
+    """Return one sentence for each impossible number of borings in [triggering]."""
     problems: list[str] = []
     for number, boring in enumerate(borings, start=1):
         where = f'triggering, borings {number} "{boring.name}"'
@@ -33,7 +33,8 @@ def implausible_tests(borings: Sequence[Boring]) -> list[str]:
 
 
 def implausible_sample(where: str, sample: Sample, remedy: str = "") -> Iterator[str]:
-    """One sentence for a blow count beyond what there is; ``where`` goes before the key, the ``remedy`` to the end."""
+    """Return a sentence for an impossible blow count; the text ``where`` precedes the key, the ``remedy`` ends the
+    sentence."""
     for key, limits in OF_A_SAMPLE.items():
         value = getattr(sample, key)
         if value is not None and not within(value, limits):
@@ -41,9 +42,9 @@ def implausible_sample(where: str, sample: Sample, remedy: str = "") -> Iterator
 
 
 def shares_for_percent(samples: Sequence[Sample]) -> list[str]:
-    """A sentence for fines contents, and one for plasticity indices, that are below 1 % in every one of the samples.
+    """Return a sentence for fines contents, and a sentence for plasticity indices, that are below 1 % in every sample.
 
-    Sand washed of its fines has some per cent of them: such numbers are shares of one where percent were expected.
+    Even washed sand contains some per cent of fines: numbers below 1 are probably fractions instead of per cent.
     """
     sentences = []
     for key, what in (("fines", "fines contents"), ("plasticity", "plasticity indices")):
@@ -54,10 +55,11 @@ def shares_for_percent(samples: Sequence[Sample]) -> list[str]:
 
 
 def implausible_cones(where: str, cones: Sequence[Cone], remedy: str = "", with_units: bool = False) -> Iterator[str]:
-    """The same of the deepest reading of a sounding, and of its largest resistance and friction.
+    """Return one sentence for an impossible deepest reading of a sounding, and for an impossible largest resistance or
+    friction.
 
-    Where a file gave them ``with_units``, no other unit is guessed.
-    ``where``: beginning of the sentence; ``cones``: readings; ``remedy``: end of the sentence.
+    If a file gave the numbers ``with_units``, no other unit is suggested. ``where``: beginning of the sentence;
+    ``cones``: readings; ``remedy``: end of the sentence.
     """
     wrong = False
     for key, limits in (("depth", DEPTH), ("qc", LARGEST_TIP), ("fs", LARGEST_SLEEVE)):

@@ -1,4 +1,4 @@
-"""A section made from borings as TOML with comments, for a person to correct."""
+"""A section made from borings, as TOML with comments, for the user to complete."""
 
 import json
 import math
@@ -17,7 +17,7 @@ WIDER = 1.5  # heights of the section that it goes on past the borings: its side
 
 
 def text_of(connected: Connected, name: str) -> str:
-    """The section as TOML; what was not measured stands as a comment, and has to be given."""
+    """Return the section as TOML; quantities that were not measured are comments, and the user has to give them."""
     return "\n".join([*_head(connected, name), *_strata(connected), *_borings(connected)]) + "\n"
 
 

@@ -31,8 +31,8 @@ PLAIN = {"N": BLOWS, "fines": PERCENT, "plasticity": PERCENT}
 
 @dataclass(frozen=True)
 class BoringTable:
-    """Lines of a file by boring, each with its number and its cells by column; units by column; faults, blow counts
-    that are not understood, and notices.
+    """Holds the lines of a file by boring, each with its number and its cells by column; the units by column; faults,
+    blow counts that cannot be read, and notices.
     """
 
     lines: Mapping[str, Sequence[tuple[int, Mapping[str, str]]]]
@@ -42,7 +42,7 @@ class BoringTable:
     unread: list[str] = field(default_factory=list)
 
     def length(self, number: int, cells: Mapping[str, str], key: str) -> float:
-        """A coordinate in m; not a number, and a problem, where it cannot be read."""
+        """Return a coordinate in m; not a number, with a problem, if it cannot be read."""
         try:
             return float(COORDINATE.read(with_unit(cells.get(key, ""), self.units.get(key, ""))))
         except ValueError as error:
@@ -51,7 +51,7 @@ class BoringTable:
             return math.nan
 
     def place(self, number: int, cells: Mapping[str, str]) -> tuple[float, float]:
-        """(easting, northing), or (x, nan)."""
+        """Return (easting, northing), or (x, nan)."""
         if cells.get("x"):
             return self.length(number, cells, "x"), math.nan
         return self.length(number, cells, "easting"), self.length(number, cells, "northing")
@@ -67,12 +67,12 @@ class _Sheet:
 
 
 def has_column(path: Path, name: str, columns: Mapping[str, str]) -> bool:
-    """Whether a file has a column of that name. Raises InputError where it cannot be read."""
+    """Return whether a file has a column of that name. Raises InputError if the file cannot be read."""
     return name in [head for head, _ in _sheet(path, columns, (name,)).heads]
 
 
 def read_table(path: Path, needed: Sequence[str], known: Sequence[str], columns: Mapping[str, str]) -> BoringTable:
-    """The lines of a file that has a boring in each.
+    """Read the lines of a file; every line names a boring.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def read_table(path: Path, needed: Sequence[str], known: Sequence[str], columns:
     Raises
     ------
     InputError
-        Where columns are missing or not known, or have units that are not understood.
+        If columns are missing or unknown, or have units that cannot be read.
     """
     sheet = _sheet(path, columns, known)
     if len(sheet.rows) < 2:
@@ -213,12 +213,12 @@ def _split(cell: str) -> tuple[str, str]:
 
 
 def written(value: str, unit: str) -> str:
-    """A value with the unit of its column heading, unless it has a unit itself."""
+    """Return a value with the unit of its column heading, unless the value has a unit itself."""
     return f"{value} {unit}" if unit and re.fullmatch(r"[-+.\deE]+", value) else value
 
 
 def with_unit(value: str, unit: str) -> str | float:
-    """A value with its unit as a person would write it in a section: a plain number is a number."""
+    """Return a value with its unit in the form of a section file: a plain number is a number."""
     text = written(value, unit)
     try:
         return float(text)

@@ -1,4 +1,4 @@
-"""The text of a file that others wrote: in UTF-8, UTF-16, or in what Windows wrote before."""
+"""The text of a file from another program: in UTF-8, UTF-16, or an older encoding of Windows."""
 
 import codecs
 import re
@@ -12,17 +12,17 @@ MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"), (codec
 
 
 class Text(NamedTuple):
-    """The text of a file, and a sentence where its encoding is a guess; else empty."""
+    """Holds the text of a file, and a sentence if its encoding is a guess; else empty."""
 
     text: str
     notice: str
 
 
 def read_text(path: Path) -> Text:
-    """The text of a file.
+    """Read the text of a file.
 
-    Without a mark it is UTF-8, UTF-16 where every other byte is zero, cp932 where the bytes beyond ASCII come in pairs
-    that are Japanese, else cp1252. Raises InputError where the file cannot be read.
+    Without a byte order mark the encoding is UTF-8, or UTF-16 if every other byte is zero, or cp932 if the bytes beyond
+    ASCII form Japanese pairs, else cp1252. Raises InputError if the file cannot be read.
     """
     try:
         data = path.read_bytes()

@@ -1,1 +1,2 @@
-"""Sections as DXF drawings: what of a drawing is ground and water, and how the ground lies in strata."""
+"""Sections as DXF drawings: which shapes of a drawing are ground and water, and how the ground is divided into
+strata."""

@@ -1,4 +1,4 @@
-"""The section that outlines and lines of a drawing make, as TOML for a person to complete."""
+"""The section from the outlines and lines of a drawing, as TOML for the user to complete."""
 
 import json
 import re
@@ -23,18 +23,18 @@ SOIL = ("density", "youngs_modulus", "poissons_ratio", "cohesion", "friction_ang
 
 
 class Drawn(NamedTuple):
-    """A section as TOML, and notices on how the drawing was read, one sentence each."""
+    """Holds a section as TOML, and notices on how the drawing was read, one sentence each."""
 
     text: str
     notices: list[str]
 
 
 def drawn_section(shapes: Shapes, path: Path, name: str) -> Drawn:
-    """The section of a drawing, its soils still to be given.
+    """Return the section of a drawing, without the properties of its soils.
 
-    Outlines are strata, of the names of their layers. Without outlines, or where lines go on past them, the highest
-    line is the ground, each other one the bottom of the stratum of its layer, and outlines are zones.
-    Raises InputError with all problems.
+    Outlines are strata with the names of their drawing layers. Without outlines, or if lines continue beyond them, the
+    highest line is the ground surface, every other line is the bottom of the stratum named by its drawing layer, and
+    outlines are zones. Raises InputError with all problems.
     """
     outlines, pond_levels, notices = _without_water(shapes)
     lines_of_water = [*filter(is_water, shapes.lines), *pond_levels]
@@ -75,8 +75,8 @@ def _go_past(lines: Sequence[Shape], outlines: Sequence[Shape]) -> bool:
 def _with_one_side(outlines: Sequence[np.ndarray]) -> tuple[list[np.ndarray], list[str]]:
     """Outlines (n, 2) cut where the first of those that reach a side ends, and a sentence where that is told.
 
-    Corners within a centimetre of a side stand on it. Else the ground would fall into a slit at that side, as deep as
-    the outline that ends short of it.
+    Corners within a centimetre of a side are moved to the side. Otherwise the ground would have a slit there, as deep
+    as the outline that ends short of the side.
     """
     ends = np.array([[points[:, 0].min(), points[:, 0].max()] for points in outlines])
     near = SIDE * float(np.ptp(ends))
@@ -166,7 +166,8 @@ def _of_lines(
 def _from_the_ground_down(lines: Sequence[Shape], notices: list[str]) -> list[tuple[str, np.ndarray]]:
     """Layers and points of lines, from the left to the right: the ground, the highest line, and what lies below it.
 
-    Lines that go on past the ground end with it. Those that end inside of it continue level, and it is told.
+    Lines that continue beyond the ground are cut off at its ends. Lines that end inside continue level, and a notice
+    says so.
     """
     rising = [(line.layer, line.points if line.points[0, 0] <= line.points[-1, 0] else line.points[::-1])
               for line in lines]  # fmt: skip

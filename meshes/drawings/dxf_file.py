@@ -30,7 +30,7 @@ def _ezdxf(path: Path) -> Any:
 
 
 def write_dxf(section: Section, path: Path) -> list[str]:
-    """Draw the strata and the water table, 1 unit = 1 m.
+    """Draw the strata and the water table in a DXF file, 1 unit = 1 m.
 
     Returns
     -------
@@ -63,7 +63,8 @@ def write_dxf(section: Section, path: Path) -> list[str]:
 
 
 def layer_names(names: Sequence[str]) -> list[str]:
-    """Names of layers for those of strata: with look-alikes of what they may not hold, and all different."""
+    """Return names of drawing layers for names of strata: forbidden characters are replaced by similar ones, and all
+    names are different."""
     taken, result = set(RESERVED), []
     for name in names:
         plain = layer = name.translate(LOOK_ALIKES)[: LONGEST_NAME - 5]
@@ -77,7 +78,7 @@ def layer_names(names: Sequence[str]) -> list[str]:
 
 
 def read_dxf(path: Path, name: str, unit: float | None = None) -> Drawn:
-    """The section of a drawing as TOML, its soils still to be given.
+    """Read the section of a drawing as TOML, without the properties of its soils.
 
     Parameters
     ----------

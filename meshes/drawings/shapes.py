@@ -26,7 +26,7 @@ METRE, UNITS = 6, {
 
 @dataclass(frozen=True)
 class Shape:
-    """One outline or line.
+    """One outline or line of a drawing.
 
     Attributes
     ----------
@@ -43,13 +43,13 @@ class Shape:
 
     @property
     def span(self) -> str:
-        """Extent of the shape along x, in words."""
+        """Return the extent of the shape along x, in words."""
         return f"x = {self.points[:, 0].min():.6g} to {self.points[:, 0].max():.6g} m"
 
 
 @dataclass(frozen=True)
 class Shapes:
-    """The shapes of a drawing.
+    """Holds the shapes of a drawing.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class _DrawnShape:
 
 
 def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes:
-    """The shapes of a drawing.
+    """Return the shapes of a drawing.
 
     Parameters
     ----------

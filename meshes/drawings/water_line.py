@@ -22,7 +22,8 @@ OF_POND = re.compile(
 
 
 def water_table(lines: Sequence[Shape], left: float, right: float) -> tuple[np.ndarray | None, list[str]]:
-    """The longest line of water, extended from side to side, and notices on it and on other lines of water.
+    """Return the longest line of water, extended from side to side, and notices on this line and on other lines of
+    water.
 
     Parameters
     ----------
@@ -57,18 +58,18 @@ def water_table(lines: Sequence[Shape], left: float, right: float) -> tuple[np.n
 
 
 def is_pond(outline: Shape) -> bool:
-    """Whether an outline is on a layer whose whole name is that of free water."""
+    """Return whether an outline is on a drawing layer whose whole name is that of free water."""
     return OF_POND.fullmatch(outline.layer.strip()) is not None
 
 
 def upper_edge(outline: Shape) -> Shape:
-    """What an outline has at its top, as a line."""
+    """Return the upper edge of an outline, as a line."""
     columns = columns_of([outline.layer], [outline.points])
     return Shape(outline.layer, columns.points(columns.interfaces()[0]), False, outline.kind)
 
 
 def is_water(line: Shape) -> bool:
-    """Whether a line is on a layer whose name says water."""
+    """Return whether a line is on a drawing layer whose name denotes water."""
     return OF_WATER.search(line.layer) is not None
 
 

@@ -1,4 +1,4 @@
-"""What a model of another program has that a section can take, and the section that it makes."""
+"""The contents of another program's model that a section can take, and the section from such a model."""
 
 import re
 import zipfile
@@ -35,7 +35,7 @@ class YieldStress(NamedTuple):
 
 
 class ForeignLayer(NamedTuple):
-    """A layer of a model.
+    """A layer of a model of another program.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class ForeignModel:
 
 
 class ImportedSection(NamedTuple):
-    """A section as TOML, and notices on how it was read, one sentence each."""
+    """Holds a section as TOML, and notices on how it was read, one sentence each."""
 
     text: str
     notices: list[str]
@@ -81,7 +81,8 @@ class ImportedSection(NamedTuple):
 
 @contextmanager
 def as_input_errors(path: Path, expected: str) -> Iterator[None]:
-    """Whatever a file lacks, or has in another form than ``expected``, is one fault of it (InputError)."""
+    """Report anything that a file lacks, or has in another form than ``expected``, as a fault of the file
+    (InputError)."""
     try:
         yield
     except InputError:
@@ -96,14 +97,14 @@ def as_input_errors(path: Path, expected: str) -> Iterator[None]:
 
 
 def within_reason(entries: Sequence[zipfile.ZipInfo]) -> Sequence[zipfile.ZipInfo]:
-    """The documents of a model, unless they are too large; raises ValueError then."""
+    """Return the documents of a model; raise ValueError if they are too large."""
     if (size := sum(entry.file_size for entry in entries)) > LARGEST:
         raise ValueError(f"documents of {size / 1e6:.0f} MB: at most {LARGEST / 1e6:.0f} MB are read")
     return entries
 
 
 def corners(points: Sequence[tuple[float, float]]) -> np.ndarray:
-    """Points (n, 2) in m; raises ValueError where one is no number."""
+    """Return points (n, 2) in m; raise ValueError if a coordinate is no number."""
     array = np.array(points, dtype=float).reshape(-1, 2)
     if not np.isfinite(array).all():
         raise ValueError("a point whose coordinates are not numbers")
@@ -111,27 +112,27 @@ def corners(points: Sequence[tuple[float, float]]) -> np.ndarray:
 
 
 def line_of(points: Sequence[tuple[float, float]]) -> np.ndarray:
-    """Points (n, 2) in m of a line of water, from left to right."""
+    """Return the points (n, 2) in m of a line of water, from left to right."""
     line = corners(points)
     return line[::-1] if line[0, 0] > line[-1, 0] else line
 
 
 def section_of(model: ForeignModel, path: Path, name: str) -> ImportedSection:
-    """The section of a model that was read from a file.
+    """Return the section of a model that was read from a file.
 
     Parameters
     ----------
     model : ForeignModel
-        Its layers become strata, in the place where they lie.
+        The model; its layers become strata in the same places.
     path : Path
-        The file, for complaints.
+        The file, for messages.
     name : str
         The name of the section.
 
     Raises
     ------
     InputError
-        If the layers are no section.
+        If the layers do not form a section.
     """
     names = layer_names(model.layers)
     columns = columns_of(names, [layer.points for layer in model.layers])
@@ -166,7 +167,7 @@ def section_of(model: ForeignModel, path: Path, name: str) -> ImportedSection:
 
 
 def layer_names(layers: Sequence[ForeignLayer]) -> list[str]:
-    """A name for every layer: that of its soil, with a number where layers of one soil have other keys."""
+    """Return a name for every layer: that of its soil, with a number if layers of one soil have different keys."""
     kinds: dict[str, list[Mapping[str, Any]]] = {}
     names = []
     for layer in layers:

@@ -28,7 +28,7 @@ BEDROCK = "10 MPa"  # cohesion: slips do not pass it
 
 
 class GeoStudioUnits(NamedTuple):
-    """The length (m) of a unit, and how a stress and a unit weight are written."""
+    """Holds the length (m) of a unit, and how a stress and a unit weight are written."""
 
     length: float
     stress: str
@@ -40,7 +40,7 @@ METRIC, IMPERIAL = GeoStudioUnits(1.0, "kPa", "kN/m^3", 9.807), GeoStudioUnits(0
 
 
 def read_gsz(path: Path, name: str, analysis: str | None = None) -> ImportedSection:
-    """The section of an analysis of SLOPE/W in a model of GeoStudio.
+    """Read the section of an analysis of SLOPE/W in a model of GeoStudio.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def read_gsz(path: Path, name: str, analysis: str | None = None) -> ImportedSect
     name : str
         The name of the section.
     analysis : str, optional
-        The name of the analysis; the first one of SLOPE/W if not given.
+        Name of the analysis; the first analysis of SLOPE/W if left out.
 
     Raises
     ------

@@ -29,7 +29,7 @@ Json = Mapping[str, Any]
 
 
 def read_stix(path: Path, name: str, scenario: str | None = None) -> ImportedSection:
-    """The section of a scenario of a model of D-Stability, in the last of its stages.
+    """Read the section of a scenario of a model of D-Stability, in the last of its stages.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def read_stix(path: Path, name: str, scenario: str | None = None) -> ImportedSec
     name : str
         The name of the section.
     scenario : str, optional
-        The label of the scenario; the first one if not given.
+        Label of the scenario; the first scenario if left out.
 
     Raises
     ------
@@ -196,7 +196,7 @@ def _latest_state(
 ) -> dict[str, Any]:
     """The preconsolidation of a layer in the last stage that tells it, of stages with the last one first.
 
-    D-Stability keeps the yield stress of a stage in those after it; a layer is known again by the place of its middle.
+    D-Stability keeps the yield stress of a stage in later stages; a layer is identified by the place of its middle.
     """
     for count, (label, state, outlines) in enumerate(states):
         places = [corners(_pairs(item["Points"])) for item in outlines]

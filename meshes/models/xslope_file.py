@@ -30,7 +30,7 @@ Points = list[tuple[float, float]]
 
 
 class XslopeUnits(NamedTuple):
-    """The length (m) and the stress (kPa) of a unit, and the unit weight of water (kN/m³)."""
+    """Holds the length (m) and the stress (kPa) of a unit, and the unit weight of water (kN/m³)."""
 
     length: float
     stress: float
@@ -38,7 +38,7 @@ class XslopeUnits(NamedTuple):
 
 
 def read_xslope(path: Path, name: str, part: str | None = None) -> ImportedSection:
-    """The section of a workbook of xslope.
+    """Read the section of a workbook of xslope.
 
     Parameters
     ----------
@@ -47,12 +47,12 @@ def read_xslope(path: Path, name: str, part: str | None = None) -> ImportedSecti
     name : str
         The name of the section.
     part : str, optional
-        A workbook has no parts: None.
+        Always None, since a workbook has no parts.
 
     Raises
     ------
     InputError
-        If the file is no such workbook, or a part is asked for.
+        If the file is no such workbook, or if a part is given.
     """
     if part is not None:
         raise InputError("--part", [f'"{part}": expected none, since a workbook of xslope holds one model'])

@@ -1,4 +1,4 @@
-"""The ground as a person describes it: strata between lines, quantities with units, water."""
+"""The ground in a section file: strata between lines, quantities with units, water."""
 
 from meshes.section.layering import Layering
 from meshes.section.naming import BOUNDARIES

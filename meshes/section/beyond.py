@@ -1,7 +1,8 @@
-"""What lies past the ends of a section: its ground, layers, base and water go on as they end, all by the same slope.
+"""The ground beyond the ends of a section: surface, layers, base and water continue in the same direction, all with one
+slope.
 
-The ground there is unknown; but a side where the survey ended takes part in the failure, and a side far away does not.
-Lines go on parallel to the ground, so that every layer keeps its thickness.
+The ground there is unknown; but a side at the end of the survey influences the failure, and a side far away does not.
+Lines continue parallel to the ground surface, so that every layer keeps its thickness.
 """
 
 from typing import Literal, NamedTuple
@@ -15,7 +16,7 @@ Slope = Literal["level", "parallel"]
 
 
 class Continuation(NamedTuple):
-    """How a section continues past its ends.
+    """Describes how a section continues beyond its ends.
 
     Attributes
     ----------
@@ -31,16 +32,16 @@ class Continuation(NamedTuple):
     right_slope: float
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        """A polyline (n, 2) of elevations that continues where it reaches an end."""
+        """Return a polyline (n, 2) of elevations, continued if it reaches an end."""
         rises = -self.distance * self.left_slope, self.distance * self.right_slope
         return self._continued(points, *rises)
 
     def depths(self, points: np.ndarray) -> np.ndarray:
-        """A polyline (n, 2) of depths below the ground that continues, as deep, where it reaches an end."""
+        """Return a polyline (n, 2) of depths below the ground, continued with the same depth if it reaches an end."""
         return self._continued(points, 0.0, 0.0)
 
     def line(self, line: Line) -> Line:
-        """A line that continues."""
+        """Return a line that continues beyond the ends."""
         points = line.points(self.left, self.right)
         if line.depth is None:
             return Line(elevation=self.elevations(points).tolist())
@@ -56,7 +57,7 @@ class Continuation(NamedTuple):
 
 
 def continuation(surface: np.ndarray, distance: float, slope: Slope) -> Continuation:
-    """How a section with a ``surface`` (n, 2) continues by a ``distance`` (m)."""
+    """Return how a section with a ``surface`` (n, 2) continues over a ``distance`` (m)."""
     (x0, z0), (x1, z1) = surface[:2]
     (x2, z2), (x3, z3) = surface[-2:]
     slopes = ((z1 - z0) / (x1 - x0), (z3 - z2) / (x3 - x2)) if slope == "parallel" else (0.0, 0.0)
@@ -64,6 +65,6 @@ def continuation(surface: np.ndarray, distance: float, slope: Slope) -> Continua
 
 
 def continuation_words(length: float, slope: Slope, left: float, right: float) -> str:
-    """What lies beyond the ends (m) of a section, in words; ``length`` (m) of it on either side."""
+    """Describe in words what lies beyond the ends (m) of a section; ``length`` (m) of it on either side."""
     how = "level" if slope == "level" else "with the slope of the ground there"
     return f"beyond: ground, layers and water go on for {length:g} m past x = {left:g} and {right:g} m, {how}"

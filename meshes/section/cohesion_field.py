@@ -29,16 +29,17 @@ SHALLOW = 1e-3  # of a thickness: so far below its top a layer is looked at from
 
 @dataclass(frozen=True, eq=False)
 class CohesionField:
-    """The cohesion of the strata of a section.
+    """Gives the cohesion of the strata of a section at any point.
 
     Attributes
     ----------
     loads : SurfaceLoads
         The surcharges and the water of the section, with its layers and strata.
     starts : tuple of (n, 2) or None
-        The line (m) below which the cohesion of each stratum grows with depth.
+        The line (m) for each stratum below which its cohesion grows with depth.
     consolidated : tuple of (n, 2) or None
-        The line (m) above which nothing has consolidated each stratum; None for all that lies above it.
+        The line (m) for each stratum above which the ground has not consolidated the stratum; None if all ground above
+        has.
     """
 
     loads: SurfaceLoads
@@ -47,7 +48,8 @@ class CohesionField:
 
     @classmethod
     def of(cls, loads: SurfaceLoads, elevations_of: Callable[[Line], np.ndarray]) -> Self:
-        """The cohesions of the strata below ``loads``; ``elevations_of`` a line are (n, 2) from side to side (m)."""
+        """Return the cohesions of the strata below ``loads``; ``elevations_of`` gives a line as (n, 2) from side to
+        side (m)."""
 
         def lines(key: str) -> tuple[np.ndarray | None, ...]:
             lines_of_strata = [getattr(soil, key) for soil in loads.water.strata]
@@ -57,7 +59,7 @@ class CohesionField:
 
     @property
     def water(self) -> WaterPressure:
-        """The water of the section, with its layers and strata."""
+        """Return the water of the section, with its layers and strata."""
         return self.loads.water
 
     def effective_stress(
@@ -68,16 +70,17 @@ class CohesionField:
         top: np.ndarray | None = None,
         pressure: np.ndarray | None = None,
     ) -> np.ndarray:
-        """The vertical effective stress (n,) in Pa to which the ground has consolidated, that ratios of strength
-        multiply; ground above the line ``top`` (k, 2) does not count. ``pressure`` (n,) in Pa: see
-        ``WaterPressure.vertical_effective``.
-        ``points``, ``near`` (n, 2) in m, ``stratum`` (n,): as in ``WaterPressure.at_rest``.
+        """Return the vertical effective stress (n,) in Pa to which the ground has consolidated, by which ratios of
+        strength are multiplied; ground above the line ``top`` (k, 2) does not count. ``pressure`` (n,) in Pa: see
+        ``WaterPressure.vertical_effective``. ``points``, ``near`` (n, 2) in m, ``stratum`` (n,): as in
+        ``WaterPressure.at_rest``.
         """
         load = self.loads.consolidated(points[:, 0], near[:, 0])
         return self.water.vertical_effective(points, near, stratum, top, load, pressure)
 
     def mean_effective_stress(self, stratum: int) -> float:
-        """Mean of that stress (Pa) over the area of a stratum; 0 where it has none."""
+        """Return the mean of the vertical effective stress (Pa) over the area of a stratum; 0 for a stratum without
+        area."""
         thick, middle = self._columns(stratum)
         stress = self.effective_stress(middle, middle, np.full(len(middle), stratum))
         return float(np.average(stress, weights=thick)) if len(middle) else 0.0
@@ -98,7 +101,7 @@ class CohesionField:
 
     @property
     def notices(self) -> list[tuple[int, str]]:
-        """Notices on strengths that vary: the number of the stratum, and a sentence."""
+        """Return notices on strengths that vary: the number of the stratum, and a sentence."""
         varying = [(int(k), "its cohesion varies; discs have its mean throughout") for k in np.flatnonzero(self.varies)]
         return varying + [(k, words) for k, _ in varying if (words := self._without_strength(k))]
 
@@ -122,13 +125,13 @@ class CohesionField:
 
     @cached_property
     def varies(self) -> np.ndarray:
-        """Which strata (k,) have a cohesion that is not constant."""
+        """Return a mask (k,) of the strata whose cohesion is not constant."""
         return np.array([soil.cohesion_varies for soil in self.water.strata])
 
     @cached_property
     def kinks(self) -> np.ndarray:
-        """The x (n,) in m between which pore pressures, and cohesions but for their least values, change by one rule in
-        every stratum."""
+        """Return the x (n,) in m between which pore pressures, and cohesions except for their least values, follow one
+        linear rule in every stratum."""
         if not self.varies.any():
             return self.water.kinks
         lines = [self.water.kinks, *(line[:, 0] for line in (*self.starts, *self.consolidated) if line is not None)]
@@ -155,7 +158,7 @@ class CohesionField:
         return np.concatenate([crossings(x, *pair, least) for pair in zip(gaps[0].T, gaps[1].T, strict=True)])
 
     def at(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
-        """Cohesion (n,) at points."""
+        """Return the cohesion (n,) in Pa at points."""
 
         def exact(soil: Stratum, depth: np.ndarray, stress: np.ndarray) -> np.ndarray:
             return np.maximum(_grown(soil, depth, stress), soil.cohesion_minimum or 0.0)
@@ -163,12 +166,12 @@ class CohesionField:
         return self._of_strata(exact, points, near, stratum)
 
     def growing(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
-        """Cohesion (n,) at points without the least one of their strata."""
+        """Return the cohesion (n,) at points without the least value of their strata."""
         return self._of_strata(_grown, points, near, stratum)
 
     def corners(self, corners: np.ndarray, stratum: np.ndarray, above: bool) -> np.ndarray:
-        """Cohesions (m, 3) at the ``corners`` (m, 3, 2) of triangles; the linear one between them is nowhere above that
-        of ``at``, or nowhere below it if ``above`` is asked for.
+        """Return cohesions (m, 3) at the ``corners`` (m, 3, 2) of triangles; the linear cohesion between them is
+        nowhere above the true cohesion (`at`), or nowhere below it if ``above``.
 
         In a triangle depth and stress are linear: so is the pore pressure that bounds have between corners, also where
         water flows. What is convex of depth and stress (growth below a line, a least value) lies below its chord and
@@ -202,7 +205,8 @@ class CohesionField:
         return self._of_strata(linear, points, near, stratum, pressure.ravel()).reshape(-1, 4)[:, :3]
 
     def means(self) -> tuple[Stratum, ...]:
-        """The strata with one cohesion each: where it varies, its mean over the area of the stratum."""
+        """Return the strata with one cohesion each: a varying cohesion is replaced by its mean over the area of the
+        stratum."""
         if not self.varies.any():
             return self.water.strata
         strata = list(self.water.strata)

@@ -19,7 +19,7 @@ INSIDE = 0.999
 
 @dataclass(frozen=True)
 class Columns:
-    """The ground between breakpoints.
+    """Holds the ground between breakpoints, column by column.
 
     Attributes
     ----------
@@ -37,7 +37,8 @@ class Columns:
     problems: list[str]
 
     def interfaces(self, bare: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """The ground (columns, 2), and the bottoms of the strata (strata, columns, 2): elevations (m) at both ends.
+        """Return the ground surface (columns, 2), and the bottoms of the strata (strata, columns, 2): elevations (m) at
+        both ends.
 
         The bottom of a stratum that is not there is that of the one above.
         ``bare`` (columns, 2): the ground where columns have no pieces, as where the base comes out of the ground.
@@ -57,7 +58,8 @@ class Columns:
         return ground, bottoms
 
     def points(self, line: np.ndarray) -> np.ndarray:
-        """A line given at both ends (columns, 2) of every column as points (n, 2): two where it steps."""
+        """Return a line given at both ends (columns, 2) of every column as points (n, 2): two points where the line
+        steps."""
         chain = np.column_stack([np.repeat(self.x, 2)[1:-1], line.ravel()])
         chain = chain[np.isfinite(chain[:, 1])]  # without columns that have no pieces and nothing bare
         again = np.concatenate([[False], np.all(np.abs(np.diff(chain, axis=0)) <= SNAP, axis=1)])
@@ -68,10 +70,10 @@ class Columns:
 def columns_of(
     names: Sequence[str], outlines: Sequence[np.ndarray], rank: Sequence[float] | None = None, without: str = ""
 ) -> Columns:
-    """The strata of outlines (n, 2) that have names.
+    """Return the strata of outlines (n, 2) that have names.
 
-    Of several that hold a place that of the lowest ``rank`` has it, by default the smallest one. What lies between two
-    outlines, where nothing is drawn, goes to what is below. Outlines called ``without`` hold their place empty.
+    A place inside several outlines belongs to the outline of the lowest ``rank``, by default the smallest outline. A
+    gap between two outlines belongs to the stratum below. Outlines called ``without`` leave their place empty.
     """
     areas = [polygon_area(points) for points in outlines]
     x = _breakpoints(outlines)
@@ -90,7 +92,7 @@ def columns_of(
 
 
 class Tally:
-    """Findings of all columns: gaps, and which outlines (by number) overlap."""
+    """Holds findings of all columns: gaps, and the numbers of outlines that overlap."""
 
     def __init__(self, names: list[str], areas: list[float], x: np.ndarray) -> None:
         self.names, self.areas, self.x = names, areas, x
@@ -101,8 +103,8 @@ class Tally:
     def add(self, inside: Sequence[int], owner: int, area: float, column: int) -> None:
         """Add a cell that lies in several outlines to the strata that claim it.
 
-        ``inside``: strata whose outlines hold the cell; ``owner``: the one it belongs to; ``area``: of the cell (m²);
-        ``column``: of the grid.
+        ``inside``: strata whose outlines hold the cell; ``owner``: the one it belongs to; ``area``: area of the cell
+        (m²); ``column``: column of the grid.
         """
         self.owned[owner] += area
         for other in inside:
@@ -112,9 +114,9 @@ class Tally:
                 whole[0], whole[2] = whole[0] + area, self.x[column + 1]
 
     def gap(self, above: str, below: str, height: float, column: int) -> None:
-        """Nothing drawn between two strata.
+        """Record a gap between two strata.
 
-        ``above``, ``below``: names of the strata; ``height``: of the gap (m); ``column``: of the grid.
+        ``above``, ``below``: names of the strata; ``height``: height of the gap (m); ``column``: column of the grid.
         """
         here = self.gaps.setdefault((above, below), [0.0, self.x[column], self.x[column + 1]])
         here[0], here[2] = max(here[0], height), self.x[column + 1]
@@ -140,7 +142,7 @@ class Tally:
 
 
 def polygon_area(points: np.ndarray) -> float:
-    """Area (m²) of a closed polygon (n, 2), whichever way round it goes."""
+    """Return the area (m²) of a closed polygon (n, 2), in either sense of rotation."""
     (x, z), (x1, z1) = points.T, np.roll(points, -1, axis=0).T
     return abs(float(0.5 * (x * z1 - x1 * z).sum()))
 

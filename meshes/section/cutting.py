@@ -1,4 +1,4 @@
-"""Strata cut where water crosses them: what lies above is moist, what lies below is saturated."""
+"""Strata divided where water crosses them: the part above is moist, the part below is saturated."""
 
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -31,52 +31,55 @@ Cutting = Callable[[Sequence[Stratum], Layering, Sequence[np.ndarray | None], tu
 
 
 def shown_name(name: str, quoted: bool = True) -> str:
-    """A stratum in a sentence: its soil by the name that it has in the file, and whether it is the part below water."""
+    """Return a name of a stratum for messages: the name of its soil in the file, and whether it is the part below
+    water."""
     soil = whole_soil(name)
     return (f'"{soil}"' if quoted else soil) + (" below water" if name.endswith(BELOW_WATER) else "")
 
 
 def without_film(name: str) -> str:
-    """The stratum of which a film, or a part with the least strength, is cut off in bounds."""
+    """Return the stratum from which a thin film, or a part with the least strength, was cut off for bounds."""
     return name.removesuffix(LEAST_STRENGTH).removesuffix(FILM_IN)
 
 
 def part_name(soil: str, taken: Collection[str]) -> str:
-    """A name for a part of a soil beside those ``taken``: the first part has the name of the soil."""
+    """Return a name for a part of a soil that is not among those ``taken``: the first part has the name of the soil."""
     numbers = (f"{soil}, part {number}" for number in range(2, len(taken) + 3))
     return soil if soil not in taken else next(name for name in numbers if name not in taken)
 
 
 def soil_of(name: str) -> str:
-    """The name of a stratum without the number of its part."""
+    """Return the name of a stratum without the number of its part."""
     return PART.sub("", name)
 
 
 def whole_soil(name: str) -> str:
-    """The name of a stratum's soil in the file, above water and below it."""
+    """Return the name of a stratum's soil in the file, for parts above and below water."""
     return soil_of(name.removesuffix(BELOW_WATER))
 
 
 def soil_numbers(names: Sequence[str]) -> list[int]:
-    """The number of the soil of every stratum, from 0 in their order; the parts of a soil have one."""
+    """Return the number of the soil of every stratum, from 0 in their order; the parts of a soil have the same
+    number."""
     soils = list(dict.fromkeys(map(soil_of, names)))
     return [soils.index(soil_of(name)) for name in names]
 
 
 def key_in_file(strata: Sequence[Stratum], k: int) -> str:
-    """The name of stratum k in messages: its number in the file, before water and zones cut it, and its name."""
+    """Return the key of stratum k for messages: its number in the file, before water and zones divided it, and its
+    name."""
     return f"{place_in_file(strata, k)} {shown_name(soil_of(strata[k].name))}"
 
 
 def place_in_file(strata: Sequence[Stratum], k: int) -> str:
-    """The table of stratum k in the file, such as "strata 2", before water and zones cut it."""
+    """Return the table of stratum k in the file, such as "strata 2", before water and zones divided it."""
     names = [stratum.name for stratum in strata[: k + 1]]
     parts = [names[i] == names[i - 1] + BELOW_WATER for i in range(1, k + 1)]
     return strata[k].place or f"strata {k + 1 - sum(parts)}"
 
 
 def layers_in_file(names: Sequence[str], layers: Layering) -> tuple[list[str], Layering]:
-    """The names and the layers of strata as their file has them, before water cut some of them in two."""
+    """Return the names and the layers of strata as in the file, before water divided some of them."""
     tops = [k for k, name in enumerate(names) if not k or name != names[k - 1] + BELOW_WATER]
     remaining = [*tops, len(names)]
     whole = replace(layers, left=layers.left[:, remaining], right=layers.right[:, remaining], strata=len(tops))
@@ -84,20 +87,21 @@ def layers_in_file(names: Sequence[str], layers: Layering) -> tuple[list[str], L
 
 
 def uncut_strata(strata: Sequence[Stratum]) -> list[Stratum]:
-    """The lower parts alone of strata that water has cut in two: these end where the whole ones do."""
+    """Return only the lower parts of strata that water has divided: these end where the whole strata do."""
     names = [stratum.name for stratum in strata]
     return [s for k, s in enumerate(strata) if k + 1 == len(names) or names[k + 1] != s.name + BELOW_WATER]
 
 
 def value_of_stratum(values: Mapping[str, Value], name: str) -> Value | None:
-    """What is set for a stratum by name; a part that water or zones cut off has what is set for the whole of it."""
+    """Return the setting for a stratum by name; parts cut off by water or zones have the setting of the whole
+    stratum."""
     whole = name.removesuffix(BELOW_WATER)
     return next((values[key] for key in (name, whole, soil_of(name), soil_of(whole)) if key in values), None)
 
 
 @dataclass(frozen=True, eq=False)
 class DividedStratum:
-    """A stratum and the level of its water between breakpoints.
+    """Holds a stratum and the level of its water between breakpoints.
 
     Attributes
     ----------
@@ -111,11 +115,11 @@ class DividedStratum:
     thickness: np.ndarray
 
     def has(self, part: int) -> bool:
-        """Whether there is anything above (0) or below (1) the water."""
+        """Return whether the stratum has a part above (0) or below (1) the water."""
         return bool((self.thickness[part] > 0.0).any())
 
     def line(self, left: float, right: float) -> Line:
-        """The level as the bottom of the upper part, from ``left`` to ``right`` (m)."""
+        """Return the level as the bottom of the upper part, from ``left`` to ``right`` (m)."""
         points = np.column_stack([np.repeat(self.x, 2)[1:-1], self.level.ravel()])
         points = points[(points[:, 0] >= left) & (points[:, 0] <= right)]
         new = np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])
@@ -123,7 +127,7 @@ class DividedStratum:
 
 
 def divided_by_water(layers: Layering, k: int, water: np.ndarray) -> DividedStratum:
-    """Stratum k of the layers, divided by a water level (n, 2) from side to side."""
+    """Divide stratum k of the layers by a water level (n, 2) from side to side."""
     x = layers.x
     inside = water[(water[:, 0] > x[0]) & (water[:, 0] < x[-1]), 0]
     x = np.union1d(x, [at for at in inside if np.abs(x - at).min() > layers.tolerance])
@@ -144,9 +148,10 @@ def _reach(gap: np.ndarray, x: np.ndarray, tolerance: float) -> np.ndarray:
 
 
 def without_pockets(parts: DividedStratum, cell: float) -> DividedStratum:
-    """A stratum cut by water, without thin wedges of a part that are small beside the cells (m) and the other part.
+    """Return a divided stratum without thin wedges of a part that are small compared with the cells (m) and the other
+    part.
 
-    Their corners would be as sharp as the angle at which water meets a layer.
+    The corners of such wedges would be as sharp as the angle between water level and layer.
     """
     level, thickness = parts.level.copy(), parts.thickness.copy()
     whole = thickness.sum(axis=0)
@@ -198,7 +203,7 @@ def cut_strata(
     levels: Sequence[np.ndarray | None],
     extent: tuple[float, float],
 ) -> tuple[Stratum, ...]:
-    """The strata, those that their water ``levels`` (n, 2) cross in two, those wholly below with the saturated density.
+    """Divide the strata that their water ``levels`` (n, 2) cross; strata wholly below water get the saturated density.
 
     New lines reach as far as the section was ``given`` (x in m). The upper part keeps the name, and does not liquefy;
     of a soil that zones part, a part wholly below water has the name of one below water where another lies above it.
@@ -238,9 +243,9 @@ def _cell(layers: Layering) -> float:
 def cut_at_cracks(
     strata: Sequence[Stratum], layers: Layering, bottom: np.ndarray, extent: tuple[float, float], of_crack: OfCrack
 ) -> tuple[Stratum, ...]:
-    """The strata, those with a cohesion that the ``bottom`` (n, 2) of tension cracks crosses in two; what is above it
-    has no tensile strength, the name of the soil with ``CRACKED``, and what ``of_crack`` changes in it.
-    ``layers``, ``extent``: as in ``cut_strata``.
+    """Divide the strata with a cohesion that the ``bottom`` (n, 2) of tension cracks crosses. The part above has no
+    tensile strength, the name of the soil with ``CRACKED``, and the changes in ``of_crack``. ``layers``, ``extent``: as
+    in ``cut_strata``.
     """
     cut: list[Stratum] = []
     for k, stratum in enumerate(strata):
@@ -261,10 +266,10 @@ def cut_at_cracks(
 def cut_films(
     strata: Sequence[Stratum], layers: Layering, levels: Sequence[np.ndarray | None], extent: tuple[float, float]
 ) -> tuple[Stratum, ...]:
-    """The strata of ``cut_strata``, with pockets smaller than cells that water cuts off as strata of their own.
+    """Return the strata of ``cut_strata``, with pockets smaller than cells that water cuts off as separate strata.
 
-    These have the weight of their side of the water, and the name of the stratum with ``FILM_IN``.
-    ``layers``, ``levels``, ``extent``: as in ``cut_strata``.
+    These pockets have the weight of their side of the water, and the name of the stratum with ``FILM_IN``. ``layers``,
+    ``levels``, ``extent``: as in ``cut_strata``.
     """
     cut: list[Stratum] = []
     for k, (stratum, level) in enumerate(zip(strata, levels, strict=True)):

@@ -1,4 +1,5 @@
-"""Lines surveyed more closely than a mesh can use, such as a scanned ground: points that make no difference to it.
+"""Lines surveyed more densely than a mesh can resolve, such as a scanned surface: points that make no difference are
+removed.
 
 Cells cannot be larger than the distance of the points of a line that they follow. What is thinned is every line of a
 section together: noise is taken off by a running median over a quarter of a cell, then of the places where any line
@@ -33,12 +34,13 @@ Place = tuple[str | int, ...]
 
 
 def thinned_lines(lines: Mapping[Place, np.ndarray], cell: float) -> tuple[dict[Place, np.ndarray], float]:
-    """Lines without the points that cells cannot use.
+    """Return lines without the points that cells cannot resolve.
 
     Parameters
     ----------
     lines : ndarray (n, 2) each
-        Points (m) from the left to the right, as elevations or depths, by their places; ("surface",) is one.
+        Points (m) from left to right, as elevations or depths, by their places in the file; ("surface",) is one of
+        them.
     cell : float
         Size of cells (m).
 
@@ -91,10 +93,10 @@ def thinned_lines(lines: Mapping[Place, np.ndarray], cell: float) -> tuple[dict[
 def lines_by_place(
     surface: Points, base: Line, drawn: Line | None, strata: Sequence[Stratum], water: Water | None
 ) -> dict[Place, np.ndarray]:
-    """The lines of a section that have several points, by their places in what its file holds.
+    """Return the lines of a section that have several points, by their places in the contents of the file.
 
-    ``surface``, ``base``: of the section; ``drawn``: water table that is only drawn; ``strata``, ``water``: with lines
-    of their own.
+    ``surface``, ``base``: surface and base of the section; ``drawn``: water table that is only drawn; ``strata``,
+    ``water``: tables with lines of their own.
     """
     lines: dict[Place, Line | None] = {("base",): base, ("water_table",): drawn}
     for k, stratum in enumerate(strata):
@@ -111,7 +113,7 @@ def lines_by_place(
 
 
 def with_lines(data: dict[str, Any], lines: Mapping[Place, np.ndarray]) -> dict[str, Any]:
-    """What a file holds with other lines in their places."""
+    """Return the contents of a file with other lines in their places."""
     for place, points in lines.items():
         inside: Any = data
         for step in place[:-1]:
@@ -121,7 +123,7 @@ def with_lines(data: dict[str, Any], lines: Mapping[Place, np.ndarray]) -> dict[
 
 
 def mean_height(surface: Points, base: Line) -> float:
-    """Mean height (m) of a section."""
+    """Return the mean height (m) of a section."""
     ground = np.array(surface, dtype=float)
     low = base.points(float(ground[0, 0]), float(ground[-1, 0]))
     means = [float(0.5 * (z[1:] + z[:-1]) @ np.diff(x) / (x[-1] - x[0])) for x, z in (ground.T, low.T)]
@@ -157,18 +159,18 @@ def _sides(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def needed_x(
     x: np.ndarray, sides: list[tuple[np.ndarray, np.ndarray]], fixed: np.ndarray, tolerance: float
 ) -> np.ndarray:
-    """The x whose points keep all lines within a tolerance, the fixed ones included.
+    """Return the x whose points keep all lines within a tolerance, the fixed ones included.
 
     Parameters
     ----------
     x : ndarray (n,)
         Places (m), rising.
     sides : list of two ndarray (n,)
-        Values of each line just left and just right of each x, not numbers where it is not.
+        Values of each line just left and just right of each x; not a number outside the line.
     fixed : ndarray (n,) of bool
-        Places that stay: the first and the last one, and all where a line steps or ends.
+        Mask of the places that stay: the first and the last, and all places where a line steps or ends.
     tolerance : float
-        By how much a line may differ from the chord between places that stay.
+        Largest difference (m) between a line and the chord between places that stay.
     """
     left, right = (np.array([pair[side] for pair in sides]) for side in (0, 1))
 
@@ -184,16 +186,16 @@ def needed_x(
 def with_walls_upright(
     x: np.ndarray, sides: list[tuple[np.ndarray, np.ndarray]], surface: int, near: float
 ) -> tuple[np.ndarray, list[tuple[np.ndarray, np.ndarray]]]:
-    """Lines with one vertical step in the place of each steep stretch of the ground that is too short for a cell.
+    """Return lines with one vertical step in place of each steep stretch of the surface that is too short for a cell.
 
     Parameters
     ----------
     x : ndarray (n,)
         Places (m), rising.
     sides : list of two ndarray (n,)
-        Values of each line just left and just right of each x, not numbers where it is not.
+        Values of each line just left and just right of each x.
     surface : int
-        Which of the lines is the ground.
+        Number of the line that is the ground surface.
     near : float
         Distance (m) below which places are too near to each other for cells; a wall is higher than that, and what
         becomes one step is no wider.

@@ -25,25 +25,25 @@ def seepage_of(
     still: WaterPressure,
     walls: Sequence[Wall] = (),
 ) -> Seepage:
-    """The steady seepage of a section between the water of its table on the ground and at its sides.
+    """Compute the steady seepage of a section between the free water on the ground and at the sides.
 
     Parameters
     ----------
     name : str
-        Of the section, for complaints.
+        Name of the section, for messages.
     strata : sequence of Stratum
         The strata of the file; each has a permeability.
     layers_with : callable
-        The layers of these strata with breakpoints at more x (m).
+        Function that returns the layers of these strata with breakpoints at additional x (m).
     still : WaterPressure
-        The water as it would be if it stood still everywhere; its table gives the heads.
+        Static water everywhere; its water table gives the heads.
     walls : sequence of Wall
-        What no water crosses.
+        Walls that no water crosses.
 
     Raises
     ------
     InputError
-        If the table is above no ground and no side, so that there is no water.
+        If the water table lies above neither the ground nor a side, so that there is no head.
     SeepageError
         If the iteration of the phreatic line does not converge.
     """

@@ -1,9 +1,9 @@
 """Triangles for seepage: vertical lines from the base to the ground, joined from one to the next.
 
-Lines stand at all breakpoints of the layers, and between them no farther apart than a size; points on them are where
-interfaces cross, and between those as close. A strip between two lines is filled from the base upwards with triangles
-that follow the interfaces, so that a point is found by its strip and its height alone. A line may part: then its two
-sides have points of their own, and no water crosses it (a cut-off wall).
+Vertical lines stand at all breakpoints of the layers, and between them no farther apart than a size; points on the
+lines are where interfaces cross, and between those at the same spacing. A strip between two lines is filled from the
+base upwards with triangles that follow the interfaces, so that a point is found by its strip and its height alone. A
+line may be split: then its two sides have separate points, and no water crosses it (a cut-off wall).
 """
 
 from collections.abc import Iterator, Sequence
@@ -28,27 +28,27 @@ class Wall(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FlowGrid:
-    """The triangles of a section.
+    """Holds the triangles of a section for seepage.
 
     Attributes
     ----------
     x : (lines,) ndarray
-        Where the lines stand (m), rising.
+        Positions of the vertical lines (m), rising.
     points : (n, 2) ndarray
         Points (m).
     cells : (m, 3) ndarray
-        Points of the triangles.
+        Numbers of the points of each triangle.
     stratum : (m,) ndarray
-        Strata of the triangles.
+        Number of the stratum of each triangle.
     rungs : tuple of (r, 2) ndarray
-        Of every strip the pairs of points, left and right, between which its triangles lie, from the base upwards;
-        none where the strip has no height.
+        For every strip the pairs of points, left and right, between which its triangles lie, from the base upwards;
+        none if the strip has no height.
     ground : (g,) ndarray
-        Points on the ground, walls of steps among them.
+        Numbers of the points on the ground surface, including walls of steps.
     sides : two of ndarray
-        Points of the left and of the right side, from below upwards.
+        Numbers of the points of the left and of the right side, upwards.
     walls : tuple of float
-        Where (m) no water crosses a line.
+        Positions (m) of lines that no water crosses.
     """
 
     x: np.ndarray
@@ -61,15 +61,15 @@ class FlowGrid:
     walls: tuple[float, ...] = ()
 
     def chains(self) -> Iterator[tuple[int, int, np.ndarray]]:
-        """Every strip, its sides 0 and 1, and the points there from below upwards."""
+        """Yield every strip, its sides 0 and 1, and the points there from the base upwards."""
         for strip, rungs in enumerate(self.rungs):
             for side in (0, 1):
                 chain = rungs[:, side]
                 yield strip, side, chain[np.append(True, chain[1:] != chain[:-1])] if len(chain) else chain
 
     def strip_at(self, points: np.ndarray, near: np.ndarray, tolerance: float) -> np.ndarray:
-        """The strips (k,) in which points (k, 2) lie; for a point on the line between two strips the one that holds
-        ``near`` (k, 2).
+        """Return the strips (k,) in which points (k, 2) lie; a point on the line between two strips belongs to the
+        strip that contains ``near`` (k, 2).
         """
         x = points[:, 0]
         strip = np.searchsorted(self.x, x, side="right") - 1
@@ -80,9 +80,9 @@ class FlowGrid:
         return np.clip(strip, 0, len(self.rungs) - 1)
 
     def interpolated(self, values: np.ndarray, points: np.ndarray, near: np.ndarray, tolerance: float) -> np.ndarray:
-        """Interpolate values (n,) at the grid points to points (k, 2). Above and below the grid the nearest value
-        holds; NaN where there is no ground.
-        ``near`` (k, 2): points inside the cells that ``points`` belong to; ``tolerance``: (m).
+        """Interpolate values (n,) at the grid points to points (k, 2). Above and below the grid the nearest value is
+        used; NaN outside the ground. ``near`` (k, 2): points inside the cells that ``points`` belong to; ``tolerance``:
+        tolerance of places (m).
         """
         result = np.full(len(points), np.nan)
         strip = self.strip_at(points, near, tolerance)
@@ -107,8 +107,8 @@ class FlowGrid:
 def flow_grid(
     layers: Layering, size: float, walls: Sequence[Wall] = (), levels: Sequence[float] = (), stretch: float = 1.0
 ) -> FlowGrid:
-    """The grid of layers with breakpoints at all ``walls``; edges are about ``size`` (m) long, and ``stretch`` times as
-    long along x as upwards.
+    """Make the grid of layers with breakpoints at all ``walls``; edges are about ``size`` (m) long, and ``stretch``
+    times as long along x as upwards.
 
     Every line has a point at the elevation (m) of each of the ``levels``, such as those of free water.
     """

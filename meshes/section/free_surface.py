@@ -36,20 +36,21 @@ SETTLED = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class FreeSurfaceFlow:
-    """Steady flow at the points of a grid.
+    """Holds the steady flow at the points of a grid.
 
     Attributes
     ----------
     pressure : (n,) ndarray
-        Pressure head (m), nowhere below 0.
+        Pressure head (m), never negative.
     full : (n,) ndarray of bool
-        Where the pores of the ground at the point, or of the least permeable ground at an interface, are full.
+        Mask of the points at which the pores of the ground are full; at an interface, those of the least permeable
+        ground.
     seeps : (n,) ndarray of bool
-        Points of bare ground out of which water comes.
+        Mask of the points of bare ground at which water leaves the ground.
     inflow : (n,) ndarray
-        Water that enters the ground at a point (m²/s), below 0 where it leaves.
+        Flow that enters the ground at a point (m²/s), negative if it leaves.
     converged : bool
-        Whether the set of wet points came to rest.
+        Whether the set of wet points converged.
     """
 
     pressure: np.ndarray
@@ -69,7 +70,8 @@ class _Falls:
     permeability: np.ndarray
 
     def matrix(self, weights: np.ndarray, size: int) -> csr_array:
-        """What leaves every point, net, if ``weights`` (e,) times a value at the upper end falls along the edges."""
+        """Return the matrix of net outflow from every point if ``weights`` (e,) times a value at the upper end flow
+        along the edges."""
         rows = np.concatenate([self.upper, self.lower])
         values = np.concatenate([weights, -weights])
         return coo_array((values, (rows, np.tile(self.upper, 2))), shape=(size, size)).tocsr()
@@ -78,7 +80,7 @@ class _Falls:
 def free_surface_flow(
     grid: FlowGrid, permeability: np.ndarray, pressure: np.ndarray, bare: np.ndarray
 ) -> FreeSurfaceFlow:
-    """Find the steady flow.
+    """Compute the steady flow with a free surface.
 
     Parameters
     ----------
@@ -86,9 +88,9 @@ def free_surface_flow(
     permeability : (strata, 2) ndarray
         Horizontal and vertical permeability (m/s).
     pressure : (n,) ndarray
-        Pressure heads (m) that are given, above 0; not a number elsewhere.
+        Prescribed pressure heads (m), above 0; not a number elsewhere.
     bare : (n,) ndarray of bool
-        Points at which water may leave without pressure.
+        Points at which water can leave without pressure.
     """
     size, unit = len(grid.points), float(permeability.max())
     conductance, falls = _discretised(grid, permeability / unit)
@@ -102,7 +104,8 @@ def free_surface_flow(
 
     # One unknown a point: the pressure, or, below 0, the rate less the most in terms of the pressure that it is worth.
     def state(unknown: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Points (n,) that are dry, rates (n,) at which water falls from them, and falls that could take more."""
+        """Return the points (n,) that are dry, the rates (n,) at which water falls from them, and the falls that can
+        take more."""
         dry = (unknown < -ROUNDING) & ~fixed
         rate = np.where(dry, np.minimum(most + unknown / through, (1.0 - ROUNDING) * most), most)
         return dry, rate, dry[falls.upper] & (rate[falls.upper] < falls.permeability)
@@ -174,7 +177,7 @@ def _discretised(grid: FlowGrid, permeability: np.ndarray) -> tuple[csr_array, _
 
 
 def element_conductances(grid: FlowGrid, permeability: np.ndarray) -> np.ndarray:
-    """Conductances (m, 3, 3) of the triangles (m/s): the integral of k ∇N_i ∇N_j."""
+    """Return the conductances (m, 3, 3) of the triangles (m/s): the integral of k ∇N_i ∇N_j."""
     x, z = (grid.points[grid.cells, axis] for axis in (0, 1))
     slope_x = z[:, [1, 2, 0]] - z[:, [2, 0, 1]]
     slope_z = x[:, [2, 0, 1]] - x[:, [1, 2, 0]]

@@ -19,7 +19,8 @@ NARROWEST, LONGEST = 1e-3, 1000.0
 def geometry_problems(
     surface: Any, base: Line, across: Mapping[str, Line | None], bottoms: Sequence[Line | None]
 ) -> list[str]:
-    """One sentence each, of the ground, the base, lines ``across`` the section by their keys, and bottoms of strata.
+    """Return one sentence for each fault of the surface, the base, lines ``across`` the section by their keys, and
+    bottoms of strata.
 
     ``surface``: points [x, elevation] in m; ``bottoms``: a line for each stratum, None for the base.
     """
@@ -62,7 +63,8 @@ def geometry_problems(
 
 
 def problems_of_the_rest(data: Mapping[str, Any]) -> list[str]:
-    """What is wrong with names, soils and geometry, as far as those can be read, in input that has other faults."""
+    """Return what is wrong with names, soils and geometry, as far as they can be read, in input that has other
+    faults."""
     strata = data.get("strata")
     if not isinstance(strata, list) or not all(isinstance(stratum, dict) for stratum in strata) or not strata:
         return []

@@ -23,7 +23,7 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Layering:
-    """The interfaces of a section over the intervals between its breakpoints.
+    """Holds the interfaces of a section over the intervals between its breakpoints.
 
     Attributes
     ----------
@@ -41,33 +41,35 @@ class Layering:
 
     @property
     def width(self) -> np.ndarray:
-        """Width of each interval (m)."""
+        """Return the width of each interval (m)."""
         return np.diff(self.x)
 
     def thickness(self) -> tuple[np.ndarray, np.ndarray]:
-        """Thickness (m) of every stratum at the left and right end of each interval, (intervals, strata)."""
+        """Return the thickness (m) of every stratum at the left and right end of each interval, (intervals, strata)."""
         return self.left[:, :-1] - self.left[:, 1:], self.right[:, :-1] - self.right[:, 1:]
 
     def areas(self) -> np.ndarray:
-        """Area (m²) of every stratum."""
+        """Return the area (m²) of every stratum."""
         at_left, at_right = self.thickness()
         return 0.5 * (self.width[:, None] * (at_left + at_right)).sum(axis=0)
 
     def present(self) -> np.ndarray:
-        """Where a stratum has an area, (intervals, strata)."""
+        """Return a mask of the intervals in which a stratum has an area, (intervals, strata)."""
         at_left, at_right = self.thickness()
         return (at_left > 0) | (at_right > 0)
 
     @property
     def repeats(self) -> bool:
-        """Whether both sides have the same layers, at the same heights or all of them shifted by as much."""
+        """Return whether both sides have the same layers, at the same heights or all of them shifted by the same
+        height."""
         at_left, at_right = self.thickness()
         return bool(np.abs(at_left[0] - at_right[-1]).max() <= self.tolerance)
 
     def interfaces(self, x: np.ndarray, near: np.ndarray | None = None) -> np.ndarray:
-        """Elevation (m) of every interface at x, (len(x), interfaces); at a step, that to the right of it.
+        """Return the elevation (m) of every interface at x, (len(x), interfaces); at a step, the elevation to the
+        right.
 
-        With ``near`` (len(x),) it is that of the interval in which these x are, which may be on either side.
+        With ``near`` (len(x),) it is the elevation in the interval that contains ``near``, which may be on either side.
         """
         x = np.asarray(x, dtype=float)
         place = x if near is None else np.asarray(near, dtype=float)
@@ -76,7 +78,7 @@ class Layering:
         return (1.0 - share) * self.left[i] + share * self.right[i]
 
     def stratum_at(self, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """Index of the stratum at each point, -1 outside the section."""
+        """Return the index of the stratum at each point, -1 outside the section."""
         x, z = np.asarray(x, dtype=float), np.asarray(z, dtype=float)
         elevation = self.interfaces(x)
         inside = (x >= self.x[0]) & (x <= self.x[-1]) & (z <= elevation[:, 0]) & (z >= elevation[:, -1])
@@ -85,8 +87,8 @@ class Layering:
         return np.where(inside, deepest, -1)
 
     def polygons(self, stratum: int, cuts: Sequence[float] | np.ndarray = ()) -> list[np.ndarray]:
-        """The outlines (n, 2) of a stratum, counter-clockwise, one for each piece that is connected; pieces end at
-        ``cuts``, too, which are breakpoints."""
+        """Return the outlines (n, 2) of a stratum, counter-clockwise, one for each connected piece; pieces also end at
+        breakpoints that are ``cuts``."""
         pieces: list[list[int]] = []
         cut = np.isin(self.x, cuts)
         for i in np.flatnonzero(self.present()[:, stratum]):
@@ -97,12 +99,12 @@ class Layering:
         return [self._outline(piece, stratum) for piece in pieces]
 
     def outline(self) -> np.ndarray:
-        """The outline (n, 2) of the whole section, counter-clockwise."""
+        """Return the outline (n, 2) of the whole section, counter-clockwise."""
         everything = list(range(len(self.width)))
         return self._chain(everything, self.strata, 0)
 
     def perimeter(self) -> float:
-        """Length (m) of the border of the ground; of a stretch where the base lies at its surface, nothing."""
+        """Return the length (m) of the border of the ground, without stretches where the base lies at the surface."""
         top, base = (np.stack([self.left[:, k], self.right[:, k]], axis=1) for k in (0, -1))
         is_ground = (top > base).any(axis=1)
         along = sum(float(np.hypot(self.width, line[:, 1] - line[:, 0])[is_ground].sum()) for line in (top, base))
@@ -130,14 +132,14 @@ class Layering:
 
 
 def middles(left: float, right: float, count: int) -> np.ndarray:
-    """x (count,) of the middles of so many columns of one width between ``left`` and ``right`` (m)."""
+    """Return x (count,) of the middles of ``count`` columns of equal width between ``left`` and ``right`` (m)."""
     return left + (right - left) * (np.arange(count) + 0.5) / count
 
 
 def without_collinear(polygon: np.ndarray, tolerance: float) -> np.ndarray:
-    """A closed polygon (n, 2) without the points that lie on the straight line between their neighbours.
+    """Return a closed polygon (n, 2) without the points that lie on the straight line between their neighbours.
 
-    A point is left out only where its distance from that line is rounding, a millionth of ``tolerance``.
+    A point is left out only if its distance from that line is a rounding error, a millionth of ``tolerance``.
     """
     keep = list(range(len(polygon)))
     k = 0
@@ -155,7 +157,7 @@ def without_collinear(polygon: np.ndarray, tolerance: float) -> np.ndarray:
 
 
 class Layers(NamedTuple):
-    """The layers of a section, with the faults and the changes that were made, one sentence each."""
+    """Holds the layers of a section, with the faults and the changes that were made, one sentence each."""
 
     layering: Layering
     problems: list[str]
@@ -163,7 +165,7 @@ class Layers(NamedTuple):
 
 
 def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None], also: Sequence[float] = ()) -> Layers:
-    """The layers under ``surface`` (n, 2) down to ``base``, with breakpoints ``also`` at some other x (m).
+    """Compute the layers under ``surface`` (n, 2) down to ``base``, with breakpoints ``also`` at other x (m).
 
     A bottom of None is the base. A stratum ends where its bottom line ends (with a vertical face if it is still thick
     there) and where its bottom rises above the ground surface, which cuts it off. Points that are closer than a
@@ -212,7 +214,7 @@ def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None], al
 
 
 def elevations_below(surface: np.ndarray, depth: Line) -> np.ndarray:
-    """A line of depths below ``surface`` (n, 2) as elevations (m, 2), two at a place where the ground steps."""
+    """Return a line of depths below ``surface`` (n, 2) as elevations (m, 2), with two points where the ground steps."""
     layers = layering(surface, depth, [None]).layering
     chain = np.stack([layers.left[:, 1], layers.right[:, 1]], axis=1).ravel()
     points = np.column_stack([np.repeat(layers.x, 2)[1:-1], chain])
@@ -220,7 +222,8 @@ def elevations_below(surface: np.ndarray, depth: Line) -> np.ndarray:
 
 
 def snapping_length(surface: np.ndarray, base: np.ndarray, base_is_depth: bool) -> float:
-    """How close (m) points of a section are one: a centimetre, or a two-thousandth of its height if that is less."""
+    """Return the distance within which points of a section are merged: a centimetre, or a two-thousandth of the height
+    if that is less."""
     lowest = surface[:, 1].min() - base[:, 1].max() if base_is_depth else base[:, 1].min()
     height = max(float(surface[:, 1].max() - lowest), 0.0)
     width = float(surface[-1, 0] - surface[0, 0])
@@ -228,7 +231,7 @@ def snapping_length(surface: np.ndarray, base: np.ndarray, base_is_depth: bool) 
 
 
 def above_ground(surface: np.ndarray, line: Line, what: str) -> list[str]:
-    """A sentence if ``line``, which crosses the whole section, rises above ``surface`` (n, 2)."""
+    """Return a sentence if ``line``, which crosses the whole section, rises above ``surface`` (n, 2)."""
     x_left, x_right = float(surface[0, 0]), float(surface[-1, 0])
     snap = snapping_length(surface, line.points(x_left, x_right), line.elevation is None)
     surface, points = _snapped_x([surface, line.points(x_left, x_right)], snap)
@@ -318,7 +321,7 @@ def _where_it_ends(excess: np.ndarray, x: np.ndarray, end: int) -> float:
 def _apart(ground: np.ndarray, floor: np.ndarray, x: np.ndarray, snap: float) -> list[str]:
     """A sentence if the section falls apart: where a step of the ground passes the base beside it.
 
-    The base may come out of the ground, as rock does; but then both sides of that place meet there.
+    The base may reach the surface, as rock does; but then both sides of that place meet there.
     """
     at = np.arange(1, len(x) - 1)
     over = np.maximum(floor[at - 1, 1] - ground[at, 0], floor[at, 0] - ground[at - 1, 1])

@@ -1,4 +1,4 @@
-"""Strata cut where a strength that grows with depth or stress begins to exceed its least value.
+"""Strata divided where a strength that grows with depth or stress begins to exceed its least value.
 
 c = max(c_min, c0 + k d + S σ'v OCR^m) has a kink there. Strict lower bounds have a linear cohesion between the corners
 of a triangle that is nowhere above it: in a triangle across the kink either the least value or what goes to zero at the
@@ -21,9 +21,10 @@ THINNEST = 0.005
 
 
 def cut_at_least_strength(section: Section) -> Section:
-    """The section with strata of a ``cohesion_minimum`` cut where more than that begins; both parts have their soil.
+    """Return the section with strata of a ``cohesion_minimum`` divided where the cohesion begins to exceed it; both
+    parts have the same soil.
 
-    The section itself where no stratum has such a line.
+    Returns the section itself if no stratum has such a line.
     """
     field = section.cohesion_field
     strata: list[Stratum] = []

@@ -12,10 +12,10 @@ from meshes.section.polyline import Line, pairs_of
 
 
 def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """What a file holds with the points of its lines from left to right, at most two of them at one x.
+    """Return the contents of a file with the points of its lines from left to right, at most two of them at one x.
 
-    Lines drawn from right to left are turned round. Else a point may be moved by no more than cells can see; a line
-    with one that is farther off stays as it is, and is refused by who reads it.
+    Lines drawn from right to left are reversed. Otherwise a point is moved only by distances that cells cannot resolve;
+    a line with larger faults stays as it is, and the reader of the section refuses it.
 
     Parameters
     ----------
@@ -25,9 +25,9 @@ def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     Returns
     -------
     data : dict
-        The same with other points.
+        The same data with other points.
     notices : list of str
-        One sentence for each line whose points were moved, and one for all that were turned round.
+        One sentence for each line whose points were moved, and one for all lines that were reversed.
     """
     data = dict(data)
     notices = _reversed_lines(data)

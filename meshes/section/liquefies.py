@@ -1,5 +1,5 @@
-"""The cases that a stratum liquefies in, given by their numbers or left to blow counts and an earthquake, and what it
-keeps of its strength in them."""
+"""The cases in which a stratum liquefies, given by their numbers or left to blow counts and an earthquake, and the
+strength that remains in these cases."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -12,7 +12,8 @@ LIQUEFIES_IN = f'the cases it liquefies in, such as [1, 2, 3], or "{TRIGGERED}":
 
 
 class Cases(tuple[int, ...]):
-    """Numbers of cases. Where ``triggered`` the blow counts find them, and a file says so instead of the numbers."""
+    """Numbers of cases. If ``triggered``, blow counts determine the cases, and the file says so instead of giving
+    numbers."""
 
     triggered: bool
 
@@ -26,12 +27,12 @@ class Cases(tuple[int, ...]):
 
     @property
     def written(self) -> str | list[int]:
-        """As a file has them."""
+        """Return the cases as a file has them."""
         return TRIGGERED if self.triggered else list(self)
 
 
 def read(value: Any) -> Cases:
-    """The cases as they were written; raises ValueError that says what was expected."""
+    """Read the cases as written; raise ValueError with what was expected."""
     if isinstance(value, Cases):
         return value
     if value == TRIGGERED:
@@ -49,18 +50,18 @@ CaseNumbers = Annotated[Cases, PlainValidator(read), PlainSerializer(lambda case
 
 @dataclass(frozen=True)
 class Remains:
-    """What a stratum keeps once it has liquefied.
+    """Holds the strength that a stratum retains once it has liquefied.
 
     Attributes
     ----------
     cohesion, friction : float
-        Factors on its cohesion and on tan φ.
+        Factors on the cohesion and on tan φ of the stratum.
     residual : float
-        A strength over the vertical effective stress to which the ground has consolidated before.
+        Residual strength over the vertical effective stress to which the ground has consolidated before.
     strength : float
-        A strength in Pa.
+        Residual strength (Pa).
     strain_potential : float
-        Shear strain that it goes through before it holds, see `meshes.section.strain_potential`.
+        Shear strain that the stratum undergoes before it regains strength, see `meshes.section.strain_potential`.
     """
 
     cohesion: float

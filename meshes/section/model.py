@@ -1,4 +1,4 @@
-"""What every part of an input has in common."""
+"""The base class of all parts of an input."""
 
 from typing import Any, Self
 
@@ -6,11 +6,11 @@ from pydantic import BaseModel, ConfigDict
 
 
 class Model(BaseModel):
-    """What every part of an input has in common: no unknown keys, no change after reading."""
+    """Base class of all parts of an input: no unknown keys, no change after reading."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
     def changed(self, **values: Any) -> Self:
-        """A copy with other values; raises ValidationError for an unknown key, or a value that does not fit."""
+        """Return a copy with other values; raise ValidationError for an unknown key, or a value that does not fit."""
         known = {key: value for key, value in vars(self).items() if key in self.model_fields_set}
         return type(self).model_validate({**known, **values})

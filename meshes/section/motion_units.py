@@ -36,19 +36,19 @@ EXPECTED = 'expected one such as "g", "%g", "m/s^2", "gal" or "cm/sec^2"'
 
 @dataclass(frozen=True)
 class MotionUnit:
-    """What a unit measures, and its size: in m/s², m/s or m."""
+    """Holds the quantity that a unit measures, and its size in m/s², m/s or m."""
 
     motion: Motion
     factor: float
 
 
 def motion_unit(written: str) -> MotionUnit | None:
-    """The unit of an acceleration, a velocity or a displacement; None where the word is none.
+    """Return the unit of an acceleration, a velocity or a displacement; None if the word is no such unit.
 
     Parameters
     ----------
     written : str
-        As it stands in a heading or a setting, in any case: "CM/SEC/SEC", "cm/s²", "gal(cm/s/s)", "m s-2", "% g".
+        Unit as written in a heading or a setting, in any case: "CM/SEC/SEC", "cm/s²", "gal(cm/s/s)", "m s-2", "% g".
     """
     word = "".join(written.lower().split()).replace("²", "2").replace("**", "^").replace("⁻", "-").replace("µ", "u")
     word = word.replace("·", "").replace("*", "").strip(".,;:")
@@ -69,12 +69,13 @@ def motion_unit(written: str) -> MotionUnit | None:
 
 
 def time_unit(written: str) -> float | None:
-    """Seconds in a unit of time; None where the word is none."""
+    """Return the seconds in a unit of time; None if the word is no such unit."""
     return TIMES.get(written.strip().strip(".,;:").lower().replace("µ", "u"))
 
 
 def checked(written: str) -> str:
-    """A unit of a record as a setting gives it, or nothing. Raises ValueError where it is no unit of ground motion."""
+    """Return a unit of a record as a setting gives it, or nothing. Raises ValueError if it is no unit of ground
+    motion."""
     if written and motion_unit(written) is None:
         raise ValueError(f"not a unit of ground motion; {EXPECTED}")
     return written

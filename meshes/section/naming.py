@@ -1,4 +1,5 @@
-"""Names of strata, each once and none that belongs to a boundary of the mesh, and of the tables of a section."""
+"""Names of strata, which must be different and none of which may belong to a boundary of the mesh, and names of the
+tables of a section."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
@@ -11,7 +12,7 @@ ALIKE = 0.75  # names that are more alike than this (difflib's ratio) are one, m
 
 
 def naming_problems(names: Sequence[str]) -> Iterator[str]:
-    """What is wrong with the names of strata."""
+    """Return what is wrong with the names of strata."""
     for name in dict.fromkeys(names):
         if names.count(name) > 1:
             yield f'strata: {names.count(name)} of them are called "{name}"; expected every name once'
@@ -20,7 +21,8 @@ def naming_problems(names: Sequence[str]) -> Iterator[str]:
 
 
 def group_names(names: Sequence[str]) -> list[str]:
-    """Names of the physical groups of strata in a gmsh file: their own, or their number where gmsh cannot keep it."""
+    """Return the names of the physical groups of strata in a gmsh file: the names of the strata, or their numbers if
+    gmsh cannot write the names."""
     groups = []
     for number, name in enumerate(names, start=1):
         is_short = len(name.encode()) <= LONGEST_GROUP and "\\" not in name
@@ -32,7 +34,7 @@ def group_names(names: Sequence[str]) -> list[str]:
 
 
 def without_other_tables(data: Mapping[str, Any], names: Iterable[str]) -> dict[str, Any]:
-    """The tables of a file whose names are among ``names``, and those whose names are nearly one of them."""
+    """Return the tables of a file whose names are among ``names``, and those whose names are nearly one of them."""
     known = list(names)
     return {
         key: value

@@ -1,4 +1,4 @@
-"""Layers met several times from the top down, told apart by numbers and connected by their order."""
+"""Layers met several times from the top down, distinguished by numbers and connected by their order."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,7 +8,8 @@ MATCH = 1.0  # what it is worth to go on with a layer; overlapping it is worth l
 
 
 class Piece(NamedTuple):
-    """What a column has of a layer: its name, and elevations (m) of top and bottom at the left and the right end."""
+    """A piece of a layer in one column: its name, and elevations (m) of top and bottom at the left and the right
+    end."""
 
     name: str
     left: tuple[float, float]
@@ -25,7 +26,7 @@ class _Stratum:
 
 @dataclass(frozen=True)
 class Stack:
-    """Strata from the top down.
+    """Holds strata from the top down.
 
     Attributes
     ----------
@@ -42,10 +43,11 @@ class Stack:
 
 
 def stacked(columns: Sequence[Sequence[Piece]]) -> Stack:
-    """The strata, from the top down, that columns of pieces are made of.
+    """Return the strata, from the top down, that columns of pieces form.
 
-    A piece belongs to a stratum of its name. From one column to the next as many strata go on as the order allows, and
-    of several of one name that which the piece overlaps most; what is left becomes a new one, by its elevation.
+    A piece belongs to a stratum of its name. From one column to the next as many strata continue as the order allows;
+    among several of one name the stratum that the piece overlaps most continues; a remaining piece becomes a new
+    stratum, by its elevation.
 
     Parameters
     ----------
@@ -110,7 +112,7 @@ def _worth(piece: Piece, stratum: _Stratum, pieces: int) -> float:
 
 
 def numbered_names(names: Sequence[str]) -> list[str]:
-    """Names with numbers, in their order, where there are several of one."""
+    """Return names with numbers, in their order, if several names are equal."""
     forms = ("{} {}", "{} ({})", "{} no. {}", "{} - {}")
     numbers = range(1, len(names) + 1)
     form = next(

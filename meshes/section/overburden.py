@@ -14,7 +14,7 @@ COLUMNS = 200  # along the section
 
 @dataclass(frozen=True)
 class Overburden:
-    """Stresses at a point.
+    """Holds the vertical stresses at a point.
 
     Attributes
     ----------
@@ -33,8 +33,8 @@ class Overburden:
 
 
 def overburden(section: Section, x: float, depth: float) -> Overburden:
-    """Vertical stresses at a point: the weight of the strata above it with all water in their pores, and the effective
-    stress, which is that weight and the weight of water on the ground, less the pore pressure.
+    """Compute vertical stresses at a point: the total stress is the weight of the strata above with all water in their
+    pores; the effective stress is this weight and the weight of water on the ground, less the pore pressure.
 
     The total stress is counted from the ground down, under water from the mudline: water has no shear stiffness, so
     free water adds nothing to the shear stress that shaking brings, a_max σv r_d/g (Seed & Idriss 1971), and a cone is
@@ -80,7 +80,7 @@ def _loads(section: Section, x: float, elevation: float) -> tuple[float, float]:
 
 
 def water_level(section: Section, x: float, stratum: int | None = None) -> float | None:
-    """Elevation of the water table at x (m), or of the piezometric level of a stratum that has one of its own; None
+    """Return the elevation of the water table at x (m), or of the piezometric level of a stratum that has its own; None
     without any."""
     points = _level(section, stratum)
     return None if points is None else float(np.interp(x, points[:, 0], points[:, 1]))
@@ -92,7 +92,7 @@ def _level(section: Section, stratum: int | None) -> np.ndarray | None:
 
 
 def outside(section: Section, x: float, depth: float) -> str:
-    """Why a point is not in the section; empty where it is."""
+    """Return why a point is not in the section; empty if it is inside."""
     left, right = section.given_extent
     if not left <= x <= right:
         return f"x = {x:g} m is off the section, which reaches from {left:g} to {right:g} m"
@@ -102,7 +102,7 @@ def outside(section: Section, x: float, depth: float) -> str:
 
 
 def reaches_water(section: Section, stratum: int) -> bool:
-    """Whether any of a stratum lies below the water table, or below the piezometric level of its own."""
+    """Return whether any part of a stratum lies below the water table, or below its own piezometric level."""
     x = middles(*section.given_extent, COLUMNS)
     levels = section.layering.interfaces(x)
     points = _level(section, stratum)

@@ -1,4 +1,5 @@
-"""What no soil, no water and no load has: slips of the pen, mostly a unit; and densities that contradict the water."""
+"""Ranges of quantities beyond which a number is probably a typing error, mostly in the unit; and densities that
+contradict the water."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,9 +20,10 @@ from meshes.section.water_pressure import WaterPressure
 
 
 class Range(NamedTuple):
-    """What a quantity can be, in its unit, of which one has ``si`` in SI units; ``slips`` are wrong factors.
+    """Range of possible values of a quantity in a unit that has ``si`` in SI units; ``slips`` are factors of common
+    errors.
 
-    With ``or_none`` it can be 0, too, below its range.
+    With ``or_none`` the quantity may also be 0, below its range.
     """
 
     low: float
@@ -33,7 +35,7 @@ class Range(NamedTuple):
 
 
 def within(value: float, limits: Range) -> bool:
-    """Whether a number in SI units lies in the range, to rounding."""
+    """Return whether a number in SI units lies in the range, to rounding."""
     none = limits.or_none and value == 0.0
     return none or limits.low * (1.0 - 1e-9) <= value / limits.si <= limits.high * (1.0 + 1e-9)
 
@@ -44,10 +46,11 @@ UNUSUAL = ", or unusual = true at the head of the file if it is meant"
 
 
 def sentence(key: str, value: float, limits: Range, remedy: str = UNUSUAL) -> str:
-    """What is told of a number that does not: the key, what was written, what was meant, what was expected.
+    """Return a message about a number outside the range: the key, what was written, what was probably meant, and the
+    range.
 
-    The ``remedy`` says what to do where it is meant.
-    ``value``: the number in SI units; ``limits``: the range of such numbers.
+    The ``remedy`` says what to do if the number is correct. ``value``: the number in SI units; ``limits``: the range of
+    such numbers.
     """
     written = getattr(value, "written", value)
     shown = f'"{written}"' if isinstance(written, str) else f"{written:g}"
@@ -101,7 +104,7 @@ OF_A_STRATUM = {
 
 
 def implausible(strata: Sequence[Stratum], water: Water | None, surcharges: Sequence[Surcharge]) -> list[str]:
-    """One sentence for each quantity outside the range of such quantities."""
+    """Return one sentence for each quantity outside its range."""
     sentences = [text for k, s in enumerate(strata) for text in _sentences(key_in_file(strata, k), s, OF_A_STRATUM)]
     sentences += _sentences("water", water, {"unit_weight": WATER}) if water is not None else []
     for number, load in enumerate(surcharges, start=1):
@@ -110,7 +113,8 @@ def implausible(strata: Sequence[Stratum], water: Water | None, surcharges: Sequ
 
 
 def implausible_as_written(strata: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """The same of tables [[strata]] that have other faults, as far as they can be read; and those without density."""
+    """Return the same sentences for tables [[strata]] that have other faults, as far as they can be read; and a
+    sentence for tables without density."""
     kinds = get_type_hints(Stratum, include_extras=True)
     for number, written in enumerate(strata, start=1):
         name = written.get("name")
@@ -140,10 +144,10 @@ def _sentences(where: str, model: Model, ranges: dict[str, Range]) -> Iterator[s
 def against_the_water(
     layers: Layering, strata: Sequence[Stratum], drawn: np.ndarray | None, table: np.ndarray | None
 ) -> Iterator[str]:
-    """Densities, and layers that liquefy, that contradict the water; one sentence each.
+    """Return densities, and layers that liquefy, that contradict the water, one sentence each.
 
-    ``drawn`` is a table (n, 2) that is only drawn, where densities hold the water, ``table`` one that has pressure.
-    ``layers``: the ground layer by layer; ``strata``: their soils.
+    ``drawn`` is a water table (n, 2) that is only drawn, if densities include the water; ``table`` is one that has
+    pressure. ``layers``: the ground layer by layer; ``strata``: the strata with their soils.
     """
     level = drawn if table is None else table
     if level is None:
@@ -170,7 +174,7 @@ def against_the_water(
 
 
 def not_lower(before: np.ndarray | None, after: np.ndarray) -> Iterator[str]:
-    """A sentence if the water table ``after`` a drawdown lies above that ``before`` it, both (n, 2)."""
+    """Return a sentence if the water table ``after`` a drawdown lies above the table ``before`` it, both (n, 2)."""
     if before is None:
         return
     x = np.union1d(before[:, 0], after[:, 0])
@@ -203,7 +207,8 @@ def _area(parts: DividedStratum, part: int) -> float:
 
 
 def not_level(ground: np.ndarray, table: np.ndarray) -> Iterator[str]:
-    """A sentence if water stands on the ground (n, 2) and its surface, the ``table`` (n, 2), is not level there."""
+    """Return a sentence if water stands on the ground (n, 2) and its surface, the ``table`` (n, 2), is not level
+    there."""
     x = np.union1d(ground[:, 0], table[:, 0])
     middle, height = 0.5 * (x[1:] + x[:-1]), np.interp(x, *ground.T)
     ends = np.array([level_at(table, end, middle) for end in (x[:-1], x[1:])])
@@ -223,7 +228,7 @@ def not_level(ground: np.ndarray, table: np.ndarray) -> Iterator[str]:
 
 
 def nothing_flows(water: WaterPressure) -> Iterator[str]:
-    """A sentence if water shall flow, and its heads, or a wall, let none flow."""
+    """Return a sentence if seepage is to be computed, and its heads, or a wall, prevent any flow."""
     table = water.before
     if water.flow is None or table is None or water.flow.discharge:
         return

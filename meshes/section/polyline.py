@@ -13,7 +13,7 @@ MOST_ALIKE = 3  # points out of order that are named one by one
 
 
 def read_points(value: Any) -> Points:
-    """Points [[x, z], ...] in metres from left to right; two points may share their x to make a vertical step.
+    """Read points [[x, z], ...] in metres from left to right; two points may have the same x to make a vertical step.
 
     Raises ValueError with every problem of the line, one on each line of the message.
     """
@@ -26,7 +26,7 @@ def read_points(value: Any) -> Points:
 
 
 def pairs_of(value: Sequence[Any]) -> list[tuple[float, float]]:
-    """Points (m) as they are written in a list; raises ValueError with every one that is no pair of coordinates."""
+    """Return points (m) as written in a list; raise ValueError with every entry that is no pair of coordinates."""
     problems: list[str] = []
     points: list[tuple[float, float]] = []
     for number, point in enumerate(value, start=1):
@@ -70,7 +70,7 @@ def _read_points_or_level(value: Any) -> Points | float:
 
 
 def written(value: Any) -> Any:
-    """Points or a number as a file has them."""
+    """Return points or a number as a file has them."""
     if isinstance(value, tuple):
         return [written(entry) for entry in value]
     return getattr(value, "written", value)
@@ -83,7 +83,7 @@ PolylineOrLevel = Annotated[Any, PlainValidator(_read_points_or_level), PlainSer
 class Line(BaseModel):
     """A line given as ``elevation`` or as ``depth`` below the ground surface (m, positive downwards).
 
-    Either is a list of points [[x, z], ...], any number of them, or one number that holds across the section.
+    Either is a list of points [[x, z], ...], or one number that applies across the section.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -100,13 +100,13 @@ class Line(BaseModel):
 
     @property
     def depth_points(self) -> Points:
-        """The points of a line given as depth, its constant as one point; empty for elevations."""
+        """Return the points of a line given as depth, a constant as one point; empty for elevations."""
         if self.depth is None:
             return ()
         return self.depth if isinstance(self.depth, tuple) else ((0.0, self.depth),)
 
     def points(self, left: float, right: float) -> np.ndarray:
-        """The points as an (n, 2) array; a constant reaches from ``left`` to ``right`` (m)."""
+        """Return the points as an (n, 2) array; a constant reaches from ``left`` to ``right`` (m)."""
         value = self.elevation if self.depth is None else self.depth
         if isinstance(value, tuple):
             return np.array(value, dtype=float)
@@ -122,9 +122,9 @@ ElevationOrLine = Annotated[Line, BeforeValidator(_elevation_or_line)]
 
 
 def limits(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values of a polyline (n, 2) just left and just right of each x; they differ at its vertical steps.
+    """Return the values of a polyline (n, 2) just left and just right of each x; they differ at its vertical steps.
 
-    Outside its range the end segments run on; callers cut that off.
+    Outside its range the end segments continue; callers cut them off.
     """
     px, pz = points[:, 0], points[:, 1]
 
@@ -140,13 +140,13 @@ def limits(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def downhill(ground: np.ndarray) -> int:
-    """+1 if a surface (n, 2) falls to the right, -1 if it falls to the left, from one end of it to the other."""
+    """Return +1 if a surface (n, 2) falls to the right from one end to the other, -1 if it falls to the left."""
     return 1 if ground[0, 1] >= ground[-1, 1] else -1
 
 
 def level_at(level: np.ndarray, x: np.ndarray, near: np.ndarray) -> np.ndarray:
-    """Elevations (n,) of a level (k, 2) at x, which continues as high past its ends; at a step of it that on the side
-    of ``near`` (n,)."""
+    """Return the elevations (n,) of a level (k, 2) at x, which continues level beyond its ends; at a step, the
+    elevation on the side of ``near`` (n,)."""
     if (np.diff(level[:, 0]) > 0.0).all():
         return np.asarray(np.interp(x, *level.T))
     before, after = limits(level, np.clip(x, level[0, 0], level[-1, 0]))

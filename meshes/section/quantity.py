@@ -1,4 +1,5 @@
-"""Quantities as people write them ("1560 tf/m^2", "35 deg", or a plain SI number), and as SI numbers inside."""
+"""Quantities as written in a file ("1560 tf/m^2", "35 deg", or a plain SI number), and as SI numbers inside the
+program."""
 
 import math
 import re
@@ -46,9 +47,10 @@ TON = re.compile(r"\b[tT]ons?(f?)\b")
 
 
 def spelled(unit: str) -> str:
-    """A unit as pint reads it.
+    """Return a unit in the spelling of pint.
 
-    "ton" and "tonf" are metric, as in Japanese reports, but beside feet and inches the short ones of 2,000 pounds.
+    "ton" and "tonf" are metric, as in Japanese reports, but together with feet and inches they are short tons of 2,000
+    pounds.
 
     Parameters
     ----------
@@ -101,7 +103,7 @@ COMMON_UNITS = {
 
 
 class Quantity(float):
-    """A number in SI units that remembers how it was written, so that a file can be written back unchanged."""
+    """A number in SI units with the text in which it was written, so that a file can be written back unchanged."""
 
     written: str | float
 
@@ -116,9 +118,9 @@ class Quantity(float):
 
 @dataclass(frozen=True)
 class Kind:
-    """A physical quantity: its name with the article, its SI unit, an example, and its limits in SI units.
+    """Describes a physical quantity: its name with the article, its SI unit, an example, and its limits in SI units.
 
-    ``times_gravity`` is for densities and unit weights: one is taken in place of the other.
+    ``times_gravity`` is for densities and unit weights: either can be given in place of the other.
     """
 
     name: str
@@ -135,7 +137,7 @@ class Kind:
         return f"expected {self.name}{self.limits}, such as {self.example}"
 
     def read(self, value: Any) -> Quantity:
-        """The SI number of what was written; raises ValueError that says what was expected."""
+        """Return the SI number of a written quantity; raise ValueError with what was expected."""
         if isinstance(value, Quantity):
             number, written = float(value), value.written
         elif isinstance(value, str):
@@ -189,14 +191,14 @@ class Kind:
 
 
 def with_a_point(text: str) -> str:
-    """A number that was written with a decimal comma, with a point; empty for another text."""
+    """Return a number that was written with a decimal comma, with a point; empty for another text."""
     parts = DECIMAL_COMMA.fullmatch(text)
     return f"{parts[1] or 0}.{parts[2]}{parts[3]}".strip() if parts else ""
 
 
 @cache
 def unit_registry() -> "pint.UnitRegistry":
-    """pint's units, which know the tonne-force (tf) of Japanese soil reports."""
+    """Return the units of pint, with the tonne-force (tf) of Japanese soil reports."""
     import pint
 
     registry: pint.UnitRegistry = pint.UnitRegistry()

@@ -1,4 +1,4 @@
-"""Seismic coefficients at which a computation keeps its state, in files and pictures that are called by them."""
+"""Seismic coefficients at which a computation stores its state, in the names of files and pictures."""
 
 from typing import Annotated
 
@@ -8,7 +8,7 @@ DECIMALS = 3  # of a seismic coefficient in the name of a file
 
 
 def in_name(kh: float) -> str:
-    """A seismic coefficient as it stands in the name of a file: 0.20, 0.255."""
+    """Return a seismic coefficient in the form used in file names: 0.20, 0.255."""
     return f"{kh:.{DECIMALS}f}".removesuffix("0")
 
 

@@ -1,4 +1,4 @@
-"""The ground as a person describes it: a validated section of layered soil, read from and written to TOML."""
+"""The validated section of layered soil, read from and written to TOML."""
 
 import hashlib
 import tomllib
@@ -43,8 +43,8 @@ from meshes.section.zone import Zone, with_elevations, with_materials, without_d
 class Section(Model):
     """The section of a layered slope; x to the right and elevation upwards, in metres.
 
-    Strata stand from the top down. A stratum lies between its bottom line and whatever is above it: it ends
-    where its bottom line ends, where that line meets the one above, or where it comes out of the ground.
+    Strata are listed from the top down. A stratum lies between its bottom line and the stratum above: it ends where its
+    bottom line ends, where that line meets the one above, or where it reaches the ground surface.
     """
 
     name: str = Field(
@@ -116,7 +116,7 @@ class Section(Model):
         """Make strata of the zones, and raise the ground where zones are above it; returns their faults, one sentence
         each.
 
-        The model is frozen from here on, and has no zones.
+        The model cannot be changed after this step, and has no zones.
         """
         ground = zoned(self.surface, self.base, self.strata, self.zones)
         if not ground.problems:
@@ -138,7 +138,7 @@ class Section(Model):
 
     @cached_property
     def layering(self) -> Layering:
-        """The layers between breakpoints."""
+        """Return the layers between breakpoints."""
         return self._layers.layering
 
     @cached_property
@@ -153,7 +153,7 @@ class Section(Model):
         return layering(self.ground, base, bottoms, [*ends, *more])
 
     def layering_cut_at(self, x: Iterable[float]) -> Layering:
-        """The layers with breakpoints at other x (m), too."""
+        """Return the layers with additional breakpoints at x (m)."""
         return self._layers_with(x).layering
 
     @cached_property
@@ -163,13 +163,13 @@ class Section(Model):
 
     @property
     def ground(self) -> np.ndarray:
-        """The ground surface (n, 2) from side to side (m), with what lies beyond the given ends."""
+        """Return the ground surface (n, 2) from side to side (m), including the ground beyond the given ends."""
         surface = np.array(self.surface, dtype=float)
         return surface if self._continuation is None else self._continuation.elevations(surface)
 
     @property
     def notices(self) -> list[str]:
-        """Notices on a valid section: what was changed in it, one sentence each."""
+        """Return notices on a valid section: what was changed when it was read, one sentence each."""
         notices = [*self._zone_notices, *self._line_notices]
         notices += [f"geometry: {text}" for text in self._layers.notices]
         notices += [text.split(";")[0] for text in implausible(self.strata, self.water, self.surcharges)]
@@ -188,34 +188,34 @@ class Section(Model):
 
     @property
     def heading(self) -> str:
-        """Heading of the pictures: the title of the section, or its name where it has no title."""
+        """Return the heading of the pictures: the title of the section, or its name if it has no title."""
         return self.title or self.name
 
     @property
     def liquefies(self) -> bool:
-        """Whether any of its strata liquefies in any case."""
+        """Return whether any stratum liquefies in any case."""
         return any(stratum.liquefies_in for stratum in self.strata)
 
     @property
     def extent(self) -> tuple[float, float]:
-        """x (m) of the left and the right side."""
+        """Return x (m) of the left and the right side."""
         return float(self.ground[0, 0]), float(self.ground[-1, 0])
 
     @property
     def given_extent(self) -> tuple[float, float]:
-        """x (m) of the ends of the section as it was given, without what lies beyond."""
+        """Return x (m) of the given ends of the section, without the ground that was added beyond."""
         return float(self.surface[0][0]), float(self.surface[-1][0])
 
     def outline(self) -> np.ndarray:
-        """The outline (n, 2) of the section (m), counter-clockwise."""
+        """Return the outline (n, 2) of the section (m), counter-clockwise."""
         return self.layering.outline()
 
     def stratum_at(self, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """Index of the stratum at each point (m), -1 outside the section."""
+        """Return the index of the stratum at each point (m), -1 outside the section."""
         return self.layering.stratum_at(x, z)
 
     def elevations_of(self, line: Line) -> np.ndarray:
-        """A line as elevations (n, 2) in metres, which go on level to both sides where it ends before."""
+        """Return a line as elevations (n, 2) in metres; from an end inside the section it continues level."""
         line = line if self._continuation is None else self._continuation.line(line)
         points = line.points(*self.extent) if line.depth is None else elevations_below(self.ground, line)
         left, right = self.extent
@@ -226,7 +226,7 @@ class Section(Model):
         return points
 
     def water_points(self) -> np.ndarray | None:
-        """The water table (before a drawdown) as elevations (n, 2) in metres, or None."""
+        """Return the water table (before a drawdown) as elevations (n, 2) in metres, or None."""
         if (flow := self.water_pressure.flow) is not None:
             return flow.water_line
         table = self.water_table if self.water is None else self.water.table
@@ -234,7 +234,7 @@ class Section(Model):
 
     @cached_property
     def water_pressure(self) -> WaterPressure:
-        """The pressure of the water in the pores and on the ground."""
+        """Return the pressure of the water in the pores and on the ground."""
         water = self.water or Water()
         before = None if water.table is None else self.elevations_of(water.table)
         after = before if water.after_drawdown is None else self.elevations_of(water.after_drawdown)
@@ -257,21 +257,21 @@ class Section(Model):
 
     @cached_property
     def cohesion_field(self) -> CohesionField:
-        """The cohesion at any point of the ground."""
+        """Return the cohesion at any point of the ground."""
         return CohesionField.of(self.surface_loads, self.elevations_of)
 
     @cached_property
     def uplift(self) -> Uplift | None:
-        """Where pore pressure exceeds the weight above it, if it does anywhere."""
+        """Return where pore pressure exceeds the weight above it; None if it does nowhere."""
         return uplift(self.layering, self.strata, self.surface_loads)
 
     @property
     def surface_loads(self) -> SurfaceLoads:
-        """What presses on the ground beside still water."""
+        """Return the loads on the ground surface other than static water."""
         return SurfaceLoads(self.surcharges, self.water_pressure)
 
     def thinned(self) -> "Section":
-        """The section without points of its lines that lie so densely that no mesh can use them, and a notice."""
+        """Return the section without points of its lines that are too dense for any mesh, and a notice."""
         lines = lines_by_place(self.surface, self.base, self.water_table, self.strata, self.water)
         fewer_points, tolerance = thinned_lines(lines, CELL * mean_height(self.surface, self.base))
         if tolerance == 0.0:
@@ -290,12 +290,12 @@ class Section(Model):
         return thinned
 
     def cut_at_water(self) -> "Section":
-        """The section with the strata cut where water crosses them, and the saturated density below it."""
+        """Return the section with strata divided where water crosses them, with saturated density below."""
         return self._cut_by(cut_strata)
 
     @cached_property
     def cut_at_films(self) -> "Section":
-        """The section cut at water in pockets and films too thin for elements, too: what bounds weigh is as given."""
+        """Return the section divided at water also in films too thin for elements; bounds use this section."""
         return self._cut_by(cut_films)
 
     def _cut_by(self, cutting: Cutting) -> "Section":
@@ -316,14 +316,14 @@ class Section(Model):
         )
 
     def with_strata(self, strata: Sequence[Stratum]) -> "Section":
-        """The section with ``strata`` that the program derived from its own; strata without area are left out.
+        """Return the section with ``strata`` that the program derived from its own; strata without area are left out.
 
-        They are not validated: what a person cannot have meant, such as a cohesion of 1 Pa, may well be derived.
+        The strata are not validated: derived values may be implausible in a file, such as a cohesion of 1 Pa.
 
         Parameters
         ----------
         strata : sequence of Stratum
-            From the top down, as in a file; names, lines and quantities that fit each other.
+            Strata from the top down, as in a file; names, lines and quantities that are consistent.
         """
         section = self._derived(strata)
         has_area = section.layering.areas() > 0.0
@@ -343,21 +343,21 @@ class Section(Model):
 
     @classmethod
     def read(cls, path: Path | str) -> "Section":
-        """The section in a TOML file; raises InputError with every problem found."""
+        """Read the section in a TOML file; raise InputError with every problem found."""
         return cls.parse(read_toml(path), str(path))
 
     @classmethod
     def parse(cls, data: Mapping[str, Any], source: str = "section") -> "Section":
-        """The section from what a TOML file holds; raises InputError with every problem found.
+        """Make the section from the contents of a TOML file; raise InputError with every problem found.
 
-        Tables that no section has belong to those who mesh, solve and draw, and are passed over; one whose name is
-        nearly that of a key of a section is refused.
+        Tables of other parts of the program (mesh, solvers, pictures) are ignored; a table whose name is nearly that of
+        a key of a section is refused.
         """
         return cls.as_written(data, source).thinned().cut_at_water()
 
     @classmethod
     def as_written(cls, data: Mapping[str, Any], source: str = "section") -> "Section":
-        """The same with the lines and strata of the file, neither thinned nor cut."""
+        """Return the section with the lines and strata of the file, without thinned lines and divided strata."""
         known, moved = in_order(without_other_tables(data, cls.model_fields))
         try:
             section = cls.model_validate(known)
@@ -371,11 +371,11 @@ class Section(Model):
         return section
 
     def to_toml(self) -> str:
-        """The section as TOML with all defaults filled in and quantities as they were written."""
+        """Return the section as TOML with all defaults filled in and quantities as they were written."""
         return tomli_w.dumps(self.model_dump(mode="python", exclude_none=True, by_alias=True))
 
     def sha256(self) -> str:
-        """A fingerprint of the ground, whatever the section is called."""
+        """Return a fingerprint of the ground, which does not depend on the name of the section."""
         ground = self.model_dump(
             mode="python", exclude_none=True, by_alias=True, exclude={"name", "title", "structures"}
         )
@@ -383,7 +383,7 @@ class Section(Model):
 
 
 def read_toml(path: Path | str) -> dict[str, Any]:
-    """What a TOML file holds; raises InputError if there is none or it is not TOML."""
+    """Read a TOML file; raise InputError if there is none or it is not TOML."""
     path = Path(path)
     try:
         text = path.read_text(encoding="utf-8-sig")  # some editors on Windows begin a file with a mark

@@ -1,9 +1,9 @@
 """Steady seepage through a section: heads, phreatic line, seepage face, discharge.
 
-Where water stands on the ground, and on the sides below the ends of the table, the head h = z + u / γw is given; the
-base and the rest of the sides are impermeable. On the rest of the ground either water comes out and u = 0, a seepage
-face, or none passes: which, and where the ground is wet, is found by `free_surface_flow`, which states the law. There
-is no suction above the phreatic line.
+Where water stands on the ground, and on the sides below the ends of the water table, the head h = z + u / γw is given;
+the base and the rest of the sides are impermeable. On the rest of the ground either water leaves and u = 0, a seepage
+face, or there is no flow: `free_surface_flow` determines which, and where the ground is wet. There is no suction above
+the phreatic line.
 """
 
 from dataclasses import dataclass
@@ -36,25 +36,24 @@ class SeepageError(NoAnswerError):
 
 @dataclass(frozen=True, eq=False)
 class Seepage:
-    """Steady flow.
+    """Holds a steady flow of water through the section.
 
     Attributes
     ----------
     grid : FlowGrid
-        Where it was found.
+        Grid on which the flow was computed.
     head : (n,) ndarray
         Head at the points of the grid (m).
     inflow : (n,) ndarray
-        Water that enters the ground at a point, per length of the section's third direction (m²/s); below 0 where it
-        leaves.
+        Flow that enters the ground at a point, per metre out of plane (m²/s); negative if it leaves.
     seeps : (n,) ndarray of bool
-        Points of seepage faces.
+        Mask of the points of seepage faces.
     discharge : float
-        Water that flows through the section, per length of its third direction (m²/s).
+        Flow through the section, per metre out of plane (m²/s).
     table : (k, 2) ndarray
-        The water table that gave the heads (m): free water stands up to it.
+        Water table that gave the heads (m); free water stands up to it.
     tolerance : float
-        Points closer than this (m) are one.
+        Distance (m) within which points are merged.
     """
 
     grid: FlowGrid
@@ -67,7 +66,7 @@ class Seepage:
 
     @cached_property
     def exit_gradient(self) -> tuple[float, float]:
-        """The largest upward gradient (-) in triangles from which water leaves the ground, and its x (m)."""
+        """Return the largest upward gradient (-) in triangles from which water leaves the ground, and its x (m)."""
         grid, leaves = self.grid, np.zeros(len(self.head), dtype=bool)
         leaves[grid.ground] = self.inflow[grid.ground] < 0.0
         cells = grid.cells[leaves[grid.cells].sum(axis=1) >= 2]
@@ -82,7 +81,7 @@ class Seepage:
 
     @property
     def words(self) -> str:
-        """How much flows, where it comes out above free water, and how steeply it rises there."""
+        """Describe in words the discharge, the seepage faces above free water, and the largest exit gradient."""
         if not self.discharge:
             return "Seepage: the water stands still."
         faces = " and ".join(f"x = {start:.4g} to {end:.4g} m" for start, end in self.seepage_faces)
@@ -93,14 +92,16 @@ class Seepage:
         return f"{through}{leaves}{steep if gradient > 0.0 else ''}."
 
     def pressure_head(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """Pore pressure over γw (n,) in m at points (n, 2), 0 above the phreatic line; see `FlowGrid.interpolated`."""
+        """Return the pore pressure over γw (n,) in m at points (n, 2), 0 above the phreatic line; see
+        `FlowGrid.interpolated`."""
         head = self.grid.interpolated(self.head, points, near, self.tolerance)
         return np.maximum(np.nan_to_num(head - points[:, 1], nan=0.0), 0.0)
 
     @cached_property
     def water_line(self) -> np.ndarray:
-        """The phreatic line and the surface of free water (n, 2), from the left to the right (m), without points that
-        make little difference; two at one x where the sides of a vertical line differ. On the base where it is dry."""
+        """Return the phreatic line and the surface of free water (n, 2), from left to right (m), without points that
+        make little difference; two points at one x where the sides of a vertical line differ. On the base where the
+        ground is dry."""
         x = self.grid.x
         points: list[tuple[float, float]] = []
         pressure = self.head - self.grid.points[:, 1]
@@ -117,7 +118,8 @@ class Seepage:
 
     @cached_property
     def seepage_faces(self) -> list[tuple[float, float]]:
-        """Ends (m) along x of the stretches of ground through which water comes out without standing on it."""
+        """Return the ends (m) along x of the stretches of ground through which water leaves without standing on the
+        ground."""
         bare = np.abs(self.head - self.grid.points[:, 1])[self.grid.ground] <= 1e-3 * self.tolerance
         lines, ground = self.grid.x, self.grid.ground
         out = self.inflow[ground] < 0.0
@@ -129,7 +131,7 @@ class Seepage:
 
     @cached_property
     def marks(self) -> np.ndarray:
-        """x (m) at which the pore pressure just below the ground changes its rule, and of walls."""
+        """Return x (m) at which the pore pressure just below the ground changes its linear rule, and of walls."""
         return np.array([*self.grid.walls, *(end for face in self.seepage_faces for end in face)])
 
 
@@ -148,7 +150,7 @@ def _highest(z: np.ndarray, pressure: np.ndarray, tolerance: float) -> float:
 def steady_seepage(
     grid: FlowGrid, permeability: np.ndarray, heads: np.ndarray, table: np.ndarray, tolerance: float
 ) -> Seepage:
-    """The steady flow of water.
+    """Compute the steady flow of water.
 
     Parameters
     ----------
@@ -156,11 +158,11 @@ def steady_seepage(
     permeability : (strata, 2) ndarray
         Horizontal and vertical permeability (m/s).
     heads : (n,) ndarray
-        Heads (m) that are given, not a number where they are found.
+        Prescribed heads (m); not a number where the head is unknown.
     table : (k, 2) ndarray
-        The water table that gave them.
+        Water table that gave the heads.
     tolerance : float
-        Points closer than this (m) are one.
+        Distance (m) within which points are merged.
 
     Returns
     -------
@@ -169,7 +171,7 @@ def steady_seepage(
     Raises
     ------
     SeepageError
-        If the set of wet points does not come to rest.
+        If the set of wet points does not converge.
     """
     from meshes.section.free_surface import free_surface_flow  # SciPy is loaded only where water flows
 

@@ -1,4 +1,4 @@
-"""What is wrong with an input, as sentences: the key as a person finds it, the value, what was expected."""
+"""Problems of an input in sentences: the key as in the file, the value, what was expected."""
 
 import difflib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -34,9 +34,10 @@ Place = tuple[int | str, ...]
 
 
 def sentences(error: ValidationError, data: Any, model: type[BaseModel], other_keys: Sequence[str] = ()) -> list[str]:
-    """One sentence for each problem: the key, the value, what was expected; ``other_keys`` are keys of others there.
+    """Return one sentence for each problem: the key, the value, what was expected; ``other_keys`` are keys of other
+    tables at that place.
 
-    ``error``: of pydantic; ``data``: the table of the file; ``model``: what the table was to be.
+    ``error``: error of pydantic; ``data``: the table of the file; ``model``: the model that the table was read as.
     """
     choices: dict[Place, list[ErrorDetails]] = {}
     for entry in error.errors():
@@ -130,7 +131,7 @@ def _sentences_of(error: ErrorDetails, data: Any, model: type[BaseModel], other_
 
 
 def shortened(text: str) -> str:
-    """A value as it is shown: its beginning, where it is longer than a line."""
+    """Return a value for messages: only its beginning, if it is longer than a line."""
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
 
 
@@ -152,7 +153,7 @@ def _key(location: tuple[int | str, ...], data: Any) -> str:
 
 
 def model_at(location: tuple[int | str, ...], model: type[BaseModel]) -> type[BaseModel] | None:
-    """The model whose field a location names."""
+    """Return the model that has the field at this location."""
     here: type[BaseModel] | None = model
     for step in location[:-1]:
         if isinstance(step, int):

@@ -7,19 +7,19 @@ import numpy as np
 
 
 def needed(points: np.ndarray, tolerance: float) -> np.ndarray:
-    """Which points of a line keep it within a tolerance.
+    """Find the points of a line that keep it within a tolerance.
 
     Parameters
     ----------
     points : ndarray (n, 2)
-        Points (m), of which x never falls.
+        Points (m); x never decreases.
     tolerance : float
-        How far (m, upwards) the line may go from where it was; points of a vertical step stay.
+        Largest vertical distance (m) between the original and the simplified line; points of a vertical step stay.
 
     Returns
     -------
     ndarray (n,) of bool
-        The ends are always kept.
+        Mask of the points to keep; the ends are always kept.
     """
     keep = np.zeros(len(points), dtype=bool)
     keep[[0, -1]] = True
@@ -35,8 +35,8 @@ def needed(points: np.ndarray, tolerance: float) -> np.ndarray:
 
 
 def with_farthest(fixed: np.ndarray, off: Callable[[int, int], np.ndarray], tolerance: float) -> np.ndarray:
-    """The places (n,) that are ``fixed``, and between two of these, again and again, the place farthest ``off`` the
-    chord, until none is farther off than the tolerance.
+    """Return a mask of places (n,): those that are ``fixed`` and, between two of them, repeatedly the place farthest
+    ``off`` the chord, until none is farther off than the tolerance.
     """
     keep = fixed.copy()
     ends = np.flatnonzero(keep)

@@ -1,4 +1,4 @@
-"""Shear of ground that has liquefied by cyclic mobility: it strains by its strain potential before it holds.
+"""Shear of ground that has liquefied by cyclic mobility: it strains by its strain potential before it regains strength.
 
 Sand that liquefies in an earthquake, and is not so loose that it flows, has next to no stiffness until it has strained
 by its strain potential γ_max; then it dilates, and its residual strength is there (Yasuda, Yoshida, Adachi et al. 1999,
@@ -16,7 +16,7 @@ BEYOND = 0.1  # shear strain past γ_max at which the residual strength is reach
 
 
 def stress_at_potential(effective: np.ndarray, strength: np.ndarray) -> np.ndarray:
-    """Shear stress at which liquefied ground has strained by its strain potential.
+    """Return the shear stress at which liquefied ground has strained by its strain potential.
 
     Parameters
     ----------
@@ -28,6 +28,6 @@ def stress_at_potential(effective: np.ndarray, strength: np.ndarray) -> np.ndarr
     Returns
     -------
     ndarray (n,)
-        In Pa.
+        Shear stress (Pa).
     """
     return np.minimum(HOLDS * np.maximum(effective, 0.0), LARGEST_SHARE * strength)

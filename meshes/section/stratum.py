@@ -149,52 +149,54 @@ class Stratum(Model):
     _place: str = PrivateAttr(default="")  # the table of its file, such as "zones 2", where not its own number tells
 
     def placed(self, place: str) -> Self:
-        """A copy that knows its ``place`` in the file, such as "zones 2"."""
+        """Return a copy with its ``place`` in the file, such as "zones 2"."""
         copy = self.model_copy()
         copy._place = place
         return copy
 
     @property
     def place(self) -> str:
-        """The table of the file that it is from, where that is not as its number says; or nothing."""
+        """Return the table of the file that the stratum comes from, if it is not the table of its number; else
+        nothing."""
         return self._place
 
     @property
     def dilation(self) -> float:
-        """The dilation angle ψ (rad), 0 where none is given."""
+        """Return the dilation angle ψ (rad), 0 if none is given."""
         return self.dilation_angle or 0.0
 
     @property
     def liquefiable(self) -> bool:
-        """Whether it liquefies in any case."""
+        """Return whether the stratum liquefies in any case."""
         return bool(self.liquefies_in)
 
     @property
     def cohesion_varies(self) -> bool:
-        """Whether its cohesion is not the same everywhere."""
+        """Return whether the cohesion varies within the stratum."""
         return bool(self.cohesion_increase or self.strength_ratio)
 
     @property
     def has_cohesion(self) -> bool:
-        """Whether it has a cohesion anywhere."""
+        """Return whether the stratum has a cohesion at any place."""
         return self.cohesion > 0.0 or self.cohesion_varies
 
     @property
     def exponent(self) -> float:
-        """The exponent m of OCR."""
+        """Return the exponent m of OCR."""
         return OCR_EXPONENT if self.ocr_exponent is None else self.ocr_exponent
 
     def with_cohesion(self, cohesion: float) -> Self:
-        """A copy with one cohesion (Pa) everywhere."""
+        """Return a copy with one cohesion (Pa) everywhere."""
         return self.model_copy(update={**dict.fromkeys(OF_COHESION), "cohesion": cohesion, "cohesion_increase": 0.0})
 
     @property
     def softens(self) -> bool:
-        """Whether soil that has been sheared far keeps another strength."""
+        """Return whether soil that has been sheared far has another strength."""
         return self.residual_cohesion is not None
 
     def softened(self) -> Self:
-        """A copy with the strength of soil that has been sheared far, at its critical state: it does not dilate."""
+        """Return a copy with the strength of soil that has been sheared far, at its critical state: it does not
+        dilate."""
         if self.residual_cohesion is None or self.residual_friction_angle is None:
             return self
         dilation = None if self.dilation_angle is None else 0.0
@@ -203,7 +205,7 @@ class Stratum(Model):
 
     @property
     def buoyant(self) -> bool:
-        """Whether its density_ordinary has the water's uplift taken off already."""
+        """Return whether the ordinary density is already reduced by the buoyancy of water."""
         return self.density_ordinary < self.density_seismic
 
     @model_validator(mode="after")

@@ -23,7 +23,7 @@ class Structure(Model):
 
 
 def structure_problems(structures: Sequence[Structure], extent: tuple[float, float]) -> list[str]:
-    """What is wrong with structures of a section that reaches from ``extent[0]`` to ``extent[1]`` (m)."""
+    """Return what is wrong with structures of a section that reaches from ``extent[0]`` to ``extent[1]`` (m)."""
     left, right = extent
     problems = []
     for k, structure in enumerate(structures, start=1):

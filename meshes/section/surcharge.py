@@ -57,13 +57,14 @@ class Surcharge(Model):
         return self
 
     def at(self, x: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """The load (Pa) at x (n,), which are ends or inner points of a stretch whose middle is at ``near`` (n,)."""
+        """Return the load (Pa) at x (n,), which are ends or inner points of a stretch whose middle is at ``near``
+        (n,)."""
         share = (x - self.start) / (self.end - self.start)
         first, last = self.pressure
         return np.where((near > self.start) & (near < self.end), first + share * (last - first), 0.0)
 
     def below(self, x: float, depth: float) -> float:
-        """The vertical stress (Pa) that the load adds at x (m), ``depth`` (m) below the level that it stands on.
+        """Return the vertical stress (Pa) that the load adds at x (m), ``depth`` (m) below the level of the load.
 
         A strip load on an elastic half-plane (Flamant's line load 2 p z³/(π r⁴), integrated; Poulos & Davis 1974,
         section 3.1): Δσ = (p(x) [θ + sin θ cos θ] + p' z [sin² θ])/π between the angles θ to either end, counted
@@ -85,7 +86,8 @@ WESTERGAARD = 7.0 / 8.0
 
 @dataclass(frozen=True)
 class SurfaceLoads:
-    """Tractions (n, 2) in Pa at ``points`` (n, 2) in m of the ground, where its outward ``normal`` is (n, 2).
+    """Return the tractions (n, 2) in Pa at ``points`` (n, 2) in m of the ground surface, whose outward ``normal`` is
+    (n, 2).
 
     ``near`` (n, 2) is a point on the same straight stretch of the ground, such as the middle of an edge of a mesh.
     """
@@ -95,24 +97,26 @@ class SurfaceLoads:
 
     @property
     def present(self) -> bool:
-        """Whether there is anything but still water."""
+        """Return whether there is any load other than static water."""
         return bool(self.surcharges) or self.water.moves
 
     def dead(self, points: np.ndarray, near: np.ndarray, normal: np.ndarray) -> np.ndarray:
-        """The weight of the surcharges; they press on the ground by its horizontal area."""
+        """Return the weight of the surcharges, per horizontal area of the ground (Pa)."""
         load = self.pressure(points[:, 0], near[:, 0])
         return np.column_stack([np.zeros(len(points)), -load * np.abs(normal[:, 1])])
 
     def pressure(self, x: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """The surcharges (n,) in Pa of horizontal area at ``x`` (n,), on the stretch in which ``near`` (n,) lies."""
+        """Return the surcharges (n,) in Pa of horizontal area at ``x`` (n,), on the stretch that contains ``near``
+        (n,)."""
         return sum((s.at(x, near) for s in self.surcharges), np.zeros(len(x)))
 
     def consolidated(self, x: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """The shares (n,) of the surcharges, in Pa, under which the ground has consolidated before shaking."""
+        """Return the shares (n,) of the surcharges, in Pa, under which the ground has consolidated before shaking."""
         return sum((s.consolidated * s.at(x, near) for s in self.surcharges), np.zeros(len(x)))
 
     def seismic(self, sign: int, points: np.ndarray, near: np.ndarray, normal: np.ndarray) -> np.ndarray:
-        """What Kh = 1 adds, the inertia force on the ground being to the right (``sign`` 1) or to the left (-1).
+        """Return the tractions by Kh = 1; the inertia force on the ground acts to the right (``sign`` 1) or to the left
+        (-1).
 
         Surcharges push with the share of their mass that shakes. Ground that shakes away from water draws on it, and
         presses on it in the other direction, by 7/8 γw sqrt(H y) Kh on a wall at a depth y in water that is H deep
@@ -130,7 +134,7 @@ class SurfaceLoads:
 
     @property
     def notices(self) -> list[tuple[int, str]]:
-        """Notices on surcharges: the number of each surcharge, and a sentence."""
+        """Return notices on surcharges: the number of each surcharge, and a sentence."""
         return [
             (
                 number,
@@ -141,9 +145,10 @@ class SurfaceLoads:
         ]
 
     def bare_ends(self) -> Iterator[tuple[int, float, str]]:
-        """Number, x (m) and stratum of every end of a surcharge with a pressure on ground without cohesion.
+        """Return number, x (m) and stratum of every end of a surcharge with a pressure on ground without cohesion.
 
-        Such sand bears nothing beside bare ground, where the overburden term of its bearing capacity is zero.
+        Such sand has no bearing capacity next to bare ground, where the overburden term of its bearing capacity is
+        zero.
         """
         layers = self.water.layers
         for number, load in enumerate(self.surcharges, start=1):

@@ -33,7 +33,8 @@ def _read_water(value: Any) -> str | float:
 
 
 class TensionCrack(Model):
-    """Slip circles end at the bottom of the crack, where strength ends; its water presses on the ground that slides."""
+    """A tension crack: slip circles end at its bottom, where the tensile strength ends; its water presses on the
+    sliding ground."""
 
     bottom: ElevationOrLine | None = Field(
         default=None,
@@ -55,7 +56,7 @@ class TensionCrack(Model):
         return self
 
     def notices(self, section: Section) -> Iterator[str]:
-        """How the methods treat tension cracks of a section, one sentence each."""
+        """Return how the methods treat tension cracks of a section, one sentence each."""
         if self.bottom is None:
             return
         yield (
@@ -85,7 +86,7 @@ class TensionCrack(Model):
 
     @property
     def words(self) -> str:
-        """A sentence on the cracks; empty where there are none."""
+        """Return a sentence on the cracks; empty if there are none."""
         if self.bottom is None:
             return ""
         words = {"dry": "dry", "full": "full of water"}
@@ -93,7 +94,7 @@ class TensionCrack(Model):
         return f"Slip circles end at tension cracks, {filled}."
 
     def depth(self, section: Section, x: np.ndarray) -> np.ndarray:
-        """Depth (m) of a crack in the ground at every ``x`` (m), 0 where there is none."""
+        """Return the depth (m) of a crack in the ground at every ``x`` (m), 0 where there is none."""
         if self.bottom is None:
             return np.zeros(np.shape(x))
         bottom = np.interp(x, *section.elevations_of(self.bottom).T)
@@ -101,12 +102,12 @@ class TensionCrack(Model):
         return np.maximum(ground - bottom, 0.0)
 
     def water_depth(self, depth: np.ndarray) -> np.ndarray:
-        """Depth (m) of the water in cracks of a ``depth`` (m)."""
+        """Return the depth (m) of the water in cracks of a ``depth`` (m)."""
         return depth if self.water == "full" else np.minimum(0.0 if self.water == "dry" else float(self.water), depth)
 
     def cut(self, section: Section) -> Section:
-        """The section with strata cut at the bottom of the cracks; those above it have no tensile strength, and the
-        pressure of the water in the cracks where they have no friction."""
+        """Return the section with strata divided at the bottom of the cracks; the parts above have no tensile strength,
+        and the pressure of the water in the cracks if they have no friction."""
         if self.bottom is None:
             return section
         bottom = _without_faces(section.elevations_of(self.bottom))

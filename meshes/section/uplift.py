@@ -27,21 +27,21 @@ UPWARDS = np.array([[0.0, 1.0]])
 
 @dataclass(frozen=True)
 class Uplift:
-    """The place where a pore pressure exceeds the total vertical stress by most.
+    """Describes the place where a pore pressure exceeds the total vertical stress by most.
 
     Attributes
     ----------
     stratum : str
-        Name of the stratum whose pore pressure it is.
+        Name of the stratum whose pore pressure is too large.
     x, elevation : float
-        Where that is (m).
+        Position of the place (m).
     pressure, weight : float
         Pore pressure and total vertical stress there (Pa).
     start, end : float
-        x between which some pore pressure of the section exceeds the total vertical stress (m).
+        Range of x in which some pore pressure of the section exceeds the total vertical stress (m).
     bare : bool
-        Whether there is ground without cohesion whose pore pressure at its surface exceeds what stands on it: it cannot
-        be in equilibrium.
+        Whether pore pressure at the surface of cohesionless ground exceeds the load on it; such ground cannot be in
+        equilibrium.
     """
 
     stratum: str
@@ -55,12 +55,12 @@ class Uplift:
 
     @property
     def factor(self) -> float:
-        """Total vertical stress over pore pressure (-), below 1."""
+        """Return the total vertical stress over the pore pressure (-), below 1."""
         return self.weight / self.pressure
 
     @property
     def words(self) -> str:
-        """Where it is, and by how much."""
+        """Describe in words the place of uplift and the excess of pressure."""
         return (
             f'the pore pressure in "{self.stratum}" exceeds the weight above it, most at x = {self.x:.4g} m, elevation '
             f"{self.elevation:.4g} m: {self.pressure / 1e3:.1f} kPa under a total vertical stress of "
@@ -70,7 +70,7 @@ class Uplift:
 
 
 def uplift(layers: Layering, strata: tuple[Stratum, ...], loads: SurfaceLoads) -> Uplift | None:
-    """Where a pore pressure at rest exceeds the total vertical stress by most, None where it does nowhere.
+    """Find where a static pore pressure exceeds the total vertical stress by most; return None if it does nowhere.
 
     Both are linear within a stratum between breakpoints and the kinks of the water, so that the ends of these are
     looked at; where water flows, at depths within the stratum too. A surcharge counts by its weight on the ground

@@ -1,4 +1,4 @@
-"""The table [water] of an input: where water stands, in the ground and on it, and what it weighs."""
+"""The table [water] of an input: where water stands, in the ground and on it, and its unit weight."""
 
 from typing import Literal, Self
 
@@ -13,14 +13,15 @@ FRESH = 1000.0
 
 
 class Cutoff(Model):
-    """A wall, such as a sheet pile, that no water crosses, from the ground down; it has neither strength nor weight."""
+    """A wall, such as a sheet pile, that no water crosses, from the ground surface down; it has neither strength nor
+    weight."""
 
     x: Coordinate = Field(description="where it stands (m)")
     bottom: Coordinate = Field(description="the elevation (m) of its foot")
 
 
 class Water(Model):
-    """Where water stands.
+    """Describes where water stands in the ground and on it.
 
     Below the table the pores are full and the pressure in them is hydrostatic; above it there is none: capillary water
     is left out. Where the table lies above the ground, water stands on the ground and presses on it.

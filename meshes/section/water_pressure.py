@@ -24,26 +24,26 @@ ON_GROUND = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class WaterPressure:
-    """The water of a section.
+    """Computes pressures of the water of a section.
 
     Attributes
     ----------
     layers : Layering
         The layers, cut at the water.
     strata : tuple of Stratum
-        Their soils.
+        The strata with their soils.
     unit_weight : float
-        Of water (N/m³).
+        Unit weight of water (N/m³).
     levels : tuple of (n, 2) or None
-        The level (m) to which water rises from each stratum before a drawdown.
+        Level (m) to which water rises from each stratum before a drawdown.
     before, after : (n, 2) or None
         The water table that stands on the ground before and after a drawdown; the same without one.
     normal : bool
-        Whether the head is measured across the flow: times cos² of the level's slope.
+        Whether the head is measured perpendicular to the flow: times cos² of the slope of the level.
     moves : bool
         Whether water on the ground presses with its own inertia when the ground shakes.
     flow : Seepage or None
-        The steady seepage whose pore pressure takes the place of that below levels.
+        Steady seepage whose pore pressure replaces the hydrostatic pressure below levels.
     """
 
     layers: Layering
@@ -58,17 +58,17 @@ class WaterPressure:
 
     @cached_property
     def present(self) -> bool:
-        """Whether there is any pore pressure, or any water on the ground."""
+        """Return whether there is any pore pressure, or any water on the ground."""
         return self.still or any(s.excess_pore_pressure_ratio for s in self.strata)
 
     @cached_property
     def still(self) -> bool:
-        """The water pressure without the excess pore pressure of shaking."""
+        """Return the water pressure without the excess pore pressure by shaking."""
         levels = any(level is not None for level in self.levels)
         return levels or self.after is not None or any(s.pore_pressure_ratio for s in self.strata)
 
     def at_rest(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
-        """Pore pressure (n,) without shaking."""
+        """Return the static pore pressure (n,), without shaking."""
         pressure = np.zeros(len(points))
         for k in np.unique(stratum):
             here = stratum == k
@@ -91,9 +91,10 @@ class WaterPressure:
         return pressure
 
     def excess(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
-        """Pore pressure (n,) that shaking adds: the excess ratio times the vertical effective stress before it.
+        """Return the excess pore pressure (n,) by shaking: the excess ratio times the vertical effective stress before
+        shaking.
 
-        That is the weight of the column of soil above, and of the water on it, less the pore pressure.
+        This stress is the weight of the column of soil above, and of the water on it, less the pore pressure.
         """
         ratio = np.array([s.excess_pore_pressure_ratio for s in self.strata])[stratum]
         if not ratio.any():
@@ -109,10 +110,10 @@ class WaterPressure:
         load: np.ndarray | float = 0.0,
         pressure: np.ndarray | None = None,
     ) -> np.ndarray:
-        """Vertical effective stress (n,) without shaking, nowhere below zero: the weight of the soil above, of the
-        water on it and of a ``load`` (n,) in Pa on the ground, less the pore pressure at rest, or the ``pressure`` (n,)
-        in Pa in its place. Ground above the line ``top`` (k, 2) does not count.
-        ``points``, ``near``, ``stratum``: as in ``at_rest``.
+        """Return the vertical effective stress (n,) without shaking, never negative: the weight of the soil above, of
+        the water on it and of a ``load`` (n,) in Pa on the ground, less the static pore pressure, or the ``pressure``
+        (n,) in Pa in its place. Ground above the line ``top`` (k, 2) does not count. ``points``, ``near``, ``stratum``:
+        as in ``at_rest``.
         """
         ground = self._top(points, near, top)
         if top is not None:
@@ -124,7 +125,7 @@ class WaterPressure:
         return np.maximum(total - pressure, 0.0)
 
     def inside(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, excess_pressure: bool) -> np.ndarray:
-        """Pore pressure (n,), with the excess pore pressure of shaking if ``excess_pressure``.
+        """Return the pore pressure (n,), with the excess pore pressure by shaking if ``excess_pressure``.
 
         ``points``, ``near``, ``stratum``: as in ``at_rest``.
         """
@@ -132,9 +133,10 @@ class WaterPressure:
         return pressure + self.excess(points, near, stratum) if excess_pressure else pressure
 
     def slope(self, point: tuple[float, float], stratum: int, step: float, excess_pressure: bool) -> np.ndarray:
-        """Slope (2,) of the pore pressure at a point, over a ``step`` (m) to either side of it (Pa/m).
+        """Return the slope (2,) of the pore pressure at a point, over a ``step`` (m) to either side of the point
+        (Pa/m).
 
-        ``stratum``: its number; ``excess_pressure``: whether to add the excess pore pressure of shaking.
+        ``stratum``: number of the stratum; ``excess_pressure``: whether to add the excess pore pressure by shaking.
         """
         around = np.array(point) + step * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
         pressure = self.inside(around, np.array([point] * 4), np.array([stratum] * 4), excess_pressure)
@@ -142,8 +144,8 @@ class WaterPressure:
 
     @cached_property
     def kinks(self) -> np.ndarray:
-        """The x (m), inside the section, between which all pressures just below the ground, and along any vertical
-        line, change with x by one rule in every stratum.
+        """Return the x (m), inside the section, between which all pressures just below the ground, and along any
+        vertical line, follow one linear rule in every stratum.
 
         Levels bend there or go through the ground. Where a pore pressure follows from the weight of the ground above,
         or a drawdown takes off what stood on the ground, all breakpoints of the layers are among them. Where water
@@ -171,7 +173,8 @@ class WaterPressure:
         return at[(at > ends[0]) & (at < ends[-1])]
 
     def overburden(self, points: np.ndarray, near: np.ndarray, top: np.ndarray | None = None) -> np.ndarray:
-        """Weight (n,) of the column of soil above each point, up to the line ``top`` (k, 2), per area (Pa)."""
+        """Return the weight (n,) of the column of soil above each point, up to the line ``top`` (k, 2), per area
+        (Pa)."""
         elevation = self.layers.interfaces(points[:, 0], near=near[:, 0])
         if top is not None:
             elevation = np.minimum(elevation, self._top(points, near, top)[:, 1:])
@@ -180,14 +183,14 @@ class WaterPressure:
         return np.maximum(thickness, 0.0) @ weight
 
     def on_ground(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """Pressure (n,) of the water that stands on the ground, at points of the ground."""
+        """Return the pressure (n,) of the water that stands on the ground, at points of the ground."""
         if self.after is None:
             return np.zeros(len(points))
         return self.hydrostatic(self.after, points, near)
 
     @cached_property
     def deepest(self) -> float:
-        """The largest depth (m) of water on the ground."""
+        """Return the largest depth (m) of water on the ground."""
         x = np.union1d(self.layers.x, [] if self.after is None else self.after[:, 0])
         near = 0.5 * (x[1:] + x[:-1])
         depths = [
@@ -197,7 +200,7 @@ class WaterPressure:
         return float(np.max(depths))
 
     def ponded(self, level: np.ndarray | None, points: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """Pressure (n,) of the water that stands on the ground above each point."""
+        """Return the pressure (n,) of the water that stands on the ground above each point."""
         if level is None:
             return np.zeros(len(points))
         return self.hydrostatic(level, self._top(points, near), near)
@@ -219,7 +222,7 @@ class WaterPressure:
         return self.ponded(self.before, points, near) - self.ponded(self.after, points, near)
 
     def hydrostatic(self, level: np.ndarray, points: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """Pressure (n,) below a water level (k, 2), as its head is measured."""
+        """Return the pressure (n,) below a water level (k, 2), as its head is measured."""
         head = np.maximum(level_at(level, points[:, 0], near[:, 0]) - points[:, 1], 0.0)
         if self.normal:
             stretch = np.clip(np.searchsorted(level[:, 0], near[:, 0]) - 1, 0, len(level) - 2)
@@ -229,8 +232,7 @@ class WaterPressure:
 
 
 def crossings(x: np.ndarray, first: np.ndarray, last: np.ndarray, least: float) -> np.ndarray:
-    """The x (m) where two lines go through each other, whose distances at the ends of the intervals of ``x`` (n,) are
-    ``first`` and ``last`` (n - 1,); lines that are nearer than ``least`` at an end are not counted as crossing
-    there."""
+    """Return the x (m) where two lines cross, whose distances at the ends of the intervals of ``x`` (n,) are ``first``
+    and ``last`` (n - 1,); lines nearer than ``least`` at an end do not count as crossing there."""
     i = np.flatnonzero((first * last < 0.0) & (np.minimum(abs(first), abs(last)) > least))
     return np.asarray(x[i] + (x[i + 1] - x[i]) * first[i] / (first[i] - last[i]))

@@ -13,8 +13,8 @@ from meshes.section.water import Cutoff, Water
 
 
 def water_problems(water: Water | None, drawn: Line | None, strata: Sequence[Stratum]) -> Iterator[str]:
-    """Problems of the table [water] and of strata with water, a sentence each; ``drawn`` is the table that is only
-    drawn."""
+    """Return problems of the table [water] and of strata with water, a sentence each; ``drawn`` is a water table that
+    is only drawn."""
     table = None if water is None else water.table
     if water is not None and drawn is not None:
         yield "water_table beside [water]: expected table in [water] alone; water_table is only drawn"
@@ -52,7 +52,7 @@ def _step(line: Line) -> float | None:
 
 
 def cutoff_problems(walls: Sequence[Cutoff], layers: Layering) -> Iterator[str]:
-    """Problems of the cut-off walls, a sentence each."""
+    """Return problems of the cut-off walls, a sentence each."""
     for number, wall in enumerate(walls, start=1):
         x = np.array([wall.x])
         if not layers.x[0] < wall.x < layers.x[-1]:
@@ -73,7 +73,7 @@ def cutoff_problems(walls: Sequence[Cutoff], layers: Layering) -> Iterator[str]:
 
 
 def surcharge_problems(surcharges: Sequence[Surcharge], left: float, right: float) -> Iterator[str]:
-    """Problems of surcharges on ground from ``left`` to ``right`` (m), a sentence each."""
+    """Return problems of surcharges on ground from ``left`` to ``right`` (m), a sentence each."""
     for number, load in enumerate(surcharges, start=1):
         if load.start < left or load.end > right:
             yield (

@@ -1,4 +1,4 @@
-"""Zones of a section, a table [[zones]] each: ground of any outline, in the place of the strata that lie there."""
+"""Zones of a section, a table [[zones]] each: ground of any outline, in place of the strata there."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from meshes.section.stratum import Stratum
 
 
 def read_outline(value: Any) -> Points:
-    """The corners of a closed outline in order, without the first one repeated at the end.
+    """Return the corners of a closed outline in order, without the first corner repeated at the end.
 
     Raises ValueError with every problem of the outline, one on each line of the message.
     """
@@ -57,9 +57,9 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def within(points: np.ndarray, left: float, right: float) -> np.ndarray:
-    """What of a closed polygon (n, 2) lies from ``left`` to ``right`` (m): Sutherland & Hodgman (1974).
+    """Return the part of a closed polygon (n, 2) from ``left`` to ``right`` (m), by Sutherland & Hodgman (1974).
 
-    Edges that run back and forth on either side are left in it; they are vertical and hold no area.
+    The result may contain edges that run back and forth along a side; such edges are vertical and enclose no area.
     """
     for limit, sign in ((left, 1.0), (right, -1.0)):
         corners = []
@@ -87,9 +87,10 @@ MISSED, NOTABLE = 1e-6, 1e-3
 
 
 class Zone(Stratum):
-    """Ground of any outline: a core, a key, a trench, a lens, a berm; its soil that of a stratum, or its own.
+    """A zone of ground of any outline: a core, a key, a trench, a lens, a berm; its soil is that of a stratum, or its
+    own.
 
-    Where it stands above the ground it raises the ground. Parts of it below the base or past the sides are left out.
+    A zone above the ground surface raises the surface. Parts of a zone below the base or beyond the sides are left out.
     """
 
     points: Outline = Field(description="the corners of its outline in turn, [[x, z], ...]")
@@ -105,12 +106,13 @@ class Zone(Stratum):
 
     @property
     def soil(self) -> Stratum:
-        """The soil of the zone as a stratum."""
+        """Return the soil of the zone as a stratum."""
         return Stratum.model_construct(**{key: getattr(self, key) for key in Stratum.model_fields})
 
 
 def with_materials(data: Mapping[str, Any]) -> Mapping[str, Any]:
-    """What a file holds, with the soils of strata in zones that name one; raises ValueError where there is none."""
+    """Return the contents of a file, with the soils of strata in zones that name a stratum; raise ValueError if there
+    is no such stratum."""
     zones, strata = data.get("zones"), data.get("strata")
     if not isinstance(zones, list | tuple) or not isinstance(strata, list | tuple):
         return data
@@ -138,7 +140,7 @@ def with_materials(data: Mapping[str, Any]) -> Mapping[str, Any]:
 
 @dataclass(frozen=True)
 class Zoned:
-    """The ground with its zones in it, as strata from the top down.
+    """Holds the ground including its zones, as strata from the top down.
 
     Attributes
     ----------
@@ -157,14 +159,14 @@ class Zoned:
 
 
 def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequence[Zone]) -> Zoned:
-    """The zones put in the place of what lies there.
+    """Put the zones in place of the ground there.
 
     Parameters
     ----------
     surface, base, strata
-        Of the section without its zones, and without faults.
+        Surface, base and strata of the section without its zones, and without faults.
     zones : sequence of Zone
-        Each replaces the strata in its outline.
+        The zones; each replaces the strata in its outline.
     """
     ground = np.array(surface, dtype=float)
     layers = layering(ground, base, [stratum.bottom for stratum in strata]).layering
@@ -197,14 +199,14 @@ def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequenc
 
 
 def without_depth(ground: np.ndarray, line: Line | None) -> Line | None:
-    """A line, if there is one, as elevations where it is given as depths below the ``ground`` (n, 2)."""
+    """Return a line as elevations if it is given as depths below the ``ground`` (n, 2); None for no line."""
     if line is None or line.depth is None:
         return line
     return Line(elevation=elevations_below(ground, line).tolist())
 
 
 def with_elevations(ground: np.ndarray, model: AnyModel, keys: Sequence[str]) -> AnyModel:
-    """A copy with elevations in place of depths below the ``ground`` (n, 2) in the lines ``keys``."""
+    """Return a copy with elevations in place of depths below the ``ground`` (n, 2) in the lines ``keys``."""
     return model.model_copy(update={key: without_depth(ground, getattr(model, key)) for key in keys})
 
 
