@@ -184,7 +184,7 @@ class Section(Model):
         notices += [f"surcharges {number}: {words}" for number, words in self.surface_loads.notices]
         if self.beyond is not None:
             notices.append(continuation_words(self.beyond, self.beyond_slope, *self.given_extent))
-        return notices
+        return list(dict.fromkeys(notices))  # parts of a soil have their notice once
 
     @property
     def heading(self) -> str:

@@ -18,6 +18,7 @@ from workflow.results.results import Results
 
 FRONT = "figures/front.png"
 ARROW = 0.12  # of the width of the section
+SAME = 1.02  # times the critical Kh of the section: a face up to here fails with it
 ABOVE = 0.25  # of the height of the section: room for the arrow above it
 
 
@@ -28,6 +29,7 @@ def front(results: Results, name: str) -> bool:
     if governing is not None and len(results.slip_surface):
         label = f"slip surface at Kh = {governing.text}"
         lines.append(Overlay(results.slip_surface, CRITICAL, (0, ()), label))
+    lines += _of_structure(results, 0.0 if governing is None else governing.value)
     slides = slides_by_weight(results)
     number, case = slides[0].of_largest if slides else (0, None)
     if case is not None:
@@ -46,6 +48,20 @@ def front(results: Results, name: str) -> bool:
         what = "failure" if case is None else "failure and slide"
         draw_section(results.config.section, path, what, lines, lambda axes: _marks(axes, results), ABOVE)
     return True
+
+
+def _of_structure(results: Results, kh: float) -> Iterator[Overlay]:
+    """The slip surface of the face that slides first with a crest, unless it is that of the section at ``kh``."""
+    faces = results.faces.faces if results.faces is not None else ()
+    values = [
+        (face.critical.value, face) for face in faces if face.critical is not None and face.critical.reaches_crest
+    ]
+    if not values:
+        return
+    least, face = min(values, key=lambda pair: pair[0])
+    if face.critical is not None and face.critical.slip_surface and least > SAME * kh:
+        label = f"{face.structure}, towards the {face.towards}: slip surface at Kh = {least:.3f}"
+        yield Overlay(np.array(face.critical.slip_surface), CRITICAL, (0, (4, 2)), label)
 
 
 def _judged(results: Results) -> Iterator[tuple[str, float, float]]:

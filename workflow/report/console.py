@@ -8,7 +8,7 @@ from workflow.config import Config, notice_lines
 from workflow.earthquake.site_response import CLOSE as CAME_TO_REST
 from workflow.report import post_liquefaction
 from workflow.report.contradictions import FALLS, FALLS_TIMES
-from workflow.report.crests import crest_parts, crest_sentences
+from workflow.report.crests import crest_parts, crest_sentences, crests_in_short
 from workflow.report.faces import faces_sentences
 from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
 from workflow.report.numbers import between, coefficient, span
@@ -18,6 +18,8 @@ from workflow.report.slices import slices_sentences
 from workflow.report.structures import structure_sentences
 from workflow.report.summary_text import lies_still, moved_lately
 from workflow.report.tables import case_heads, case_rows
+from workflow.report.texts import Texts
+from workflow.report.triggering import triggering_sentences
 from workflow.report.verdicts import verdict_paragraph
 from workflow.report.warnings import sides_warning, split
 from workflow.results.accuracy import accuracy, of_meshes
@@ -36,7 +38,7 @@ from workflow.results.slices import SlicesAnswer
 from workflow.results.stability import LiquefiedAnswer, ResidualAnswer
 from workflow.results.stored_mesh import stored_mesh
 from workflow.results.summary import Summary
-from workflow.results.triggering import StratumPart, TriggeringAnswer
+from workflow.results.triggering import TriggeringAnswer
 from workflow.run.store import Store
 
 NO_NUMBER = "–"  # the value of a headline that has none, only its reason
@@ -268,40 +270,6 @@ def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
     yield from crest_sentences(crest_parts(config, answer))
 
 
-def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
-    """What liquefies, from triggering.json."""
-    motion = answer.motion
-    spread = f" ({motion.low_gal:.0f} to {motion.high_gal:.0f}, one standard deviation)" if motion.sigma else ""
-    magnitude = f", M {answer.magnitude:g}" if answer.magnitude is not None else ""
-    yield f"{answer.method}, peak acceleration {motion.median_gal:.0f} gal{spread}{magnitude}, {motion.relation}."
-    yield from map(stratum_sentence, answer.strata)
-    for stratum in answer.left:
-        phrases = [f"{pascals / 1e3:.1f} kPa or {stratum.residual[title]:.2f} σ'v ({title})"
-                for title, pascals in stratum.strength_Pa.items()]  # fmt: skip
-        drains = f"{100.0 * stratum.volumetric_strain:.1f} % volumetric strain by drainage"
-        if stratum.strain_potential > 0.0:
-            drains = f"it shears by {100.0 * stratum.strain_potential:.0f} % before it regains strength, and {drains}"
-        keeps = "is outside the range of all relations of residual strength"
-        if phrases:
-            keeps = f"keeps a residual strength of {', '.join(phrases)}"
-        yield f"Where F_L is below 1, {shown_name(stratum.stratum)} {keeps}; {drains}."
-    for boring in answer.borings:
-        yield f"{boring.name}: liquefaction potential index P_L = {boring.potential:.1f}, risk {boring.risk}."
-
-
-def stratum_sentence(stratum: StratumPart) -> str:
-    """Whether a stratum liquefies, or why this was not assessed."""
-    name = shown_name(stratum.name)
-    if not stratum.judged or stratum.share is None:
-        return f"{name} was not assessed ({stratum.reason})."
-    word = "liquefies" if stratum.liquefies else "does not liquefy"
-    phrase = f"{name} {word}: F_L is below 1 in {100.0 * stratum.share:.0f} % of it"
-    if stratum.lowest_factor is not None:
-        phrase += f", smallest F_L {stratum.lowest_factor:.2f}"
-    rest = stratum.tests - stratum.judged
-    return phrase + (f"; {rest} of its {stratum.tests} tests not assessed ({stratum.reason})." if rest else ".")
-
-
 def mpm_sentences(config: Config, answer: PointSlidesAnswer) -> Iterator[str]:
     """The slide of every case by the material point method, from mpm/slides.json."""
     if answer.not_possible:
@@ -381,17 +349,18 @@ def sentences(
 
 
 def run_lines(answer: Summary) -> list[str]:
-    """The results of a run in at most nine lines: the three numbers, criteria, stages without answer, warnings."""
+    """The results of a run in at most nine lines: three numbers, crests, criteria, stages without answer, warnings."""
     lines = [
         f"{part.name}: {part.value}" + (f" ({part.interval})" if part.interval else "")
         if part.value != NO_NUMBER else part.conclusion
         for part in answer.headlines
     ]  # fmt: skip
+    lines += crests_in_short(answer.crests or (), Texts())
     lines += verdict_paragraph(list(answer.criteria or ()))
     failed = [f"{stage}: no answer: {entry.reason}" for stage, entry in answer.no_answer.items()]
     lines += failed[:1]
     warnings = [part.what if not part.remedy else f"{part.what} {part.remedy}" for part in answer.warnings]
-    shown = warnings[: MOST_LINES - len(lines) - 1]
+    shown = warnings[: max(MOST_LINES - len(lines) - 1, 0)]
     lines += [f"- {line}" for line in shown]
     if len(warnings) > len(shown):
         rest = len(warnings) - len(shown)

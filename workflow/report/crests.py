@@ -1,6 +1,6 @@
 """The crests of structures after every slide: settlement, reconsolidation and freeboard."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -11,7 +11,9 @@ from workflow.earthquake.triggering.consequences import left
 from workflow.estimates.crest import Crest
 from workflow.estimates.crest_settlement import crest_settlement, freeboard, reconsolidation_settlement
 from workflow.estimates.structures import Standing, structures_of
+from workflow.report.numbers import signed_span, span
 from workflow.report.summary_text import at_rest
+from workflow.report.texts import Texts
 from workflow.results.cases import CasesAnswer, Profile
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointSlidesAnswer
@@ -133,3 +135,20 @@ def crest_sentences(parts: Iterator[CrestPart]) -> Iterator[str]:
             f"Crest of {part.structure}, {part.by}: it settles {metres(part.settlement_m)}{spread}{drained}{left_over}"
             f"{moves}."
         )
+
+
+def crests_in_short(parts: Sequence[CrestPart], _: Texts) -> Iterator[str]:
+    """A sentence on the crest of every structure, over all slides: settlement and freeboard."""
+    for name in dict.fromkeys(part.structure for part in parts):
+        of_crest = [part for part in parts if part.structure == name]
+        ends = [end for part in of_crest for end in (part.settlement_low_m, part.settlement_high_m)]
+        left = [part.freeboard_m for part in of_crest if part.freeboard_m is not None]
+        values = {"structure": name, "settlement": span(ends)}
+        if left:
+            yield _(
+                "After liquefaction the crest of {structure} settles {settlement}; the freeboard left is {freeboard}.",
+                freeboard=signed_span(left),
+                **values,
+            )
+        else:
+            yield _("After liquefaction the crest of {structure} settles {settlement}.", **values)

@@ -1,9 +1,13 @@
 """The first page of the report: three numbers with their intervals, and one sentence of conclusion for each."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Literal
+
+import numpy as np
 
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.structures import structures_of
+from workflow.report.crests import crest_parts, crests_in_short
 from workflow.report.faces import face_lines
 from workflow.report.numbers import coefficient, of_cases
 from workflow.report.numerical_error import rounded_up
@@ -41,7 +45,11 @@ def headlines(results: Results, _: Texts) -> tuple[HeadlinePart, ...]:
     _ : Texts
         The texts in the language of the report.
     """
-    three = (_critical(results, _), _safety(results, _), slide_headline(results, _))
+    three = (
+        _with_crests(_critical(results, _), results, results.slip_surface, "critical", _),
+        _with_crests(_safety(results, _), results, _surface_at_rest(results), "safety", _),
+        slide_headline(results, _),
+    )
     return tuple(headline.model_copy(update={"value": _.sentence(headline.value)}) for headline in three)
 
 
@@ -75,17 +83,45 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
             "With Davis reduced strength, a low estimate for soil that dilates less, it is {kc}.",
             kc=coefficient(fem.davis.kc) if fem.davis.verdict in ("plateau", "peak") else "0",
         )
-    if names := spared(results, results.slip_surface):
-        x = [point[0] for point in results.slip_surface]
-        phrase += " " + _(
+    return HeadlinePart(
+        name=name, value=coefficient(fem.kc), interval=_interval(governing.interval, _), conclusion=phrase
+    )
+
+
+def _surface_at_rest(results: Results) -> Sequence[Sequence[float]]:
+    """The slip surface of the factor of safety without shaking; empty without any."""
+    factors = results.fem.safety_factors if results.fem is not None else ()
+    return next((factor.slip_surface for factor in factors if factor.kh == 0.0), ())
+
+
+def _with_crests(
+    headline: HeadlinePart,
+    results: Results,
+    surface: np.ndarray | Sequence[Sequence[float]],
+    quantity: Literal["critical", "safety"],
+    _: Texts,
+) -> HeadlinePart:
+    """A headline of ground with which no crest slides, and the smallest value of the faces of structures beside it."""
+    names = spared(results, surface)
+    if not names or headline.value == "–":
+        return headline
+    x = [point[0] for point in surface]
+    phrase, values = "", [
+        value for line in face_lines(results) if line.of_structure and (value := getattr(line, quantity).elements)
+    ]  # fmt: skip
+    if quantity == "critical":
+        phrase = " " + _(
             "This mechanism reaches from x = {left} to {right} m, and no crest slides with it ({structures}).",
             left=f"{min(x):.0f}",
             right=f"{max(x):.0f}",
             structures=_.listed(names),
-        )
-        phrase += _first_face(results, _)
-    return HeadlinePart(
-        name=name, value=coefficient(fem.kc), interval=_interval(governing.interval, _), conclusion=phrase
+        ) + _first_face(results, _)  # fmt: skip
+    crests = ""
+    if values:
+        least = coefficient(min(values)) if quantity == "critical" else f"{min(values):.2f}"
+        crests = _("; {value} for the first crest to slide", value=least)
+    return headline.model_copy(
+        update={"conclusion": headline.conclusion + phrase, "interval": headline.interval + crests}
     )
 
 
@@ -207,6 +243,7 @@ def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Text
 def conclusions(results: Results, _: Texts) -> Iterator[str]:
     """Sentences of the first page after the numbers: choice of Kh, governing slide, and the paper."""
     yield from _without_shaking(results, _)
+    yield from crests_in_short(tuple(crest_parts(results.config, results.cases, results.mpm)), _)
     if results.residual is not None:
         yield residual_verdict(results.residual.steps, _)
     yield from _why_kh(results, _)

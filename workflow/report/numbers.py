@@ -27,6 +27,12 @@ def span(lengths: Sequence[float]) -> str:
     return low if low == high else f"{low.removesuffix(' m')} to {high}"
 
 
+def signed_span(lengths: Sequence[float]) -> str:
+    """The range of lengths (m) that may be negative, such as freeboards: -0.30 to 0.57 m."""
+    low, high = metres(min(lengths)), metres(max(lengths))
+    return low if low == high else f"{low.removesuffix(' m')} to {high}"
+
+
 def about(lengths: Sequence[float]) -> str:
     """Slides (m) in a sentence, with the digits of tables: 40, 19 and 6.9 m, or one slide if all are equal."""
     phrases = [metres(max(value, 0.0)).removesuffix(" m") for value in lengths]

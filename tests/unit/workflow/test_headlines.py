@@ -78,3 +78,16 @@ def test_where_nothing_liquefies_the_third_number_is_that_of_a_rigid_block_in_th
     assert stable.conclusion.count("0 m by") >= 1
     quiet = headlines(results(analysed(slope()), fem=fem(analysed(slope()), 0.05)), Texts())[2]
     assert (quiet.name, quiet.value) == ("slide after liquefaction", "–")
+
+
+def test_bounds_below_the_elements_are_the_one_headline_and_the_picture_has_the_same() -> None:
+    """S-13: 0.237 by elements, 0.2338 to 0.235 by bounds. Card and sentence have 0.235, elements only their excess."""
+    run = analysed(slope())
+    headline = headlines(results(run, fem=fem(run, 0.237), bounds=bounds(run, 0.2338, 0.235)), Texts())[0]
+    assert headline.value == "0.235"
+    assert "at Kh = 0.235 (" in headline.conclusion
+    assert "The finite elements give 0.9 % more" in headline.conclusion
+    assert "0.237" not in headline.conclusion
+    far = headlines(results(run, fem=fem(run, 0.237), bounds=bounds(run, 0.15, 0.20)), Texts())[0]
+    assert far.value == "≤ 0.200"
+    assert "at Kh = 0.200 or less" in far.conclusion

@@ -9,6 +9,7 @@ import numpy as np
 
 from meshes.borings.boring import Boring, Cone, Sample
 from meshes.errors import InputError
+from meshes.section.cutting import soil_of
 from meshes.section.overburden import Overburden, outside, overburden, reaches_water, water_level
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -276,8 +277,17 @@ def _pieces(section: Section, boring: Boring, depths: list[float]) -> list[tuple
     return pieces
 
 
-def _of_stratum(section: Section, number: int, tests: list[Judged], wanted: float) -> OfStratum:
+def judged_in_stratum(names: Sequence[str], number: int, tests: Sequence[Judged]) -> list[Judged]:
+    """The tests in a stratum; without any, those in the other parts of its soil on the same side of the water table.
+
+    ``names`` are those of all strata, ``number`` is the index of the stratum.
+    """
     here = [test for test in tests if test.where.stratum == number]
+    return here or [test for test in tests if soil_of(names[test.where.stratum]) == soil_of(names[number])]
+
+
+def _of_stratum(section: Section, number: int, tests: list[Judged], wanted: float) -> OfStratum:
+    here = judged_in_stratum([stratum.name for stratum in section.strata], number, tests)
     share = sum(test.area for test in here if test.liquefies) / sum(test.area for test in here) if here else None
     factors = [test.factor for test in here if test.factor is not None]
     enough = share is not None and share >= wanted

@@ -5,7 +5,13 @@ import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from workflow.earthquake.triggering.assessment import Judged, TriggeringAssessment, fines_of, normalised_counts
+from workflow.earthquake.triggering.assessment import (
+    Judged,
+    TriggeringAssessment,
+    fines_of,
+    judged_in_stratum,
+    normalised_counts,
+)
 from workflow.earthquake.triggering.blow_count import KPA
 from workflow.earthquake.triggering.residual import RELATIONS, Penetration
 from workflow.earthquake.triggering.settings import CaseName, TriggeringSettings
@@ -95,22 +101,28 @@ class Left:
 
 def left(assessment: TriggeringAssessment, settings: TriggeringSettings) -> tuple[Left, ...]:
     """Residual strength of every stratum in which at least one test has F_L below 1."""
-    strata = sorted({test.where.stratum for test in assessment.tests if test.liquefies})
+    strata = [k for k in range(len(assessment.strata)) if _liquefying(assessment, k)]
     return tuple(_of_stratum(k, assessment, settings) for k in strata)
+
+
+def _liquefying(assessment: TriggeringAssessment, number: int) -> list[Judged]:
+    """The tests of a stratum with F_L below 1."""
+    names = [stratum.name for stratum in assessment.strata]
+    return [test for test in judged_in_stratum(names, number, assessment.tests) if test.liquefies]
 
 
 def pore_pressures(assessment: TriggeringAssessment, strata: int) -> list[float]:
     """Mean excess pore pressure ratio of every stratum over the area of its tests: 1 where F_L is at most 1."""
     ratios = []
     for k in range(strata):
-        here = [test for test in assessment.tests if test.where.stratum == k]
+        here = judged_in_stratum([stratum.name for stratum in assessment.strata], k, assessment.tests)
         pressures = [0.0 if test.factor is None else pore_pressure_ratio(test.factor) for test in here]
         ratios.append(_mean(here, pressures))
     return ratios
 
 
 def _of_stratum(number: int, assessment: TriggeringAssessment, settings: TriggeringSettings) -> Left:
-    tests = [test for test in assessment.tests if test.liquefies and test.where.stratum == number]
+    tests = _liquefying(assessment, number)
     counts = [normalised_counts(test, settings) for test in tests]
     soils = [
         Penetration(n1, fines_of(test), test.where.effective / KPA, settings.water_gathers)

@@ -1,0 +1,44 @@
+"""The assessment of liquefaction by borings in sentences."""
+
+from collections.abc import Iterator
+
+from meshes.section.cutting import shown_name
+from workflow.results.triggering import LeftPart, StratumPart, TriggeringAnswer
+
+
+def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
+    """What liquefies, from triggering.json."""
+    motion = answer.motion
+    spread = f" ({motion.low_gal:.0f} to {motion.high_gal:.0f}, one standard deviation)" if motion.sigma else ""
+    magnitude = f", M {answer.magnitude:g}" if answer.magnitude is not None else ""
+    yield f"{answer.method}, peak acceleration {motion.median_gal:.0f} gal{spread}{magnitude}, {motion.relation}."
+    yield from dict.fromkeys(map(stratum_sentence, answer.strata))  # parts of a soil share their tests
+    yield from dict.fromkeys(map(_left_sentence, answer.left))
+    for boring in answer.borings:
+        yield f"{boring.name}: liquefaction potential index P_L = {boring.potential:.1f}, risk {boring.risk}."
+
+
+def _left_sentence(stratum: LeftPart) -> str:
+    """Residual strength and strains of a stratum where F_L is below 1."""
+    phrases = [f"{pascals / 1e3:.1f} kPa or {stratum.residual[title]:.2f} σ'v ({title})"
+            for title, pascals in stratum.strength_Pa.items()]  # fmt: skip
+    drains = f"{100.0 * stratum.volumetric_strain:.1f} % volumetric strain by drainage"
+    if stratum.strain_potential > 0.0:
+        drains = f"it shears by {100.0 * stratum.strain_potential:.0f} % before it regains strength, and {drains}"
+    keeps = "is outside the range of all relations of residual strength"
+    if phrases:
+        keeps = f"keeps a residual strength of {', '.join(phrases)}"
+    return f"Where F_L is below 1, {shown_name(stratum.stratum)} {keeps}; {drains}."
+
+
+def stratum_sentence(stratum: StratumPart) -> str:
+    """Whether a stratum liquefies, or why this was not assessed."""
+    name = shown_name(stratum.name)
+    if not stratum.judged or stratum.share is None:
+        return f"{name} was not assessed ({stratum.reason})."
+    word = "liquefies" if stratum.liquefies else "does not liquefy"
+    phrase = f"{name} {word}: F_L is below 1 in {100.0 * stratum.share:.0f} % of it"
+    if stratum.lowest_factor is not None:
+        phrase += f", smallest F_L {stratum.lowest_factor:.2f}"
+    rest = stratum.tests - stratum.judged
+    return phrase + (f"; {rest} of its {stratum.tests} tests not assessed ({stratum.reason})." if rest else ".")
