@@ -12,8 +12,8 @@ def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
     ends.
 
     x (m,) are columns, z (m, n) points in each of them from below upwards, in m, and ``moved`` (m, n) how far or how
-    fast the ground there moves, not a number where there is none. A column counts as moving if its top moves by more
-    than the mean of two means, that of moving and that of resting columns (Ridler & Calvard 1978, IEEE Trans. Syst. Man
+    fast the ground there moves, not a number if there is none. A column counts as moving if its top moves by more than
+    the mean of two means, that of moving and that of resting columns (Ridler & Calvard 1978, IEEE Trans. Syst. Man
     Cybern. 8, 630); the line is where it moves half as much as the upper half of what lies above does on average:
     within a thin band of shear, half of the way across a thick one, also where the ground turns as it slides, or grains
     roll ahead on its surface. Of the columns that count it is the longest row without a gap; the median of three
@@ -35,7 +35,7 @@ def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
 
 
 def _threshold(moved: np.ndarray) -> float:
-    """The displacement that separates moving from resting ground; infinite where all ground moves alike."""
+    """The displacement that separates moving from resting ground; infinite if all ground moves alike."""
     if not len(moved) or np.ptp(moved) <= 1e-12 * np.abs(moved).max():
         return np.inf
     limit, before = 0.5 * (moved.min() + moved.max()), np.nan
@@ -46,7 +46,7 @@ def _threshold(moved: np.ndarray) -> float:
 
 def _depth(z: np.ndarray, moved: np.ndarray, limit: float) -> float:
     """The least height at which a column moves half as much as the upper half of what lies above, below which it moves
-    less; not a number where its top is at rest.
+    less; not a number if its top is at rest.
     """
     ground = np.isfinite(moved)
     z, moved = z[ground], moved[ground]

@@ -57,9 +57,8 @@ def stop(over: float, stiffness: float, depth: float) -> float:
 def normal_force(over: float, vn: float, floor: float, spring: float, cn: float, gap: float) -> float:
     """Return the normal force (N) of element spring and dashpot, eqs. (1)-(2); zero if the discs do not touch.
 
-    over: overlap (m); vn: speed of separation (m/s); spring: force of the spring (N); cn: dashpot (N s/m);
-    gap: see `spring` (m).
-    floor: least total normal force (N): 0 for contacts without tension, -inf where dashpots may pull.
+    over: overlap (m); vn: speed of separation (m/s); spring: force of the spring (N); cn: dashpot (N s/m); gap: see
+    `spring` (m). floor: least total normal force (N): 0 for contacts without tension, -inf if dashpots may pull.
     """
     normal = spring - cn * vn
     normal = normal if normal > floor else floor
@@ -125,7 +124,7 @@ def pore(
     """Compute the forces of a pore spring, eqs. (11)-(17). An intact spring pulls, pushes and shears; a cracked one
     works only while compressed.
 
-    length: distance L at which the spring was set (m), negative once cracked, 0 where there is none. distance: D of the
+    length: distance L at which the spring was set (m), negative once cracked, 0 if there is none. distance: D of the
     centres (m); slip: since the last step (m); kpn, kps: normal and tangential stiffness (N/m); tan: tan(theta) of eq.
     (16); bc: b C of eq. (16) (N); beta: of eq. (15). contact_normal: share of the element spring in Fn of eq. (16) (N);
     shear: tangential force kept (N). A pore spring cracks where D >= beta L (eq. 15) or |Ft| > max(Fn tan(theta) + bC,

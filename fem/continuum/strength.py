@@ -64,7 +64,7 @@ def with_davis_strength(section: Section) -> Section:
     Parameters
     ----------
     section : Section
-        The ground, with the dilation angles of the section file, 0 where none is given.
+        The ground, with the dilation angles of the section file, 0 if none is given.
 
     Returns
     -------
@@ -141,7 +141,7 @@ def davis_words(dilation: Iterable[float]) -> str:
 
 
 def tensile_strengths(strata: Sequence[Stratum]) -> np.ndarray:
-    """Return the tension cut-offs (strata,) in Pa, inf where there is none."""
+    """Return the tension cut-offs (strata,) in Pa, inf if there is none."""
     return np.array([np.inf if s.tension is None else s.tension for s in strata])
 
 

@@ -226,7 +226,7 @@ def mobilised_strength(stress: Floats, material: Integers, table: Floats) -> Flo
 
         t / sqrt(A^2 - t^2 tan^2 phi).
 
-    The mobilised share is infinite where a plane has no strength (A <= t tan phi), as anywhere beyond the apex. At the
+    The mobilised share is infinite if a plane has no strength (A <= t tan phi), as anywhere beyond the apex. At the
     apex, with neither shear nor strength, it is 1. The tension cut-off is disregarded.
     """
     s, t = _circle(stress)

@@ -88,7 +88,7 @@ class MeshBounds:
     cells : int
         Number of triangles of the mesh.
     lower, upper : float or None
-        The strict bounds of the load multiplier, None where there is none.
+        The strict bounds of the load multiplier, None if there is none.
     notes : tuple of str
         Why a bound is missing.
     work : float
@@ -148,7 +148,7 @@ class Bracket:
 
     @property
     def gap(self) -> float:
-        """Return the upper less lower bound over the mean of their sizes; inf where one is missing."""
+        """Return the upper less lower bound over the mean of their sizes; inf if one is missing."""
         if not (self.stress and self.mechanism):
             return np.inf
         return (self.upper - self.lower) / max(0.5 * (abs(self.upper) + abs(self.lower)), 1e-12)
@@ -181,7 +181,7 @@ class Limits:
     least: float = 0.0
 
     def open(self, lower: float, upper: float) -> float:
-        """Return the gap of two bounds over the required gap; inf where a bound is missing."""
+        """Return the gap of two bounds over the required gap; inf if a bound is missing."""
         if not (np.isfinite(lower) and np.isfinite(upper)):
             return np.inf
         return (upper - lower) / max(self.gap * max(0.5 * (abs(upper) + abs(lower)), self.least), 1e-12)

@@ -126,7 +126,7 @@ class FactorSearch:
 
     @property
     def gap(self) -> float:
-        """Return the upper less lower factor over their mean, inf where one is missing."""
+        """Return the upper less lower factor over their mean, inf if one is missing."""
         return gap_of_factors(self.lower, self.upper)
 
     @property
@@ -379,7 +379,7 @@ class FactorSearch:
 def _root(points: Sequence[tuple[float, float]], slope: float | None) -> float:
     """The factor at which a function that falls with the logarithm of the factor is zero.
 
-    From the nearest points, or from one point and its ``slope``; NaN where neither is known.
+    From the nearest points, or from one point and its ``slope``; NaN if neither is known.
     """
     stand, fail = [point for point in points if point[1] >= 0.0], [point for point in points if point[1] < 0.0]
     ends = [stand[-1], fail[0]] if stand and fail else stand[-2:] or fail[:2]

@@ -10,11 +10,10 @@ Gauge = Literal["kh", "loads"]
 
 @dataclass(frozen=True)
 class BoundsTrial:
-    """Holds the bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None where no bound was
-    proven.
+    """Holds the bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None if no bound was proven.
 
-    The bounds are those of Kh, or of the share of all loads that the ground resists (inf where friction alone resists
-    any load); ``unborne``: no stress balances the weight at any Kh. ``work`` is in seconds of the reference machine.
+    The bounds are those of Kh, or of the share of all loads that the ground resists (inf if friction alone resists any
+    load); ``unborne``: no stress balances the weight at any Kh. ``work`` is in seconds of the reference machine.
     """
 
     factor: float
@@ -64,7 +63,7 @@ class FactorWork:
 
 
 def gap_of_factors(lower: float, upper: float) -> float:
-    """Return the upper less lower factor over their mean, inf where one is missing."""
+    """Return the upper less lower factor over their mean, inf if one is missing."""
     if lower <= 0.0 or not math.isfinite(upper):
         return math.inf
     return (upper - lower) / (0.5 * (upper + lower))

@@ -91,7 +91,7 @@ class RigidPlasticBody:
         Pore pressure u; None for zero. Strength and the stress of the problem are those of the effective stress σ' = σ
         + u, tension positive.
     varying : CornerCohesion or None
-        Cohesion at the corners of cells where it varies, in place of ``cohesion``; None where it is constant.
+        Cohesion at the corners of cells where it varies, in place of ``cohesion``; None if it is constant.
     tension : ndarray (strata,) or None
         Tension cut-off: the largest major principal stress, in Pa; inf for strata, and None for sections, without
         cut-off.
@@ -279,7 +279,7 @@ def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitP
 
 
 def _tension(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
-    """The tension cut-off (m,) of every cell in Pa, inf where it lies beyond the apex of the cone and never acts."""
+    """The tension cut-off (m,) of every cell in Pa, inf if it lies beyond the apex of the cone and never acts."""
     if body.tension is None:
         return np.full(len(mesh.cells), np.inf)
     tension, friction = body.tension[mesh.stratum], body.friction[mesh.stratum]

@@ -40,7 +40,7 @@ FactorEnd = Literal["gap", "range", "triangles", "time", "solver"]
 
 @dataclass(frozen=True)
 class SafetyBounds:
-    """Holds bounds of the factor of safety: the ground stands at ``lower`` and fails at ``upper``; 0 and inf where no
+    """Holds bounds of the factor of safety: the ground stands at ``lower`` and fails at ``upper``; 0 and inf if no
     bound was proven.
 
     ``shallow_failure`` is the factor at which a cohesionless face fails, or shallow ground slips where two faces meet,
@@ -62,7 +62,7 @@ class SafetyBounds:
 
     @property
     def gap(self) -> float:
-        """Return the upper less lower bound over their mean, inf where one is missing."""
+        """Return the upper less lower bound over their mean, inf if one is missing."""
         return gap_of_factors(self.lower, self.upper)
 
 

@@ -276,8 +276,8 @@ class AdaptiveSearch:
         return (max if other.flow == "associated" else min)(factor, base.result.factor)
 
     def _rough_faces(self, first: QuadMesh, settings: FemSettings) -> list[ShallowFailure] | None:
-        """The cohesionless faces to strengthen on a ``first`` mesh of many cells, determined on a coarse mesh; None
-        where they have to be determined on the first mesh, by one more limit load.
+        """The cohesionless faces to strengthen on a ``first`` mesh of many cells, determined on a coarse mesh; None if
+        they have to be determined on the first mesh, by one more limit load.
         """
         rough = self._rough_mesh(first)
         try:
@@ -294,7 +294,7 @@ class AdaptiveSearch:
             return 1.0
 
     def _rough_mesh(self, first: QuadMesh) -> QuadMesh | None:
-        """A coarse mesh; None where the ``first`` mesh is coarse itself."""
+        """A coarse mesh; None if the ``first`` mesh is coarse itself."""
         if len(first.cells) <= MANY_TIMES * FEWEST_CELLS:
             return None
         size = math.sqrt(float(areas(first.points, first.cells).sum()) / FEWEST_CELLS)

@@ -46,13 +46,13 @@ class Assessment:
     mesh : QuadMesh
         Mesh on which the critical Kh was computed.
     adapted : AdaptiveResult or None
-        The limit loads of the sequence of meshes that ends with ``mesh``; None where the flow is not associated.
+        The limit loads of the sequence of meshes that ends with ``mesh``; None if the flow is not associated.
     opposite : AdaptiveResult or None
         The result for the opposite direction, where both directions were analysed.
     associated : AdaptiveResult or None
-        The result for the same direction with ψ = φ, on its own meshes; None where ``critical`` has ψ = φ.
+        The result for the same direction with ψ = φ, on its own meshes; None if ``critical`` has ψ = φ.
     davis : AdaptiveResult or None
-        Davis's estimate for the same direction, 0 where such ground fails under its weight; None where ``critical`` is
+        Davis's estimate for the same direction, 0 where such ground fails under its weight; None if ``critical`` is
         Davis's estimate or follows from a path, or where the section file has ψ = φ.
     safety : list of AdaptiveResult
         Factors of safety at the Kh of the settings, the first one without shaking, each on its own meshes.

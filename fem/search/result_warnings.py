@@ -60,8 +60,8 @@ def of_bounds(
     or of ψ = φ.
 
     Only the upper bound of ψ = φ counts for a smaller ψ: ground that dilates less resists no more. A difference within
-    the error of a mesh (`NOTABLE`) is a note, a larger one a contradiction.
-    ``kc``: the value that is checked; ``lower``, ``upper``: the bounds, None where there is none.
+    the error of a mesh (`NOTABLE`) is a note, a larger one a contradiction. ``kc``: the value that is checked;
+    ``lower``, ``upper``: the bounds, None if there is none.
     """
     whose = "" if same_flow else " with ψ = φ, which no smaller ψ can exceed"
     if upper is not None and kc > upper + max(ABOVE_BOUND * upper, SMALL_KH):

@@ -182,8 +182,8 @@ def _library() -> ctypes.CDLL:
 
 
 def _new_settings(library: ctypes.CDLL) -> ctypes.Array:
-    """Settings that print nothing and end at the first pivot that is not positive; raises OSError where their layout
-    is unknown."""
+    """Settings that print nothing and end at the first pivot that is not positive; raises OSError if their layout is
+    unknown."""
     settings = (ctypes.c_byte * SETTINGS_SIZE)()
     library.cholmod_start(settings)
     content = bytes(settings)

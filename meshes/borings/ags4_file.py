@@ -220,7 +220,7 @@ def _samples(name: str, groups: Groups) -> tuple[Sample, ...]:
 
 
 def _driven(row: Row) -> str:
-    """The blows of the main drive, ISPT_MAIN, for their penetration, ISPT_NPEN (mm); empty where one is missing."""
+    """The blows of the main drive, ISPT_MAIN, for their penetration, ISPT_NPEN (mm); empty if one is missing."""
     blows, depth = row.get("ISPT_MAIN", ""), row.get("ISPT_NPEN", "")
     return f"{blows} for {depth} mm" if blows.isdecimal() and depth.isdecimal() and float(depth) > 0.0 else ""
 
@@ -256,7 +256,7 @@ def _sample(row: Row, where: str, depth: float, count: str, groups: Groups) -> S
 
 
 def _water_level(name: str, ground: float, groups: Groups) -> float | None:
-    """Elevation (m) of the highest water that was struck, where it had risen to; None where none was."""
+    """Elevation (m) of the highest water that was struck, where it had risen to; None if none was."""
     rows = [*groups.of("WSTG", name), *groups.of("WSTD", name)]
     keys = [(row, key) for row in rows for key in ("WSTG_DPTH", "WSTD_POST") if row.get(key)]
     dry = [row[key] for row, key in keys if row[key].lower() in DRY]

@@ -86,7 +86,7 @@ def _plain(written: str | float) -> str | float:
 
 
 def _counted(text: str) -> tuple[float, bool]:
-    """The count of a text, not a number where it says none, and whether the sampler was refused."""
+    """The count of a text, not a number if it says none, and whether the sampler was refused."""
     try:
         return float(text), False
     except ValueError:

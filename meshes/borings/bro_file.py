@@ -84,7 +84,7 @@ def _text(node: Element, name: str, default: str | None = None) -> str:
 
 
 def _readings(test: Element) -> Iterator[dict[int, float]]:
-    """The quantities of every reading; raises ValueError where one has another count of numbers."""
+    """The quantities of every reading; raises ValueError if one has another count of numbers."""
     for row in filter(None, map(str.strip, _text(next(_named(test, "cptResult")), "values").split(";"))):
         numbers = [float(cell) for cell in row.split(",")]
         if len(numbers) != NUMBERS:

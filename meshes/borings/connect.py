@@ -207,7 +207,7 @@ UNKNOWN = math.nan  # below the end of a boring
 
 
 def _bottom(log: Log, name: str, names: Sequence[str]) -> float | None:
-    """Elevation of the bottom of a stratum in a boring; None where it is not met, `UNKNOWN` below the boring's end."""
+    """Elevation of the bottom of a stratum in a boring; None if it is not met, `UNKNOWN` below the boring's end."""
     met = [layer.name for layer in log.layers]
     if name in met[:-1]:
         return log.ground_level - next(layer.bottom for layer in log.layers if layer.name == name)

@@ -63,7 +63,7 @@ def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
 
 
 def _unit_meant(weight: str) -> str:
-    """The heading that a unit weight without a unit asks for; empty where its size names no unit."""
+    """The heading that a unit weight without a unit asks for; empty if its size names no unit."""
     number = float(weight) if re.fullmatch(r"\d+(?:\.\d+)?", weight) else math.nan
     for unit, (least, most) in {"kN/m3": (10.0, 30.0), "t/m3": (1.0, 3.0)}.items():
         if least <= number < most:

@@ -135,7 +135,7 @@ def _factor(number: int, column: int, unit: str) -> float:
 
 
 def _readings(path: Path, header: Header, data: str) -> Iterator[list[float | None]]:
-    """The numbers of every line, None where there is none."""
+    """The numbers of every line, None if there is none."""
     void = {int(line[0]) - 1: float(line[1]) for line in header.get("COLUMNVOID", [])}
     separator, end = (header.get(key, [[""]])[0][0] for key in ("COLUMNSEPARATOR", "RECORDSEPARATOR"))
     last = max(int(line[0]) for line in header["COLUMNINFO"])
@@ -151,7 +151,7 @@ def _readings(path: Path, header: Header, data: str) -> Iterator[list[float | No
 
 
 def _reading(values: Mapping[int, float], area: float) -> dict[str, float] | None:
-    """Depth (m), resistance and friction (Pa) of quantities by their numbers; None where the cone met nothing.
+    """Depth (m), resistance and friction (Pa) of quantities by their numbers; None if the cone met nothing.
 
     ``area``: net area ratio of the cone.
     """

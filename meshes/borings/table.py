@@ -138,7 +138,7 @@ def _unknown(sheet: _Sheet, columns: Mapping[str, str], known: Sequence[str], ne
 
 
 def _unit_problem(name: str, unit: str) -> str:
-    """What is wrong with the unit in the heading of a column; empty where nothing is."""
+    """What is wrong with the unit in the heading of a column; empty if nothing is."""
     if name in PLAIN and re.sub(r"\s|_", "", unit.lower()).replace("per", "/") not in PLAIN[name]:
         expected = "blows for 30 cm or for a foot" if name == "N" else "percent"
         return f"column {name} ({unit}): expected {expected}"

@@ -187,7 +187,7 @@ def _place(point: Element, units: GeoStudioUnits) -> tuple[float, float]:
 
 
 def _text(node: Element, tag: str) -> str:
-    """The text of a child; nothing where it is missing, or marked so."""
+    """The text of a child; nothing if it is missing, or marked so."""
     child = node.find(tag)
     return "" if child is None or child.get("Missing") == "true" else (child.text or "").strip()
 

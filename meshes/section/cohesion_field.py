@@ -106,7 +106,7 @@ class CohesionField:
         return varying + [(k, words) for k, _ in varying if (words := self._without_strength(k))]
 
     def _without_strength(self, stratum: int) -> str:
-        """Words on a ground without friction whose strength goes to zero at its top; empty where it has some."""
+        """Words on a ground without friction whose strength goes to zero at its top; empty if it has some."""
         soil, layers = self.water.strata[stratum], self.water.layers
         if not soil.strength_ratio or soil.friction_angle > 0.0 or soil.pre_overburden_pressure is not None:
             return ""

@@ -150,7 +150,7 @@ def _median(values: np.ndarray, reach: np.ndarray) -> np.ndarray:
 
 
 def _sides(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values of a line just left and just right of each x; not a number where it is not."""
+    """Values of a line just left and just right of each x; not a number if it is not."""
     left, right = limits(points, x)
     start, end = points[0, 0], points[-1, 0]
     return np.where((x <= start) | (x > end), np.nan, left), np.where((x < start) | (x >= end), np.nan, right)

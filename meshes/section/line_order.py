@@ -86,7 +86,7 @@ def _key(place: Place) -> str:
 
 
 def _ordered(points: np.ndarray, reach: float) -> tuple[np.ndarray, float] | None:
-    """Points (n, 2) in order and the farthest move (m); None where none is needed, or one would exceed the reach."""
+    """Points (n, 2) in order and the farthest move (m); None if none is needed, or one would exceed the reach."""
     count = len(points)
     points = points[np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])]
     if len(points) < 2:

@@ -158,7 +158,7 @@ def steady_seepage(
     permeability : (strata, 2) ndarray
         Horizontal and vertical permeability (m/s).
     heads : (n,) ndarray
-        Prescribed heads (m); not a number where the head is unknown.
+        Prescribed heads (m); not a number if the head is unknown.
     table : (k, 2) ndarray
         Water table that gave the heads.
     tolerance : float

@@ -94,7 +94,7 @@ class TensionCrack(Model):
         return f"Slip circles end at tension cracks, {filled}."
 
     def depth(self, section: Section, x: np.ndarray) -> np.ndarray:
-        """Return the depth (m) of a crack in the ground at every ``x`` (m), 0 where there is none."""
+        """Return the depth (m) of a crack in the ground at every ``x`` (m), 0 if there is none."""
         if self.bottom is None:
             return np.zeros(np.shape(x))
         bottom = np.interp(x, *section.elevations_of(self.bottom).T)

@@ -72,7 +72,7 @@ def init(
 
 @app.command(rich_help_panel=Panel.BEFORE)
 def check(section: SectionFile, folder: Out = None, settings: Set = None, json: Json = False) -> None:
-    """Validate a section and draw it; nothing else."""
+    """Validate a section and draw it, without any analysis."""
     from workflow.cli.invocation import Invocation
     from workflow.cli.terminal import say, say_data, show_strata
     from workflow.figures.ground import draw_with_borings
@@ -118,7 +118,7 @@ def run_all(
     verbose: Verbose = False,
     json: Json = False,
 ) -> None:  # fmt: skip
-    """The whole workflow: mesh, FEM, calibrated discs, slides, pictures and report."""
+    """Run the whole workflow: mesh, FEM, calibrated discs, slides, pictures and report."""
     from workflow.cli.invocation import Invocation
     from workflow.cli.terminal import execute, show_plan, show_strata
     from workflow.run.plan import Choice
@@ -149,7 +149,7 @@ def mesh(
     verbose: Verbose = False,
     json: Json = False,
 ) -> None:
-    """Mesh a section with quadrilaterals and draw both. Later commands on the same folder take the same mesh."""
+    """Mesh a section with quadrilaterals and draw both. Later commands on the same folder use the same mesh."""
     from workflow.cli.invocation import Invocation, mesh_options
     from workflow.cli.terminal import show_strata
 
@@ -305,7 +305,7 @@ def bounds(
     verbose: Verbose = False,
     json: Json = False,
 ) -> None:
-    """Strict lower and upper bound of the critical seismic coefficient, ψ = φ; they check the finite elements."""
+    """Find strict lower and upper bounds of the critical seismic coefficient, ψ = φ; they check the finite elements."""
     from workflow.cli.invocation import Invocation
 
     options = {"gap": gap, "davis": davis, "max_cells": max_cells, "safety_factor": safety_factor}
@@ -353,7 +353,7 @@ def slide(
     verbose: Verbose = False,
     json: Json = False,
 ) -> None:
-    """Slides after liquefaction, by calibrated discs and by material points."""
+    """Compute slides after liquefaction, by calibrated discs and by material points."""
     from workflow.cli.invocation import Invocation
 
     invocation, cases = Invocation.of(section, folder, {}, settings), tuple(case) if case else None

@@ -9,7 +9,8 @@ from meshes.errors import InputError
 
 
 def example(name: str | None = None) -> str:
-    """The text of the commented example, or of a section that comes with the program; InputError if there is none."""
+    """Return the text of the commented example, or of a section that comes with the program; raise InputError if there
+    is none."""
     if name is None:
         return resources.files("workflow.cli").joinpath("example.toml").read_text(encoding="utf-8")
     if name not in shipped.names():
@@ -30,7 +31,7 @@ def write_example(path: Path, name: str | None = None) -> None:
 
 
 def said_of(path: Path, as_json: bool) -> str:
-    """The message after an example is written: how to use it, or its path as JSON."""
+    """Return the message after an example is written: how to use it, or its path as JSON."""
     if as_json:
         return json.dumps({"section": str(path)})
     return f"{path} is a section that runs as it is. Change it to yours, then: noshiro run {path}"

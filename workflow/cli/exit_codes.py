@@ -1,4 +1,4 @@
-"""End of a command: its error message and exit code."""
+"""The end of a command: error message and exit code."""
 
 import os
 import sys

@@ -26,7 +26,7 @@ Tables = Mapping[str, Mapping[str, Any]]
 
 @dataclass(frozen=True)
 class Invocation:
-    """The config of a command, and the folder for its results.
+    """Holds the config of a command, and the folder for the results.
 
     Attributes
     ----------
@@ -73,8 +73,8 @@ class Invocation:
         return cls(read, store, mesh or stored, bool(stored), section, tables)
 
     def refuse_unknown(self, cases: Sequence[int]) -> None:
-        """Raise InputError for numbers of cases in which no stratum liquefies, and if there is no case with a
-        liquefying stratum.
+        """Raise InputError for numbers of cases in which no stratum liquefies, or if there is no case with a liquefying
+        stratum.
         """
         if not self.config.section.liquefies:
             wanted = 'expected liquefies_in = [1] in one that liquefies, or "triggered" with blow counts'
@@ -85,16 +85,17 @@ class Invocation:
             raise InputError("--case", [f"{', '.join(map(str, unknown))}: {message}"])
 
     def job(self, **more: Any) -> Job:
-        """The job of all stages."""
+        """Return the job of all stages."""
         origin: dict[str, Any] = {"mesh_options": self.mesh_options, "section_file": self.section}
         return Job(self.config, self.store, stages.STAGES, **origin, **more)
 
     def with_bounds(self) -> "Invocation":
-        """The invocation with bounds, whatever the setting bounds.run."""
+        """Return the invocation with bounds, whatever the setting bounds.run."""
         return replace(self, config=self.config.with_settings("bounds", run=True))
 
     def with_safety_factors(self) -> "Invocation":
-        """The invocation with factors of safety and their bounds, at Kh = 0 and at every Kh whose fields are stored."""
+        """Return the invocation with factors of safety and their bounds, at Kh = 0 and at every Kh whose fields are
+        stored."""
         factors_at = tuple(sorted({0.0, *self.config.fem.kh, *self.config.fem.safety_factor_at}))
         others = {key: value for key, value in self.tables.get("bounds", {}).items() if key != "run"}  # this reads it
         config = self.config.with_settings("fem", safety_factor_at=factors_at).with_settings(
@@ -103,7 +104,7 @@ class Invocation:
         return replace(self, config=config, tables={**self.tables, "bounds": others})
 
     def unread(self, chosen: Sequence[str]) -> list[str]:
-        """The settings of the command line that none of the ``chosen`` stages reads."""
+        """Return the settings of the command line that none of the ``chosen`` stages reads."""
 
         def without(name: str) -> Job:
             rest = {
@@ -116,7 +117,8 @@ class Invocation:
 
     @property
     def notices(self) -> list[str]:
-        """Notices: old names of settings with the new ones, and options of an earlier command that still apply."""
+        """Return notices: old names of settings with the new ones, and options of an earlier command that still
+        apply."""
         old_words = renamed.notices(merged(read_toml(self.section), self.tables))
         if not self.mesh_options_stored:
             return old_words
@@ -128,7 +130,7 @@ class Invocation:
 
 
 def stored_job(folder: Path) -> Job:
-    """The job of the run in a folder; raises InputError if it holds no run."""
+    """Return the job of the run in a folder; raise InputError if the folder contains no run."""
     path = folder / "section.toml"
     if not path.is_file():
         expected = "expected a folder that noshiro wrote, such as runs/my_slope"
@@ -154,9 +156,9 @@ def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> 
 def mesh_options(
     refine: int | None, size: str | None, free: bool, columns: int | None = None, rows: int | None = None
 ) -> dict[str, Any]:
-    """The options of `mesh` as settings; a plain number for the size is metres.
+    """Return the options of `mesh` as settings; a plain number for the size is in metres.
 
-    ``refine``, ``free``, ``columns``, ``rows``: as on the command line, None where not given.
+    ``refine``, ``free``, ``columns``, ``rows``: options of the command line, None if not given.
     """
     try:
         wanted: str | float | None = size if size is None else float(size)
@@ -167,10 +169,9 @@ def mesh_options(
 
 
 def dotted(texts: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Settings of the command line, such as ``fem.sides=fixed``, as tables.
+    """Return settings of the command line, such as ``fem.sides=fixed``, as tables.
 
-    A value is read as TOML; other values are taken as text. Raises InputError with every setting that is not
-    understood.
+    A value is read as TOML; other values are text. Raises InputError with every setting that cannot be read.
     """
     tables: dict[str, Any] = {}
     problems = []

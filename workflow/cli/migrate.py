@@ -16,7 +16,7 @@ def migrate(
     ] = None,
     write: Annotated[bool, typer.Option("--write", help="Write the new form over the file itself.")] = False,
 ) -> None:
-    """Rewrite a section file whose settings have had other names; comments and layout stay."""
+    """Rewrite a section file that has old names of settings; comments and layout stay."""
     from meshes.section.section import read_toml
     from workflow.cli.terminal import say
     from workflow.config.renamed import rewritten

@@ -24,7 +24,7 @@ class SlideModel(StrEnum):
 
 
 class Panel(StrEnum):
-    """Groups of commands in the help, in their order."""
+    """The groups of commands in the help, in their order."""
 
     BEFORE = "Before a run"
     RUN = "All at once"

@@ -29,7 +29,7 @@ def study(
     quiet: Quiet = False,
     json: Json = False,
 ) -> None:
-    """Distributions and fragility by many samples of the numbers in [uncertain], on all processors or machines.
+    """Compute distributions and fragility by many samples of the numbers in [uncertain], on all processors or machines.
 
     The same command continues where it was stopped, and computes only what is new.
     """
@@ -81,7 +81,8 @@ def converge(
     quiet: Quiet = False,
     json: Json = False,
 ) -> None:
-    """Whether slides converge: the same with smaller discs (1, 0.71 and 0.5 of the radius) and smaller time steps.
+    """Check whether slides converge: compute them with smaller discs (1, 0.71 and 0.5 of the radius) and smaller time
+    steps.
 
     The same command continues where it was stopped.
     """

@@ -42,7 +42,7 @@ def say(line: str) -> None:
 
 
 def warn(lines: Iterable[str], verbosity: Verbosity) -> list[str]:
-    """Print, and return, warnings; on standard error where the output holds no sentences."""
+    """Print and return warnings; on standard error if the output contains no sentences."""
     messages = list(lines)
     for line in messages:
         (out if verbosity.in_sentences else err).print(line, soft_wrap=True, markup=False)
@@ -50,7 +50,7 @@ def warn(lines: Iterable[str], verbosity: Verbosity) -> list[str]:
 
 
 def warn_of_old_words(section: Path, verbosity: Verbosity) -> None:
-    """Name the new word for every old one in the file of a section."""
+    """Print a notice for every old name in a section file, with the new name."""
     warn(notices(read_toml(section)), verbosity)
 
 
@@ -61,7 +61,7 @@ def say_data(what: Any) -> None:
 
 
 def show_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """A table of texts."""
+    """Print a table of texts."""
     table = Table(box=SIMPLE_HEAD, padding=(0, 2, 0, 0))
     for head in heads:
         table.add_column(escape(legible(head)))
@@ -71,7 +71,7 @@ def show_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
 
 
 def show_strata(section: Section) -> None:
-    """The strata in a table, and that they are a reconstruction if they are one."""
+    """Print the strata in a table, and a note if the ground is a reconstruction."""
     if section.reconstruction:
         out.print(f"[bold]Reconstruction.[/] {escape(section.reconstruction_note)}")
     title = escape(legible(section.heading))
@@ -115,10 +115,10 @@ def _announce(decisions: Sequence[Decision], job: Job) -> None:
 
 
 def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str] = (), pdf: bool = False) -> None:
-    """Run the stages of a choice, print their results, and the report as PDF if asked; JSON output holds the
+    """Run the chosen stages, print their results, and write the report as PDF if requested; JSON output contains the
     ``warnings``.
 
-    Raises what `pipeline.execute` and `write_pdf` do.
+    Raises the errors of `pipeline.execute` and `write_pdf`.
     """
     from workflow.run import pipeline
     from workflow.run.display import Display

@@ -20,25 +20,26 @@ OF_STUDIES = ("study", "uncertain")
 
 
 def keys_of(settings: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """Settings as "table.key"."""
+    """Return settings as "table.key"."""
     return [f"{table}.{key}" for table, values in settings.items() for key in values]
 
 
 def is_read(key: str, reads: Iterable[str]) -> bool:
-    """Whether "table.key" is among settings that are read, whole tables or one key of them."""
+    """Return whether "table.key" is among settings that are read; these are whole tables or single keys."""
     return bool({key, key.split(".")[0]} & set(reads))
 
 
 def reads_of(stages: Sequence[Stage]) -> list[str]:
-    """The settings that stages and the engine of a run read; without those of studies for the report."""
+    """Return the settings that stages and the engine of a run read, without those of studies for the report."""
     names = [name for stage in stages for name in stage.reads if not (stage.of_all and name in OF_STUDIES)]
     return [*names, *OF_EVERY_RUN]
 
 
 def unread(settings: Sequence[str], job: Job, chosen: Sequence[str], without: Callable[[str], Job]) -> list[str]:
-    """The ``settings`` that no ``chosen`` stage uses; ``without`` is the job without one setting.
+    """Return the ``settings`` that no ``chosen`` stage uses; ``without`` is the job without one setting.
 
-    A setting that acts through others, such as a blow count that determines strengths, changes the inputs of a stage.
+    A setting that acts through other settings, such as a blow count that determines strengths, changes the inputs of a
+    stage.
     """
     stages = [stage for stage in job.stages if stage.name in chosen]
     reads = reads_of(stages)
@@ -58,7 +59,7 @@ def _changes(stages: Sequence[Stage], job: Job, key: str, without: Callable[[str
 
 
 def in_words(keys: Sequence[str], command: str, commands: Sequence[str]) -> list[str]:
-    """One sentence on each setting that a ``command`` does not read, with those of the ``commands`` that read it."""
+    """Return one sentence on each setting that a ``command`` does not read, with the ``commands`` that read it."""
     from workflow.stages import STAGES, command_of
 
     reads = {command_of(stage.name): stage.reads for stage in STAGES if not stage.of_all}

@@ -10,7 +10,7 @@ AT_ONCE = 0.2  # s on a terminal, where the line changes in place
 
 
 class Counted:
-    """Shows the number of finished tasks; to be used as a context."""
+    """Shows the number of finished tasks; used as a context manager."""
 
     def __init__(self, silent: bool = False) -> None:
         self.silent, self.console = silent, err

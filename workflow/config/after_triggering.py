@@ -25,9 +25,9 @@ def config_after_triggering(config: Config, source: str = "section") -> Config:
     Parameters
     ----------
     config : Config
-        The config as it was read.
+        The config as read from the file.
     source : str
-        The file that it was read from, as errors name it.
+        File that the config was read from, as error messages name it.
 
     Returns
     -------
@@ -83,10 +83,11 @@ def _analysed(config: Config) -> Config:
 def ground_after_triggering(
     section: Section, assessment: TriggeringAssessment, settings: TriggeringSettings, cases: int
 ) -> Section:
-    """The section in which each triggered stratum liquefies in all ``cases`` or in none, with excess pore pressures.
+    """Return the section in which each triggered stratum liquefies in all ``cases`` or in none, with excess pore
+    pressures.
 
-    ``assessment``: answer of triggering; ``settings``: of triggering.
-    Raises InputError for triggered strata below water in which no boring has a blow count.
+    ``assessment``: answer of triggering; ``settings``: settings of triggering. Raises InputError for triggered strata
+    below water in which no boring has a blow count.
     """
     pairs = list(zip(section.strata, assessment.strata, strict=True))
     message = 'liquefies_in = "triggered": no boring has a blow count in it; expected one, or cases, [] for none'
@@ -117,7 +118,7 @@ def ground_after_triggering(
 def cases_after_triggering(
     section: Section, assessment: TriggeringAssessment, settings: TriggeringSettings
 ) -> list[Case]:
-    """The cases that follow from blow counts, by their names."""
+    """Return the cases that follow from blow counts, by their names."""
     strata = section.strata
     remains = [layer for layer in left(assessment, settings) if strata[layer.stratum].liquefies_in]
     drained = min(0.2, max((layer.volumetric_strain for layer in remains), default=0.0))
@@ -137,7 +138,8 @@ def cases_after_triggering(
 
 
 def average_kh(section: Section, response: SiteResponseSettings) -> float:
-    """k_max of the soil above the slip surface (Makdisi & Seed 1978); raises InputError without a record or a depth."""
+    """Return k_max of the soil above the slip surface (Makdisi & Seed 1978); raise InputError without a record or a
+    depth."""
     if not response.record or response.slip_depth is None:
         message = f'slide, kh = "{K_MAX}": expected record and slip_depth in [site_response], or a number'
         raise InputError(section.name, [message])
@@ -156,7 +158,8 @@ def _driven(config: Config) -> tuple[SlideSettings, list[str]]:
 def _assumed(config: Config, section: Section, slide: SlideSettings) -> SlideSettings:
     """Settings of the slides, with assumed values where ground liquefies and the input gives none.
 
-    ``config``: as it was read; ``section``: its ground after triggering; ``slide``: settings after the earthquake.
+    ``config``: config as read from the file; ``section``: the section after triggering; ``slide``: settings after the
+    earthquake.
     """
     if not section.liquefies or config.dem.model != "soil":
         return slide

@@ -48,12 +48,13 @@ DONE = (
 
 
 def notice_lines(notices: Iterable[str]) -> list[str]:
-    """Notices as commands print them: notes state what was done, warnings may require an action of the user."""
+    """Return notices in the form that commands print: notes state what was done, warnings may require an action of the
+    user."""
     return [f"{'Note' if any(words in text for words in DONE) else 'Warning'}: {text}." for text in notices]
 
 
 class Config(Tables):
-    """Content of the file of a run: a section, and the settings of the stages."""
+    """The content of a run's input file: a section, and the settings of the stages."""
 
     section: Section
 
@@ -90,9 +91,9 @@ class Config(Tables):
         return self
 
     def with_drawn(self, drawn: Mapping[str, Any], judged: bool = False) -> "Config":
-        """The config with drawn values of the uncertain numbers, by their paths, and without [uncertain].
+        """Return the config with sampled values of the uncertain numbers, by their paths, and without [uncertain].
 
-        Drawn values may be unusual for soils, unless ``judged`` checks them like values of a section file. Raises
+        Sampled values may be unusual for soils, unless ``judged`` checks them like values of a section file. Raises
         ValueError for an unknown path, InputError for invalid values.
         """
         data = changed(self._before_the_cut(), drawn, self.uncertain.numbers)
@@ -100,7 +101,7 @@ class Config(Tables):
 
     @cached_property
     def reach(self) -> dict[str, Reach]:
-        """Range of the distribution of each uncertain number, by its path."""
+        """Return the range of the distribution of each uncertain number, by its path."""
         return reach_of(self._before_the_cut(), self.uncertain.numbers, (Section, Tables))
 
     def _before_the_cut(self) -> dict[str, Any]:
@@ -113,13 +114,13 @@ class Config(Tables):
         return {**self._written, **used, "slide": {**slide, **left}}
 
     def to_data(self, tables: Collection[str] | None = None) -> dict[str, Any]:
-        """The config as data for TOML or JSON: the section, and the ``tables``, or all tables."""
+        """Return the config as data for TOML or JSON: the section, and the ``tables``, or all tables."""
         wanted = set(self.tables() if tables is None else tables)
         section = self.section.model_dump(mode="json", exclude_none=True, by_alias=True)
         return {**section, **self.model_dump(mode="json", exclude_none=True, by_alias=True, include=wanted)}
 
     def to_toml(self) -> str:
-        """The config as TOML with all defaults filled in and quantities as they were written.
+        """Return the config as TOML with all defaults filled in and quantities as they were written.
 
         With uncertain numbers the strata are those of the file, to which their paths refer.
         """
@@ -130,24 +131,24 @@ class Config(Tables):
 
     @property
     def notices(self) -> list[str]:
-        """Notices on the section, its mesh and its records, one sentence each."""
+        """Return notices on the section, its mesh and its records, one sentence each."""
         return [*self.notices_of_ground, *self.notices_of_slides]
 
     @property
     def notice_lines(self) -> list[str]:
-        """The notices as commands print them, warnings first."""
+        """Return the notices as commands print them, warnings first."""
         return sorted(notice_lines(self.notices), reverse=True, key=lambda line: line.startswith("Warning"))
 
     @property
     def notices_of_ground(self) -> list[str]:
-        """Notices on the section, its mesh and its uncertain numbers."""
+        """Return notices on the section, its mesh and its uncertain numbers."""
         cut_off = [line for reach in self.reach.values() for line in reach.notice.splitlines()]
         cracks = self.tension_crack.notices(self.section)
         return [*self.section.notices, *self.mesh.notices(self.section), *cracks, *cut_off]
 
     @property
     def notices_of_slides(self) -> list[str]:
-        """Notices on the earthquake and its records, on their effect on the slides, and on assumed residual
+        """Return notices on the earthquake and its records, on their effect on the slides, and on assumed residual
         strengths.
         """
         slides = self.section.liquefies
@@ -193,18 +194,19 @@ class Config(Tables):
         return config
 
     def with_settings(self, table: str, **values: Any) -> Self:
-        """The config with other values in one table of settings; raises ValidationError for an invalid one."""
+        """Return the config with other values in one table of settings; raise ValidationError for an invalid one."""
         return self.model_copy(update={table: getattr(self, table).changed(**values)})
 
     @property
     def left_open(self) -> dict[str, str]:
-        """The keys of [slide] that other tables determine, each with the word that names the table."""
+        """Return the keys of [slide] that other tables determine, each with the word that names the table."""
         return self._left_open
 
     def analysed(self, section: Section, slide: SlideSettings, cases: Sequence[Case], keys: Sequence[str]) -> Self:
-        """The config completed by analyses: ground, slides, cases of blow counts; ``keys`` are of the earthquake.
+        """Return the config completed by analyses: ground, slides, cases of blow counts; ``keys`` are those that the
+        earthquake determines.
 
-        ``section``: the ground; ``slide``: settings of slides.
+        ``section``: the section of the ground; ``slide``: settings of slides.
         """
         tables = {name: getattr(self, name) for name in self.tables()}
         config = type(self).model_construct(section=section, **{**tables, "slide": slide})
@@ -252,11 +254,13 @@ class Config(Tables):
 
     @property
     def cases(self) -> tuple[Case, ...]:
-        """The cases of the slide: those of [slide], then those that followed from blow counts, by their names."""
+        """Return the cases of the slide: those of [slide], then those that followed from blow counts, by their
+        names."""
         return (*self.slide.cases, *self._derived_cases)
 
     def called(self, *numbers: int) -> str:
-        """Name of a case, or of several of one answer, in pictures: its number, and its name if it has one."""
+        """Return the name of a case, or of several cases with one answer, in pictures: its number, and its name if it
+        has one."""
         names = {n: self.cases[n - 1].name if 0 < n <= len(self.cases) else "" for n in numbers}
         if len(names) == 1:
             return ", ".join(f"case {number}, {name}" if name else f"case {number}" for number, name in names.items())
@@ -264,12 +268,12 @@ class Config(Tables):
 
     @classmethod
     def tables(cls) -> list[str]:
-        """The names of the tables of settings."""
+        """Return the names of the tables of settings."""
         return list(Tables.model_fields)
 
     @classmethod
     def load(cls, path: Path | str, overrides: Mapping[str, Mapping[str, Any]] | None = None) -> Self:
-        """The input in a TOML file, with settings of the command line put over those of the file.
+        """Read the input in a TOML file; settings of the command line replace those of the file.
 
         Relative paths of files refer to the folder of the TOML file; those of the command line to the working folder.
         Raises InputError with every problem found.
@@ -291,12 +295,12 @@ class Config(Tables):
         return read
 
     def files(self, *tables: str) -> dict[str, Path]:
-        """The files that the settings, or some tables of them, name, by table and key."""
+        """Return the files that the settings, or some tables of them, name, by table and key."""
         wanted = tables or self.tables()
         return {f"{table}, {key}": path for (table, key), path in self.named_files().items() if table in wanted}
 
     def named_files(self) -> dict[tuple[str, str], Path]:
-        """All files that the settings name, by table and key."""
+        """Return all files that the settings name, by table and key."""
         named = {(table, key): getattr(getattr(self, table), key) for table, key in FILES}
         return {place: Path(name) for place, name in named.items() if name not in ("", AVERAGE)}
 
@@ -325,7 +329,7 @@ def _find_files(data: Mapping[str, Any], folder: Path) -> None:
 
 
 def merged(lower: Mapping[str, Any], upper: Mapping[str, Any]) -> dict[str, Any]:
-    """Merge two nested tables; values of the upper one replace those of the lower one."""
+    """Return two nested tables merged into one; values of the upper table replace those of the lower one."""
     both = {**lower, **upper}
     for key in lower.keys() & upper.keys():
         if isinstance(lower[key], Mapping) and isinstance(upper[key], Mapping):

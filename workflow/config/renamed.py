@@ -30,16 +30,16 @@ class Renamed:
 
     @property
     def key_now(self) -> str:
-        """The key that is written now."""
+        """Return the key that is written now."""
         return self.new_key or self.key
 
     @property
     def path(self) -> str:
-        """Table and old key, in the form of [uncertain] and --set."""
+        """Return table and old key, in the form of [uncertain] and --set."""
         return f"{self.table}.{self.key}"
 
     def value(self, old: Any) -> Any:
-        """A value, or values within a list or a table, in current words."""
+        """Return a value, or values within a list or a table, with new names."""
         if isinstance(old, str):
             return self.values.get(old, old)
         if isinstance(old, list | tuple):
@@ -47,8 +47,8 @@ class Renamed:
         return {key: self.value(each) for key, each in old.items()} if isinstance(old, Mapping) else old
 
     def moved(self, table: Mapping[str, Any], old: str, new: str) -> dict[str, Any]:
-        """A copy of a table in which the key ``old`` is renamed ``new``, in its place, with its value in current
-        words.
+        """Return a copy of a table in which the key ``old`` is renamed ``new``, in its place, with new names in its
+        value.
         """
         return {new if key == old else key: self.value(each) if key == old else each for key, each in table.items()}
 
@@ -67,7 +67,7 @@ ANSWER_KEYS = {
 
 
 def current(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Replace the old words in what a TOML file of a section holds.
+    """Return the content of a section file with new names in place of old ones.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def current(data: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def current_answer(data: Any) -> Any:
-    """Replace the old words in what a JSON file of a run holds: keys, and the values of settings."""
+    """Return the content of a run's JSON file with new names in place of old ones: keys, and the values of settings."""
     if isinstance(data, list):
         return [current_answer(each) for each in data]
     if not isinstance(data, dict):
@@ -99,7 +99,7 @@ def current_answer(data: Any) -> Any:
 
 
 def notices(data: Mapping[str, Any]) -> list[str]:
-    """Name the new word for every old one in the tables of a file or of the command line, in one sentence each."""
+    """Yield a sentence for every old name in the tables of a file or of the command line, with the new name."""
     messages = []
     for rule in RENAMED:
         table = data.get(rule.table)
@@ -128,10 +128,10 @@ def _notice(rule: Renamed, word: str) -> str:
 
 
 def rewritten(text: str, source: str) -> tuple[str, list[str]]:
-    """Rewrite the text of a section file with the new words; everything else, including comments, is unchanged.
+    """Return the text of a section file with new names; everything else, including comments, is unchanged.
 
-    A word is replaced only where the file then reads as ``current`` returns it, so that a stratum may have an old word
-    as its name.
+    A word is replaced only if the file then reads as ``current`` returns it, since a stratum may have an old name as
+    its own.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def rewritten(text: str, source: str) -> tuple[str, list[str]]:
     Raises
     ------
     InputError
-        If the text is not TOML, or holds an old word in a form that cannot be replaced.
+        If the text is not TOML, or contains an old name in a form that cannot be replaced.
     """
     try:
         wanted = current(tomllib.loads(text))

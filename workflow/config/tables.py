@@ -109,7 +109,7 @@ class SlidingBlockSettings(Model):
     )
 
     def in_use(self) -> Accelerogram:
-        """The record that is named, scaled; raises InputError if it cannot be read."""
+        """Return the record that is named, scaled; raise InputError if it cannot be read."""
         return read_record(Path(self.accelerogram), self.unit, self.component).scaled(self.scale)
 
 

@@ -14,8 +14,8 @@ Preset = Literal["hynes_griffin_franklin_1984", "nchrp_611"]
 
 @dataclass(frozen=True)
 class PublishedCriterion:
-    """A published criterion: a factor of safety under a share of the peak acceleration, and the displacement that it
-    limits.
+    """Holds a published criterion: a factor of safety under a share of the peak acceleration, and the displacement that
+    it limits.
 
     Attributes
     ----------
@@ -107,7 +107,8 @@ class CriteriaSettings(Model):
     )
 
     def resolved(self, peak: float | None) -> Self:
-        """The limits with those of the preset, its factor for a ``peak`` acceleration of the ground (over gravity)."""
+        """Return the limits with those of the preset, whose factor applies to a ``peak`` acceleration of the ground
+        (over gravity)."""
         if self.preset is None:
             return self
         preset, factor = PRESETS[self.preset], self.factor_of_safety
@@ -118,7 +119,7 @@ class CriteriaSettings(Model):
 
     @property
     def lacks_peak(self) -> bool:
-        """Whether a preset could not be resolved because there is no peak acceleration."""
+        """Return whether a preset could not be resolved because there is no peak acceleration."""
         return self.preset is not None and self.factor_of_safety is None
 
 
@@ -131,16 +132,16 @@ def judge(low: float | None, high: float | None, limit: float, at_least: bool) -
     Parameters
     ----------
     low, high : float or None
-        Ends of the interval in which the quantity lies; None where there is no answer.
+        Ends of the interval in which the quantity lies; None if there is no answer.
     limit : float
         The limit in the unit of the quantity.
     at_least : bool
-        Whether the limit is the least value that is allowed; otherwise it is the largest one.
+        Whether the limit is the smallest value allowed; otherwise it is the largest.
 
     Returns
     -------
     CriterionVerdict
-        "not decided" without an answer, and where the limit lies inside the interval.
+        The verdict; "not decided" without an answer, or if the limit lies inside the interval.
     """
     if low is None or high is None:
         return "not decided"
@@ -149,7 +150,7 @@ def judge(low: float | None, high: float | None, limit: float, at_least: bool) -
 
 
 def together(verdicts: tuple[CriterionVerdict, ...]) -> CriterionVerdict:
-    """The verdict on several criteria together, all of which must be satisfied."""
+    """Return the verdict on several criteria together, all of which must be satisfied."""
     if "not satisfied" in verdicts:
         return "not satisfied"
     return "satisfied" if verdicts and set(verdicts) == {"satisfied"} else "not decided"

@@ -14,7 +14,7 @@ ACCELERATION = Kind(
 
 
 def read(value: Any) -> Quantity:
-    """The acceleration in m/s²; raises ValueError that says what was expected."""
+    """Read an acceleration in m/s²; raise ValueError with what was expected."""
     if not isinstance(value, str):
         return ACCELERATION.read(value)
     if comma := with_a_point(value):

@@ -24,7 +24,7 @@ STATED = 0.05  # by which the peak may differ from that of the heading
 
 @dataclass(frozen=True)
 class Accelerogram:
-    """A record of acceleration; linear in between.
+    """A record of acceleration, linear between its times.
 
     Attributes
     ----------
@@ -42,20 +42,20 @@ class Accelerogram:
 
     @property
     def peak(self) -> float:
-        """The largest acceleration without regard to sign (m/s²)."""
+        """Return the largest acceleration without regard to sign (m/s²)."""
         return float(np.abs(self.acceleration).max())
 
     def scaled(self, factor: float) -> "Accelerogram":
-        """The record with every acceleration multiplied by a factor."""
+        """Return the record with every acceleration multiplied by a factor."""
         scaled = replace(self, acceleration=factor * self.acceleration)
         remarks = [text for text in (_size(scaled.peak),) if text and factor != 1.0]
         return replace(scaled, remarks=(*self.remarks, *(f"multiplied by {factor:g}, {text}" for text in remarks)))
 
 
 def read(path: Path, unit: str = "", component: str = "") -> Accelerogram:
-    """A record of acceleration in any of the formats; the format is recognised by the content of the file.
+    """Read a record of acceleration; the format is recognised by the content of the file.
 
-    Velocity and displacement are differentiated in time, and an offset is subtracted; remarks state both.
+    Velocity and displacement are differentiated in time, and an offset is subtracted; the remarks state both.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def read(path: Path, unit: str = "", component: str = "") -> Accelerogram:
     unit : str
         Unit of the values if the heading of the file names none.
     component : str
-        Component of a file with several: its name in the heading, or its number from 1.
+        Component of a file that has several: its name in the heading, or its number from 1.
 
     Returns
     -------
@@ -74,7 +74,7 @@ def read(path: Path, unit: str = "", component: str = "") -> Accelerogram:
     Raises
     ------
     InputError
-        If there is no such file, it is of no known format, or its quantity, unit, component or times are not known.
+        If there is no such file, or if its format, quantity, unit, component or times are not known.
     """
     lines = _lines(path)
     try:

@@ -31,7 +31,7 @@ class ValidRange:
     unit: str = ""
 
     def problem(self, value: float, relation: str) -> str:
-        """Why a value cannot be used; empty where it can."""
+        """Return why a value cannot be used; empty if it can."""
         if self.low <= value <= self.high:
             return ""
         unit = f" {self.unit}" if self.unit else ""
@@ -42,7 +42,8 @@ class ValidRange:
 
 @dataclass(frozen=True)
 class PeakMotion:
-    """A peak acceleration: the median (m/s²), its standard deviation (of log10), and the source of the relation."""
+    """Holds a peak acceleration: the median (m/s²), its standard deviation (of log10), and the source of the
+    relation."""
 
     median: float
     sigma: float
@@ -52,17 +53,17 @@ class PeakMotion:
 
     @property
     def high(self) -> float:
-        """The median times ten to the spread: 84 % of earthquakes stay below (m/s²)."""
+        """Return the median times ten to the standard deviation: 84 % of earthquakes stay below (m/s²)."""
         return self.median * 10.0**self.sigma
 
     @property
     def low(self) -> float:
-        """The median over ten to the spread: 16 % of earthquakes stay below (m/s²)."""
+        """Return the median over ten to the standard deviation: 16 % of earthquakes stay below (m/s²)."""
         return self.median / 10.0**self.sigma
 
 
 def si_midorikawa(magnitude: float, distance: float, depth: float, mechanism: Mechanism) -> PeakMotion:
-    """Si & Midorikawa (1999): log A = b - log(X + c) - 0.003 X, A in gal, X in km.
+    """Return the peak acceleration by Si & Midorikawa (1999): log A = b - log(X + c) - 0.003 X, A in gal, X in km.
 
     b = 0.50 Mw + 0.0043 D + d + 0.61, c = 0.0055 10^(0.50 Mw), d = 0.00, 0.01, 0.22 for crustal, interplate and
     intraplate earthquakes; σ = 0.27. ``magnitude`` is the moment magnitude, ``distance`` X the shortest to the fault
@@ -86,7 +87,8 @@ def si_midorikawa(magnitude: float, distance: float, depth: float, mechanism: Me
 
 
 def fukushima_tanaka(magnitude: float, distance: float, site: Site) -> PeakMotion:
-    """Fukushima & Tanaka (1990): log A = 0.41 M - log(R + 0.032 10^(0.41 M)) - 0.0034 R + 1.30, A in gal, R in km.
+    """Return the peak acceleration by Fukushima & Tanaka (1990): log A = 0.41 M - log(R + 0.032 10^(0.41 M)) - 0.0034 R
+    + 1.30, A in gal, R in km.
 
     σ = 0.21. ``distance`` R is the shortest to the fault. On average ground; 40 % less on rock, 40 % more on soft
     soil, as the authors say. Mean of both horizontal components. Raises InputError outside M 4.6-8.2, R up to 300 km.

@@ -21,7 +21,7 @@ MAKDISI = "F. I. Makdisi, H. B. Seed, J. Geotech. Eng. Div. 104 (1978) 849-867"
 
 @dataclass(frozen=True, eq=False)
 class ResponseColumn:
-    """Result of a site response: place, record and time step (s), strata of the layers, and the response."""
+    """Holds the result of a site response: place, record and time step (s), strata of the layers, and the response."""
 
     x: float
     record: str
@@ -31,16 +31,19 @@ class ResponseColumn:
     response: Response
 
     def average_above(self, depth: float) -> np.ndarray:
-        """Average acceleration (m/s²) in time of the soil above a depth (m), at the nearest bottom of a layer."""
+        """Return the average acceleration (m/s²) over time of the soil above a depth (m), at the nearest bottom of a
+        layer."""
         return np.asarray(self.response.average[int(np.argmin(np.abs(self.response.depth[1:] - depth)))])
 
     def k_max(self, depth: float) -> float:
-        """Peak of the average acceleration, either way, over gravity: the seismic coefficient of the soil above (-)."""
+        """Return the peak of the average acceleration, in either direction, over gravity: the seismic coefficient of
+        the soil above (-)."""
         return float(np.abs(self.average_above(depth)).max()) / GRAVITY
 
 
 def column_of(section: Section, settings: SiteResponseSettings) -> ResponseColumn:
-    """The response of a section to the record that the settings name. Raises InputError, without a record too."""
+    """Compute the response of a section to the record that the settings name. Raises InputError, also without a
+    record."""
     if not settings.record:
         raise InputError(section.name, ["site_response, record: missing; expected a file with a record of the rock"])
     record = accelerogram.read(Path(settings.record), settings.unit, settings.component).scaled(settings.scale)

@@ -30,7 +30,7 @@ BAND = (0.25, 20.0)  # Hz over which the mean period of a record is taken
 
 @dataclass(frozen=True)
 class EquivalentKh:
-    """Uniform ``cycles`` of a cyclic Kh (-) with a ``period`` (s); and the sources of all three, in words."""
+    """Holds uniform ``cycles`` of a cyclic Kh (-) with a ``period`` (s), and the sources of all three, in words."""
 
     kh: float
     cycles: float
@@ -39,32 +39,36 @@ class EquivalentKh:
 
 
 def cycles_of_magnitude(magnitude: float) -> float:
-    """Uniform cycles at 0.65 of the peak: N = 15 MSF^(-1/0.34), MSF = 6.9 exp(-M/4) - 0.058 (Idriss & Boulanger 2008).
+    """Return the number of uniform cycles at 0.65 of the peak: N = 15 MSF^(-1/0.34), MSF = 6.9 exp(-M/4) - 0.058
+    (Idriss & Boulanger 2008).
 
-    15 at M 7.5, 7 at 6.5, at least 1; the limit of 1.8 of MSF is disregarded.
+    The number is 15 at M 7.5, 7 at 6.5, and at least 1; the limit of 1.8 of MSF is disregarded.
     """
     factor = max(6.9 * math.exp(-magnitude / 4.0) - 0.058, 0.2)
     return max(1.0, CYCLES_OF_7_5 * factor ** (-1.0 / POWER))
 
 
 def mean_period(magnitude: float, distance: float | None = None, site: Site = "average") -> float:
-    """Mean period T_m (s): ln T_m = -1.00 + 0.18 (M - 6) + 0.0038 R + 0.27 on deep soil (Rathje et al. 2004).
+    """Return the mean period T_m (s): ln T_m = -1.00 + 0.18 (M - 6) + 0.0038 R + 0.27 on deep soil (Rathje et al.
+    2004).
 
-    M counts up to 7.25. ``distance`` R to the fault in m, 20 km where it is not known: T_m changes by 4 % in 10 km.
+    M counts up to 7.25. ``distance`` R to the fault is in m, 20 km if it is not known: T_m changes by 4 % in 10 km.
     """
     kilometres = 20.0 if distance is None else distance / 1000.0
     return math.exp(-1.0 + 0.18 * (min(magnitude, 7.25) - 6.0) + 0.0038 * kilometres + SITES[site])
 
 
 def cycles_of_record(record: Accelerogram) -> float:
-    """Uniform cycles at 0.65 of a record's peak: each half wave counts ½ (its peak / 0.65 of the largest)^(1/0.34)."""
+    """Return the number of uniform cycles at 0.65 of a record's peak: each half wave counts ½ (its peak / 0.65 of the
+    largest)^(1/0.34)."""
     waves = np.split(np.abs(record.acceleration), np.flatnonzero(np.diff(np.sign(record.acceleration))) + 1)
     peaks = np.array([wave.max() for wave in waves if len(wave)])
     return float(0.5 * np.sum((peaks / (SHARE * record.peak)) ** (1.0 / POWER)))
 
 
 def mean_period_of_record(record: Accelerogram) -> float:
-    """Mean period (s) of a record: 1/f weighted by its squared Fourier amplitudes between 0.25 and 20 Hz (Rathje)."""
+    """Return the mean period (s) of a record: 1/f weighted by its squared Fourier amplitudes between 0.25 and 20 Hz
+    (Rathje)."""
     step = max(1e-3, float(record.time[-1] - record.time[0]) / (len(record.time) - 1))
     time = np.arange(record.time[0], record.time[-1], step)
     values = np.interp(time, record.time, record.acceleration)
@@ -77,14 +81,15 @@ def mean_period_of_record(record: Accelerogram) -> float:
 def equivalent_kh(
     motion: PeakMotion, magnitude: float | None, distance: float | None, site: Site, record: Accelerogram | None
 ) -> EquivalentKh:
-    """Cycles of Kh = 0.65 a_max/g that are equivalent to an earthquake.
+    """Return the cycles of Kh = 0.65 a_max/g that are equivalent to an earthquake.
 
     Parameters
     ----------
     motion : PeakMotion
         Peak acceleration of the earthquake.
     magnitude, distance, site : float or None, float or None (m), str
-        They determine cycles and period where there is no record; by default M 7.5 and 20 km.
+        Magnitude, distance and site class, which determine cycles and period if there is no record; by default M 7.5
+        and 20 km.
     record : Accelerogram or None
         Record of the ground surface, which determines cycles and mean period.
 

@@ -42,12 +42,13 @@ SMC_QUANTITIES: dict[str, tuple[str, str]] = {
 
 
 def is_geonet(lines: Lines) -> bool:
-    """Whether these are lines of a file of GeoNet."""
+    """Return whether these are lines of a file of GeoNet."""
     return bool(lines) and bool(GEONET.match(lines[0]))
 
 
 def geonet(lines: Lines) -> list[RecordedSeries]:
-    """GeoNet V1 and V2: for each component a heading of 26 lines, acceleration (mm/s²), velocity and displacement."""
+    """Read GeoNet V1 and V2: for each component a heading of 26 lines, acceleration (mm/s²), velocity and
+    displacement."""
     components: list[RecordedSeries] = []
     place = 0
     while place < len(lines) and lines[place].strip():
@@ -83,12 +84,12 @@ def _recorded(values: np.ndarray) -> np.ndarray:
 
 
 def is_bhrc(lines: Lines) -> bool:
-    """Whether these are lines of a file of BHRC."""
+    """Return whether these are lines of a file of BHRC."""
     return bool(lines) and bool(BHRC.match(lines[0]))
 
 
 def bhrc(lines: Lines) -> list[RecordedSeries]:
-    """BHRC, volume 1: for each component a heading of 27 lines and acceleration, as a rule in tenths of g."""
+    """Read BHRC, volume 1: for each component a heading of 27 lines and acceleration, as a rule in tenths of g."""
     components: list[RecordedSeries] = []
     name, azimuths, count, duration, place = "", {}, 0, 0.0, 0  # type: tuple[str, dict[str, str], int, float, int]
     while place < len(lines):
@@ -114,12 +115,12 @@ def bhrc(lines: Lines) -> list[RecordedSeries]:
 
 
 def is_smc(lines: Lines) -> bool:
-    """Whether these are lines of an SMC file of the USGS."""
+    """Return whether these are lines of an SMC file of the USGS."""
     return bool(lines) and bool(SMC.match(lines[0]))
 
 
 def smc(lines: Lines) -> list[RecordedSeries]:
-    """SMC: 11 lines of text, 48 integers, 50 reals, comments, and one series in cm and s, eight values a line."""
+    """Read SMC: 11 lines of text, 48 integers, 50 reals, comments, and one series in cm and s, eight values a line."""
     known = SMC.match(lines[0])
     assert known is not None
     integers, place = fixed_numbers(lines, SMC_TEXT_LINES, SMC_INTEGERS, "8I10")

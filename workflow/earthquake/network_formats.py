@@ -76,7 +76,8 @@ class NetworkFormat:
 
 
 def peer(lines: Lines) -> list[RecordedSeries]:
-    """PEER .AT2, .VT2, .DT2: values after a line with their number and the time step; the line above names the unit."""
+    """Read PEER .AT2, .VT2, .DT2: values after a line with their number and the time step; the line above names the
+    unit."""
     place = next(k for k, line in enumerate(lines) if PEER_NEW.search(line) or PEER_OLD.search(line))
     match = PEER_NEW.search(lines[place]) or PEER_OLD.search(lines[place])
     assert match is not None
@@ -95,7 +96,7 @@ def peer(lines: Lines) -> list[RecordedSeries]:
 
 
 def knet(lines: Lines) -> list[RecordedSeries]:
-    """K-NET and KiK-net: counts of one component after 17 lines of heading, separated by blanks or commas."""
+    """Read K-NET and KiK-net: counts of one component after 17 lines of heading, separated by blanks or commas."""
     head = "\n".join(lines[:KNET_LINES])
     scale, rate = KNET_SCALE.search(head), KNET_RATE.search(head)
     if scale is None or rate is None:
@@ -113,7 +114,7 @@ def knet(lines: Lines) -> list[RecordedSeries]:
 
 
 def cosmos(lines: Lines) -> list[RecordedSeries]:
-    """COSMOS V1 and V2: blocks of one series each, with the time step in the real values of their heading."""
+    """Read COSMOS V1 and V2: blocks of one series each, with the time step in the real values of their heading."""
     components: list[RecordedSeries] = []
     reals, channel = np.zeros(0), ""
     place = 0
@@ -137,7 +138,7 @@ def cosmos(lines: Lines) -> list[RecordedSeries]:
 
 
 def csmip(lines: Lines) -> list[RecordedSeries]:
-    """CSMIP V1 and V2: blocks of one series each, whose first line has number, time step, unit and format."""
+    """Read CSMIP V1 and V2: blocks of one series each, whose first line has number, time step, unit and format."""
     components: list[RecordedSeries] = []
     channel = ""
     place = 0
@@ -159,7 +160,8 @@ def csmip(lines: Lines) -> list[RecordedSeries]:
 
 
 def film(lines: Lines) -> list[RecordedSeries]:
-    """CSMIP V1 of digitised film, which RENADIC of Chile has: pairs of time (s) and acceleration in g or its tenths."""
+    """Read CSMIP V1 of digitised film, which RENADIC of Chile has: pairs of time (s) and acceleration in g or its
+    tenths."""
     components: list[RecordedSeries] = []
     channel, count, place = "", 0, 0
     while place < len(lines):
@@ -182,7 +184,7 @@ def film(lines: Lines) -> list[RecordedSeries]:
 
 
 def esm(lines: Lines) -> list[RecordedSeries]:
-    """ESM (DYNA): keys with values, one a line, then one value a line."""
+    """Read ESM (DYNA): keys with values, one a line, then one value a line."""
     keys: dict[str, str] = {}
     first = 0
     for line in lines:
@@ -225,7 +227,7 @@ def _wrong_number(count: int, stated: int, where: str, what: str) -> str:
 
 
 def unit_in(heading: str) -> str:
-    """The unit in a heading after "units of", "units:", "units =" or in brackets; empty without one."""
+    """Return the unit in a heading after "units of", "units:", "units =" or in brackets; empty without one."""
     if match := IN_UNITS.search(heading):
         return (match[1] or match[2]).strip(" .,;:")
     brackets = re.findall(r"[(\[]\s*([^)\]]+?)\s*[)\]]", heading)
@@ -233,7 +235,7 @@ def unit_in(heading: str) -> str:
 
 
 def word_of(heading: str) -> str:
-    """The word of a heading for the quantity: acceleration, velocity or displacement; empty without one."""
+    """Return the word of a heading for the quantity: acceleration, velocity or displacement; empty without one."""
     match = QUANTITY.search(heading)
     return match[0] if match else ""
 

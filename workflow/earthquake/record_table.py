@@ -41,14 +41,15 @@ SAME_TIMES = 0.6  # share of the times that may be those before them: a record o
 
 @dataclass(frozen=True)
 class TableColumn:
-    """A column: its name, and the unit in it, or empty."""
+    """Holds a column: its name, and the unit in it, or empty."""
 
     name: str
     unit: str
 
 
 def table(lines: Sequence[str]) -> list[RecordedSeries]:
-    """The components of a record in columns. Raises ValueError if the lines are no such table, or have no times."""
+    """Read the components of a record in columns. Raises ValueError if the lines are no such table, or have no
+    times."""
     try:
         return _components(lines)
     except ValueError as error:
@@ -203,7 +204,7 @@ def _column(cell: str) -> TableColumn:
 
 
 def _step(text: str) -> float | None:
-    """The time step (s) that a heading states, or one over its sampling rate; None where it states neither."""
+    """The time step (s) that a heading states, or one over its sampling rate; None if it states neither."""
     if match := STEP.search(text):
         second = time_unit(match[2]) if match[2] else 1.0
         return float(match[1]) * (second if second is not None else 1.0)

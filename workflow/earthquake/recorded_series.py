@@ -15,7 +15,7 @@ FORTRAN = re.compile(r"\(?\s*(\d+)?\s*[FEGIfegi]\s*(\d+)(?:\.\d+)?\s*\)?")
 
 @dataclass(frozen=True, eq=False)
 class RecordedSeries:
-    """One component of a record, in the units of its file.
+    """Holds one component of a record, in the units of its file.
 
     Attributes
     ----------
@@ -40,8 +40,8 @@ class RecordedSeries:
 
 
 def free_numbers(lines: Sequence[str], first: int) -> np.ndarray:
-    """All numbers from a line on, separated by blanks or commas. Raises ValueError, which names the line, for a line
-    without numbers.
+    """Return all numbers from a line on, separated by blanks or commas. Raises ValueError, which names the line, for a
+    line without numbers.
     """
     values: list[float] = []
     for number, line in enumerate(lines[first:], start=first + 1):
@@ -52,10 +52,11 @@ def free_numbers(lines: Sequence[str], first: int) -> np.ndarray:
 
 
 def fixed_numbers(lines: Sequence[str], first: int, count: int, form: str) -> tuple[np.ndarray, int]:
-    """``count`` numbers from a line on by a Fortran format such as (8F10.5), and the number of the line after them.
+    """Return ``count`` numbers from a line on by a Fortran format such as (8F10.5), and the number of the line after
+    them.
 
-    ``lines``: of the file; ``first``: number of the line to begin with; ``form``: the Fortran format.
-    Raises ValueError where the numbers end before.
+    ``lines``: lines of the file; ``first``: number of the line to begin with; ``form``: the Fortran format. Raises
+    ValueError if the numbers end before.
     """
     width = int(known[2]) if (known := FORTRAN.fullmatch(form.strip())) else 0
     values: list[float] = []
@@ -84,15 +85,15 @@ def _free(line: str) -> list[float] | None:
 
 
 def finite(values: Sequence[float]) -> np.ndarray:
-    """The values (n,) of a series. Raises ValueError without two of them, or where one is not finite."""
+    """Return the values (n,) of a series. Raises ValueError with fewer than two values, or if a value is not finite."""
     if len(values) < 2 or not np.isfinite(values).all():
         raise ValueError("expected at least two values, all of them finite")
     return np.array(values)
 
 
 def steps(count: int, step: float, where: str) -> np.ndarray:
-    """Times (n,) from 0 in equal steps. Raises ValueError for a step that is not above 0, or is too large or small
-    for a record.
+    """Return times (n,) from 0 in equal steps. Raises ValueError for a step that is not positive, or is too large or
+    small for a record.
     """
     if not (np.isfinite(step) and 0.0 < step <= LONGEST_STEP):
         unit = "; is it in milliseconds?" if step > LONGEST_STEP else ""

@@ -14,9 +14,9 @@ PLACES = (
 
 
 def records(config: Any) -> Iterator[tuple[str, Accelerogram]]:
-    """Every record that an input names and uses, with the place of its name, such as "slide, accelerogram".
+    """Return every record that an input names and uses, with the place of its name, such as "slide, accelerogram".
 
-    Raises InputError where one cannot be read.
+    Raises InputError if one cannot be read.
     """
     for table, key in PLACES:
         settings = getattr(config, table)
@@ -31,7 +31,7 @@ def records(config: Any) -> Iterator[tuple[str, Accelerogram]]:
 
 
 def remarks(config: Any) -> list[str]:
-    """Corrections of the records in use, and warnings about them; empty if one cannot be read."""
+    """Return corrections of the records in use, and warnings about them; empty if one cannot be read."""
     try:
         texts = [f"{place}, {record.name}: {text}" for place, record in records(config) for text in record.remarks]
     except InputError:  # told when it is read

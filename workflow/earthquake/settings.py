@@ -68,7 +68,7 @@ class EarthquakeSettings(Model):
     scale: RecordScale = 1.0
 
     def motion(self) -> PeakMotion | None:
-        """The peak acceleration with its standard deviation; None if the input does not determine it.
+        """Return the peak acceleration with its standard deviation; None if the input does not determine it.
 
         Raises InputError outside the range of the relation, or where the record cannot be read.
         """
@@ -90,9 +90,9 @@ class EarthquakeSettings(Model):
             raise InputError("earthquake", [f"record = {self.record}: {text}" for text in error.problems]) from None
 
     def contradiction(self) -> str:
-        """A sentence if the given peak differs from the one by magnitude and distance by more than one standard
-        deviation, else empty. In case of a contradiction the peak is used; relations of magnitude and distance
-        alone use both as given.
+        """Return a sentence if the given peak differs from the one by magnitude and distance by more than one standard
+        deviation, else empty. In case of a contradiction the peak is used; relations of magnitude and distance alone
+        use both as given.
         """
         has_peak = self.peak_acceleration is not None or bool(self.record)
         if not has_peak or self.magnitude is None or self.distance is None:
@@ -112,7 +112,7 @@ class EarthquakeSettings(Model):
         )
 
     def notices(self, slide: SlideSettings | None) -> list[str]:
-        """Warnings, contradictions, and the source of the Kh of the slides, if it follows from this table."""
+        """Return warnings, contradictions, and the source of the Kh of the slides, if it follows from this table."""
         notices = [self._unlikely_peak(), self._unlike_record(), self.contradiction()]
         if slide is not None and (cycles := self.driving(slide)) is not None:
             notices.append(f"slide, kh = {cycles.kh:g} of [earthquake]: {cycles.words}")
@@ -170,18 +170,18 @@ class EarthquakeSettings(Model):
         return ""
 
     def driving(self, slide: SlideSettings) -> EquivalentKh | None:
-        """The equivalent cycles of Kh, where these drive the slides; else None."""
+        """Return the equivalent cycles of Kh if they load the slides; else None."""
         cycles = None if slide.accelerogram else self.equivalent()
         return cycles if cycles is not None and (slide.kh, slide.kh_cycles) == (cycles.kh, cycles.cycles) else None
 
     def is_assumed(self, slide: SlideSettings) -> bool:
-        """Whether the input does not determine the shaking, so that ``slide`` has assumed values."""
+        """Return whether the input does not determine the shaking, so that ``slide`` has assumed values."""
         loading = {key: getattr(slide, key) for key in ("kh", *CYCLES)}
         return self.equivalent() is None and not slide.accelerogram and loading == assumed_loading(self.magnitude)
 
     def equivalent(self) -> EquivalentKh | None:
-        """The equivalent cycles of Kh; with a record, the cycles of the record, also if the peak is given. None without
-        a peak acceleration.
+        """Return the equivalent cycles of Kh; with a record, the cycles of the record, also if the peak is given. None
+        without a peak acceleration.
         """
         try:
             motion = self.motion()
@@ -193,7 +193,8 @@ class EarthquakeSettings(Model):
         return equivalent_kh(motion, self.magnitude, self.distance, self.site, record)
 
     def problems(self) -> list[str]:
-        """Missing input of the attenuation relation, and values outside its range; records are checked when read."""
+        """Return missing input of the attenuation relation, and values outside its range; records are checked when
+        read."""
         if self.record and self.peak_acceleration is None:
             return []
         try:
@@ -231,7 +232,7 @@ class SiteResponseSettings(Model):
 
 
 def loading_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], source: str) -> dict[str, Any]:
-    """Kh of the slides, its cycles and their period, where the earthquake of the input determines them.
+    """Return Kh of the slides, its cycles and their period, if the earthquake of the input determines them.
 
     The result is empty without an earthquake, or if the table [earthquake] has errors, which are reported elsewhere.
     With a given Kh or duration there are no cycles unless the settings request them. Raises InputError if a setting is
@@ -260,10 +261,10 @@ def loading_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], 
 
 
 def assumed_loading(magnitude: float | None) -> dict[str, float]:
-    """Assumed Kh of the slides, its cycles and their period, where the input does not determine the shaking.
+    """Return assumed Kh of the slides, its cycles and their period, if the input does not determine the shaking.
 
-    The default Kh with the cycles and the period of the ``magnitude`` (7.5 if None) at 20 km. A constant Kh without end
-    would move even level ground without limit once its residual strength is exceeded.
+    This is the default Kh with the cycles and the period of the ``magnitude`` (7.5 if None) at 20 km. A constant Kh
+    without end would move even level ground without limit once its residual strength is exceeded.
     """
     kh = float(SlideSettings.model_fields["kh"].default)
     magnitude = REFERENCE if magnitude is None else magnitude
@@ -275,7 +276,7 @@ def assumed_loading(magnitude: float | None) -> dict[str, float]:
 
 
 def expected(settings: EarthquakeSettings, magnitude: float, distance: float) -> PeakMotion:
-    """The peak acceleration by the chosen attenuation relation, of a magnitude at a distance (m)."""
+    """Return the peak acceleration by the chosen attenuation relation, of a magnitude at a distance (m)."""
     if settings.relation == "boore":
         problems = []
         if settings.vs30 is None:

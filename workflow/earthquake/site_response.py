@@ -25,7 +25,8 @@ LEAST_STRAIN = 1e-7
 
 @dataclass(frozen=True)
 class ColumnLayer:
-    """A layer: thickness (m), density (kg/m³), small-strain V_s (m/s), mean effective stress (Pa), plasticity (%)."""
+    """Holds a layer: thickness (m), density (kg/m³), small-strain V_s (m/s), mean effective stress (Pa), plasticity
+    (%)."""
 
     thickness: float
     density: float
@@ -38,7 +39,7 @@ class ColumnLayer:
 
 @dataclass(frozen=True)
 class HalfSpace:
-    """Half-space below the layers: density (kg/m³), V_s (m/s), damping."""
+    """Holds the half-space below the layers: density (kg/m³), V_s (m/s), damping."""
 
     density: float
     velocity: float
@@ -47,7 +48,7 @@ class HalfSpace:
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """Response of the layers.
+    """Holds the response of the layers.
 
     Attributes
     ----------
@@ -72,17 +73,18 @@ class Response:
 
     @property
     def warning(self) -> str:
-        """Warning about the validity of the response, a sentence without its full stop; empty without any."""
+        """Return the warning about the validity of the response, a sentence without its full stop; empty without
+        any."""
         return warning(float(self.strain.max()))
 
     @property
     def k_max(self) -> np.ndarray:
-        """Largest average acceleration over g above the bottom of each layer (Makdisi & Seed 1978)."""
+        """Return the largest average acceleration over g above the bottom of each layer (Makdisi & Seed 1978)."""
         return np.abs(self.average).max(axis=1) / GRAVITY
 
 
 def stiffness_and_damping(strain: float, mean_stress: float, plasticity: float) -> tuple[float, float]:
-    """G/G_max and damping at a shear strain, of normally consolidated soil (Darendeli 2001).
+    """Return G/G_max and damping at a shear strain, of normally consolidated soil (Darendeli 2001).
 
     G/G_max = 1/(1 + (γ/γ_r)^0.919), γ_r = (0.0352 + 0.0010 PI) σ'^0.3483 in percent, σ' in atmospheres; damping is
     that of Masing's rule, scaled, and the smallest one.
@@ -106,7 +108,7 @@ def stiffness_and_damping(strain: float, mean_stress: float, plasticity: float) 
 def waves(
     layers: Sequence[ColumnLayer], base: HalfSpace, omega: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Upward and downward waves (n + 1, w) for A = B = 1 at the surface, and wave numbers (n + 1, w)."""
+    """Return upward and downward waves (n + 1, w) for A = B = 1 at the surface, and wave numbers (n + 1, w)."""
     velocity = [layer.velocity * np.sqrt(layer.stiffness * (1.0 + 2j * layer.damping)) for layer in layers]
     velocity.append(base.velocity * np.sqrt(1.0 + 2j * base.damping))
     density = [*(layer.density for layer in layers), base.density]
@@ -124,7 +126,7 @@ def waves(
 
 
 def response(layers: Sequence[ColumnLayer], base: HalfSpace, step: float, outcrop: np.ndarray) -> Response:
-    """The layers under a motion of the half-space where it crops out.
+    """Compute the response of layers to a motion of the half-space at an outcrop.
 
     Stiffness and damping are those at 0.65 of the largest strain of each layer, found by iteration as in SHAKE, until
     they change by less than 0.2 %. Under strong motions the iteration converges slowly; then a change of a few per cent
@@ -133,13 +135,13 @@ def response(layers: Sequence[ColumnLayer], base: HalfSpace, step: float, outcro
     Parameters
     ----------
     layers : sequence of ColumnLayer
-        From the surface down.
+        The layers from the surface down.
     base : HalfSpace
         Half-space below the layers.
     step : float
         Time step (s).
     outcrop : (t,) array
-        Acceleration (m/s²) of the half-space where it crops out.
+        Acceleration (m/s²) of the half-space at an outcrop.
 
     Returns
     -------
@@ -169,7 +171,7 @@ def response(layers: Sequence[ColumnLayer], base: HalfSpace, step: float, outcro
 
 
 def warning(strain: float) -> str:
-    """Warning about equivalent linear layers of large shear strain; empty without any."""
+    """Return the warning about equivalent linear layers of large shear strain; empty without any."""
     if strain <= LARGE:
         return ""
     message = f"the largest shear strain is {100.0 * strain:.3g} %"
@@ -212,7 +214,7 @@ class _Motion:
         return cls(omega, np.fft.rfft(outcrop, count), count, len(outcrop))
 
     def in_time(self, transfer: np.ndarray) -> np.ndarray:
-        """The motion in time (rows, t) after a transfer function."""
+        """Return the motion in time (rows, t) after a transfer function."""
         return np.asarray(np.fft.irfft(transfer * self.spectrum, self.count)[:, : self.length])
 
 

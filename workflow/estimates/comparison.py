@@ -33,14 +33,14 @@ __all__ = ["BlockDrive", "Estimate", "EstimateKind", "block_drive", "constant_kh
 
 
 def constant_kh(settings: Tables) -> float:
-    """The constant Kh of the settings of the sliding block, or else that of the slides."""
+    """Return the constant Kh of the settings of the sliding block, or else that of the slides."""
     return settings.slide.kh if settings.sliding_block.kh is None else settings.sliding_block.kh
 
 
 @dataclass(frozen=True)
 class BlockDrive:
-    """Loading of the block without a record: Kh that is constant for ``seconds`` (possibly infinite), or cyclic with
-    ``cycles`` of a ``period`` (s).
+    """Loading of a sliding block without a record: Kh that is constant for ``seconds`` (possibly infinite), or cyclic
+    with ``cycles`` of a ``period`` (s).
     """
 
     seconds: float
@@ -48,21 +48,22 @@ class BlockDrive:
     period: float = 0.0
 
     def slide(self, kc: float, kh: float) -> float:
-        """Slide (m) of a block with yield coefficient ``kc`` under ``kh`` (-); infinite if it never stops."""
+        """Return the slide (m) of a block with yield coefficient ``kc`` under ``kh`` (-); infinite if it never
+        stops."""
         if self.cycles is None:
             return rectangular_pulse(kc, kh, self.seconds)
         return newmark(*cyclic_acceleration(kh, self.cycles, self.period), kc).permanent
 
     @property
     def words(self) -> str:
-        """The loading in words."""
+        """Return the loading in words."""
         if self.cycles is not None:
             return f"both ways, {self.cycles:g} cycles of {self.period:g} s"
         return "held" if math.isinf(self.seconds) else f"for {self.seconds:g} s"
 
 
 def block_drive(settings: Tables) -> BlockDrive:
-    """Loading of the block by Kh: for the duration in its settings, else as for the slides."""
+    """Return the loading of the block by Kh: for the duration in its settings, or else as for the slides."""
     slide, seconds = settings.slide, settings.sliding_block.seconds
     if seconds is None and slide.kh_cycles is not None and slide.kh_period is not None:
         return BlockDrive(slide.kh_cycles * slide.kh_period, slide.kh_cycles, slide.kh_period)
@@ -70,18 +71,17 @@ def block_drive(settings: Tables) -> BlockDrive:
 
 
 def is_s13(section: Section) -> bool:
-    """Whether a section is the paper's: by its name and its ten strata."""
+    """Return whether a section is the paper's: by its name and its ten strata."""
     return section.name == "s13" and tuple(stratum.name for stratum in section.strata) == S13_STRATA
 
 
 def estimates(
     section: Section, settings: Tables, kc: float | None, slip_surface: np.ndarray = NO_LINE
 ) -> list[Estimate]:
-    """All estimates that this input allows; those of a block with resistance need the critical Kh.
+    """Return all estimates that this input allows; estimates by a block with resistance need the critical Kh.
 
     ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty. Estimates of the paper are only made
-    for its own section.
-    ``settings``: of all tables; ``kc``: critical Kh, None where there is none.
+    for its own section. ``settings``: settings of all tables; ``kc``: critical Kh, None if there is none.
     """
     rows: list[Estimate] = []
     if kc is not None and kc > 0.0:
@@ -97,7 +97,7 @@ def estimates(
 
 @dataclass(frozen=True)
 class BlockSlide:
-    """Slide of a rigid block (m) in both directions of a record, or under Kh, and its loading in words."""
+    """Holds the slide of a rigid block (m) in both directions of a record, or under Kh, and its loading in words."""
 
     low: float
     high: float
@@ -105,14 +105,14 @@ class BlockSlide:
 
     @property
     def span(self) -> str:
-        """The interval of the slide in words."""
+        """Return the interval of the slide in words."""
         low, high = f"{self.low:.2f}", f"{self.high:.2f}"
         return f"{low} m" if low == high else f"{low} to {high} m"
 
 
 def block_slide(settings: Tables, kc: float) -> BlockSlide | None:
-    """The slide of a rigid block with yield coefficient ``kc`` (above 0): in both directions of the record, else under
-    Kh.
+    """Compute the slide of a rigid block with yield coefficient ``kc`` (above 0): in both directions of the record, or
+    else under Kh.
 
     The slide is None if Kh is constant without end and exceeds ``kc``, so that the block never stops.
     """

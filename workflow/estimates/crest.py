@@ -29,7 +29,7 @@ class Crest:
 
     @property
     def width(self) -> float:
-        """Width of the crest (m)."""
+        """Return the width of the crest (m)."""
         return self.right - self.left
 
 

@@ -10,7 +10,7 @@ PLACES = 401  # of the crest's width between the feet
 
 
 def crest_level(surface: np.ndarray, crest: Crest) -> float | None:
-    """Elevation of the highest ground as wide as the crest between the feet of a structure.
+    """Return the elevation of the highest ground as wide as the crest between the feet of a structure.
 
     Water flows over a structure where its highest ground is lower than the water. The level is a mean over the width of
     the crest, because a surface of discs is rough. The level is taken at the highest place, because a crest that moved
@@ -26,7 +26,7 @@ def crest_level(surface: np.ndarray, crest: Crest) -> float | None:
     Returns
     -------
     float or None
-        m; None where the surface does not reach from foot to foot.
+        Elevation (m); None if the surface does not reach from foot to foot.
     """
     line = surface[np.argsort(surface[:, 0], kind="stable")]
     if not len(line) or line[0, 0] > crest.left or line[-1, 0] < crest.right:
@@ -43,7 +43,7 @@ def crest_level(surface: np.ndarray, crest: Crest) -> float | None:
 
 
 def crest_settlement(before: np.ndarray, after: np.ndarray, crest: Crest) -> float | None:
-    """Decrease of the highest level of a structure by a slide.
+    """Return the decrease of the highest level of a structure by a slide.
 
     Parameters
     ----------
@@ -54,14 +54,14 @@ def crest_settlement(before: np.ndarray, after: np.ndarray, crest: Crest) -> flo
     Returns
     -------
     float or None
-        m, down positive; None where a surface does not reach over the crest.
+        Settlement (m), down positive; None if a surface does not reach over the crest.
     """
     was, became = crest_level(before, crest), crest_level(after, crest)
     return None if was is None or became is None else was - became
 
 
 def reconsolidation_settlement(thickness: Sequence[float], volumetric_strain: Sequence[float]) -> float:
-    """Settlement of level ground as the excess pore pressure drains: S = Σ ε_v Δh.
+    """Return the settlement of level ground as the excess pore pressure drains: S = Σ ε_v Δh.
 
     Strain is vertical alone (K. Ishihara & M. Yoshimine, Soils and Foundations 32 (1992) 173-188; I. M. Idriss &
     R. W. Boulanger, Soil Liquefaction during Earthquakes, EERI MNO-12, 2008, section 4.4).
@@ -76,13 +76,13 @@ def reconsolidation_settlement(thickness: Sequence[float], volumetric_strain: Se
     Returns
     -------
     float
-        m, down positive.
+        Settlement (m), down positive.
     """
     return float(sum(h * strain for h, strain in zip(thickness, volumetric_strain, strict=True)))
 
 
 def freeboard(elevation: float, settlement: float, water: float) -> float:
-    """Height of the crest above the water after the earthquake (m); negative where water flows over it.
+    """Return the height of the crest above the water after the earthquake (m); negative if water flows over the crest.
 
     Parameters
     ----------

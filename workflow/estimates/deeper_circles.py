@@ -24,7 +24,7 @@ def ground_of_circles(
     vertical: float = 0.0,
     crack: TensionCrack = NO_CRACK,
 ) -> tuple[Section, SlipCircle | None]:
-    """The ground in which slip circles are sought, and the critical circle in it.
+    """Find the ground in which slip circles are searched, and the critical circle in it.
 
     Where a cohesionless face fails before any circle slides, as an infinite slope, the critical circle would be the
     shallowest one of the search. In this case the ground has an apparent cohesion below such faces, as in finite

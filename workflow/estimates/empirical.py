@@ -38,7 +38,7 @@ SPREAD_2007, SPREAD_2019 = 0.66, 0.72  # standard deviation of the natural logar
 
 
 def bray_travasarou(kc: float, peak: float, magnitude: float) -> float:
-    """Median displacement (m) of a rigid mass: Bray & Travasarou (2007), Eq. 5 with a period of 0.
+    """Return the median displacement (m) of a rigid mass by Bray & Travasarou (2007), Eq. 5 with a period of 0.
 
     ln D = -0.22 - 2.83 ln ky - 0.333 (ln ky)² + 0.566 ln ky ln a + 3.04 ln a - 0.244 (ln a)² + 0.278 (M - 7), D in cm,
     ``peak`` a over g.
@@ -49,7 +49,8 @@ def bray_travasarou(kc: float, peak: float, magnitude: float) -> float:
 
 
 def bray_macedo(kc: float, peak: float, magnitude: float) -> float:
-    """Median displacement (m) of a rigid mass, ordinary motions of shallow crustal earthquakes: Bray & Macedo (2019).
+    """Return the median displacement (m) of a rigid mass under ordinary motions of shallow crustal earthquakes by Bray
+    & Macedo (2019).
 
     ln D = -4.684 - 2.482 ln ky - 0.244 (ln ky)² + 0.344 ln ky ln a + 2.649 ln a - 0.090 (ln a)² + 0.603 M, D in cm,
     if it is not zero.
@@ -69,9 +70,9 @@ ZHANG_RANGE = "gently sloping ground of 0.2-3.5 %, or L/H = 4-40 from a free fac
 
 
 def empirical(section: Section, settings: Tables, kc: float | None, slip_surface: np.ndarray) -> Iterator[Estimate]:
-    """The estimates of all relations that the input has data for; the displacement is None outside the range of a
-    relation. ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty.
-    ``section``: the ground; ``settings``: of all tables; ``kc``: critical Kh, None where there is none.
+    """Return the estimates of all relations that the input has data for; the displacement is None outside the range of
+    a relation. ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty. ``section``: the section
+    of the ground; ``settings``: settings of all tables; ``kc``: critical Kh, None without one.
     """
     try:
         motion = settings.earthquake.motion()

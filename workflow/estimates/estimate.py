@@ -17,7 +17,7 @@ EstimateKind = Literal[
 
 @dataclass(frozen=True)
 class Estimate:
-    """One estimate of a displacement, with its source and its assumptions.
+    """Holds one estimate of a displacement, with its source and its assumptions.
 
     Attributes
     ----------
@@ -37,24 +37,24 @@ class Estimate:
     validity: str
 
     def with_words(self, words: str) -> "Estimate":
-        """The same estimate with other words."""
+        """Return the same estimate with other words."""
         return replace(self, words=words)
 
 
 def mean_inclination(section: Section) -> float:
-    """Mean inclination of the ground between its ends (rad), never negative."""
+    """Return the mean inclination of the ground between its ends (rad), never negative."""
     (x0, z0), (x1, z1) = section.ground[0], section.ground[-1]
     return math.atan(abs(z1 - z0) / (x1 - x0))
 
 
 def depth_below_ground(section: Section, line: np.ndarray) -> np.ndarray:
-    """Depth (n,) below the ground (m) of the points of a ``line`` (n, 2), such as a slip surface."""
+    """Return the depth (n,) below the ground (m) of the points of a ``line`` (n, 2), such as a slip surface."""
     depth: np.ndarray = np.interp(line[:, 0], *section.ground.T) - line[:, 1]
     return depth
 
 
 def flow_words(section: Section, setting: FlowSetting) -> str:
-    """The flow rule of the critical Kh that is taken as the yield coefficient of sliding blocks, in words."""
+    """Return the flow rule, in words, of the critical Kh that is the yield coefficient of sliding blocks."""
     flow = flow_of(section.strata, setting)
     if flow == "davis":
         return f"by {davis_words(stratum.dilation for stratum in section.strata)}"

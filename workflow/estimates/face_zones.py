@@ -15,7 +15,8 @@ SKIN = 0.1  # of the height from the exit of a failure to the crest: thickness o
 
 
 def is_of_face(structure: Standing, towards: int, surface: Surface) -> bool:
-    """Whether a part of the crest slides with a failure towards this side; ``surface``: points (m), left to right."""
+    """Return whether a part of the crest slides with a failure towards this side; ``surface``: points (m), left to
+    right."""
     points = [(float(x), float(z)) for x, z in surface]
     return bool(points) and structure.slides_with(points) and _slides(points) == towards
 
@@ -34,7 +35,7 @@ def zones_against(
     zones: Sequence[StrongZone],
     least_depth: float,
 ) -> tuple[StrongZone, ...] | None:
-    """The strong zones with which a failure that is not of the face no longer comes first.
+    """Return the strong zones that exclude an earlier failure which does not belong to the face.
 
     A failure towards the other side, or behind the crest, is excluded by a strong zone behind the crest. A failure
     in front of the crest is excluded in one of two ways. Where the critical circle of the face leaves the ground
@@ -53,7 +54,7 @@ def zones_against(
     surface : sequence of points
         The failure to exclude, from left to right (m).
     circle : sequence of points
-        The critical circle of the face; empty where there is none.
+        The critical circle of the face; empty if there is none.
     zones : sequence of StrongZone
         The zones so far.
     least_depth : float
@@ -62,7 +63,7 @@ def zones_against(
     Returns
     -------
     tuple of StrongZone or None
-        None where no zone can be added.
+        The zones; None if no zone can be added.
     """
     first, last = section.extent
     crest, middle = structure.crest, 0.5 * (surface[0][0] + surface[-1][0])
@@ -94,7 +95,7 @@ def _snapped(section: Section, x: float, near: float) -> float:
 
 
 def _top_of_slope(ground: np.ndarray, towards: int, surface: Surface) -> float | None:
-    """x (m) of the top of the slope in which a failure lies; None where the ground does not fall towards the side."""
+    """x (m) of the top of the slope in which a failure lies; None if the ground does not fall towards the side."""
     points = ground if towards == LEFT else ground[::-1]  # from the lower end upwards
     run, rise = np.abs(np.diff(points[:, 0])), np.diff(points[:, 1])
     low, high = sorted((surface[0][0], surface[-1][0]))

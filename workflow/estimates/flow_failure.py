@@ -8,19 +8,19 @@ SPREADS: tuple[EstimateKind, ...] = ("spread", "regression", "regression as prin
 
 
 def with_flow_failure(estimates: Iterable[Estimate], factors: Sequence[float]) -> list[Estimate]:
-    """The estimates, with a sentence at lateral spreads where the liquefied ground does not stand without shaking.
+    """Return the estimates, with a sentence at lateral spreads if the liquefied ground does not stand without shaking.
 
-    Data of lateral spreads are of ground that stands once shaking ends: it moves in each pulse, up to its strain
-    potential. Ground with a factor of safety below 1 moves by its weight until it is as flat as its residual strength
-    allows. No relation for lateral spreads has this in its data (Youd, Hansen & Bartlett 2002, which excludes flow
-    failures; Idriss & Boulanger 2008, section 4.4).
+    Data of lateral spreads are of ground that stands once shaking ends: it moves in each half cycle of the shaking, up
+    to its strain potential. Ground with a factor of safety below 1 moves by its weight until it is as flat as its
+    residual strength allows. No relation for lateral spreads has such ground in its data (Youd, Hansen & Bartlett 2002,
+    which excludes flow failures; Idriss & Boulanger 2008, section 4.4).
 
     Parameters
     ----------
     estimates : iterable of Estimate
-        Of all methods.
+        Estimates of all methods.
     factors : sequence of float
-        Factors of safety without shaking of the cases of liquefied ground that flow; empty where none flows.
+        Factors of safety without shaking of the cases of liquefied ground that flow; empty if none flows.
 
     Returns
     -------

@@ -21,7 +21,7 @@ CURVES = (
 
 @dataclass(frozen=True)
 class Spreading:
-    """Input of the relation of Youd et al.
+    """Holds the input of the relation of Youd et al.
 
     Attributes
     ----------
@@ -43,7 +43,8 @@ class Spreading:
 
 
 def youd(site: Spreading) -> float:
-    """Displacement (m): Youd, Hansen & Bartlett (2002), Eq. 6b for gently sloping ground, 6a towards a free face.
+    """Return the displacement (m) by Youd, Hansen & Bartlett (2002), Eq. 6b for gently sloping ground, 6a towards a
+    free face.
 
     log D = -16.213 + 1.532 M - 1.406 log R* - 0.012 R + 0.338 log S + 0.540 log T + 3.413 log(100 - F)
     - 0.795 log(D50 + 0.1), R* = R + 10^(0.89 M - 5.64), R at least 0.5 km; towards a free face -16.713 and 0.592 log W
@@ -59,7 +60,7 @@ def youd(site: Spreading) -> float:
 
 
 def why_not_youd(site: Spreading) -> str:
-    """Why a site is outside the range of Youd et al.; empty if it is inside."""
+    """Return why a site is outside the range of Youd et al.; empty if it is inside."""
     limits = (
         ("magnitude", site.magnitude, 6.0, 8.0, ""),
         ("free-face ratio", site.slope, 1.0, 20.0, " %") if site.free_face else ("slope", site.slope, 0.1, 6.0, " %"),
@@ -76,7 +77,7 @@ def why_not_youd(site: Spreading) -> str:
 
 
 def maximum_shear_strain(factor: float, clean: float) -> float:
-    """γ_max by Zhang et al. (2004), without a unit, from F_L and (N1)60cs; D_r = 14 √(N1)60cs, at most 42 blows.
+    """Return γ_max (-) by Zhang et al. (2004) from F_L and (N1)60cs; D_r = 14 √(N1)60cs, at most 42 blows.
 
     The curves are interpolated between two densities; 0 from F_L = 2 on.
     """
@@ -101,17 +102,19 @@ def _on_curve(number: int, factor: float) -> float:
 
 
 def displacement_index(layers: Sequence[tuple[float, float, float]]) -> float:
-    """LDI = ∫ γ_max dz (m) down to 23 m; ``layers`` are (top, bottom, γ_max), depths in m."""
+    """Return the lateral displacement index LDI = ∫ γ_max dz (m) down to 23 m; ``layers`` are (top, bottom, γ_max),
+    depths in m."""
     return sum(
         (min(bottom, LDI_DEPTH) - min(top, LDI_DEPTH)) * strain for top, bottom, strain in layers if bottom > top
     )
 
 
 def zhang(index: float, slope: float) -> float:
-    """Displacement (m) of gently sloping ground: (S + 0.2) LDI, S the slope (%) from 0.2 to 3.5."""
+    """Return the displacement (m) of gently sloping ground: (S + 0.2) LDI, S the slope (%) from 0.2 to 3.5."""
     return (slope + 0.2) * index
 
 
 def zhang_free_face(index: float, distance: float, height: float) -> float:
-    """Displacement (m) at a distance L from a free face of height H (m): 6 (L/H)^-0.8 LDI, L/H from 4 to 40."""
+    """Return the displacement (m) at a distance L from a free face of height H (m): 6 (L/H)^-0.8 LDI, L/H from 4
+    to 40."""
     return 6.0 * (distance / height) ** -0.8 * index

@@ -17,7 +17,7 @@ THICKNESSES = 3.0  # of the ground at the side, by which it is continued
 
 @dataclass(frozen=True)
 class LongerSectionCircle:
-    """The critical circle of the section with more ground past both sides.
+    """The critical circle of a section that was lengthened beyond both sides.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ def circle_of_longer_section(
     vertical: float = 0.0,
     crack: TensionCrack = NO_CRACK,
 ) -> LongerSectionCircle | None:
-    """Find the circle with the least critical Kh again where that of the section as given ends at a side.
+    """Find the circle with the least critical Kh in a longer section if the circle of the given section ends at a side.
 
     Parameters
     ----------
@@ -58,8 +58,8 @@ def circle_of_longer_section(
     Returns
     -------
     LongerSectionCircle or None
-        None where the circle ends at no side, the section cannot be continued, or no circle of the longer section has a
-        smaller critical Kh.
+        The circle; None if the given circle ends at no side, the section cannot be continued, or no circle of the
+        longer section has a smaller critical Kh.
     """
     left, right = section.extent
     near = AT_SIDE * (right - left)

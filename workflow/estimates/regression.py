@@ -9,7 +9,7 @@ from meshes.section.section import Section
 
 
 def hamada(thickness: float, gradient: float) -> float:
-    """Permanent ground displacement D = 0.75 √H ∛θ (m).
+    """Return the permanent ground displacement D = 0.75 √H ∛θ (m) by Hamada et al. (1986).
 
     M. Hamada, S. Yasuda, R. Isoyama, K. Emoto, Study on liquefaction induced permanent ground displacement, Association
     for the Development of Earthquake Prediction in Japan (1986): regression over 60 sections in Niigata and Noshiro.
@@ -20,13 +20,14 @@ def hamada(thickness: float, gradient: float) -> float:
 
 
 def hamada_as_printed(thickness: float, gradient: float) -> float:
-    """D = 0.75 ∛H ∛θ (m) as printed in the paper (its equation 18); every other source has the square root of H."""
+    """Return D = 0.75 ∛H ∛θ (m) as printed in the paper (its equation 18); every other source has the square root
+    of H."""
     return 0.75 * float(np.cbrt(thickness)) * float(np.cbrt(gradient))
 
 
 @dataclass(frozen=True)
 class LiquefiedLayers:
-    """Input of the regression.
+    """Holds the input of the regression of Hamada et al.
 
     Attributes
     ----------
@@ -41,7 +42,7 @@ class LiquefiedLayers:
 
 
 def liquefied(section: Section, case: int, columns: int = 400) -> LiquefiedLayers | None:
-    """The liquefied layers of a case taken together; None if none liquefies.
+    """Return the liquefied layers of a case taken together; None if none liquefies.
 
     The thickness is the mean of their total thickness over the part of the section that has any. The gradient is that
     of a straight line fitted there to the ground or to their lowest boundary, whichever is steeper.

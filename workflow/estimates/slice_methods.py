@@ -21,7 +21,7 @@ STEEPEST_SIDE = np.radians(60.0)  # of the forces between slices, by Spencer's m
 
 
 def bishop_factor(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.ndarray, kh: float = 0.0) -> np.ndarray:
-    """Factor of safety of circular slip surfaces by Bishop's simplified method, NaN where there is none.
+    """Return the factor of safety of circular slip surfaces by Bishop's simplified method, NaN if there is none.
 
     Parameters
     ----------
@@ -50,14 +50,14 @@ def bishop_factor(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.ndarr
 
 
 def bishop_critical_kh(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.ndarray) -> np.ndarray:
-    """Seismic coefficient at which circular slip surfaces have a factor of safety of 1, in closed form.
+    """Return the seismic coefficient at which circular slip surfaces have a factor of safety of 1, in closed form.
 
-    With F = 1 the forces of Bishop's simplified method are linear in Kh. NaN where the surface cannot slide.
+    With F = 1 the forces of Bishop's simplified method are linear in Kh. NaN if the surface cannot slide.
 
     Parameters
     ----------
     slices, x, z, radius
-        As for `bishop_factor`; pore pressures as of shaken ground.
+        As for `bishop_factor`; pore pressures are those during shaking.
 
     Returns
     -------
@@ -92,7 +92,7 @@ def _shear(slices: Slices, vertical: np.ndarray, factor: np.ndarray) -> tuple[np
 
 @dataclass(frozen=True)
 class Balance:
-    """The equilibrium of one slip surface by Spencer's method.
+    """Holds the equilibrium of one slip surface by Spencer's method.
 
     Attributes
     ----------
@@ -107,19 +107,19 @@ class Balance:
 
 
 def spencer_factor(slices: Slices, kh: float = 0.0) -> Balance | None:
-    """Factor of safety of one slip surface by Spencer's method.
+    """Return the factor of safety of one slip surface by Spencer's method.
 
     Parameters
     ----------
     slices : Slices
-        Of one surface.
+        Slices of one slip surface.
     kh : float
         Horizontal seismic coefficient, towards the slide.
 
     Returns
     -------
     Balance or None
-        None where no factor between 0.02 and 100 balances forces and moments.
+        The equilibrium; None if no factor between 0.02 and 100 balances forces and moments.
     """
 
     def force_balance(theta: float) -> float:
@@ -137,17 +137,17 @@ def spencer_factor(slices: Slices, kh: float = 0.0) -> Balance | None:
 
 
 def spencer_critical_kh(slices: Slices) -> Balance | None:
-    """Seismic coefficient at which Spencer's factor of safety of one slip surface is 1.
+    """Return the seismic coefficient at which Spencer's factor of safety of one slip surface is 1.
 
     Parameters
     ----------
     slices : Slices
-        Of one surface, with pore pressures as of shaken ground.
+        Slices of one slip surface, with pore pressures during shaking.
 
     Returns
     -------
     Balance or None
-        None where no coefficient between -5 and 5 balances forces and moments.
+        The equilibrium; None if no coefficient between -5 and 5 balances forces and moments.
     """
     ones = np.ones(1)
 
@@ -161,7 +161,7 @@ def spencer_critical_kh(slices: Slices) -> Balance | None:
 
 
 def _residuals(slices: Slices, factor: np.ndarray, kh: float, theta: float) -> tuple[np.ndarray, np.ndarray]:
-    """Sums over the slices of one surface of the side forces Q and of their moments, (factors,); NaN where the normal
+    """Sums over the slices of one surface of the side forces Q and of their moments, (factors,); NaN if the normal
     force of a slice has no meaning.
 
     Q is the resultant of both side forces of a slice, at the angle θ; its distance from the middle of the base follows

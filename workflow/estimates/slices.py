@@ -19,7 +19,7 @@ LEFT, RIGHT = -1, 1  # where the mass slides to
 
 @dataclass(frozen=True, eq=False)
 class Slices:
-    """The slices of trial slip surfaces that slide to the left; all arrays are (surfaces, slices).
+    """Holds the slices of trial slip surfaces that slide to the left; all arrays are (surfaces, slices).
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Slices:
     pressure: np.ndarray
 
     def of(self, surfaces: np.ndarray) -> "Slices":
-        """The slices of some of the surfaces, by index or by a mask."""
+        """Return the slices of some of the surfaces, by index or by a mask."""
         return Slices(**{name: value[surfaces] for name, value in vars(self).items()})
 
 
@@ -114,7 +114,7 @@ def divide(
 def loaded_by_crack(
     slices: Slices, section: Section, crack: TensionCrack, head: tuple[np.ndarray, np.ndarray], towards: int
 ) -> Slices:
-    """The slices with the thrust of the water in tension cracks at their heads.
+    """Return the slices with the thrust of the water in tension cracks at their heads.
 
     Water of depth h has a thrust of γ_w h² / 2 at h / 3 above the bottom. Under free water with a pressure p on the
     ground the crack is full, and p acts on its whole face in addition. The thrust does not change with Kh.
@@ -127,7 +127,7 @@ def loaded_by_crack(
     head : two (surfaces,) ndarray
         x and elevation (m) of the upper ends of the slip surfaces, the bottoms of the cracks.
     towards : int
-        LEFT or RIGHT, where the mass slides to.
+        LEFT or RIGHT, the side to which the mass slides.
 
     Returns
     -------

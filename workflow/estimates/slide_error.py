@@ -21,7 +21,7 @@ FEW = 3  # cases, below which those of other kinds are counted as well
 
 @dataclass(frozen=True)
 class SlideError:
-    """Error of a method in predicting known slides.
+    """Holds the error of a method in predicting known slides.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class SlideError:
     method: SlideMethod = "discs"
 
     def sentence(self) -> str:
-        """The sentence on the error of a slide."""
+        """Return the sentence on the error of a slide."""
         named = f"{self.kind[0].upper()}{self.kind[1:]} of the collection"
         return (
             f"{named} were predicted{BY[self.method]} within a factor of {self.factor:g} in {self.within} of "
@@ -54,22 +54,22 @@ class SlideError:
 
     @property
     def bounds_slides(self) -> bool:
-        """Whether the error is small enough for an interval of slides."""
+        """Return whether the error is small enough for an interval of slides."""
         return self.factor <= MOST_ERROR
 
     def interval(self, low: float, high: float) -> tuple[float, float]:
-        """Interval of slides (m) by predictions and their error."""
+        """Return the interval of slides (m) by predictions and their error."""
         return low / self.factor, high * self.factor
 
 
 def slide_error(flows: bool | None = None, method: SlideMethod = "discs") -> SlideError | None:
-    """The error in predicting known field slides; only of flow failures, or only of spreads, if there are enough
+    """Return the error in predicting known field slides; only of flow failures, or only of spreads, if there are enough
     of them.
 
     Parameters
     ----------
     flows
-        Whether the slide flows by its weight alone; None where that is not known.
+        Whether the slide flows by its weight alone; None if this is not known.
     method
         Method of the predictions.
 
@@ -89,8 +89,8 @@ def slide_error(flows: bool | None = None, method: SlideMethod = "discs") -> Sli
 
 
 def error_of(kind: str, ratios: Sequence[float], method: SlideMethod = "discs") -> SlideError | None:
-    """The smallest of `FACTORS` within which two thirds of the ratios lie, or the largest of them; None without any
-    ratio.
+    """Return the smallest of `FACTORS` within which two thirds of the ratios lie, or the largest of them; None without
+    any ratio.
     """
     if not ratios:
         return None

@@ -10,7 +10,8 @@ from meshes.section.quantity import GRAVITY
 
 @dataclass(frozen=True)
 class RigidSlide:
-    """A block in time: ``time`` (n,) in s, ``velocity`` in m/s and ``displacement`` in m, relative to the ground."""
+    """Holds the motion of a block: ``time`` (n,) in s, ``velocity`` in m/s and ``displacement`` in m, relative to the
+    ground."""
 
     time: np.ndarray
     velocity: np.ndarray
@@ -18,17 +19,17 @@ class RigidSlide:
 
     @property
     def permanent(self) -> float:
-        """Displacement at the end (m)."""
+        """Return the displacement at the end (m)."""
         return float(self.displacement[-1])
 
     @property
     def moving(self) -> bool:
-        """Whether the block still moves when the record ends."""
+        """Return whether the block still moves when the record ends."""
         return bool(self.velocity[-1] > 0.0)
 
 
 def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float) -> RigidSlide:
-    """The slide of a rigid block that resists kc g, under a record of the ground's acceleration.
+    """Compute the slide of a rigid block that resists kc g, under a record of the ground's acceleration.
 
     N. M. Newmark, Effects of earthquakes on dams and embankments, Géotechnique 15 (1965) 139-160: from the moment when
     the ground acceleration exceeds kc g, the relative acceleration of the block is the excess over kc g, until both
@@ -94,7 +95,7 @@ def _first_stop(speed: float, a: float, slope: float, span: float) -> float | No
 
 
 def rectangular_pulse(kc: float, k: float, duration: float) -> float:
-    """Slide (m) of a block with yield acceleration kc g under a constant k g of a duration (s).
+    """Return the slide (m) of a block with yield acceleration kc g under a constant k g of a duration (s).
 
     Newmark (1965), the closed form for a rectangular pulse: u = V² / (2 g kc) (1 - kc / k) with V = k g t.
     """
@@ -113,17 +114,17 @@ class SmoothPlane:
 
     @property
     def acceleration(self) -> float:
-        """Acceleration along the plane (m/s²): g (sin β + Kh cos β)."""
+        """Return the acceleration along the plane (m/s²): g (sin β + Kh cos β)."""
         return GRAVITY * float(np.sin(self.slope) + self.kh * np.cos(self.slope))
 
     def speed(self, seconds: float) -> float:
-        """Speed (m/s) after a time from rest."""
+        """Return the speed (m/s) after a time from rest."""
         return self.acceleration * seconds
 
     def distance(self, seconds: float) -> float:
-        """Distance (m) after a time from rest."""
+        """Return the distance (m) after a time from rest."""
         return 0.5 * self.acceleration * seconds**2
 
     def time_for(self, distance: float) -> float:
-        """Seconds from rest for a distance (m)."""
+        """Return the time (s) from rest for a distance (m)."""
         return float(np.sqrt(2.0 * distance / self.acceleration))

@@ -30,7 +30,7 @@ NO_CRACK = TensionCrack()
 
 @dataclass(frozen=True, eq=False)
 class SlipCircle:
-    """A slip circle with its factors of safety or critical Kh.
+    """Holds a slip circle with its factors of safety or critical Kh.
 
     Attributes
     ----------
@@ -61,30 +61,30 @@ def critical_circle(
     crest: tuple[float, float] | None = None,
     crack: TensionCrack = NO_CRACK,
 ) -> SlipCircle | None:
-    """Find, towards one side, the slip circle with the least factor of safety or with the least critical Kh.
+    """Return the find, towards one side, the slip circle with the least factor of safety or with the least critical Kh.
 
     Parameters
     ----------
     section : Section
         Strata cut at the water, as `Section.parse` returns them.
     towards : int
-        LEFT or RIGHT, where the mass slides to.
+        LEFT or RIGHT, the side to which the mass slides.
     kh : float or None
         Horizontal seismic coefficient at which the factor of safety is sought; None to seek the least Kh at which the
-        factor is 1, with the excess pore pressures of shaking.
+        factor is 1, with excess pore pressures by shaking.
     least_depth : float
         Smallest depth of circles (m); at least 2 % of the height of the section.
     vertical : float
         Vertical seismic coefficient, positive upwards.
     crest : (left, right) or None
-        x (m) of the ends of a crest of which at least a part has to slide; None for any circle.
+        Positions x (m) of the ends of a crest of which at least a part has to slide; None for any circle.
     crack : TensionCrack
         Depth of the crack at which circles end, and the water in it.
 
     Returns
     -------
     SlipCircle or None
-        None where no circle slides.
+        The circle; None if no circle slides.
     """
     depth = max(least_depth, LEAST_DEPTH * float(np.ptp(section.outline()[:, 1])))
     return _CircleSearch(section, towards, kh, depth, vertical, crest, crack).run()
@@ -93,7 +93,7 @@ def critical_circle(
 def surface_balance(
     section: Section, line: np.ndarray, towards: int, kh: float | None = 0.0, vertical: float = 0.0
 ) -> float | None:
-    """Spencer's factor of safety, or critical Kh, of any slip surface.
+    """Return Spencer's factor of safety, or critical Kh, of any slip surface.
 
     Parameters
     ----------
@@ -102,14 +102,14 @@ def surface_balance(
     line : (n, 2) ndarray
         Points of the slip surface (m), x ascending; its ends are extended to the ground.
     towards : int
-        LEFT or RIGHT, where the mass slides to.
+        LEFT or RIGHT, the side to which the mass slides.
     kh, vertical
         As for `critical_circle`.
 
     Returns
     -------
     float or None
-        None where forces and moments do not balance.
+        Factor of safety or critical Kh; None if forces and moments do not balance.
     """
     line = _to_the_ground(section, line, towards)
     x = np.linspace(line[0, 0], line[-1, 0], FINE_SLICES + 1)
@@ -119,7 +119,7 @@ def surface_balance(
 
 
 def least_balance(section: Section, line: np.ndarray, kh: float | None = 0.0, vertical: float = 0.0) -> float | None:
-    """The smaller of Spencer's factors of safety, or critical Kh, of a slip surface towards both sides.
+    """Return the smaller of Spencer's factors of safety, or critical Kh, of a slip surface towards both sides.
 
     Parameters
     ----------
@@ -129,7 +129,8 @@ def least_balance(section: Section, line: np.ndarray, kh: float | None = 0.0, ve
     Returns
     -------
     float or None
-        None for a line of fewer than three points, and where forces and moments balance towards neither side.
+        Factor of safety or critical Kh; None for a line of fewer than three points, or if forces and moments balance
+        towards neither side.
     """
     if len(line) < FEWEST_POINTS:
         return None
@@ -167,7 +168,7 @@ class _CircleSearch:
     crack: TensionCrack
 
     def run(self) -> SlipCircle | None:
-        """The circle with the least value; None where none slides."""
+        """Return the circle with the least value; None if none slides."""
         best = self._best(self._grid(), SLICES)
         left, right = self.section.extent
         step = np.array([(right - left) / (ENDS - 1), (right - left) / (ENDS - 1), 1.0 / DEPTHS])

@@ -19,12 +19,12 @@ class Standing:
     crest: Crest
 
     def slides_with(self, surface: Sequence[tuple[float, float]]) -> bool:
-        """Whether a part of the crest lies above a slip surface, whose points (m) go from left to right."""
+        """Return whether a part of the crest lies above a slip surface, whose points (m) go from left to right."""
         return surface[0][0] <= self.crest.right and surface[-1][0] >= self.crest.left
 
 
 def structures_of(section: Section) -> tuple[Standing, ...]:
-    """The structures of a section: those of its file, or else its embankments."""
+    """Return the structures of a section: those of its file, or else its embankments."""
     ground = section.ground
     if section.structures:
         return tuple(
@@ -47,7 +47,7 @@ def face_circle(
     vertical: float,
     crack: TensionCrack = NO_CRACK,
 ) -> SlipCircle | None:
-    """The critical slip circle of one face of a structure: a part of the crest slides with it ``towards`` a side.
+    """Find the critical slip circle of one face of a structure: a part of the crest slides with it ``towards`` a side.
 
     ``critical`` is the critical circle of the ``section`` towards this side; it is also the circle of the face if a
     part of the crest slides with it. The other arguments, ``kh``, ``least_depth``, ``vertical`` and ``crack``, are

@@ -16,7 +16,7 @@ COLUMNS = 400  # along the section
 
 @dataclass(frozen=True)
 class Truss:
-    """A bar per metre of width.
+    """An elastic bar per metre of width, which represents the layer above liquefied ground.
 
     Attributes
     ----------
@@ -32,22 +32,22 @@ class Truss:
     modulus: float
 
     def displacement(self, along: float) -> float:
-        """Displacement (m) at a distance s from the held end: γ sin β (L s - s²/2) / E'.
+        """Return the displacement (m) at a distance s from the fixed end: γ sin β (L s - s²/2) / E'.
 
-        E' u'' + γ sin β = 0 with u = 0 at the end that is held and u' = 0 at the free one. The thickness of the bar
-        cancels; the displacement is largest at the free end, γ sin β L² / 2 E'.
+        E' u'' + γ sin β = 0 with u = 0 at the fixed end and u' = 0 at the free end. The thickness of the bar cancels;
+        the displacement is largest at the free end, γ sin β L² / 2 E'.
         """
         force = self.density * GRAVITY * math.sin(self.inclination)
         return force * (self.length * along - 0.5 * along**2) / self.modulus
 
     @property
     def end(self) -> float:
-        """Displacement (m) of the free end."""
+        """Return the displacement (m) of the free end."""
         return self.displacement(self.length)
 
 
 def truss_of(section: Section, case: int) -> Truss | None:
-    """The strata above the uppermost one that liquefies in a case, as one bar; None where nothing lies above it.
+    """Return the strata above the uppermost liquefying stratum of a case as one bar; None if nothing lies above it.
 
     The length of the bar is that of the part of the section with liquefying layers; density and modulus are means over
     the area of the strata; the inclination of the bar is the mean of its lower boundary.

@@ -15,7 +15,7 @@ COLUMNS = 200  # vertical lines on which layers are looked at
 
 
 def thin_weak_layers(section: Section) -> tuple[str, ...]:
-    """The soils of a section that slip circles cannot follow, from the top down.
+    """Return the soils of a section that slip circles cannot follow, from the top down.
 
     Strengths are c + σ'v tan φ in the middle of a layer, its own and that of the soils above and below it. The base
     counts as firm ground.

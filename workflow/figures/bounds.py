@@ -45,14 +45,14 @@ def draw_all(config: Config, bounds: KhBounds, store: Store) -> None:
 
 
 def conditions(config: Config, bounds: KhBounds, bound: Mechanism | StressField) -> str:
-    """Conditions of a bound, for the foot of its picture."""
+    """Return the conditions of a bound, for the foot of its picture."""
     kv = f", Kv = {config.fem.vertical:g}" if config.fem.vertical else ""
     direction = next(side.direction for side in bounds.directions if bound in (side.mechanism, side.stress))
     return f"sides {config.fem.sides}, ψ = φ, seismic force {FORCE[direction]}{kv}"
 
 
 def yield_use(stress: StressField) -> np.ndarray:
-    """Mobilised strength (m,) of every cell, at its worst corner: 1 on the yield surface."""
+    """Return the mobilised strength (m,) of every cell, at its worst corner: 1 on the yield surface."""
     slack = yield_slack(stress.problem, stress.stress)
     radius = np.hypot(0.5 * (stress.stress[..., 0] - stress.stress[..., 1]), stress.stress[..., 2])
     strength = radius + slack

@@ -66,13 +66,13 @@ SOILS = (
 
 
 def soil_colour(index: int) -> str:
-    """The colour of the stratum with this index; after the twelfth the colours repeat, darker."""
+    """Return the colour of the stratum with this index; after the twelfth the colours repeat, darker."""
     again, place = divmod(index, len(SOILS))
     return to_hex(np.array(to_rgb(SOILS[place])) * 0.72**again)
 
 
 def soil_colours(names: Sequence[str]) -> list[str]:
-    """The colours of strata by their names; parts of one soil have the same colour."""
+    """Return the colours of strata by their names; parts of one soil have the same colour."""
     return [soil_colour(number) for number in soil_numbers(names)]
 
 
@@ -87,14 +87,14 @@ class Window:
 
     @classmethod
     def around(cls, points: np.ndarray, margin: float = 0.02) -> "Window":
-        """A window round points (n, 2) with a margin as a share of the width."""
+        """Return a window round points (n, 2) with a margin as a share of the width."""
         (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
         gap = margin * (right - left)
         above = min(gap, 0.1 * (top - bottom))
         return cls(left - gap, right + gap, bottom - above, top + above)
 
     def with_room_for(self, points: np.ndarray) -> "Window":
-        """The window, larger where points (n, 2) lie outside it."""
+        """Return the window, larger where points (n, 2) lie outside it."""
         if not len(points):
             return self
         (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
@@ -105,11 +105,12 @@ class Window:
 
     @property
     def proportion(self) -> float:
-        """Height over width."""
+        """Return the height over width."""
         return (self.top - self.bottom) / (self.right - self.left)
 
     def exaggerations(self) -> list[int]:
-        """Exaggeration of heights in each view: 1, and a larger one in a second view if the section is too flat."""
+        """Return the exaggeration of heights in each view: 1, and a larger one in a second view if the section is too
+        flat."""
         if self.proportion >= FLATTEST:
             return [1]
         return [1, next((much for much in EXAGGERATIONS if much * self.proportion >= FLATTEST), EXAGGERATIONS[-1])]
@@ -148,7 +149,7 @@ def render(
 
 
 class Sheet:
-    """One picture: rows of views of the same width, with a title, and notes at the foot."""
+    """A picture: rows of views of the same width, with a title, and notes at the foot."""
 
     def __init__(self, title: str, heights: list[float], foot: str = "", legend_rows: int = 0) -> None:
         """``heights`` are the heights of the views over their width; ``legend_rows`` leaves room below them."""
@@ -177,7 +178,8 @@ class Sheet:
     def show(self, view: int, image: np.ndarray, window: Window, title: str = "", exaggeration: int = 1) -> Axes:
         """Put a rendered image into a view, with axes in metres.
 
-        ``window``: the part of the section in it; ``title``: above it; ``exaggeration``: of heights.
+        ``window``: part of the section in the view; ``title``: title above the view; ``exaggeration``: vertical
+        exaggeration.
         """
         axes = self.frame(view, window, title, exaggeration)
         extent = (window.left, window.right, window.bottom, window.top)
@@ -185,9 +187,9 @@ class Sheet:
         return axes
 
     def frame(self, view: int, window: Window, title: str = "", exaggeration: int = 1) -> Axes:
-        """A view of a window to draw into, with axes in metres.
+        """Return a view of a window to draw into, with axes in metres.
 
-        ``title``: above it; ``exaggeration``: of heights.
+        ``title``: title above the view; ``exaggeration``: vertical exaggeration.
         """
         axes = self.views[view]
         axes.set_xlim(window.left, window.right)
@@ -210,7 +212,7 @@ class Sheet:
         return axes
 
     def legend(self, handles: Sequence[Artist], columns: int, below: float = 0.0) -> None:
-        """A legend under the views, ``below`` so many rows of it."""
+        """Draw a legend under the views, ``below`` so many rows of it."""
         left, top = self.legend_at
         legend = self.figure.legend(
             handles=handles, loc="upper left", ncols=columns, fontsize=7.5,
@@ -221,7 +223,7 @@ class Sheet:
             text.set_parse_math(False)
 
     def colour_bar(self, scale: ScalarMappable, label: str, limits: Sequence[float] | None = None) -> None:
-        """A colour bar under the views, on the left; ``limits`` of its classes, if it has classes."""
+        """Draw a colour bar under the views, on the left; ``limits`` of its classes, if it has classes."""
         left, top = self.legend_at
         height = self.figure.get_figheight()
         box = self.figure.add_axes((left, top - 0.2 / height, 0.42, 0.12 / height))
@@ -234,15 +236,15 @@ class Sheet:
         box.set_xlabel(label, fontsize=7, color=INK, labelpad=1, parse_math=False)
 
     def note(self, text: str) -> None:
-        """A note under the views, right of the colour bar."""
+        """Draw a note under the views, right of the colour bar."""
         _, top = self.legend_at
         lines = "\n".join(line for part in text.splitlines() for line in textwrap.wrap(part, NOTE_CHARACTERS))
         self.figure.text(0.52, top, lines, fontsize=7.5, color=INK, va="top", parse_math=False)
 
     def plot(self, view: int, across: str, up: str, title: str = "") -> Axes:
-        """A view as axes for curves, with labels and a grid.
+        """Return a view as axes for curves, with labels and a grid.
 
-        ``across``, ``up``: labels of the axes; ``title``: above it.
+        ``across``, ``up``: labels of the axes; ``title``: title above the view.
         """
         axes = self.views[view]
         axes.set_xlabel(across, fontsize=8, color=INK, labelpad=2, parse_math=False)
@@ -279,12 +281,12 @@ def save(figure: Figure, path: Path | str) -> None:
 
 
 def in_classes(limits: Sequence[float], colours: Sequence[str]) -> ScalarMappable:
-    """A scale of colours, one for each class between two limits."""
+    """Return a scale of colours, one for each class between two limits."""
     return ScalarMappable(BoundaryNorm(limits, len(colours)), ListedColormap(list(colours)))
 
 
 def spread(points: np.ndarray, window: Window, across: int = 45) -> np.ndarray:
-    """Indices of about uniformly spaced points in the window, one for each box of a grid."""
+    """Return the indices of about uniformly spaced points in the window, one for each box of a grid."""
     box = (window.right - window.left) / across
     cells = np.floor((points - [window.left, window.bottom]) / box).astype(np.int64)
     _, first = np.unique(cells[:, 0] * 100_000 + cells[:, 1], return_index=True)
@@ -292,6 +294,6 @@ def spread(points: np.ndarray, window: Window, across: int = 45) -> np.ndarray:
 
 
 def legend_columns(handles: Sequence[Artist], most: int = 3) -> int:
-    """Number of columns of a legend: three, or fewer with long labels."""
+    """Return the number of columns of a legend: three, or fewer with long labels."""
     longest = max(len(str(handle.get_label()).encode()) for handle in handles)
     return int(np.clip(LEGEND_CHARACTERS // (longest + 6), 1, most))

@@ -45,16 +45,14 @@ class Circles(Protocol):
 
 
 def window_of(model: Circles, line: np.ndarray = NO_LINE) -> Window:
-    """All discs with their rims, the points (n, 2) of a line, and a margin."""
+    """Return a window of all discs with their rims, the points (n, 2) of a line, and a margin."""
     x, z, r = model.x, model.z, model.radius
     rims = [[(x - r).min(), (z - r).min()], [(x + r).max(), (z + r).max()]]
     return Window.around(np.concatenate([rims, line]), 0.015)
 
 
 def in_section(model: DiscModel, ground: Ground) -> DiscModel:
-    """A view of the discs in the coordinates of the section, for drawing; gravity and rigid lines are not
-    transformed.
-    """
+    """Return the discs in the coordinates of the section, for drawing; gravity and rigid lines are not transformed."""
     view = copy.copy(model)
     view.x, view.z = ground.to_section(model.x, model.z)
     view.vx, view.vz = ground.to_section_axes(model.vx, model.vz)
@@ -63,7 +61,7 @@ def in_section(model: DiscModel, ground: Ground) -> DiscModel:
 
 
 def discs(model: Circles, which: np.ndarray, height: float = 0.0) -> pv.PolyData:
-    """Some of the discs as filled circles."""
+    """Draw some of the discs as filled circles."""
     if not which.any():
         return pv.PolyData()
     cloud = pv.PolyData(np.column_stack([model.x, model.z, np.full(len(model.x), height)])[which])
@@ -73,9 +71,9 @@ def discs(model: Circles, which: np.ndarray, height: float = 0.0) -> pv.PolyData
 
 
 def bars(model: DiscModel, which: np.ndarray, width: np.ndarray, height: float = 0.1) -> pv.PolyData:
-    """Some of the pairs as bars between the centres; width in m.
+    """Draw some of the pairs as bars between the centres; width in m.
 
-    model: the discs; which: numbers of the pairs; height: above the plane, which determines what covers what.
+    model: model of the discs; which: numbers of the pairs; height: above the plane, which determines what covers what.
     """
     i, j = model.pair_i[which], model.pair_j[which]
     if not len(i):
@@ -90,7 +88,7 @@ def bars(model: DiscModel, which: np.ndarray, width: np.ndarray, height: float =
 
 
 def layers(model: DiscModel, path: Path | str, title: str = "Discs by layer") -> None:
-    """Every disc in the colour of its layer; boundary discs dark. A spoke shows the rotation of a disc."""
+    """Draw every disc in the colour of its layer; boundary discs dark. A spoke shows the rotation of a disc."""
     window = window_of(model)
     colours = soil_colours([layer.name for layer in model.springs.layers])
 
@@ -116,7 +114,7 @@ def layers(model: DiscModel, path: Path | str, title: str = "Discs by layer") ->
 
 
 def pore_springs(model: DiscModel, path: Path | str, title: str = "Pore springs") -> None:
-    """Intact pore springs in green, cracked ones in red."""
+    """Draw intact pore springs (the second springs between discs in the paper's law) in green, cracked ones in red."""
     whole, cracked = model.pore_length > 0.0, model.pore_length < 0.0
     handles = [
         Line2D([], [], color=WHOLE, lw=3, label=f"whole ({whole.sum()})"),
@@ -126,8 +124,8 @@ def pore_springs(model: DiscModel, path: Path | str, title: str = "Pore springs"
 
 
 def draw_pore_springs(plotter: pv.Plotter, model: DiscModel) -> None:
-    """Pore springs as bars over pale discs; springs between discs far apart are left out, since they would cross the
-    picture.
+    """Draw pore springs as bars over pale discs; springs between discs far apart are left out, since they would cross
+    the picture.
     """
     plotter.add_mesh(discs(model, np.ones(len(model), bool)), color=PALE, lighting=False)
     near = model.distance() < 1.5 * np.abs(model.pore_length)
@@ -139,9 +137,10 @@ def draw_pore_springs(plotter: pv.Plotter, model: DiscModel) -> None:
 
 
 def state(model: DiscModel, before: DiscModel, path: Path | str, title: str) -> None:
-    """Displacement of every disc since `before` and, for discs with pore springs, these springs: as Figs 12 and 13.
+    """Draw the displacement of every disc since `before` and, for discs with pore springs, these springs: as Figs 12
+    and 13.
 
-    model: the discs; path: of the picture; title: above it.
+    model: model of the discs; path: file of the picture; title: title above the picture.
     """
     window = window_of(model)
     far = np.hypot(model.x - before.x, model.z - before.z)
@@ -159,7 +158,7 @@ def state(model: DiscModel, before: DiscModel, path: Path | str, title: str) -> 
 
 
 def nice(value: float) -> float:
-    """The next round number above a positive number: 1, 1.5, 2, 3, 4, 5, 6 or 8 times a power of ten."""
+    """Return the next round number above a positive number: 1, 1.5, 2, 3, 4, 5, 6 or 8 times a power of ten."""
     if not value > 0.0:
         return 1.0
     power = 10.0 ** np.floor(np.log10(value))
@@ -167,10 +166,10 @@ def nice(value: float) -> float:
 
 
 def draw_values(plotter: pv.Plotter, model: Circles, values: np.ndarray, norm: Normalize, dark: np.ndarray) -> None:
-    """Discs coloured by a value, and some of them dark.
+    """Draw discs coloured by a value, and some of them dark.
 
-    plotter: to draw into; model: the discs; values: one for each disc; norm: of the colours; dark: mask of the dark
-    ones.
+    plotter: plotter that draws; model: model of the discs; values: one value for each disc; norm: norm of the colours;
+    dark: mask of the dark ones.
     """
     mesh = discs(model, ~dark)
     mesh["value"] = values[mesh["disc"]]
@@ -183,7 +182,7 @@ def draw_values(plotter: pv.Plotter, model: Circles, values: np.ndarray, norm: N
 
 
 def velocities(model: DiscModel, path: Path | str, title: str = "Velocity") -> None:
-    """Every disc in the colour of its speed, with arrows on some of them."""
+    """Draw every disc in the colour of its speed, with arrows on some of them."""
     speed = np.hypot(model.vx, model.vz)
     fastest = float(speed.max()) or 1.0
     free = np.flatnonzero(~model.fixed)
@@ -206,7 +205,7 @@ def velocities(model: DiscModel, path: Path | str, title: str = "Velocity") -> N
 
 
 def force_chains(model: DiscModel, path: Path | str, title: str = "Force chains") -> None:
-    """Bars between touching discs, their width proportional to the force; pore springs in tension in red."""
+    """Draw bars between touching discs, with widths proportional to the force; pore springs in tension in red."""
     normal = contact_forces(model).normal
     size = np.abs(normal)
     # the strongest few would leave the rest as hairs

@@ -36,7 +36,8 @@ class MethodRow:
 
 
 def displacements(results: Results, name: str) -> bool:
-    """Draw a point for each method, discs and estimates, on a logarithmic axis; false if there are fewer than two."""
+    """Draw a point for each method, discs and estimates, on a logarithmic axis; return False if there are fewer than
+    two."""
     rows = [*_others(results), *slides(results)]
     known = [row for row in rows if row.value is not None]
     if len(known) < 2:
@@ -90,7 +91,8 @@ def _others(results: Results) -> Iterator[MethodRow]:
 
 
 def slides(results: Results) -> Iterator[MethodRow]:
-    """The slide of every case by discs, by material points, by the paper's discs, and as the paper printed it."""
+    """Return the slide of every case by discs, by material points, by the paper's discs, and as the paper printed
+    it."""
     first, cases = results.case_set()
     yield from _of_cases(results, cases, "discs", SLIDES)
     yield from _of_cases(results, results.mpm.cases if results.mpm is not None else {}, "material points", POINTS)

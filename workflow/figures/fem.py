@@ -66,7 +66,7 @@ def _named(factor: FactorOfSafety) -> str:
 def draw_state(config: Config, results: FemResults, state: FieldState, store: Store) -> str:
     """Draw one state again; returns the name of its picture.
 
-    ``config``: of the run; ``results``: of the finite elements; ``store``: the folder of the run.
+    ``config``: config of the run; ``results``: results of the finite elements; ``store``: the folder of the run.
     """
     name = picture_of(state)
     with store.writing(name) as path:
@@ -75,13 +75,13 @@ def draw_state(config: Config, results: FemResults, state: FieldState, store: St
 
 
 def picture_of(state: FieldState) -> str:
-    """The name of the picture of a state."""
+    """Return the name of the picture of a state."""
     is_end = not state.past_equilibrium and not state.label.startswith("Kh = ")
     return "figures/fem_plateau.png" if is_end else f"figures/fem_kh_{state.kh:.3f}.png"
 
 
 def conditions(config: Config, element: str) -> str:
-    """Conditions of a critical Kh, for the foot of its picture."""
+    """Return the conditions of a critical Kh, for the foot of its picture."""
     flow = _flow_in_words(config)
     kv = f", Kv = {config.fem.vertical:g}" if config.fem.vertical else ""
     direction = config.fem.direction
@@ -172,7 +172,7 @@ def _state_sheet(config: Config, results: FemResults, state: FieldState, views: 
 
 
 def nice_number(value: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that is not above a positive value."""
+    """Return the largest of 1, 2, 5 times a power of ten that is not above a positive value."""
     power = 10.0 ** np.floor(np.log10(value))
     return float(max(k * power for k in (1.0, 2.0, 5.0) if k * power <= value * (1 + 1e-9)))
 

@@ -15,7 +15,7 @@ ASKED_FOR = "Noto's fonts have them: on Debian and Ubuntu apt install fonts-noto
 
 
 def files_for(text: str) -> tuple[str, ...]:
-    """The font files that together have the characters of a text, the default font first, as far as they are
+    """Return the font files that together have the characters of a text, the default font first, as far as they are
     installed.
     """
     files = [font_manager.findfont(PLAIN)]
@@ -28,12 +28,12 @@ def files_for(text: str) -> tuple[str, ...]:
 
 
 def file_for(text: str) -> str:
-    """The file of the font with most characters of a text, for programs that use only one font at a time."""
+    """Return the file of the font with most characters of a text, for programs that use only one font at a time."""
     return min(files_for(text), key=lambda file: len(_lacking([file], frozenset(text))))
 
 
 def families_for(text: str) -> list[str]:
-    """The names by which matplotlib knows these fonts."""
+    """Return the names by which matplotlib knows these fonts."""
     names = []
     for file in files_for(text):
         if file not in {entry.fname for entry in font_manager.fontManager.ttflist}:
@@ -43,13 +43,13 @@ def families_for(text: str) -> list[str]:
 
 
 def missing(text: str) -> str:
-    """The characters of a text that no font of this machine has."""
+    """Return the characters of a text that no font of this machine has."""
     left = _lacking(files_for(text), frozenset(text))
     return "".join(sorted(left, key=text.index))
 
 
 def without(text: str, characters: str) -> str:
-    """A text with a question mark for each of some characters."""
+    """Return a text with a question mark for each of some characters."""
     return text.translate({ord(character): UNKNOWN for character in characters})
 
 

@@ -23,7 +23,8 @@ ABOVE = 0.25  # of the height of the section: room for the arrow above it
 
 
 def front(results: Results, name: str) -> bool:
-    """Draw the section with slip surface, largest slide, borings and the seismic force; False without any of them."""
+    """Draw the section with slip surface, largest slide, borings and the seismic force; return False without any of
+    them."""
     lines: list[Overlay] = []
     governing = governing_kh(results)
     if governing is not None and len(results.slip_surface):

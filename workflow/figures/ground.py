@@ -50,7 +50,7 @@ ARROW = 0.03  # of the width: the largest surcharge
 
 
 def foot(section: Section) -> str:
-    """The note at the foot of every picture of a section: that it is a reconstruction, if it is one."""
+    """Return the note at the foot of every picture of a section: that it is a reconstruction, if it is one."""
     text = f"Reconstruction. {section.reconstruction_note}" if section.reconstruction else ""
     return textwrap.fill(text, FOOT_CHARACTERS)
 
@@ -95,8 +95,8 @@ def draw_section(
 ) -> None:
     """Draw the layers in colour, liquefying ones dotted, the water table, and lines over them, in true proportions.
 
-    ``decorate``: function that draws more into each view; ``above``: room above the ground as a share of the height.
-    ``section``: the ground; ``path``: of the picture; ``title``: above it.
+    ``decorate``: function that draws more into each view; ``above``: space above the ground as a share of the height.
+    ``section``: the section; ``path``: file of the picture; ``title``: title above the picture.
     """
     outline = section.outline()
     points_per_metre = (RIGHT - LEFT) * WIDTH / DPI * 72.0 / np.ptp(outline[:, 0])
@@ -133,7 +133,7 @@ def draw_section(
 
 
 def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:
-    """The quadrilaterals, coloured by stratum, with their quality."""
+    """Draw the quadrilaterals, coloured by stratum, with their quality."""
     from workflow.results.mesh_grids import unstructured
 
     window = Window.around(mesh.points)
@@ -177,7 +177,7 @@ def _colours(section: Section) -> list[str]:
 
 
 def borders(section: Section) -> list[np.ndarray]:
-    """The edges (2, 2) of the strata (m) but for the vertical ones between two parts of one soil."""
+    """Return the edges (2, 2) of the strata (m) but for the vertical ones between two parts of one soil."""
     layers = section.layering
     numbers = np.array([*soil_numbers([stratum.name for stratum in section.strata]), -1])
     outlines = [polygon for k in range(layers.strata) for polygon in layers.polygons(k)]
@@ -191,15 +191,15 @@ def borders(section: Section) -> list[np.ndarray]:
 
 
 def room_for_loads(section: Section) -> np.ndarray:
-    """Points (n, 2) in m above the ground, for which a picture with arrows of surcharges needs room; empty without
-    surcharges.
+    """Return points (n, 2) in m above the ground, for which a picture with arrows of surcharges needs space; empty
+    without surcharges.
     """
     above = ARROW * float(np.ptp(section.ground[:, 0])) * np.array([0.0, 1.0])
     return section.ground + above if section.surcharges else np.zeros((0, 2))
 
 
 def pressure_of(load: Surcharge) -> str:
-    """The pressure of a surcharge at its ends, in kPa."""
+    """Return the pressure of a surcharge at its ends, in kPa, in words."""
     return " to ".join(dict.fromkeys(f"{end / 1e3:g}" for end in load.pressure)) + " kPa"
 
 

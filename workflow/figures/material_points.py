@@ -15,14 +15,14 @@ ROOM = 0.3  # of the height of the ground, above and below its surface in the pi
 
 
 def seen_from_above(surface: np.ndarray, cell: float) -> np.ndarray:
-    """Surface (n, 2) of material points: the highest point in every half a ``cell`` (m) along x."""
+    """Return the surface (n, 2) of material points: the highest point in every half a ``cell`` (m) along x."""
     _, place = np.unique(np.floor(2.0 * surface[:, 0] / cell), return_inverse=True)
     order = np.lexsort((surface[:, 1], place.ravel()))
     return surface[order][np.append(np.diff(place.ravel()[order]) > 0, True)]
 
 
 def profiles(config: Config, answer: PointSlidesAnswer, out: Path) -> None:
-    """The surface of every case before and after its slide by the material point method, x and elevation in m."""
+    """Draw the surface of every case before and after its slide by the material point method, x and elevation in m."""
     title = f"{config.section.heading}: slides by the material point method, cells of {answer.cell_m:.2g} m"
     groups = alike(answer.cases)
     sheet = Sheet(title, [0.16] * len(groups), "", 1)

@@ -32,7 +32,7 @@ SAME_KH = 5e-4  # Kh is given with three digits
 
 @dataclass(frozen=True)
 class Field:
-    """A field of a state: its name with the unit, its values by cell or by point, and its colours."""
+    """Holds a field of a state: its name with the unit, its values by cell or by point, and its colours."""
 
     label: str
     values: Callable[[FieldState], np.ndarray]
@@ -105,7 +105,7 @@ def _draw_discs(job: Job, field: str, at: float | None) -> list[Path]:
 
 
 def window(job: Job, field: str, at: float | None) -> None:
-    """Open a window with a field on the mesh; raises InputError where there is no screen."""
+    """Open a window with a field on the mesh; raises InputError if there is no screen."""
     results, chosen = _results(job), _field(field)
     states = _states(results, at)
     missing = no_screen()
@@ -131,7 +131,7 @@ def window(job: Job, field: str, at: float | None) -> None:
 
 
 def no_screen() -> str:
-    """Why no window can be opened; empty if one can. VTK needs an X server, and only warns if there is none."""
+    """Return why no window can be opened; empty if one can. VTK needs an X server, and only warns if there is none."""
     if sys.platform != "linux":
         return ""
     display = os.environ.get("DISPLAY")

@@ -13,7 +13,8 @@ HEIGHT = 5.0  # inches
 
 
 def draw(section: Section, answer: SiteResponseAnswer, path: Path) -> None:
-    """Four frames over the strata."""
+    """Draw four frames over the strata: acceleration, shear strain, shear stress and average acceleration with
+    depth."""
     figure = Figure(figsize=(WIDTH / DPI, HEIGHT), dpi=DPI, facecolor="white", layout="constrained")
     FigureCanvasAgg(figure)
     title = f"{section.heading}: response at x = {answer.x_m:g} m to {answer.record}"

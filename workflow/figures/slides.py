@@ -48,7 +48,7 @@ COLOURS, MARKS = (CONTINUUM, DISCS, CRITICAL, "#2c7a3f", "#c77d11"), ("o", "s", 
 
 @dataclass(frozen=True)
 class Frame:
-    """One state of a slide, read from its .vtp file."""
+    """Holds one state of a slide, read from its .vtp file."""
 
     x: np.ndarray
     z: np.ndarray
@@ -68,17 +68,17 @@ class Frame:
 
     @property
     def free(self) -> np.ndarray:
-        """Mask of the discs that can move."""
+        """Return the mask of the discs that can move."""
         return self.stratum >= 0
 
     def scale(self) -> Normalize:
-        """A colour scale whose range is not stretched by a few discs that roll away."""
+        """Return a colour scale whose range is not stretched by a few discs that roll away."""
         return Normalize(0.0, nice(float(np.percentile(self.moved[self.free], 99.0))))
 
 
 def shown_window(states: Sequence[Frame], springs: str, line: np.ndarray = NO_LINE) -> Window:
-    """Window of a slide. For discs it holds the first state with the box; for material points the ground of all states,
-    since the base of their grid continues beyond the section.
+    """Return the window of a slide. For discs it holds the first state with the box; for material points the ground of
+    all states, since the base of their grid continues beyond the section.
     """
     if springs != "mpm":
         return window_of(states[0], line)
@@ -87,12 +87,12 @@ def shown_window(states: Sequence[Frame], springs: str, line: np.ndarray = NO_LI
 
 
 def name_of(config: Config, springs: str, case: int) -> str:
-    """The title of a case."""
+    """Return the title of a case."""
     return f"{config.section.heading}: {config.called(case)}, {SPRINGS.get(springs, springs)}"
 
 
 def left_by(case: Case) -> str:
-    """Stiffness and strength of a layer after liquefaction, in words."""
+    """Return stiffness and strength of a layer after liquefaction, in words."""
     shares = {"stiffness": case.stiffness, "friction": case.friction, "cohesion": case.cohesion}
     phrases = [
         f"their {name}" if share == 1.0 else f"{share:g} of their {name}" for name, share in shares.items() if share
@@ -110,8 +110,8 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
     """Draw two views of the final state, as in Figs 14 to 16: displacement with the surface before and after, and
     layers.
 
-    config: of the run; path: file of the last state; case: its answer; springs: set of the discs; number: of the case;
-    out: the picture.
+    config: config of the run; path: file of the last state; case: its answer; springs: set of the discs; number: number
+    of the case; out: the picture.
     """
     frame = Frame.read(path)
     before, after = np.array(case.surface_before), np.array(case.surface_after)
@@ -166,8 +166,8 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
 def animate(config: Config, paths: Sequence[Path], springs: str, out: Mapping[int, Path]) -> None:
     """Write an animated WebP of all states of a case, coloured by displacement; a GIF would be three times as large.
 
-    config: of the run; paths: files of the states; springs: set of the discs; out: the files to write, by the numbers
-    of the cases with these states.
+    config: config of the run; paths: files of the states; springs: set of the discs; out: the files to write, by the
+    numbers of the cases with these states.
     """
     last = Frame.read(paths[-1])
     norm, window = last.scale(), shown_window([Frame.read(paths[0]), last], springs)
@@ -197,7 +197,7 @@ def draw_frame(plotter: pv.Plotter, frame: Frame, norm: Normalize) -> None:
 
 
 def history(config: Config, slides: Sequence[SlideHistory], out: Path) -> None:
-    """Settlement uphill and largest slide against time, a line for each case."""
+    """Draw settlement uphill and largest slide against time, a line for each case."""
     sheet = Sheet(f"{config.section.heading}: slides in time", [0.26, 0.26], "", 2)
     largest = sheet.plot(0, "time since the onset (s)", "largest slide of the surface (m)")
     settlement = sheet.plot(1, "time since the onset (s)", "settlement, uphill third (m)")
@@ -234,7 +234,7 @@ def profiles(config: Config, cases: Mapping[int, Profile], seeds: int, out: Path
     """Draw the surface of every case over all packings: its median, and the band of 5 to 95 %, as smooth as discs
     resolve it.
 
-    config: of the run; cases: profiles by number of the case; seeds: number of packings; out: the picture.
+    config: config of the run; cases: profiles by number of the case; seeds: number of packings; out: the picture.
     """
     groups, size = alike(cases), 2.0 * config.dem.mean_radius(config.section)
     sheet = Sheet(

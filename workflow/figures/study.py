@@ -24,9 +24,10 @@ PALE = "#d7dde2"
 
 
 def fails(values: np.ndarray, curve: ProbabilityCurve, title: str, path: Path) -> None:
-    """Histogram of the critical Kh, ``values`` (samples,), and the probability of failure over Kh with its interval.
+    """Draw a histogram of the critical Kh, ``values`` (samples,), and the probability of failure over Kh with its
+    interval.
 
-    curve: probability over Kh; title: above it; path: of the picture.
+    curve: probability over Kh; title: title above the picture; path: file of the picture.
     """
     figure = _figure(1, f"{title}: critical Kh of {len(values)} samples")
     left, right = figure.subplots(1, 2)
@@ -40,7 +41,7 @@ def fails(values: np.ndarray, curve: ProbabilityCurve, title: str, path: Path) -
 
 
 def effects(results: Sequence[Result], title: str, path: Path) -> None:
-    """Bars for every uncertain number: rank correlations, or total Sobol' indices with intervals where there are."""
+    """Draw bars for every uncertain number: rank correlations, or total Sobol' indices with intervals if available."""
     known = [result for result in results if any(effect.correlation is not None for effect in result.effects)]
     shown = [result for result in known if not result.is_detail][:ACROSS] or known[:ACROSS]
     figure = _figure(1, f"{title}: what matters most")
@@ -86,8 +87,8 @@ def fragility(curves: Sequence[ProbabilityCurve], title: str, path: Path) -> Non
 def single(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], title: str, path: Path) -> None:
     """Draw a result over every uncertain number, with a point for each sample; words are categories.
 
-    name: of the result; values (samples,): of it; drawn: values of the uncertain numbers; title: above it; path: of the
-    picture.
+    name: name of the result; values (samples,): values of the result; drawn: values of the uncertain numbers; title:
+    title above the picture; path: file of the picture.
     """
     shown = list(drawn)[:SHOWN]
     rows = -(-len(shown) // ACROSS)

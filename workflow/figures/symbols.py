@@ -13,12 +13,12 @@ TAG = re.compile(r"(<[^>]*>)")
 
 
 def in_mathtext(text: str) -> str:
-    """A text for Matplotlib with its symbols as mathtext; other dollar signs are escaped."""
+    """Return a text for Matplotlib with its symbols as mathtext; other dollar signs are escaped."""
     return SYMBOL.sub(_mathtext, text.replace("$", r"\$"))
 
 
 def in_captions(html: str) -> str:
-    """A page whose captions and heads of tables have symbols with subscripts."""
+    """Return a page whose captions and heads of tables have symbols with subscripts."""
 
     def typeset(match: re.Match[str]) -> str:
         parts = TAG.split(match[3])

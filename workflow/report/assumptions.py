@@ -29,7 +29,7 @@ DIRECTIONS: Mapping[DirectionSetting, str] = {
 
 
 def assumptions(config: Config) -> Iterator[tuple[str, str]]:
-    """Assumptions as pairs of a heading and sentences."""
+    """Yield assumptions as pairs of a heading and sentences."""
     yield "Plane strain", "There is no support from the ends of the slope across the section."
     yield (
         "Shaking",

@@ -119,7 +119,7 @@ CAPTIONS = (
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture of the report: its name, section, caption, and data as a URI."""
+    """Holds a picture of the report: its name, section, caption, and data as a URI."""
 
     name: str
     part: str
@@ -131,7 +131,7 @@ class Picture:
 
 
 def collect(names: Sequence[str], folder: Path, width: int, texts: Texts | None = None) -> list[Picture]:
-    """The pictures with these names in a folder, at most ``width`` pixels wide, in the report's order."""
+    """Return the pictures with these names in a folder, at most ``width`` pixels wide, in the report's order."""
     captions = list(_captioned(names, folder, texts or Texts()))
     with ThreadPoolExecutor() as threads:  # Pillow lets go of Python's lock
         return list(threads.map(lambda each: _picture(folder / each[0], each[0], each[1], each[2], width), captions))

@@ -34,7 +34,7 @@ RELY = "rely on elements and bounds, since the critical mechanism is no circle, 
 
 
 def of_circles(results: Results) -> Iterator[str]:
-    """Slip circles above strict upper bounds, and below lower ones.
+    """Warn of slip circles above strict upper bounds, and below lower ones.
 
     A circle above the upper bound overestimates the critical Kh. A circle below the lower bound does not prove failure:
     a circle through ground with friction is not a mechanism with ψ = φ, and methods of slices assume the normal force
@@ -64,7 +64,8 @@ def of_circles(results: Results) -> Iterator[str]:
 
 
 def against_elements(results: Results) -> Iterator[str]:
-    """Slip circles far from the elements with ψ = φ, where strict bounds do not contradict the circles already."""
+    """Warn of slip circles far from the result of the finite elements with ψ = φ, if strict bounds do not contradict
+    the circles already."""
     circles, fem, bounds = results.slices, results.fem, results.bounds
     if circles is None or fem is None or fem.flow != "associated" or results.config.fem.direction != "both":
         return
@@ -122,7 +123,7 @@ def _why_far(results: Results, circle: CirclePart, elements: float, line: np.nda
 
 
 def of_longer_sections(circles: Sequence[CirclePart]) -> Iterator[str]:
-    """Critical circles that end at a side of the section, and slide at a smaller Kh in a longer one.
+    """Warn of critical circles that end at a side of the section, and slide at a smaller Kh in a longer section.
 
     A circle in the other direction, which fails at a much larger Kh even there, is not reported.
     """
@@ -148,7 +149,7 @@ def _value(circle: CirclePart) -> float:
 
 
 def _slides_out(bounds: BoundsAnswer) -> str:
-    """What to do where the mechanism of the bounds leaves the section at a side; empty where it does not."""
+    """What to do where the mechanism of the bounds leaves the section at a side; empty if it does not."""
     sides = bounds.directions[0].leaves if bounds.directions else ()
     if not sides or bounds.sides != "free-field":
         return ""

@@ -30,8 +30,8 @@ NEAR_KC = 0.95  # of the critical Kh, at which a push has come to it
 
 
 def contradictions(results: Results) -> Iterator[tuple[Weight, str]]:
-    """Contradictions of the results with a weight each: load curves of discs, sides of the box, order of cases,
-    settlements, slip circles.
+    """Yield the contradictions of the results with a weight each: load curves of discs, sides of the box, order of
+    cases, settlements, slip circles.
     """
     _, cases = results.case_set()
     if results.dem is not None and results.no_answer("calibrate") is None:
@@ -69,7 +69,8 @@ def of_curve(discs: DiscsAnswer) -> Iterator[str]:
 
 
 def deepest_fall(search: DiscSearch, soil: bool) -> tuple[float, float] | None:
-    """The largest drop of Kh in a pushover before its critical Kh: from which and to which Kh; None without a drop.
+    """Return the largest drop of Kh in a pushover before its critical Kh: the Kh before and after it; None without a
+    drop.
 
     Parameters
     ----------
@@ -107,7 +108,7 @@ def of_sides(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
 
 
 def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
-    """Warn of slides by material points that a side stopped or let out, or that move the uphill end.
+    """Warn of slides by material points that reach a side or leave through it, or that move the uphill end.
 
     Ground that slides as a whole, such as an infinite slope, is excluded: it moves at its ends as everywhere else.
     """
@@ -136,7 +137,7 @@ def _uphill_end(case: PointCase) -> int:
 
 
 def liquefied_strata(results: Results) -> dict[int, list[str]]:
-    """The names of the strata that liquefy in each case, by its number."""
+    """Return the names of the strata that liquefy in each case, by its number."""
     strata = results.config.section.strata
     numbers = range(1, len(results.config.cases) + 1)
     return {number: [stratum.name for stratum in strata if number in stratum.liquefies_in] for number in numbers}
@@ -145,9 +146,9 @@ def liquefied_strata(results: Results) -> dict[int, list[str]]:
 def of_order(
     cases: Mapping[int, Case], slides: Mapping[int, float], strata: Mapping[int, Sequence[str]], by: str = "discs"
 ) -> Iterator[str]:
-    """Warn of cases that have less strength than others and yet slide less (m), by discs or material points.
+    """Warn of cases that have less strength than other cases and yet slide less (m), by discs or material points.
 
-    ``strata``: the names of those that liquefy in each case.
+    ``strata``: names of the strata that liquefy in each case.
     """
     packings = "" if by != "discs" else ", or the random packing of the discs,"
     more = "finer cells (slide.mpm_cells)" if by != "discs" else "more packings (slide.seeds)"
@@ -166,10 +167,10 @@ def of_order(
 
 
 def is_weaker(case: Case, other: Case, strata: Sequence[str], of_other: Sequence[str]) -> bool:
-    """Whether a case has less stiffness or strength than another, and no more of either.
+    """Return whether a case has less stiffness or strength than another, and no more of either.
 
-    ``strata`` are those that liquefy in the case, ``of_other`` those that liquefy in the other one. A stratum that does
-    not liquefy counts as stronger than one that does.
+    ``strata`` are those that liquefy in the case, ``of_other`` those that liquefy in the other case. A stratum that
+    does not liquefy counts as stronger than one that does.
     """
     if not set(of_other) <= set(strata):
         return False
@@ -218,7 +219,7 @@ def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "di
 
 
 def _side(surface: MovedSurface, x: float) -> str:
-    """The side of the model that a place (m) on a surface is close to; empty where it is close to none."""
+    """The side of the model that a place (m) on a surface is close to; empty if it is close to none."""
     along = [point[0] for point in surface.surface_before]
     near = NEAR_SIDE * (max(along) - min(along))
     return "left" if x < min(along) + near else "right" if x > max(along) - near else ""

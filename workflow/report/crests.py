@@ -25,7 +25,7 @@ Settlements = tuple[float, float, float]  # by the slide: its value, and the int
 def crest_parts(
     config: Config, cases: CasesAnswer | None = None, points: PointSlidesAnswer | None = None
 ) -> Iterator[CrestPart]:
-    """The crest of every structure after the slides of the governing set of discs, and of material points."""
+    """Yield the crest of every structure after the slides of the governing set of discs, and of material points."""
     for structure in structures_of(config.section):
         if cases is not None and cases.first_set:
             for number, case in sorted(cases.sets[cases.first_set].items()):
@@ -81,8 +81,8 @@ def _part(config: Config, structure: Standing, by: str, case: int, slide: Settle
 
 
 def reconsolidation_below(config: Config, crest: Crest, case: int) -> float | None:
-    """Settlement (m) of the middle of a crest by drainage of the strata that liquefied in a case; None if no strain is
-    known.
+    """Return the settlement (m) of the middle of a crest by drainage of the strata that liquefied in a case; None if no
+    strain is known.
 
     The volumetric strain is that of the case, or else that by the blow counts of each stratum.
     """
@@ -107,7 +107,8 @@ def _strains_of_borings(config: Config) -> dict[int, float]:
 
 
 def water_at_crest(config: Config, crest: Crest) -> float | None:
-    """Elevation (m) of the water that a structure retains: that of the criteria, or the higher one at its feet."""
+    """Return the elevation (m) of the water that a structure retains: that of the criteria, or the higher water level
+    at its feet."""
     limit = config.criteria.freeboard
     if limit is not None and limit.water is not None:
         return float(limit.water)
@@ -116,7 +117,7 @@ def water_at_crest(config: Config, crest: Crest) -> float | None:
 
 
 def holds_water(config: Config) -> bool:
-    """Whether freeboard is relevant: there is a criterion for it, or free water."""
+    """Return whether freeboard is relevant: there is a criterion for it, or free water."""
     if config.criteria.freeboard is not None:
         return True
     points, ground = config.section.water_points(), config.section.ground
@@ -124,7 +125,7 @@ def holds_water(config: Config) -> bool:
 
 
 def crest_sentences(parts: Iterator[CrestPart]) -> Iterator[str]:
-    """A sentence on every crest after every slide."""
+    """Yield a sentence on every crest after every slide."""
     for part in parts:
         low, high = metres(part.settlement_low_m), metres(part.settlement_high_m)
         spread = "" if low == high else f" ({low} to {high} over packings)"

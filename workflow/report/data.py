@@ -21,7 +21,7 @@ def as_json(data: Any, only_ascii: bool = False) -> str:
 
 
 def of_section(config: Config, picture: Path) -> dict[str, Any]:
-    """A checked section as data: its strata in SI units, and its notices."""
+    """Return a checked section as data: its strata in SI units, and its notices."""
     strata = [
         {"name": stratum.name, "area_m2": float(area), **_parameters(stratum)}
         for stratum, area in zip(config.section.strata, config.section.layering.areas(), strict=True)
@@ -54,12 +54,12 @@ def _parameters(stratum: Stratum) -> dict[str, Any]:
 
 
 def of_plan(decisions: Iterable[Decision]) -> list[dict[str, str]]:
-    """The decision about every stage, with its reason."""
+    """Return the decision about every stage, with its reason."""
     return [{"stage": decision.stage.name, "would": decision.action, "because": decision.why} for decision in decisions]
 
 
 def of_stages(job: Job, names: Iterable[str], warnings: Iterable[str] = ()) -> dict[str, Any]:
-    """Outcome and answers of stages, as JSON: every answer file by its name, and the quality of the mesh.
+    """Return the outcome and answers of stages, as JSON: every answer file by its name, and the quality of the mesh.
 
     ``warnings`` of the command are followed by those of the section.
     """

@@ -24,7 +24,7 @@ SMALLEST = 0.05  # m: less is written as 0
 
 @dataclass(frozen=True)
 class MethodValues:
-    """A critical Kh or factor of safety by every method: ψ = φ, and Davis's reduced strength where ψ < φ."""
+    """Holds a critical Kh or factor of safety by every method: ψ = φ, and Davis's reduced strength where ψ < φ."""
 
     elements: float | None = None
     davis: float | None = None
@@ -34,13 +34,13 @@ class MethodValues:
     davis_circles: float | None = None
 
     def pair(self, by: Literal["elements", "circles"], digits: int) -> tuple[str, str]:
-        """The value with ψ = φ and the one with Davis's strength as texts; empty where there is none."""
+        """Return the value with ψ = φ and the one with Davis's strength as texts; empty if there is none."""
         values = (self.elements, self.davis) if by == "elements" else (self.circles, self.davis_circles)
         full, low = ("" if value is None else f"{value:.{digits}f}" for value in values)
         return full, low
 
     def interval(self, digits: int) -> str:
-        """The strict bounds as a text; empty without any."""
+        """Return the strict bounds as a text; empty without any."""
         if self.lower is None and self.upper is None:
             return ""
         low, high = ("–" if value is None else f"{value:.{digits}f}" for value in (self.lower, self.upper))
@@ -49,7 +49,7 @@ class MethodValues:
 
 @dataclass(frozen=True)
 class FaceLine:
-    """One line of the table.
+    """Holds one line of the table.
 
     Attributes
     ----------
@@ -75,7 +75,8 @@ class FaceLine:
 
 
 def side_words(config: Config, start: float, end: float, towards: Side) -> str:
-    """The side of a face of a structure between two feet: riverward or landward, where water stands on one side."""
+    """Return the side of a face of a structure between two feet: riverward or landward, where water stands on one
+    side."""
     points, ground = config.section.water_points(), config.section.ground
     if points is None:
         return towards
@@ -87,7 +88,7 @@ def side_words(config: Config, start: float, end: float, towards: Side) -> str:
 
 
 def face_lines(results: Results) -> list[FaceLine]:
-    """The lines of all faces, and of a failure elsewhere that comes first; none without slip circles."""
+    """Return the lines of all faces, and of a failure elsewhere that comes first; none without slip circles."""
     config = results.config
     lines = [_line(results, row) for row in face_rows(config, results.slices)]
     return lines + list(_elsewhere(results)) if lines else []
@@ -257,7 +258,7 @@ def _overlap(line: tuple[tuple[float, float], ...], surface: list[tuple[float, f
 
 
 def note_sentences(results: Results) -> Iterator[str]:
-    """The strong zones of the faces, values without an answer, and values left out of the table."""
+    """Yield the strong zones of the faces, values without an answer, and values left out of the table."""
     config, answer = results.config, results.faces
     for face in answer.faces if answer is not None else ():
         of = f"{face.structure}, towards the {face.towards}"
@@ -293,7 +294,7 @@ def note_sentences(results: Results) -> Iterator[str]:
 
 
 def faces_sentences(answer: FacesAnswer) -> Iterator[str]:
-    """The critical Kh and the factor of safety of every face, as commands print them."""
+    """Yield the critical Kh and the factor of safety of every face, as commands print them."""
     for face in answer.faces:
         phrases = []
         for name, value, digits in (("critical Kh", face.critical, 3), ("factor of safety", face.safety, 2)):

@@ -35,15 +35,15 @@ SIDES: Mapping[str, str] = {
 
 
 def headlines(results: Results, _: Texts) -> tuple[HeadlinePart, ...]:
-    """Write the three numbers: critical Kh, factor of safety without shaking, and slide after liquefaction; or
-    the displacement of a rigid block in the earthquake, where nothing liquefies.
+    """Return the three numbers: critical Kh, factor of safety without shaking, and slide after liquefaction; or the
+    displacement of a rigid block in the earthquake, if nothing liquefies.
 
     Parameters
     ----------
     results : Results
         Results of the stages; a missing number becomes a dash with its reason.
     _ : Texts
-        The texts in the language of the report.
+        Texts in the language of the report.
     """
     three = (
         _with_crests(_critical(results, _), results, results.slip_surface, "critical", _),
@@ -241,7 +241,7 @@ def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Text
 
 
 def conclusions(results: Results, _: Texts) -> Iterator[str]:
-    """Sentences of the first page after the numbers: choice of Kh, governing slide, and the paper."""
+    """Yield the sentences of the first page after the numbers: choice of Kh, governing slide, and the paper."""
     yield from _without_shaking(results, _)
     yield from crests_in_short(tuple(crest_parts(results.config, results.cases, results.mpm)), _)
     if results.residual is not None:

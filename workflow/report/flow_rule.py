@@ -26,25 +26,25 @@ LIQUEFIED = "Whether the ground then stands follows from strict bounds, which ha
 
 
 def with_flow(value: float, flow: Flow, compared: float | None, estimate: str, shown: Callable[[float], str]) -> str:
-    """A critical Kh or factor of safety in words.
+    """Return a critical Kh or factor of safety in words.
 
     Parameters
     ----------
     value : float
-        The number by the flow rule ``flow`` (-).
+        Number by the flow rule ``flow`` (-).
     flow : {"davis", "associated", "section"}
         The flow rule of the analysis.
     compared : float or None
-        The number by the other flow rule, if this differs (-).
+        Number by the other flow rule, if it differs (-).
     estimate : str
         Name of Davis's estimate.
     shown : callable
-        Function that writes a number.
+        Function that formats a number.
 
     Returns
     -------
     str
-        Such as "0.158 with ψ = φ; Davis's estimate for ψ = 0, which is no bound: 0.125".
+        Text such as "0.158 with ψ = φ; Davis's estimate for ψ = 0, which is no bound: 0.125".
     """
     match flow:
         case "associated":
@@ -65,7 +65,7 @@ def _low(value: float, shown: Callable[[float], str]) -> str:
 
 
 def critical_with_flow(fem: FemAnswer, shown: Callable[[float], str]) -> str:
-    """The critical Kh in words, with its value by the other flow rule."""
+    """Return the critical Kh in words, with its value by the other flow rule."""
     other = fem.davis if fem.flow == "associated" else fem.associated
     known = other is not None and other.verdict in ("plateau", "peak")
     return with_flow(fem.kc, fem.flow, other.kc if known and other else None, fem.estimate, shown)

@@ -11,7 +11,7 @@ NAMES: dict[SlideMethod, str] = {"discs": "these discs", "mpm": "material points
 
 
 def model_error(results: Results) -> Iterator[str]:
-    """The sentence on the slides of a run: over the cases, the packings, and the error of the model."""
+    """Yield the sentence on the slides of a run: over the cases, the packings, and the error of the model."""
     _, cases = results.case_set()
     slides = [case.slide_max_m for case in cases.values()]
     random = results.cases.random if results.cases is not None else None
@@ -27,7 +27,7 @@ def model_error(results: Results) -> Iterator[str]:
 
 
 def error_sentence(slides: Sequence[float], flows: bool | None, method: SlideMethod = "discs") -> str:
-    """The error of discs or material points on known slides, and the interval of these slides (m) with it.
+    """Return the error of discs or material points on known slides, and the interval of these slides (m) with it.
 
     Empty if the collection has no comparable slides, or nothing slides. flows: whether they flow by their weight alone;
     None if this is not known.

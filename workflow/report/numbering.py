@@ -8,7 +8,7 @@ from workflow.report.texts import Texts
 
 @dataclass
 class Labels:
-    """Numbers of sections, tables and figures in their order on a page. A page is rendered twice: ``known`` holds the
+    """Numbers sections, tables and figures in their order on a page. A page is rendered twice: ``known`` contains the
     numbers of the first time.
 
     Attributes
@@ -33,15 +33,15 @@ class Labels:
         return self.counts[kind]
 
     def table(self, name: str) -> str:
-        """Number the table at this place."""
+        """Return the number the table at this place."""
         return self._named(name, self.texts("Table {number}", number=self._next("table")))
 
     def figure(self, name: str) -> str:
-        """Number the figure at this place."""
+        """Return the number the figure at this place."""
         return self._named(name, self.texts("Figure {number}", number=self._next("figure")))
 
     def section(self, name: str, title: str) -> str:
-        """Number the section that begins at this place, and return its heading."""
+        """Return the number the section that begins at this place, and return its heading."""
         self.sections[name] = f"{self._next('section')} {title}"
         return self.sections[name]
 
@@ -54,7 +54,7 @@ class Labels:
         return name in self.known
 
     def see(self, name: str) -> str:
-        """The number of the item with this name, anywhere on the page."""
+        """Return the number of the item with this name, anywhere on the page."""
         return self.known.get(name, "")
 
 
@@ -65,7 +65,7 @@ class Notes:
         self.letters: dict[str, str] = {}
 
     def mark(self, texts: Iterable[str]) -> str:
-        """The superscript letters of notes, such as "a, b"."""
+        """Return the superscript letters of notes, such as "a, b"."""
         for text in texts:
             self.letters.setdefault(text, _letter(len(self.letters)))
         return ", ".join(self.letters[text] for text in texts)

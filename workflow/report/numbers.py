@@ -7,22 +7,22 @@ from workflow.results.lengths import metres
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """A number with some decimal places; a dash for None."""
+    """Return a number with some decimal places; a dash for None."""
     return "–" if value is None else f"{value:.{digits}f}"
 
 
 def bracket(lower: float | None, upper: float | None, digits: int) -> str:
-    """Two bounds as text; a dash where one is missing."""
+    """Return two bounds as text; a dash where one is missing."""
     return f"{number(lower, digits)} to {number(upper, digits)}"
 
 
 def scaled(value: float | None, unit: float) -> float | None:
-    """A value in multiples of a unit; None for None."""
+    """Return a value in multiples of a unit; None for None."""
     return None if value is None else value / unit
 
 
 def span(lengths: Sequence[float]) -> str:
-    """The range of some slides (m), with the digits of tables: 0.85 to 6.9 m, or one slide if all are equal."""
+    """Return the range of some slides (m), with the digits of tables: 0.85 to 6.9 m, or one slide if all are equal."""
     low, high = (metres(max(end, 0.0)) for end in (min(lengths), max(lengths)))
     return low if low == high else f"{low.removesuffix(' m')} to {high}"
 
@@ -34,7 +34,7 @@ def signed_span(lengths: Sequence[float]) -> str:
 
 
 def about(lengths: Sequence[float]) -> str:
-    """Slides (m) in a sentence, with the digits of tables: 40, 19 and 6.9 m, or one slide if all are equal."""
+    """Return slides (m) in a sentence, with the digits of tables: 40, 19 and 6.9 m, or one slide if all are equal."""
     phrases = [metres(max(value, 0.0)).removesuffix(" m") for value in lengths]
     return f"{listed(phrases if len(set(phrases)) > 1 else phrases[:1])} m"
 
@@ -50,7 +50,7 @@ def rough(value: float) -> float:
 
 
 def rough_range(low: float, high: float) -> str:
-    """An interval of lengths (m) by a factor of error: 0.3 to 3 m."""
+    """Return an interval of lengths (m) by a factor of error: 0.3 to 3 m."""
     ends = [_plain(rough(max(end, 0.0))) for end in (low, high)]
     return f"{ends[0]} m" if ends[0] == ends[1] else f"{ends[0]} to {ends[1]} m"
 
@@ -60,26 +60,26 @@ def _plain(value: float) -> str:
 
 
 def coefficient(kh: float) -> str:
-    """A seismic coefficient to three places, as in all tables and pictures: 0.234."""
+    """Return a seismic coefficient to three places, as in all tables and pictures: 0.234."""
     return f"{kh:.3f}"
 
 
 def listed(words: Sequence[str]) -> str:
-    """Words in a list: a, b and c."""
+    """Return words in a list: a, b and c."""
     return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else "".join(words)
 
 
 def of_cases(numbers: Sequence[int]) -> str:
-    """Cases as in a sentence: cases 1, 2 and 3."""
+    """Return cases as in a sentence: cases 1, 2 and 3."""
     return f"case{'s' if len(numbers) > 1 else ''} {listed([str(number) for number in numbers])}"
 
 
 def joined(numbers: Sequence[int]) -> str:
-    """Numbers of cases in a cell of a table: 1, 2, 3."""
+    """Return the numbers of cases in a cell of a table: 1, 2, 3."""
     return ", ".join(map(str, numbers))
 
 
 def between(values: Sequence[float]) -> str:
-    """The range of some coefficients, or one of them if all are equal: 0.23 to 0.25."""
+    """Return the range of some coefficients, or one of them if all are equal: 0.23 to 0.25."""
     low, high = coefficient(min(values)), coefficient(max(values))
     return low if low == high else f"{low} to {high}"

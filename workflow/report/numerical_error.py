@@ -9,14 +9,14 @@ LEAST = 0.001  # numerical errors are told as no less
 
 
 def rounded_up(value: float) -> float:
-    """A positive number rounded up to one digit: 0.0043 becomes 0.005."""
+    """Return a positive number rounded up to one digit: 0.0043 becomes 0.005."""
     value = max(value, LEAST)
     power = 10.0 ** math.floor(math.log10(value) + 1e-9)
     return float(f"{math.ceil(value / power - 1e-6) * power:.3g}")
 
 
 def numerical_error(estimate: Accuracy | None, kc: float) -> str:
-    """The numerical error of ``kc``, in a sentence."""
+    """Return the numerical error of ``kc``, in a sentence."""
     if estimate is None:
         return (
             "The numerical error of the critical Kh is not known, since there is one mesh and no strict bound of the "

@@ -42,7 +42,7 @@ SECTION = "the depths of the interfaces are a reconstruction"
 
 
 def rows(results: Results) -> list[PaperRow]:
-    """Rows of the comparison of the paper with our results; empty for other sections."""
+    """Return the rows of the comparison of the paper with our results; empty for other sections."""
     if not is_s13(results.config.section):
         return []
     table = [*_fem(results)]
@@ -108,7 +108,7 @@ def _shares(shares: dict[str, float]) -> str:
 
 
 def share_of_surface(config: Section, line: Line, names: tuple[str, ...]) -> float:
-    """The share of the points [x, z] of a slip surface that lie in the strata with these names."""
+    """Return the share of the points [x, z] of a slip surface that lie in the strata with these names."""
     if not line:
         return 0.0
     points = np.array(line)
@@ -188,7 +188,7 @@ def _near(length: str, paper: float, case: CaseAnswer) -> tuple[str, bool]:
 
 
 def near(ours: float, paper: float) -> tuple[str, bool]:
-    """A length (m) in words, and whether it is within 30 % of the paper's."""
+    """Return a length (m) in words, and whether it is within 30 % of the paper's."""
     return f"{ours:.2f} m", abs(ours - paper) <= WITHIN * paper
 
 

@@ -21,7 +21,7 @@ NEEDED = (
 
 
 def browser() -> str | None:
-    """A browser on this machine that can print; None without one."""
+    """Return a browser on this machine that can print; None without one."""
     return next((path for name in BROWSERS if (path := shutil.which(name))), None)
 
 

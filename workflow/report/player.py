@@ -33,7 +33,7 @@ SHADES = 9
 
 @dataclass(frozen=True)
 class Film:
-    """An animation of the page: ``kind`` is "slides" or "path", ``text`` is JSON that may stand in a script."""
+    """Holds an animation of the page: ``kind`` is "slides" or "path", ``text`` is JSON that may stand in a script."""
 
     kind: str
     title: str
@@ -41,7 +41,7 @@ class Film:
 
     @classmethod
     def of(cls, kind: str, title: str, table: dict[str, Any], numbers: Sequence[np.ndarray]) -> "Film":
-        """A film of a table and of whole numbers, one array after the other."""
+        """Return a film of a table and of whole numbers, one array after the other."""
         flat = np.concatenate([np.asarray(array, np.int64).ravel() for array in numbers]).astype("<i4")
         packed = base64.b64encode(zlib.compress(flat.tobytes(), 9)).decode()
         text = json.dumps({"title": title, **table, "packed": packed}, ensure_ascii=False, allow_nan=False)
@@ -49,7 +49,7 @@ class Film:
 
 
 def films(results: Results) -> list[Film]:
-    """Films of the slides, calibrated discs first, and of the equilibrium path."""
+    """Return the films of the slides, calibrated discs first, and of the equilibrium path."""
     return [*_path(results), *_slides(results)]
 
 

@@ -14,8 +14,8 @@ FLOWS = 0.1  # of the height of the ground, below which a displacement was no fl
 
 
 def in_short(results: Results) -> Iterator[str]:
-    """Sentences on each residual strength, on the strength for a factor of safety of 1, and on measured displacements;
-    empty without this analysis.
+    """Yield sentences on each residual strength, on the strength for a factor of safety of 1, and on measured
+    displacements; empty without this analysis.
     """
     answer = results.liquefied
     if answer is None:
@@ -30,7 +30,7 @@ def in_short(results: Results) -> Iterator[str]:
 
 
 def outcome(case: LiquefiedCase) -> str:
-    """Whether the ground stands without shaking, with its critical Kh, and why."""
+    """Return whether the ground stands without shaking, with its critical Kh, and the reason."""
     after = f"After liquefaction, in {_which(case)}, the continuum"
     if case.stands == "flows":
         return f"{after} does not stand without shaking: {case.reason}."
@@ -86,7 +86,7 @@ class Enough:
 
     @property
     def words(self) -> str:
-        """The strengths as a sentence without its full stop."""
+        """Return the strengths as a sentence without its full stop."""
         phrases = [
             f"{s.cohesion_kPa:.2g} kPa in {shown_name(s.name)} ({s.over_effective:.2g} of its mean effective stress)"
             for s in self.strata
@@ -96,13 +96,13 @@ class Enough:
 
 
 def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
-    """The residual strength with which the ground just stands without shaking; None without a factor of safety.
+    """Return the residual strength with which the ground just stands without shaking; None without a factor of safety.
 
-    Between a case that flows and one that stands it follows from linear interpolation of their factors F. If all
+    Between a case that flows and a case that stands, it follows from linear interpolation of their factors F. If all
     strengths are divided by F the ground just stands. So the residual strength alone has to be larger than its value
-    divided by F where the ground flows (F below 1), and may be smaller where it stands: a bound on one side if all
-    cases are on one side. F is concave in the strength, as the minimum over mechanisms of linear functions, so that a
-    line through two cases that flow gives a better lower bound.
+    divided by F if the ground flows (F below 1), and may be smaller if it stands: a bound on one side if all cases are
+    on one side. F is concave in the strength, as the minimum over mechanisms of linear functions, so that a line
+    through two cases that flow gives a better lower bound.
     """
     known = [(0.5 * (case.factor_lower + case.factor_upper), case) for case in cases
              if case.factor_lower is not None and case.factor_upper is not None
@@ -173,7 +173,7 @@ def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
 
 
 def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
-    """Every case with its numbers, for the terminal."""
+    """Yield every case with its numbers, for the terminal."""
     for case in answer.cases:
         yield outcome(case)
         strengths = [f"{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa" for s in case.strata]
@@ -191,7 +191,7 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
 
 
 def factors(case: Bearing) -> str:
-    """The factor of safety with its bounds; sides are held in both, as in strength reduction without shaking."""
+    """Return the factor of safety with its bounds; sides are held in both, as in strength reduction without shaking."""
     phrases = []
     if case.factor_lower is not None or case.factor_upper is not None:
         phrases.append(f"{bracket(case.factor_lower, case.factor_upper, 2)} by strict bounds with ψ = φ")

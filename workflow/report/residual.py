@@ -10,7 +10,7 @@ from workflow.results.stability import TwoSteps
 
 
 def residual_verdict(steps: TwoSteps, _: Texts) -> str:
-    """The verdict from peak and residual strength together, in a sentence."""
+    """Return the verdict from peak and residual strength together, in a sentence."""
     if steps.verdict == "stands":
         return _("With residual strength in all strata that have one the ground still stands without shaking.")
     if steps.verdict == "fails":
@@ -27,7 +27,7 @@ def residual_verdict(steps: TwoSteps, _: Texts) -> str:
 
 
 def residual_details(steps: TwoSteps) -> Iterator[str]:
-    """Sentences on the strengths, the factors of safety of the verdict, and missing results."""
+    """Yield sentences on the strengths, the factors of safety of the verdict, and missing results."""
     strata = [f"{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa and {s.friction_deg:.3g}°" for s in steps.strata]
     yield f"Residual strength: {listed(strata)}."
     if steps.peak is not None:
@@ -45,6 +45,6 @@ def residual_details(steps: TwoSteps) -> Iterator[str]:
 
 
 def residual_sentences(steps: TwoSteps) -> Iterator[str]:
-    """The verdict and its details, for the terminal."""
+    """Yield the verdict and its details, for the terminal."""
     yield residual_verdict(steps, Texts("en"))
     yield from (f"    {sentence}" for sentence in residual_details(steps))

@@ -21,12 +21,12 @@ ALIKE, CLOSE = 0.05, 1.5  # m, and times: slides that are no further apart agree
 
 @dataclass(frozen=True)
 class SecondOpinion:
-    """A case by both methods; lengths in m.
+    """Compares a case by discs and by material points; lengths in m.
 
     Attributes
     ----------
     discs, points : float
-        Largest slides.
+        Largest slides by discs and by material points.
     discs_span, points_span : (float, float)
         Intervals of both slides, over packings or transfers, with the error on known slides if there are comparable
         ones.
@@ -47,7 +47,7 @@ class SecondOpinion:
     resting: tuple[bool, bool]
 
     def sentence(self) -> str:
-        """A sentence that compares both slides."""
+        """Return a sentence that compares both slides."""
         both = f"discs slide {metres(self.discs)} and material points {metres(self.points)}"
         if self.agreed:
             return f"{both}, and both agree" + ("" if any(self.resting) else " that the slide does not come to rest")
@@ -69,7 +69,7 @@ class SecondOpinion:
 
 
 def second_opinions(cases: CasesAnswer | None, points: PointSlidesAnswer | None) -> dict[int, SecondOpinion]:
-    """Every case that both have computed, by its number."""
+    """Return every case that both methods have computed, by its number."""
     if cases is None or points is None or not cases.first_set:
         return {}
     random = cases.random.cases if cases.random is not None else {}
@@ -108,6 +108,6 @@ def contradicting(opinions: dict[int, SecondOpinion]) -> Iterator[WarningPart]:
 
 
 def agreeing(opinions: dict[int, SecondOpinion]) -> Iterator[str]:
-    """Sentences on the cases in which both methods agree."""
+    """Yield sentences on the cases in which both methods agree."""
     for sentence in joined({number: [opinion.sentence()] for number, opinion in opinions.items() if opinion.agreed}):
         yield split(sentence)[0]

@@ -23,7 +23,7 @@ WIDTH = 900  # px of a picture: several are shown in a row
 
 @dataclass(frozen=True)
 class ComparedRun:
-    """A run in a comparison: its folder, input and summary."""
+    """Holds a run in a comparison: its folder, input and summary."""
 
     folder: Path
     config: Config
@@ -31,7 +31,7 @@ class ComparedRun:
 
 
 def read(folders: Sequence[Path]) -> list[ComparedRun]:
-    """The runs in some folders; raises InputError with every folder that holds none."""
+    """Return the runs in some folders; raise InputError with every folder that holds none."""
     summaries, problems = [], []
     for folder in folders:
         try:
@@ -46,7 +46,7 @@ def read(folders: Sequence[Path]) -> list[ComparedRun]:
 
 
 def differences(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
-    """The settings in which the inputs differ, with the value of each run."""
+    """Yield the settings in which the inputs differ, with the value of each run."""
     flat = [dict(_leaves(run.config.to_data(), "")) for run in runs]
     for key in dict.fromkeys(key for values_of_run in flat for key in values_of_run):
         values = [plain(values_of_run[key]) if key in values_of_run else "–" for values_of_run in flat]
@@ -67,13 +67,13 @@ def _leaves(data: Any, name: str) -> Iterator[tuple[str, Any]]:
 
 
 def run_names(runs: Sequence[ComparedRun]) -> list[str]:
-    """The folders of the runs, without the common part of their paths."""
+    """Return the folders of the runs, without the common part of their paths."""
     shared = commonpath([run.folder.absolute().parent for run in runs])
     return [str(run.folder.absolute().relative_to(shared)) for run in runs]
 
 
 def rows(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
-    """The results: the name of a quantity, and its value in each run; without quantities that no run has."""
+    """Yield the results: the name of a quantity, and its value in each run; without quantities that no run has."""
     for name, values in _all_rows(runs):
         if set(values) != {"–"}:
             yield name, values
@@ -127,7 +127,7 @@ def _slide(case: CaseNumbers | None) -> str:
 
 
 def page(runs: Sequence[ComparedRun]) -> str:
-    """The comparison as one HTML page with the pictures of all runs; it needs no other file."""
+    """Return the comparison as one HTML page with the pictures of all runs; it needs no other file."""
     pictures = [_pictures(run.folder) for run in runs]
     names = dict.fromkeys(name for pictures_of_run in pictures for name in pictures_of_run)
     return (

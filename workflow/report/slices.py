@@ -15,7 +15,7 @@ from workflow.results.slices import CirclePart, SlicesAnswer
 
 
 def slices_sentences(answer: SlicesAnswer) -> Iterator[str]:
-    """The critical circles, one sentence for each factor of safety and for the critical Kh."""
+    """Yield the critical circles, one sentence for each factor of safety and for the critical Kh."""
     if answer.reason:
         yield f"No slip circle: {answer.reason}."
     for factors in answer.factors:
@@ -49,5 +49,5 @@ def _words(circle: CirclePart, digits: int) -> str:
 
 
 def factor_on_surface(config: Config, factor: FactorOfSafety) -> float | None:
-    """Spencer's factor of safety on the slip surface of the elements, towards the side to which it slides."""
+    """Return Spencer's factor of safety on the slip surface of the elements, towards the side to which it slides."""
     return least_balance(config.section, np.array(factor.slip_surface), factor.kh, config.fem.vertical)

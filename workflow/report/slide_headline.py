@@ -83,7 +83,7 @@ def _spread(slides: MethodSlides, _: Texts) -> str:
 
 
 def _block(results: Results, _: Texts) -> HeadlinePart:
-    """The displacement of a rigid block in the earthquake, where nothing liquefies."""
+    """The displacement of a rigid block in the earthquake, if nothing liquefies."""
     config = results.config
     has_shaking = config.earthquake != EarthquakeSettings() or bool(config.sliding_block.accelerogram)
     slides = {

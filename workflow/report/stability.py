@@ -1,4 +1,4 @@
-"""Critical Kh and factors of safety by all methods: one row each, with its conditions."""
+"""The table of critical Kh and factors of safety by all methods: one row each, with its conditions."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from workflow.results.slices import CirclePart
 
 @dataclass(frozen=True)
 class StabilityRow:
-    """A quantity of the table: its name, value, interval, and conditions."""
+    """A row of the table: quantity, value, interval, and conditions."""
 
     quantity: str
     value: str
@@ -30,7 +30,7 @@ class StabilityRow:
 
 
 def stability_rows(results: Results, _: Texts) -> list[StabilityRow]:
-    """The rows of the table, those of one method after the other."""
+    """Return the rows of the table, those of one method after the other."""
     return [*_elements(results, _), *_bounds(results, _), *_slices(results, _), *_discs(results, _)]
 
 

@@ -12,7 +12,8 @@ from workflow.results.slices import FacePart, SlicesAnswer
 
 @dataclass(frozen=True)
 class FaceRow:
-    """One face: by slices its factors of safety at each Kh and its critical Kh, and the slide of a rigid block."""
+    """Holds one face: by slices its factors of safety at each Kh and its critical Kh, and the slide of a rigid
+    block."""
 
     face: FacePart
     factors: tuple[tuple[float, float | None], ...]
@@ -22,12 +23,12 @@ class FaceRow:
 
     @property
     def name(self) -> str:
-        """The structure, and the side to which the face slides."""
+        """Return the structure, and the side to which the face slides."""
         return f"{self.face.structure}, towards the {self.face.towards}"
 
     @property
     def words(self) -> str:
-        """The row as a sentence without its full stop."""
+        """Return the row as a sentence without its full stop."""
         if self.face.reason:
             return f"{self.name}: {self.face.reason}"
         phrases = [f"factor of safety {value:.2f} at Kh = {kh:g}" for kh, value in self.factors if value is not None]
@@ -37,7 +38,7 @@ class FaceRow:
 
 
 def face_rows(config: Config, answer: SlicesAnswer | None) -> list[FaceRow]:
-    """All faces of all structures; none without slices."""
+    """Return all faces of all structures; none without slices."""
     faces = answer.faces if answer is not None else ()
     least = min((face.critical.bishop for face in faces if face.critical is not None), default=None)
     rows = []
@@ -50,7 +51,7 @@ def face_rows(config: Config, answer: SlicesAnswer | None) -> list[FaceRow]:
 
 
 def structure_sentences(config: Config, answer: SlicesAnswer) -> Iterator[str]:
-    """Sentences on every face, on the face that governs, and on failures away from the structures."""
+    """Yield sentences on every face, on the face that governs, and on failures away from the structures."""
     rows = face_rows(config, answer)
     for row in rows:
         yield f"{row.words}."
@@ -61,7 +62,7 @@ def structure_sentences(config: Config, answer: SlicesAnswer) -> Iterator[str]:
 
 
 def elsewhere(config: Config, answer: SlicesAnswer | None) -> Iterator[str]:
-    """Critical slip circles of the section that do not reach a crest."""
+    """Yield the critical slip circles of the section that do not reach a crest."""
     if answer is None or not answer.faces:
         return
     structures = structures_of(config.section)

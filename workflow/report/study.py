@@ -58,7 +58,7 @@ def write_page(config: Config, answer: StudyAnswer, store: Store) -> Path:
 
 
 def sentences(config: Config, answer: StudyAnswer) -> Iterator[str]:
-    """The results of the study, a sentence each."""
+    """Yield the results of the study, a sentence each."""
     drawn = f"{answer.samples} samples of {len(config.uncertain.numbers)} uncertain numbers by {METHODS[answer.method]}"
     without = (
         f"; {counted(answer.failed, 'sample has', 'samples have')} no answer or only a part of it"
@@ -107,7 +107,7 @@ def _strongest(result: Result) -> str:
 
 
 def in_words(distribution: Distribution) -> str:
-    """A distribution in words."""
+    """Return a distribution in words."""
     values = ", ".join(str(value) for value in getattr(distribution, distribution.kind))
     phrase = f"{distribution.kind} {values}" + ("" if distribution.does == "value" else f", as a {distribution.does}")
     return phrase + (

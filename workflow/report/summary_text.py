@@ -33,7 +33,7 @@ STAYS = 0.1  # m: a slide of less is told as none
 
 
 def springs_of(results: Results) -> dict[str, str]:
-    """Springs of every set of slides in words, by its name."""
+    """Return the springs of every set of slides in words, by its name."""
     calibration = results.calibration
     if calibration is not None and calibration.verdict == "out of reach":
         words = "whose calibration failed, with the critical Kh nearest to that of the finite elements"
@@ -48,7 +48,7 @@ def springs_of(results: Results) -> dict[str, str]:
 
 
 def fail_alike(results: Results) -> str:
-    """The common critical Kh of calibrated packings, in words."""
+    """Return the common critical Kh of calibrated packings, in words."""
     calibration = results.calibration
     if calibration is not None and calibration.verdict == "not asked for":
         return "with the strength of their element tests, not calibrated to the finite elements"
@@ -58,7 +58,8 @@ def fail_alike(results: Results) -> str:
 
 
 def findings(results: Results) -> list[str]:
-    """Paragraphs of details after the first page: cases, accuracy and assumptions, slides, and other methods."""
+    """Return the paragraphs of details after the first page: cases, accuracy and assumptions, slides, and other
+    methods."""
     paragraphs = (
         _cases(results), _failure(results), in_short(results), _slides(results), _disagreement(results),
         _measured(results),
@@ -201,20 +202,20 @@ def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
 
 
 def lies_still(case: CaseNumbers) -> bool:
-    """Whether a slide that did not come to rest hardly moved in its last 10 s."""
+    """Return whether a slide that did not come to rest hardly moved in its last 10 s."""
     still = max(STILL, STILL_SHARE * abs(case.slide_max_m))
     return case.moved_lately_m is not None and case.moved_lately_m < still
 
 
 def at_rest(case: CaseNumbers | PointCase) -> bool:
-    """Whether a slide came to rest, or almost, and no side of the model stopped it."""
+    """Return whether a slide came to rest, or almost, and no side of the model stopped it."""
     if case.stopped_by is not None:
         return False
     return case.settled or (isinstance(case, CaseNumbers) and lies_still(case))
 
 
 def moved_lately(cases: Sequence[CaseNumbers]) -> str:
-    """Largest movement, in their last 10 s, of slides that are almost at rest."""
+    """Return the largest movement of slides that are almost at rest, in their last 10 s."""
     most = max(case.moved_lately_m or 0.0 for case in cases)
     return f"less than {100 * STILL:.0f} cm" if most < STILL else f"{100 * most:.0f} cm"
 

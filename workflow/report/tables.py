@@ -44,7 +44,7 @@ def _dilation(stratum: Stratum) -> str:
 
 
 def strata_rows(section: Section) -> Iterator[list[str]]:
-    """A row for every stratum: name, area, thickness, range of x, and its parameters."""
+    """Yield a row for every stratum: name, area, thickness, range of x, and its parameters."""
     layers = section.layering
     at_left, at_right = layers.thickness()
     for k, (stratum, area) in enumerate(zip(section.strata, layers.areas(), strict=True)):
@@ -79,13 +79,13 @@ def _cohesion(stratum: Stratum) -> str:
 
 
 def source_of(section: Section, stratum: Stratum) -> str:
-    """Source of the parameters of a stratum: its description, and whether the ground is a reconstruction."""
+    """Return the source of the parameters of a stratum: its description, and whether the ground is a reconstruction."""
     phrases = [stratum.description or FILE]
     return "; ".join([*phrases, *(["reconstruction"] if section.reconstruction else [])])
 
 
 def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
-    """Water, earthquake, shaking and the cases of liquefaction: name, value and source of each."""
+    """Yield the water, earthquake, shaking and the cases of liquefaction: name, value and source of each."""
     water = config.section.water_points()
     if water is not None:
         low, high = water[:, 1].min(), water[:, 1].max()
@@ -117,7 +117,7 @@ def _of_earthquake(earthquake: EarthquakeSettings) -> list[str]:
 
 
 def texts(section: Section) -> list[str]:
-    """The names and descriptions in a section."""
+    """Return the names and descriptions in a section."""
     names = [section.name, section.title, section.reconstruction_note]
     return names + [text for stratum in section.strata for text in (stratum.name, stratum.description)]
 
@@ -127,7 +127,7 @@ OPTIONAL = ("name", "residual", "residual_strength", "strain_potential", "volume
 
 
 def case_heads(config: Config) -> list[tuple[str, str]]:
-    """Heads of the table of cases: the name of each factor, and the property that it multiplies."""
+    """Return the heads of the table of cases: the name of each factor, and the property that it multiplies."""
     heads = {"residual": "residual strength ratio"}
     return [
         (heads.get(name, name.replace("_", " ")), str(Case.model_fields[name].description)) for name in _changed(config)
@@ -140,7 +140,7 @@ def _changed(config: Config) -> list[str]:
 
 
 def case_rows(config: Config) -> Iterator[list[str]]:
-    """Every case in which a stratum liquefies: its number, the strata, and its factors."""
+    """Yield every case in which a stratum liquefies: its number, the strata, and its factors."""
     for number, case in enumerate(config.cases, start=1):
         names = [stratum.name for stratum in config.section.strata if number in stratum.liquefies_in]
         if names:
@@ -155,7 +155,7 @@ def _of_one(value: Any, names: list[str]) -> Any:
 
 
 def factor(value: Any, name: str = "") -> str:
-    """A factor of a case in three digits, a strength in kPa, a strain in %, by stratum where they differ."""
+    """Return a factor of a case in three digits, a strength in kPa, a strain in %, by stratum where they differ."""
     if isinstance(value, dict):
         return "; ".join(
             f"{stratum} {factor(factors_of_stratum, name)}" for stratum, factors_of_stratum in value.items()
@@ -168,12 +168,12 @@ def factor(value: Any, name: str = "") -> str:
 
 
 def written_columns(config: Section) -> list[tuple[str, str, str]]:
-    """Field, symbol and SI unit of the parameters of strata that the file gives."""
+    """Return the field, symbol and SI unit of the parameters of strata that the file gives."""
     return [*WRITTEN, *(column for column in WRITTEN_OF_SOME if any(getattr(s, column[0]) for s in config.strata))]
 
 
 def written_rows(config: Section) -> Iterator[list[str]]:
-    """The strata as in the file, with its units."""
+    """Yield the strata as in the file, with its units."""
     for stratum in config.strata:
         cases = ", ".join(map(str, stratum.liquefies_in)) or "–"
         cases = f"triggered: {cases}" if stratum.liquefies_in.triggered else cases
@@ -191,7 +191,7 @@ def _written(stratum: Stratum, field: str, unit: str) -> str:
 
 
 def line_rows(config: Section) -> Iterator[tuple[str, str, str]]:
-    """The lines of the section: name, kind (elevation or depth), and points (m)."""
+    """Yield the lines of the section: name, kind (elevation or depth), and points (m)."""
     yield "ground surface", "elevation", _points(config.surface)
     for stratum in config.strata:
         if stratum.bottom is not None:
@@ -221,7 +221,7 @@ def _points(points: Any) -> str:
 
 
 def changed_settings(config: Config) -> Iterator[tuple[str, str, str]]:
-    """The settings that differ from their defaults: name, value and description."""
+    """Yield the settings that differ from their defaults: name, value and description."""
     for table in config.tables():
         settings: BaseModel = getattr(config, table)
         for key, field in type(settings).model_fields.items():
@@ -232,7 +232,7 @@ def changed_settings(config: Config) -> Iterator[tuple[str, str, str]]:
 
 
 def plain(value: Any) -> str:
-    """A setting as text; a file by its name alone."""
+    """Return a setting as text; a file by its name alone."""
     if value is None:
         return "not given"
     if isinstance(value, Path):

@@ -4,7 +4,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 
 
 def templates() -> Environment:
-    """The templates; inserted values are escaped, and a missing value is an error."""
+    """Return the templates; inserted values are escaped, and a missing value is an error."""
     return Environment(
         loader=PackageLoader("workflow.report", "."),
         autoescape=select_autoescape(default_for_string=True, default=True),

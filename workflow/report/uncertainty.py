@@ -16,7 +16,7 @@ NO_MORE = 0.005  # a share of Kh that is none in whole per cent
 
 
 def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
-    """Sources of uncertainty as pairs of a heading and sentences."""
+    """Yield the sources of uncertainty as pairs of a heading and sentences."""
     if results.config.notices:
         yield "Ground and mesh", " ".join(f"{text[0].upper()}{text[1:]}." for text in results.config.notices)
     if results.older:

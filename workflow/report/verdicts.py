@@ -23,7 +23,7 @@ TINY = 1e-3  # m: slides of less have no spread
 
 
 def verdicts(results: Results) -> list[VerdictPart]:
-    """Verdicts on every quantity with a limit, for every structure and every method."""
+    """Return verdicts on every quantity with a limit, for every structure and every method."""
     limits = results.config.criteria
     parts: list[VerdictPart] = []
     if (factor := limits.factor_of_safety) is not None:
@@ -85,7 +85,7 @@ def _is_of_section(results: Results, surface: Sequence[Sequence[float]] | np.nda
 
 
 def spared(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) -> list[str]:
-    """Names of the structures if none of their crests lies above a slip surface (n, 2) in m; else empty."""
+    """Return the names of the structures if none of their crests lies above a slip surface (n, 2) in m; else empty."""
     structures = structures_of(results.config.section)
     points = [(float(x), float(z)) for x, z in surface]
     if not points or any(structure.slides_with(points) for structure in structures):
@@ -188,7 +188,7 @@ def _not_computed(results: Results) -> Iterator[Interval]:
 
 
 def verdict_paragraph(parts: list[VerdictPart]) -> Iterator[str]:
-    """A sentence on every criterion, with the governing quantities."""
+    """Yield a sentence on every criterion, with the governing quantities."""
     phrases = []
     for criterion in dict.fromkeys(part.criterion for part in parts):
         parts_of_criterion = [part for part in parts if part.criterion == criterion]
@@ -210,12 +210,12 @@ def _words(part: VerdictPart) -> str:
 
 
 def limit_words(part: VerdictPart) -> str:
-    """The limit with its unit, and its Kh."""
+    """Return the limit with its unit, and its Kh."""
     return _number(part.criterion, part.limit) + ("" if part.kh is None else f" at Kh = {part.kh:g}")
 
 
 def interval_words(part: VerdictPart) -> str:
-    """The interval of the quantity with its unit, or a dash."""
+    """Return the interval of the quantity with its unit, or a dash."""
     ends = [_number(part.criterion, end) for end in (part.low, part.high) if end is not None]
     if len(ends) == 1:
         return f"{'at least' if part.high is None else 'at most'} {ends[0]}"

@@ -141,7 +141,7 @@ def _target_range(results: Results) -> Iterator[str]:
 
 
 def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] = ()) -> Iterator[tuple[Weight, str]]:
-    """A warning that the critical Kh depends on the condition at the sides, or may depend on it if no other was
+    """Return a warning that the critical Kh depends on the condition at the sides, or may depend on it if no other was
     computed.
     """
     longer = "a larger value of beyond" if section.beyond else 'beyond = "50 m"'

@@ -39,16 +39,16 @@ class Accuracy:
 
     @property
     def method(self) -> str:
-        """The method of the interval, in few words."""
+        """Return the method of the interval, in few words."""
         return self.by.partition(",")[0]
 
     def error(self, kc: float) -> float:
-        """Possible error of ``kc`` (-)."""
+        """Return the possible error of ``kc`` (-)."""
         return max(abs(kc - self.low), abs(kc - self.high))
 
 
 def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
-    """The interval by meshes and bounds; None if there is only one mesh and no bounds of its flow rule."""
+    """Return the interval by meshes and bounds; None if there is only one mesh and no bounds of its flow rule."""
     meshes, strict = of_meshes(fem, _halved(results)), _strict(results, fem)
     if strict is None:
         return meshes
@@ -60,12 +60,13 @@ def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
 
 
 def proven_by(strengthened: bool) -> str:
-    """Name of the bounds of an interval: of the ground of the section file, or with its bare faces ``strengthened``."""
+    """Return the name of the bounds of an interval: of the ground of the section file, or with its bare faces
+    ``strengthened``."""
     return "by bounds of deeper failures" if strengthened else "by strict bounds"
 
 
 def of_meshes(fem: FemAnswer, halved: float | None = None) -> Accuracy | None:
-    """The interval by the sequence of meshes, wider if it has not converged; None for one mesh.
+    """Return the interval by the sequence of meshes, wider if the sequence has not converged; None for one mesh.
 
     ``halved`` is the critical Kh on cells of half the size, if it was computed after a single mesh: the error is
     proportional to one over the number of cells, so that a third of the difference remains (Richardson 1911).

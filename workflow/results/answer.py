@@ -115,12 +115,12 @@ class SectionLabel(Part):
 
     @classmethod
     def of(cls, section: Section) -> Self:
-        """The label of a section."""
+        """Return the label of a section."""
         return cls(name=section.name, sha256=section.sha256(), reconstruction=section.reconstruction)
 
 
 def line(points: np.ndarray) -> Line:
-    """Points (n, 2) of a line in the form of the stored answers."""
+    """Return points (n, 2) of a line in the form of the stored answers."""
     return tuple((float(x), float(z)) for x, z in points)
 
 

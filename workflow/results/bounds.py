@@ -63,7 +63,8 @@ class DirectionPart(Part):
 
     @property
     def words(self) -> str:
-        """The bounds in words; if the other direction fails first, the bounds of this direction need not be close."""
+        """Return the bounds in words; if the other direction fails first, the bounds of this direction need not be
+        close."""
         to, out = f"{FORCE[self.direction]} (to the {self.towards})", self.way_out
         match self.lower, self.upper:
             case None, None:
@@ -77,7 +78,7 @@ class DirectionPart(Part):
 
     @property
     def way_out(self) -> str:
-        """The sides at which the ground slides out, as a clause; empty without any."""
+        """Return the sides at which the ground slides out, as a clause; empty without any."""
         return f", where the ground slides out at the {' and the '.join(self.leaves)} side" if self.leaves else ""
 
 
@@ -99,7 +100,7 @@ class BracketPart(Part):
     history: tuple[BoundsRound, ...] = Field(description="of the direction that fails first")
 
     def towards(self, direction: Direction) -> DirectionPart | None:
-        """The bounds in one direction; None if there are none."""
+        """Return the bounds in one direction; None if there are none."""
         return next((part for part in self.directions if part.direction == direction), None)
 
 
@@ -112,7 +113,8 @@ class ShallowBoundPart(Part):
     kh: float = Field(description="seismic coefficient of the shallow failure")
 
     def is_edge(self, least_depth: float) -> bool:
-        """Whether the face is only the edge of an outcropping layer, narrower than the least depth (m) of failures."""
+        """Return whether the face is only the edge of an outcropping layer, narrower than the least depth (m) of
+        failures."""
         return self.end - self.start < least_depth
 
 
@@ -134,7 +136,7 @@ class SafetyPart(Part):
 
     @property
     def words(self) -> str:
-        """The bracket in words."""
+        """Return the bracket in words."""
         low = "" if self.lower is None else f"{self.lower:.3f} <= "
         high = "" if self.upper is None else f" <= {self.upper:.3f}"
         between = f"{low}FS{high}" if low or high else "none found of FS"
@@ -174,10 +176,11 @@ class BoundsAnswer(BracketPart, Answer):
 
     @property
     def strengthened_faces(self) -> bool:
-        """Whether the bounds are of ground whose bare faces were given a cohesion."""
+        """Return whether the bounds are of ground whose bare faces were given a cohesion."""
         return bool(self.shallow_failures) or self.shallow is not None
 
     @property
     def strengthened(self) -> bool:
-        """Whether the bounds are of ground whose bare faces, or the ends of loads on it, were given a cohesion."""
+        """Return whether the bounds are of ground whose bare faces, or the ends of loads on it, were given a
+        cohesion."""
         return self.strengthened_faces or bool(self.load_ends)

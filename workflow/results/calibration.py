@@ -142,13 +142,14 @@ class CalibrationAnswer(Answer):
 
     @property
     def leaves_open(self) -> bool:
-        """Whether the interval of the critical Kh of the continuum is wider than the tolerance of the calibration."""
+        """Return whether the interval of the critical Kh of the continuum is wider than the tolerance of the
+        calibration."""
         return self.continuum_kc is not None and self.continuum_kc[1] - self.continuum_kc[0] > self.tolerance
 
     @classmethod
     def of(cls, base: "Search", calibration: "Calibration | None", tolerance: float, **more: Any) -> Self:
-        """The answer of a calibration, with sensitivities sorted by parameter and factor; without a calibration that
-        of uncalibrated discs, with the critical Kh of the search ``base``. ``more`` are further fields.
+        """Return the answer of a calibration, with sensitivities sorted by parameter and factor; without a calibration
+        that of uncalibrated discs, with the critical Kh of the search ``base``. ``more`` are further fields.
         """
         if calibration is None:
             return cls.taken(

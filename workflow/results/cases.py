@@ -77,14 +77,15 @@ class MovedSurface(Part):
     slide_along: Line = Field(default=(), description="points [x, slide] of the surface as it was before (m)")
 
     def slide_at(self, x: float) -> float | None:
-        """Slide (m) of the surface that was at x (m) before; None beyond its ends, or if it is not stored."""
+        """Return the slide (m) of the surface that was at x (m) before; None beyond its ends, or if it is not
+        stored."""
         if not self.slide_along or not self.slide_along[0][0] <= x <= self.slide_along[-1][0]:
             return None
         return float(np.interp(x, *np.array(self.slide_along).T))
 
     @property
     def largest_fall(self) -> tuple[float, float]:
-        """Largest fall of the surface (m), and its x (m).
+        """Return the largest fall of the surface (m), and its x (m).
 
         Both surfaces are smoothed to the spacing of their points, so that a single missing disc is no fall. The
         outermost points lie on the sides of the model, where a single disc that remains or is missing does not show
@@ -110,20 +111,21 @@ class CaseAnswer(MovedSurface, CaseNumbers):
 
     @classmethod
     def of(cls, slide: "Slide", alone: "Slide", stiffness: float) -> Self:
-        """The answer on a slide.
+        """Return the answer on a slide.
 
-        ``alone`` is the same ground under Kh without liquefaction: a disc slides if it moves twice as far as there.
+        ``alone`` is the same ground under Kh without liquefaction: a disc counts as sliding if it moves twice as far as
+        in that run.
         """
         return cls(stiffness=stiffness, **slide.as_json(alone))
 
     @property
     def uphill(self) -> str:
-        """Whether the uphill third of the surface "rises" or "settles"."""
+        """Return whether the uphill third of the surface "rises" or "settles"."""
         return "rises" if self.settlement_uphill_m < 0.0 else "settles"
 
     @property
     def numbers(self) -> CaseNumbers:
-        """The numbers without the surface."""
+        """Return the numbers without the surface."""
         return CaseNumbers(**{name: getattr(self, name) for name in CaseNumbers.model_fields})
 
 
@@ -144,7 +146,7 @@ class Spread(Part):
 
     @classmethod
     def of(cls, values: Sequence[float]) -> Self:
-        """Mean, standard deviation and interval of some values."""
+        """Return the mean, standard deviation and interval of some values."""
         if not values:
             return cls(mean=None, spread=None, values=())
         mean, several = float(np.mean(values)), len(values) > 1
@@ -164,7 +166,7 @@ class Spread(Part):
 
     @property
     def from_zero(self) -> Self:
-        """The spread of a quantity that cannot be negative: its confidence interval begins at 0 or above."""
+        """Return the spread of a quantity that cannot be negative: its confidence interval begins at 0 or above."""
         interval = None if self.mean_ci95 is None else (max(self.mean_ci95[0], 0.0), self.mean_ci95[1])
         return self.model_copy(update={"mean_ci95": interval})
 
@@ -180,7 +182,7 @@ class Profile(Part):
 
     @classmethod
     def of(cls, surfaces: Sequence[tuple[Line, Line]], points: int = 201) -> Self:
-        """The profile of several surfaces before and after, points [x, elevation], over their common width."""
+        """Return the profile of several surfaces before and after, points [x, elevation], over their common width."""
         ends = [(line[0][0], line[-1][0]) for pair in surfaces for line in pair]
         x = np.linspace(max(left for left, _ in ends), min(right for _, right in ends), points)
         before, after = (np.array([np.interp(x, *np.array(pair[k]).T) for pair in surfaces]) for k in (0, 1))
@@ -204,7 +206,7 @@ class RandomCase(Part):
 
     @property
     def spreads(self) -> dict[str, Spread]:
-        """Every quantity by its name in words; intervals of lengths that cannot be negative begin at 0."""
+        """Return every quantity by its name in words; intervals of lengths that cannot be negative begin at 0."""
         spreads = {name: getattr(self, name) for name in QUANTITIES if getattr(self, name) is not None}
         return {QUANTITIES[name]: spread.from_zero if name in LENGTHS else spread for name, spread in spreads.items()}
 
@@ -242,8 +244,8 @@ class RandomPackings(Part):
 
     @property
     def rising(self) -> int | None:
-        """Number of packings on which every case slides further than the one before; None without two cases or
-        packings.
+        """Return the number of packings on which every case slides further than the one before; None without two cases
+        or packings.
         """
         slides = [self.cases[number].slide_max_m.values for number in sorted(self.cases)]
         if len(slides) < 2 or min(len(values) for values in slides) < 2:
@@ -281,12 +283,12 @@ class CasesAnswer(Answer):
     random: RandomPackings | None
 
     def each(self) -> Iterator[tuple[str, int, CaseAnswer]]:
-        """Every set, number and case, in the order of sets and numbers."""
+        """Yield every set, number and case, in the order of sets and numbers."""
         for name, cases in self.sets.items():
             for number in sorted(cases):
                 yield name, number, cases[number]
 
     @property
     def first_set(self) -> str:
-        """The name of the governing set; empty without any."""
+        """Return the name of the governing set; empty without any."""
         return next((name for name in ("calibrated", *self.sets) if name in self.sets), "")

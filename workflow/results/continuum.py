@@ -26,7 +26,7 @@ class MeshCount(Part):
 
     @classmethod
     def of(cls, mesh: "QuadMesh") -> Self:
-        """The count of a mesh."""
+        """Return the size of a mesh."""
         return cls(quadrilaterals=len(mesh.cells), nodes=len(mesh.points), method=mesh.method)
 
 
@@ -89,7 +89,8 @@ class ShallowFailurePart(Part):
     kh: float = Field(description="Kh at which they do; below 0 if they do by their own weight")
 
     def is_edge(self, least_depth: float) -> bool:
-        """Whether the face is only the edge of an outcropping layer, narrower than the least depth (m) of failures."""
+        """Return whether the face is only the edge of an outcropping layer, narrower than the least depth (m) of
+        failures."""
         return self.end_x_m - self.start_x_m < least_depth
 
 
@@ -101,7 +102,7 @@ class MeshStep(Part):
 
 
 def displacement_at(path: Sequence[PathStep], kc: float, share: float) -> float:
-    """The displacement (m) at which a path of rising Kh reaches a share of the critical Kh, ``kc``.
+    """Return the displacement (m) at which a path of rising Kh reaches a share of the critical Kh, ``kc``.
 
     A path may end below this share if limit analysis gave the critical Kh. In this case the path is extrapolated: the
     difference to kc decays exponentially with displacement, at the rate of the last step. For S-13 in a rigid box,
@@ -162,12 +163,12 @@ class FemAnswer(Answer):
 
     @property
     def estimate(self) -> str:
-        """Name of Davis's estimate for these dilation angles."""
+        """Return the name of Davis's estimate for these dilation angles."""
         return davis_words(self.dilation_deg.values())
 
     @property
     def ended(self) -> str:
-        """The verdict in words: a plateau only if the path itself reached one. If the limit load is from limit
+        """Return the verdict in words: a plateau only if the path itself reached one. If the limit load is from limit
         analysis, the path may still rise at its end.
         """
         known_before = self.verdict == "plateau" and self.kc_lower < YIELDED * self.kc
@@ -175,15 +176,15 @@ class FemAnswer(Answer):
 
     @property
     def has_kc(self) -> bool:
-        """Whether there is a critical Kh: the path reached a plateau or a peak."""
+        """Return whether there is a critical Kh: the path reached a plateau or a peak."""
         return self.verdict in ("plateau", "peak")
 
     def state_at(self, kh: float) -> StoredState | None:
-        """The stored state at a Kh; None if there is none."""
+        """Return the stored state at a Kh; None if there is none."""
         return next((state for state in self.states if abs(state.kh - kh) < 1e-9), None)
 
     def last_in_equilibrium(self) -> StoredState | None:
-        """The last state of the path, which shows the failure mechanism."""
+        """Return the last state of the path, which shows the failure mechanism."""
         return next((state for state in reversed(self.states) if not state.past_equilibrium), None)
 
 
@@ -203,9 +204,10 @@ class Variant(Part):
     )
 
     def of(self, kc: float) -> float | None:
-        """The critical Kh with the change.
+        """Return the critical Kh with one assumption changed.
 
-        Where the change was computed on a coarser mesh than the answer ``kc``, it is ``kc`` times the ratio there.
+        If the change was computed on a coarser mesh than the answer ``kc``, the critical Kh is ``kc`` times the ratio
+        on that mesh.
         """
         if self.kc is None or self.kc_without is None:
             return self.kc
@@ -213,7 +215,7 @@ class Variant(Part):
 
 
 class VariantsAnswer(Answer):
-    """All computed changes."""
+    """Holds all computed changes of assumptions."""
 
     FILE: ClassVar[str] = "fem/variants.json"
 

@@ -35,7 +35,7 @@ class DemCounterpart(Answer):
 
     @classmethod
     def of(cls, fem: FemAnswer) -> Self:
-        """The result of the stage `fem` with its own sides."""
+        """Return the result of the stage `fem` with its own sides."""
         end = fem.last_in_equilibrium()
         return cls.taken(
             fem,
@@ -47,6 +47,6 @@ class DemCounterpart(Answer):
 
     @property
     def terms(self) -> str:
-        """Conditions of this critical Kh in words: sides, flow rule, and depth of failures."""
+        """Return the conditions of this critical Kh in words: sides, flow rule, and depth of failures."""
         deep = f", failures deeper than {self.deeper_than_m:.2g} m" if self.deeper_than_m else ""
         return f"{self.sides} sides, {FLOWS[self.flow]}{deep}"

@@ -12,8 +12,8 @@ from workflow.run.store import Store
 
 
 def grid_of(model: DiscModel, before: DiscModel, ground: Ground) -> pv.PolyData:
-    """Discs as points with radius_m, stratum (-1: boundary), displacement_m and velocity_m_s since `before`; pore
-    springs as lines, with cracked = 1 for cracked ones; the cells of points have cracked = -1.
+    """Return discs as points with radius_m, stratum (-1: boundary), displacement_m and velocity_m_s since `before`;
+    pore springs as lines, with cracked = 1 for cracked ones; the cells of points have cracked = -1.
     """
     x, z = ground.to_section(model.x, model.z)
     n = len(model)
@@ -39,8 +39,8 @@ def grid_of(model: DiscModel, before: DiscModel, ground: Ground) -> pv.PolyData:
 def write_frame(store: Store, name: str, model: DiscModel, before: DiscModel, ground: Ground, seconds: float) -> None:
     """Write one state of a slide, with the seconds since its onset.
 
-    ``store``: the folder of the run; ``name``: of the file; ``model``, ``before``: discs now and at rest; ``ground``:
-    in which they lie.
+    ``store``: the folder of the run; ``name``: name of the file; ``model``, ``before``: discs now and at rest;
+    ``ground``: the ground in which the discs lie.
     """
     grid = grid_of(model, before, ground)
     grid.field_data["seconds"] = np.array([seconds])
@@ -48,7 +48,7 @@ def write_frame(store: Store, name: str, model: DiscModel, before: DiscModel, gr
 
 
 def write_collection(store: Store, name: str, folder: str = "dem") -> None:
-    """<folder>/<name>.pvd over the frames of a case, with their times."""
+    """Write <folder>/<name>.pvd over the frames of a case, with their times."""
     states = [
         (float(pv.read(store.folder / file).field_data["seconds"][0]), file.removeprefix(f"{folder}/"))
         for file in frames(store, name, folder).values()
@@ -58,17 +58,17 @@ def write_collection(store: Store, name: str, folder: str = "dem") -> None:
 
 
 def case_name(springs: str, number: int) -> str:
-    """Name of the files of a case: without a suffix for calibrated discs."""
+    """Return the name of the files of a case: without a suffix for calibrated discs."""
     return f"case{number}" if springs == "calibrated" else f"case{number}_{springs}"
 
 
 def frame_file(name: str, number: int, folder: str = "dem") -> str:
-    """The file of a state of a case."""
+    """Return the file of a state of a case."""
     return f"{folder}/{name}/frame_{number:03d}.vtp"
 
 
 def frames(store: Store, name: str, folder: str = "dem") -> dict[int, str]:
-    """The files of a case by their numbers, in time."""
+    """Return the files of a case by their numbers, in time."""
     files = store.matching([f"{folder}/{name}/frame_*.vtp"])
     return dict(sorted((int(PurePath(file).stem.removeprefix("frame_")), file) for file in files))
 
@@ -76,7 +76,7 @@ def frames(store: Store, name: str, folder: str = "dem") -> dict[int, str]:
 def copy_frames(store: Store, of: str, to: str, folder: str = "dem") -> None:
     """Copy the states of one case to another with the same slide.
 
-    ``store``: the folder of the run; ``of``, ``to``: the cases by the names of their files; ``folder``: of both.
+    ``store``: the folder of the run; ``of``, ``to``: the cases by the names of their files; ``folder``: folder of both.
     """
     store.remove(list(frames(store, to, folder).values()))
     for number, file in frames(store, of, folder).items():

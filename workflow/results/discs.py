@@ -123,11 +123,11 @@ class DiscsAnswer(Answer):
 
     @property
     def kc_table2(self) -> float | None:
-        """The critical Kh with the springs of the paper's Table 2 as printed, if it was computed."""
+        """Return the critical Kh with the springs of the paper's Table 2 as printed, if it was computed."""
         search = self.paper.search if self.paper is not None else self.before
         is_printed = search.parameters is not None and search.parameters.springs == "table2"
         return search.kc if is_printed else None
 
     def states_of(self, which: SetOfSprings) -> dict[float, RecordedDiscs]:
-        """The stored states of one set of springs, by their Kh."""
+        """Return the stored states of one set of springs, by their Kh."""
         return {round(state.kh, 6): state for state in self.states if state.set == which}

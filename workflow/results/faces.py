@@ -46,5 +46,5 @@ class FacesAnswer(Answer):
     faces: tuple[FaceStrength, ...]
 
     def of(self, structure: str, towards: str) -> FaceStrength | None:
-        """The answer of one face; None if there is none."""
+        """Return the answer of one face; None if there is none."""
         return next((face for face in self.faces if (face.structure, face.towards) == (structure, towards)), None)

@@ -16,13 +16,13 @@ COLLECTION = "fem/fields.pvd"
 
 
 def fields_file(number: int) -> str:
-    """The file name within fem/ of the fields of an equilibrium, by its number."""
+    """Return the file name within fem/ of the fields of an equilibrium, by its number."""
     return f"fields_{number}.vtu"
 
 
 @dataclass(frozen=True)
 class FemResults:
-    """The mesh, the ``answer`` in fem/critical.json, and the fields of each of its states."""
+    """Holds the mesh, the ``answer`` in fem/critical.json, and the fields of each of its states."""
 
     mesh: QuadMesh
     answer: FemAnswer
@@ -43,7 +43,8 @@ class FemResults:
         return cls(fem_mesh(section, store, answer.mesh.method), answer, states)
 
     def slip_surface(self, state: FieldState) -> np.ndarray:
-        """Points (n, 2) in m of the slip surface of one of the ``states``; none where the ground does not fail."""
+        """Return points (n, 2) in m of the slip surface of one of the ``states``; none where the ground does not
+        fail."""
         stored = next(stored for stored, loaded in zip(self.answer.states, self.states, strict=True) if loaded is state)
         return np.array(stored.slip_surface).reshape(-1, 2)
 

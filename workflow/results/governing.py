@@ -16,19 +16,19 @@ CLOSE_BOUNDS = 0.95  # of the upper bound: a lower one above it gives the critic
 
 @dataclass(frozen=True)
 class GoverningKh:
-    """The critical Kh that counts.
+    """Holds the critical Kh that counts if several methods give one.
 
     Attributes
     ----------
     value : float
         The critical Kh (-).
     by_elements : bool
-        Whether it is that of the finite elements; otherwise it is the upper end of its interval, which the elements
-        exceed.
+        Whether the critical Kh is that of the finite elements; otherwise it is the upper end of its interval, which the
+        finite elements exceed.
     is_limit : bool
         Whether it is only an upper limit, because the ends of its interval are far apart.
     interval : Accuracy or None
-        Its interval by meshes and strict bounds; None if it is not known.
+        Interval of the critical Kh by meshes and strict bounds; None if it is not known.
     """
 
     value: float
@@ -38,13 +38,13 @@ class GoverningKh:
 
     @property
     def text(self) -> str:
-        """The critical Kh to three places, with a sign for an upper limit."""
+        """Return the critical Kh to three places, with a sign for an upper limit."""
         return f"{'≤ ' if self.is_limit else ''}{self.value:.3f}"
 
 
 def governing_kh(results: Results) -> GoverningKh | None:
-    """The critical Kh that counts: that of the finite elements, or the upper bound that they exceed; None without
-    any.
+    """Return the critical Kh that counts: that of the finite elements, or the upper bound that they exceed; None
+    without any.
     """
     kc, fem = results.kc, results.fem
     if kc is None or fem is None:
@@ -57,7 +57,7 @@ def governing_kh(results: Results) -> GoverningKh | None:
 
 @dataclass(frozen=True)
 class MethodSlides:
-    """The slides after liquefaction by one method.
+    """Holds the slides after liquefaction by one method.
 
     Attributes
     ----------
@@ -79,23 +79,23 @@ class MethodSlides:
 
     @property
     def largest(self) -> tuple[float, ...]:
-        """The largest slide (m) of each case, at least 0."""
+        """Return the largest slide (m) of each case, at least 0."""
         return tuple(max(case.slide_max_m, 0.0) for case in self.cases.values())
 
     @property
     def interval(self) -> tuple[float, float] | None:
-        """The largest slide (m) with the error on known slides; None if it is not known, or nothing slides."""
+        """Return the largest slide (m) with the error on known slides; None if it is not known, or nothing slides."""
         return None if self.error is None or self.ends[1] <= 0.0 else self.error.interval(*self.ends)
 
     @property
     def of_largest(self) -> tuple[int, CaseAnswer | PointCase]:
-        """Number and answer of the case with the largest slide."""
+        """Return number and answer of the case with the largest slide."""
         number = max(self.cases, key=lambda case: self.cases[case].slide_max_m)
         return number, self.cases[number]
 
 
 def slides_by_weight(results: Results) -> tuple[MethodSlides, ...]:
-    """The slides by every method with any, those that count first: by the method that was nearer to known slides."""
+    """Return the slides by every method that has any, first those of the method that was nearer to known slides."""
     discs = results.case_set()[1]
     points = dict(results.mpm.cases) if results.mpm is not None else {}
     flowing = {case.flows for case in discs.values()}
@@ -118,7 +118,8 @@ def slides_by_weight(results: Results) -> tuple[MethodSlides, ...]:
 
 
 def by_weight(errors: Sequence[SlideError | None]) -> list[SlideMethod]:
-    """The methods, the one with the smaller error on half of the known slides first; discs first if none is known."""
+    """Return the methods, first the one with the smaller error on half of the known slides; discs first if no error is
+    known."""
     known = [error for error in errors if error is not None]
     methods = [error.method for error in sorted(known, key=lambda error: error.middle)]
     every: tuple[SlideMethod, ...] = ("discs", "mpm")

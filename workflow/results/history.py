@@ -17,7 +17,7 @@ COLUMNS = ["set", "case", *(field.name for field in fields(Row))]
 
 @dataclass(frozen=True)
 class SlideHistory:
-    """One slide in time: set of springs, case (0: Kh alone), and a row for every recorded time."""
+    """Holds one slide in time: set of springs, case (0: Kh alone), and a row for every recorded time."""
 
     springs: str
     case: int
@@ -37,7 +37,7 @@ def write_histories(store: Store, slides: Iterable[SlideHistory]) -> None:
 
 
 def read_histories(store: Store) -> list[SlideHistory]:
-    """The slides of a folder in the order of the file.
+    """Return the slides of a folder in the order of the file.
 
     Raises InputError if there is none, OtherVersionError if another version of the program wrote it.
     """

@@ -23,7 +23,7 @@ class JournalEntry(Part):
 
     @property
     def as_search(self) -> Search:
-        """The search, to continue from."""
+        """Return the search, to continue from."""
         values = {field.name: getattr(self.search, field.name) for field in fields(Search)}
         trials = [_trial(trial) for trial in self.search.trials]
         return Search(**{**values, "trials": trials, "curve": list(self.search.curve)})
@@ -42,7 +42,7 @@ class Journal:
         self.path = store.folder / name
 
     def known(self) -> dict[Key, Search]:
-        """All searches of the file; an incomplete last line is ignored."""
+        """Return all searches of the file; an incomplete last line is ignored."""
         searches: dict[Key, Search] = {}
         if not self.path.is_file():
             return searches

@@ -2,7 +2,7 @@
 
 
 def metres(value: float | None) -> str:
-    """A length (m) in two digits or so, to the centimetre below a metre, or a dash."""
+    """Return a length (m) in two digits or so, to the centimetre below a metre, or a dash."""
     if value is None:
         return "–"
     size = abs(value)

@@ -11,7 +11,7 @@ from meshes.section.section import Section
 
 
 def unstructured(mesh: QuadMesh) -> pv.UnstructuredGrid:
-    """The mesh for VTK, with the index of the stratum in every cell and the names as field data."""
+    """Return the mesh for VTK, with the index of the stratum in every cell and the names as field data."""
     points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
     grid = pv.UnstructuredGrid({pv.CellType.QUAD: mesh.cells.astype(np.int64)}, points)
     grid.cell_data["stratum"] = mesh.stratum.astype(np.int32)
@@ -20,7 +20,7 @@ def unstructured(mesh: QuadMesh) -> pv.UnstructuredGrid:
 
 
 def grid_of(section: Section, mesh: QuadMesh) -> pv.UnstructuredGrid:
-    """The mesh for VTK files, with the name of its section and whether the section is a reconstruction."""
+    """Return the mesh for VTK files, with the name of its section and whether the section is a reconstruction."""
     grid = unstructured(mesh)
     add_texts(grid, "section", [section.heading])
     if section.reconstruction:
@@ -29,7 +29,7 @@ def grid_of(section: Section, mesh: QuadMesh) -> pv.UnstructuredGrid:
 
 
 def add_texts(grid: pv.UnstructuredGrid, name: str, texts: Sequence[str]) -> None:
-    """Texts as a named field array; pyvista's own way takes ASCII only."""
+    """Add texts as a named field array; the function of pyvista takes ASCII only."""
     array = vtkStringArray()
     array.SetName(name)
     for text in texts:

@@ -9,7 +9,7 @@ from workflow.run.store import Store
 
 
 def write_points(store: Store, name: str, slider: PointSlider) -> None:
-    """One state of a slide: points with radius_m, stratum (-1: rigid), displacement_m and velocity_m_s."""
+    """Write one state of a slide: points with radius_m, stratum (-1: rigid), displacement_m and velocity_m_s."""
     points, offset = slider.ground.points, slider.ground.offset
     grid = pv.PolyData(_flat(points.x + offset))
     grid.point_data["radius_m"] = 0.5 * np.sqrt(points.state[:, VOLUME])

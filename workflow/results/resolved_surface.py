@@ -4,7 +4,8 @@ import numpy as np
 
 
 def smoothed(line: np.ndarray, size: float) -> np.ndarray:
-    """The surface that discs of a diameter ``size`` (m) resolve, without spikes by single additional or missing discs.
+    """Return the surface that discs of a diameter ``size`` (m) resolve, without spikes by single additional or missing
+    discs.
 
     Parameters
     ----------

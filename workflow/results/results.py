@@ -33,8 +33,8 @@ Judged = tuple[str, float, float | None, float | None, bool]
 
 @dataclass(frozen=True)
 class Results:
-    """Results of an input. ``ends``: outcomes of the stages; ``missing``: why others have no result; ``older``: stages
-    computed by another version of the program; ``stages``: those of the report.
+    """Holds the results of an input. ``ends``: outcomes of the stages; ``missing``: why other stages have no result;
+    ``older``: stages computed by another version of the program; ``stages``: stages of the report.
 
     The answers are those of the files, None if a stage has none; ``bounds`` always has both bounds.
     """
@@ -77,7 +77,7 @@ class Results:
                 missing[stage.name] = why
 
         def left(stage: str, kind: type[AnswerOf]) -> AnswerOf | None:
-            """The stored answer of a stage, if it ran for this input."""
+            """Return the stored answer of a stage, if it ran for this input."""
             written = stage in ends and kind.FILE in ends[stage].files
             return kind.read(job.store) if written else None
 
@@ -106,26 +106,26 @@ class Results:
         )
 
     def no_answer(self, stage: str) -> Entry | None:
-        """The outcome of a stage that ended without an answer; else None."""
+        """Return the outcome of a stage that ended without an answer; else None."""
         entry = self.ends.get(stage)
         return entry if entry is not None and entry.outcome == "no answer" else None
 
     @property
     def kc(self) -> float | None:
-        """The critical Kh of the FEM, if it has one."""
+        """Return the critical Kh of the FEM, if it has one."""
         if self.fem is None or self.no_answer("fem") or not self.fem.has_kc:
             return None
         return self.fem.kc
 
     @property
     def slip_surface(self) -> np.ndarray:
-        """Points (n, 2) in m of the slip surface of the FEM; none without a mechanism."""
+        """Return points (n, 2) in m of the slip surface of the FEM; none without a mechanism."""
         end = self.fem.last_in_equilibrium() if self.fem is not None else None
         return np.array(end.slip_surface if end is not None else []).reshape(-1, 2)
 
     @property
     def warnings(self) -> list[ResultWarning]:
-        """Warnings on the critical Kh of the FEM: contradictions, and notes."""
+        """Return warnings on the critical Kh of the FEM: contradictions, and notes."""
         of_fem = list(self.fem.warnings) if self.fem is not None else []
         looked_at = ("mesh",) if self._bracketed else ("mesh", "element")
         others = [
@@ -145,8 +145,9 @@ class Results:
         return fem.flow == "associated" and bounds.verdict == "bracketed"
 
     def warnings_by_bounds(self) -> list[ResultWarning]:
-        """Warnings where strict bounds contradict the FEM. Upper bounds with ψ = φ hold for every smaller ψ, and those
-        with fixed sides hold for other sides, since a mechanism that does not move at the sides does no work there.
+        """Return warnings if strict bounds contradict the FEM. Upper bounds with ψ = φ hold for every smaller ψ, and
+        those with fixed sides hold for other sides, since a mechanism that does not move at the sides does no work
+        there.
         """
         fem, bounds = self.fem, self.bounds
         if fem is None or bounds is None or self.kc is None:
@@ -190,14 +191,14 @@ class Results:
                 yield f"factor of safety at Kh = {factor.kh:g} with ψ = φ", full, part.lower, part.upper, True
 
     def case_set(self) -> tuple[str, dict[int, CaseAnswer]]:
-        """The governing set of cases (the calibrated one if there is one), and its cases by number."""
+        """Return the governing set of cases (the calibrated one if there is one), and its cases by number."""
         if self.cases is None:
             return "", {}
         name = self.cases.first_set
         return name, self.cases.sets.get(name, {})
 
     def slides_at(self, x: float | None) -> dict[int, float] | None:
-        """Slide of the discs in each case at the place x (m) of the surface; None if it is not known."""
+        """Return the slide of the discs in each case at the place x (m) of the surface; None if it is not known."""
         _, cases = self.case_set()
         if x is None or not cases:
             return None

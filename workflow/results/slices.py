@@ -61,7 +61,7 @@ class FacePart(Part):
     reason: str = Field(default="", description="why no circle slides with it; empty where one does")
 
     def factor(self, kh: float) -> float | None:
-        """The least factor of safety at one Kh; None if no circle slides or it was not computed."""
+        """Return the least factor of safety at one Kh; None if no circle slides or it was not computed."""
         factors = [circle.bishop for group in self.factors if group.kh == kh for circle in group.circles]
         return factors[0] if factors else None
 
@@ -82,5 +82,5 @@ class SlicesAnswer(Answer):
 
     @property
     def least_of_longer(self) -> float | None:
-        """The least critical Kh of circles in a longer section; None where no circle ends at a side."""
+        """Return the least critical Kh of circles in a longer section; None if no circle ends at a side."""
         return min((circle.longer.bishop for circle in self.critical if circle.longer is not None), default=None)

@@ -17,7 +17,8 @@ GMSH_FILE, VTK_FILE = "mesh/section.msh", "mesh/section.vtu"
 
 
 def given_mesh(section: Section, path: Path) -> QuadMesh:
-    """A mesh made elsewhere, its strata in the order of the section; raises InputError if its groups do not fit."""
+    """Read a mesh made elsewhere, with its strata in the order of the section; raise InputError if groups do not
+    fit."""
     mesh = read(path)
     names = [stratum.name for stratum in section.strata]
     groups = group_names(names)
@@ -34,7 +35,7 @@ def given_mesh(section: Section, path: Path) -> QuadMesh:
 
 
 def stored_mesh(section: Section, store: Store) -> QuadMesh:
-    """The mesh that the stage `mesh` wrote; raises InputError if it is missing or belongs to another section."""
+    """Return the mesh that the stage `mesh` wrote; raise InputError if it is missing or belongs to another section."""
     import pyvista as pv
 
     mesh = given_mesh(section, store.folder / GMSH_FILE)
@@ -43,5 +44,5 @@ def stored_mesh(section: Section, store: Store) -> QuadMesh:
 
 
 def fem_mesh(section: Section, store: Store, method: str) -> QuadMesh:
-    """The mesh of the fields of the stage `fem`; raises InputError as ``stored_mesh`` does."""
+    """Return the mesh of the fields of the stage `fem`; raise InputError as ``stored_mesh`` does."""
     return replace(given_mesh(section, store.folder / FEM_FILE), method=method)

@@ -67,7 +67,7 @@ class Result(Part):
 
     @property
     def title(self) -> str:
-        """The name of the result in words."""
+        """Return the name of the result in words."""
         case = re.fullmatch(r"case(\d+)_(\w+)", self.name)
         if case is None or case[2] not in QUANTITIES:
             return WORDS.get(self.name, self.name)
@@ -75,13 +75,13 @@ class Result(Part):
 
     @property
     def is_detail(self) -> bool:
-        """Whether the column is a number of a slide other than its largest displacement."""
+        """Return whether the column is a number of a slide other than its largest displacement."""
         return self.name.startswith("case") and not self.name.endswith("slide_max_m")
 
     @property
     def by_chance(self) -> float:
-        """The 95 % limit of the largest rank correlation of independent numbers for this number of samples n: normal
-        distribution with variance 1 / (n - 1) for each, Bonferroni's inequality for all together.
+        """Return the 95 % limit of the largest rank correlation of independent numbers for this number of samples n:
+        normal distribution with variance 1 / (n - 1) for each, Bonferroni's inequality for all together.
         """
         if self.samples < 2:
             return 1.0

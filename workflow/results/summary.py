@@ -77,7 +77,7 @@ class CircleSummary(Part):
 
     @classmethod
     def of(cls, answer: SlicesAnswer) -> tuple[Self, ...]:
-        """The summary of all circles."""
+        """Return the summary of all circles."""
         groups = [(group.kh, group.circles) for group in answer.factors] + [(None, answer.critical)]
         return tuple(cls.taken(circle, kh=kh) for kh, circles in groups for circle in circles)
 
@@ -135,7 +135,7 @@ class EstimateSummary(Part):
 
 @dataclass(frozen=True)
 class PaperRow:
-    """One quantity of the paper compared with ours: ``agrees`` is None if there is nothing to compare; ``why`` is
+    """Holds one quantity of the paper compared with ours: ``agrees`` is None if there is nothing to compare; ``why`` is
     the reason of a difference.
     """
 

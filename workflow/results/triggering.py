@@ -57,7 +57,7 @@ class TestPart(Part):
 
     @classmethod
     def of(cls, test: Judged, stratum: str) -> Self:
-        """The answer on a test."""
+        """Return the answer on a test."""
         stresses = (
             vars(test.outcome) if test.outcome else dict.fromkeys(("normalised", "corrected", "load", "resistance"))
         )
@@ -91,7 +91,7 @@ class StratumPart(Part):
 
     @property
     def words(self) -> str:
-        """Whether the stratum liquefies, as text for tables."""
+        """Return whether the stratum liquefies, as text for tables."""
         if not self.judged:
             return f"not judged: {self.reason}"
         rest = f" ({self.judged} of {self.tests} tests judged)" if self.judged < self.tests else ""
@@ -145,7 +145,7 @@ class TriggeringAnswer(Answer):
 
     @classmethod
     def of(cls, config: Config, assessment: TriggeringAssessment) -> Self:
-        """The answer of an assessment."""
+        """Return the answer of an assessment."""
         pressures = pore_pressures(assessment, len(config.section.strata))
         motion, relation = assessment.motion, assessment.relation
         gal = {f"{name}_gal": getattr(motion, name) / GAL for name in ("median", "low", "high")}

@@ -39,7 +39,7 @@ class StageLine:
         self.left = TimeLeft(0.0)
 
     def cells(self) -> list[Text]:
-        """Mark, name, text, and times or a bar."""
+        """Return mark, name, text, and times or a bar."""
         style = STYLES[self.state]
         clock = ""
         if self.state == "run":
@@ -85,7 +85,7 @@ class Display:
         self.context.__exit__(None, None, None)
 
     def begin(self, decision: Decision) -> Progress:
-        """A stage begins; returns the callback for its progress."""
+        """Show that a stage begins; return the callback for its progress."""
         shown = self.lines[decision.stage.name]
         shown.state, shown.start = "run", time.monotonic()
         shown.left = TimeLeft(shown.start)
@@ -105,7 +105,7 @@ class Display:
         return progress
 
     def end(self, decision: Decision, entry: Entry) -> None:
-        """A stage has ended, or its result is reused."""
+        """Show that a stage has ended, or that its result is reused."""
         shown = self.lines.get(decision.stage.name)
         if shown is None:
             return
@@ -125,7 +125,7 @@ class Display:
             self._say(f"{decision.stage.name}: done in {duration(entry.seconds)}")
 
     def skip(self, decision: Decision, why: str) -> None:
-        """A stage does not run."""
+        """Show that a stage does not run."""
         shown = self.lines.get(decision.stage.name)
         if shown is None:
             return

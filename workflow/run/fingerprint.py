@@ -19,7 +19,7 @@ SOURCES = (".py", ".csv", ".jinja", ".js")  # the files that results are made by
 
 
 def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dict[str, str]:
-    """Fingerprints of all inputs of a stage, by names for messages.
+    """Return the fingerprints of all inputs of a stage, by names for messages.
 
     ``ignored`` are settings without effect on the results of the stage that needs it.
     """
@@ -42,13 +42,13 @@ def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dic
 
 
 def title(section: Section) -> str:
-    """A fingerprint of the title of pictures."""
+    """Return a fingerprint of the title of pictures."""
     return fingerprint_of(section.heading)
 
 
 @cache
 def program() -> str:
-    """Fingerprint of all sources of the program: after any change of them no result is valid."""
+    """Return the fingerprint of all sources of the program: after any change of them no result is valid."""
     total = hashlib.sha256()
     for package in PACKAGES:
         spec = find_spec(package)
@@ -61,7 +61,7 @@ def program() -> str:
 
 
 def section_data(section: Section) -> dict[str, Any]:
-    """The section as it was written, without its title and structures."""
+    """Return the section as it was written, without its title and structures."""
     return section.model_dump(mode="json", exclude=NAMES)
 
 
@@ -73,10 +73,10 @@ def _settings(name: str, config: Config, ignored: frozenset[str]) -> dict[str, A
 
 
 def fingerprint_of(data: Any) -> str:
-    """A fingerprint of anything that JSON can hold."""
+    """Return a fingerprint of anything that JSON can hold."""
     return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
 
 def fingerprint_of_file(path: Path) -> str:
-    """A fingerprint of the content of a file."""
+    """Return a fingerprint of the content of a file."""
     return hashlib.sha256(path.read_bytes()).hexdigest()

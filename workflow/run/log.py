@@ -68,7 +68,7 @@ class RunLog:
 
 
 def machine() -> dict[str, str]:
-    """The host, its system and its processors, in words."""
+    """Return the host, its system and its processors, in words."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     return {
         "host": socket.gethostname(),
@@ -87,7 +87,7 @@ def _processor() -> str:
 
 
 def versions() -> dict[str, str]:
-    """The version of this program, of Python, and of every package that computes or draws."""
+    """Return the version of this program, of Python, and of every package that computes or draws."""
     return dict(_versions())
 
 

@@ -12,7 +12,7 @@ NAME = ".noshiro/mesh_options.json"
 
 
 def stored_options(store: Store) -> dict[str, Any]:
-    """Stored options of the mesh command; empty without any."""
+    """Return the stored options of the mesh command; empty without any."""
     options = store.read_json(NAME) if store.has(NAME) else {}
     return options if isinstance(options, dict) else {}
 

@@ -25,16 +25,16 @@ from workflow.run.store import Store
 
 
 class Listener(Protocol):
-    """Interface that follows the progress of a run."""
+    """Follows the progress of a run (interface)."""
 
     def begin(self, decision: Decision) -> Progress:
-        """A stage begins; returns the callback for its progress."""
+        """Note that a stage begins; return the callback for its progress."""
 
     def end(self, decision: Decision, entry: Entry) -> None:
-        """A stage has ended, with or without an answer, or is reused."""
+        """Note that a stage has ended, with or without an answer, or is reused."""
 
     def skip(self, decision: Decision, why: str) -> None:
-        """A stage does not run."""
+        """Note that a stage does not run."""
 
 
 def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
@@ -66,7 +66,7 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
 
 @dataclass
 class Run:
-    """A run in its folder.
+    """Holds a run in its folder.
 
     Attributes
     ----------
@@ -123,8 +123,8 @@ class Run:
         )
 
     def has_to_work(self, decision: Decision) -> bool:
-        """Whether a stage has to work. If not, the decision is carried out: the stage is skipped, for its settings or
-        since one that it needs has no answer, or its results are reused.
+        """Return whether a stage has to work. If not, the decision is carried out: the stage is skipped, because of its
+        settings or because a stage that it needs has no answer, or its results are reused.
         """
         stage, left = decision.stage, self.record[decision.stage.name]
         if decision.action == "off":
@@ -275,7 +275,8 @@ def _worked(work: Callable[[Job], None], job: Job, tell: Tell) -> None:
 
 @dataclass(frozen=True)
 class StartedStage:
-    """A stage that has begun: fingerprints of its inputs, progress callback, files before it, and start time (s)."""
+    """Holds a stage that has begun: fingerprints of its inputs, progress callback, files before it, and start
+    time (s)."""
 
     inputs: dict[str, str]
     progress: Progress
@@ -284,7 +285,7 @@ class StartedStage:
 
 
 def leave_input(config: Config, store: Store) -> None:
-    """Write section.toml, the complete input, and copies of the files that it names."""
+    """Write section.toml, the complete input, and copies of the files that the input names."""
     left: dict[str, Path] = {}
     for (table, key), file in config.named_files().items():
         name = file.name if left.get(file.name, file) == file else f"{table}_{file.name}"  # another of the same name

@@ -35,7 +35,8 @@ class Choice:
     def of(
         cls, stages: Sequence[Stage], start: str | None = None, only: Sequence[str] = (), force: bool = False
     ) -> Self:
-        """All stages, or ``only`` some; stages from ``start`` on run even if unchanged, with ``force`` all of them.
+        """Return all stages, or ``only`` some; stages from ``start`` on run even if unchanged, with ``force`` all of
+        them.
 
         Raises InputError if there is no such stage.
         """
@@ -51,9 +52,9 @@ class Choice:
 
     @classmethod
     def up_to(cls, stages: Sequence[Stage], name: str, force: bool = False, also: Sequence[str] = ()) -> Self:
-        """A stage (run again with ``force``), the stages in ``also``, and the stages that these need.
+        """Return a stage (run again with ``force``), the stages in ``also``, and the stages that these need.
 
-        ``stages``: in their order; ``name``: of the stage.
+        ``stages``: in their order; ``name``: name of the stage.
         """
         needed = {name, *also}
         for stage in reversed(stages):
@@ -64,7 +65,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Decision:
-    """The decision about a stage.
+    """Holds the decision about a stage.
 
     Attributes
     ----------
@@ -96,7 +97,8 @@ def plan(job: Job, record: Record, choice: Choice) -> list[Decision]:
 
 
 def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
-    """The fingerprints of all inputs of a stage; for the report these include the outcomes of the other stages."""
+    """Return the fingerprints of all inputs of a stage; for the report these include the outcomes of the other
+    stages."""
     prints = inputs(stage, job)
     if stage.of_all:
         ends = {name: [entry.outcome, entry.ended] for name, entry in record.entries.items() if name != stage.name}
@@ -105,10 +107,10 @@ def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
 
 
 def is_of_this_input(stage: Stage, job: Job, record: Record) -> bool:
-    """Whether the stored answer of a stage may be reported and drawn.
+    """Return whether the stored answer of a stage may be reported and drawn.
 
-    The answer may be used if it is of this input and of a readable version, and no stage that it needs was computed
-    again since then.
+    The answer may be used if it belongs to this input and to a readable version, and if no stage that it needs was
+    computed again since then.
     """
     entry = record[stage.name]
     if entry is None:
@@ -145,7 +147,7 @@ def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool
 
 
 def changes(stage: Stage, prints: dict[str, str], record: Record) -> str:
-    """Why the results of a stage cannot be reused, in words; empty if they can."""
+    """Return why the results of a stage cannot be reused, in words; empty if they can."""
     entry = record[stage.name]
     if entry is None:
         return OTHER_VERSION if stage.name in record.outdated else "not run"

@@ -19,21 +19,21 @@ class Verbosity(Enum):
 
     @classmethod
     def of(cls, quiet: bool, verbose: bool, json: bool) -> "Verbosity":
-        """The verbosity by options of the command line: --json before --quiet, --quiet before --verbose."""
+        """Return the verbosity by options of the command line: --json before --quiet, --quiet before --verbose."""
         return cls.JSON if json else cls.QUIET if quiet else cls.VERBOSE if verbose else cls.NORMAL
 
     @property
     def in_sentences(self) -> bool:
-        """Whether a command prints sentences."""
+        """Return whether a command prints sentences."""
         return self in (Verbosity.NORMAL, Verbosity.VERBOSE)
 
 
 class TimeLeft:
-    """The remaining time of a stage, which never rises. The time is extrapolated from the finished share at constant
-    speed. Work is reported in pieces: during a piece the share is constant, and the remaining time counts down. If a
-    piece takes longer than expected, the remaining time is constant, as a lower bound, until the piece is finished.
-    Before a share of `EARLY` is finished, the slow start (compilation, meshes) would give far too long times, and no
-    time is shown.
+    """Estimates the remaining time of a stage, which never rises. The time is extrapolated from the finished share at
+    constant speed. Work is reported in pieces: during a piece the share is constant, and the remaining time counts
+    down. If a piece takes longer than expected, the remaining time is constant, as a lower bound, until the piece is
+    finished. Before a share of `EARLY` is finished, the slow start (compilation, meshes) would give far too long times,
+    and no time is shown.
     """
 
     EARLY = 0.03
@@ -46,7 +46,7 @@ class TimeLeft:
         self.shown = math.inf
 
     def seconds(self, now: float, share: float | None) -> float | None:
-        """Remaining time (s) at a time ``now`` (s) when a share of the work is finished; None if unknown."""
+        """Return the remaining time (s) at a time ``now`` (s) when a share of the work is finished; None if unknown."""
         if share is None or not self.EARLY <= share <= 1.0:
             return None
         plain = self._plain(now, share)
@@ -56,7 +56,7 @@ class TimeLeft:
         return self.shown
 
     def words(self, now: float, share: float | None) -> str:
-        """The remaining time in words, such as "2 min 5 s left"; empty if unknown."""
+        """Return the remaining time in words, such as "2 min 5 s left"; empty if unknown."""
         left = self.seconds(now, share)
         if left is None or share is None:
             return ""
@@ -73,12 +73,12 @@ class SearchShare:
     ALMOST = 0.9  # of a search that takes longer than the others did
 
     def __init__(self, searches: int, usual: int = 8) -> None:
-        """searches: expected number; usual: expected trials of a search, before one has ended."""
+        """searches: expected number of searches; usual: expected trials of a search, before one has ended."""
         self.searches, self.usual = searches, usual
         self.trials, self.done, self.before = 0, 0, 0
 
     def after_trial(self, done: int) -> float:
-        """The share after one more trial, with ``done`` finished searches; always below 1."""
+        """Return the share after one more trial, with ``done`` finished searches; always below 1."""
         if done > self.done:
             self.done, self.before = done, self.trials
         self.trials += 1
@@ -87,7 +87,7 @@ class SearchShare:
 
 
 def duration(seconds: float) -> str:
-    """A time in words: 0.4 s, 12 s, 3 min 20 s, 2 h 5 min."""
+    """Return a time in words: 0.4 s, 12 s, 3 min 20 s, 2 h 5 min."""
     if seconds < 9.95:
         return f"{seconds:.1f} s"
     whole = round(seconds)

@@ -30,19 +30,19 @@ class Ranks:
         self.waiting = True
 
     def call(self) -> None:
-        """On the first rank: call the others to compute with it."""
+        """Call the other ranks, from the first rank, to compute with it."""
         self.waiting = False
         self._tell_others(True)
 
     def called(self) -> bool:
-        """On the others: wait for the first rank; returns whether it called them (False: released them)."""
+        """Wait, on the other ranks, for the first rank; return whether it called them (False: released them)."""
         while not self.comm.iprobe(source=0):
             time.sleep(PAUSE)
         return bool(self.comm.recv(source=0))
 
     @contextmanager
     def leading(self) -> Iterator[None]:
-        """On the first rank: release the others at the end of the block if they were not called in it."""
+        """Release the other ranks at the end of the block if they were not called in it; on the first rank."""
         try:
             yield
         finally:

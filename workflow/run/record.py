@@ -15,7 +15,7 @@ Outcome = Literal["begun", "done", "part", "no answer"]
 
 @dataclass(frozen=True)
 class Entry:
-    """The outcome of one stage.
+    """Holds the outcome of one stage.
 
     Attributes
     ----------
@@ -68,17 +68,17 @@ class Record:
         self.store.write_json(NAME, {"version": VERSION, "stages": stages})
 
     def left(self, name: str) -> bool:
-        """Whether all files of the results of a stage exist at their full size."""
+        """Return whether all files of the results of a stage exist at their full size."""
         entry = self.entries[name]
         return all(_size(self.store, file) == size for file, size in entry.files.items())
 
     def pictures_left(self, name: str) -> bool:
-        """Whether all pictures of a stage exist."""
+        """Return whether all pictures of a stage exist."""
         return all(self.store.has(file) for file in self.entries[name].pictures)
 
 
 def sizes(store: Store, names: list[str]) -> dict[str, int]:
-    """The size (bytes) of every file."""
+    """Return the size (bytes) of every file."""
     return {name: _size(store, name) for name in names}
 
 

@@ -15,7 +15,7 @@ SIGNS = {
 
 
 def spelled(character: str) -> str:
-    """A character in ASCII: a sign, the name of a Greek letter, the letter without its accent, or its code."""
+    """Return a character in ASCII: a sign, the name of a Greek letter, the letter without its accent, or its code."""
     if character in SIGNS:
         return SIGNS[character]
     kind, _, name = unicodedata.name(character, "").partition(" LETTER ")
@@ -43,11 +43,11 @@ def spell_out() -> None:
 
 
 def legible(text: str, stream: TextIO | None = None) -> str:
-    """A text as a stream, by default standard output, will show it; its width is needed for tables."""
+    """Return a text as a stream, by default standard output, will show it; tables need its width."""
     encoding = getattr(stream or sys.stdout, "encoding", None) or "utf-8"
     return text.encode(encoding, SPELLED_OUT).decode(encoding)
 
 
 def is_legible(text: str) -> bool:
-    """Whether standard output has every character of a text."""
+    """Return whether standard output has every character of a text."""
     return legible(text) == text

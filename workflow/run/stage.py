@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 
 
 def unless_it_liquefies(config: Config) -> str:
-    """Why stages of liquefied ground do not run, if no layer of the section liquefies; else empty."""
+    """Return why stages of liquefied ground do not run, if no layer of the section liquefies; else empty."""
     return "" if config.section.liquefies else "no layer liquefies"
 
 
 @dataclass(frozen=True)
 class Job:
-    """Input of a stage.
+    """Holds the input of a stage.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Job:
 
 @dataclass(frozen=True, kw_only=True)
 class Stage:
-    """One stage of a run, declared at the end of its module in `workflow/stages`.
+    """Holds one stage of a run, declared at the end of its module in `workflow/stages`.
 
     Attributes
     ----------

@@ -44,7 +44,7 @@ class Store:
 
     @contextmanager
     def writing(self, name: str) -> Iterator[Path]:
-        """A temporary path to write to; at the end of the block the file is renamed to ``name``.
+        """Yield a temporary path to write to; at the end of the block the file is renamed to ``name``.
 
         Raises InputError if it cannot be written, or if another file cannot be read meanwhile. After an error the
         temporary file is removed.
@@ -97,7 +97,7 @@ class Store:
         return self.write_text(name, json.dumps(_finite(data), indent=1, allow_nan=False) + "\n")
 
     def read_json(self, name: str) -> Any:
-        """The content of a JSON file; raises InputError if it is missing or not JSON."""
+        """Return the content of a JSON file; raise InputError if it is missing or not JSON."""
         path = self.folder / name
         try:
             return json.loads(path.read_text(encoding="utf-8"))
@@ -107,22 +107,23 @@ class Store:
             raise InputError(str(path), [f"cannot be read: {error}; delete it and run again"]) from None
 
     def has(self, name: str) -> bool:
-        """Whether a file is there."""
+        """Return whether a file is there."""
         return (self.folder / name).is_file()
 
     def matching(self, patterns: Sequence[str]) -> list[str]:
-        """Names of the complete files that match any of some patterns, in the order of the numbers in them."""
+        """Return the names of the complete files that match any of some patterns, in the order of the numbers in
+        them."""
         paths = {path for pattern in patterns for path in self.folder.glob(pattern) if path.is_file()}
         names = [str(path.relative_to(self.folder)) for path in paths if not TEMPORARY.fullmatch(path.name)]
         return sorted(names, key=_by_numbers)
 
     def marks(self, patterns: Sequence[str]) -> dict[str, tuple[int, int]]:
-        """Inode and time of writing (ns) of every matching file: they change when it is written again."""
+        """Return the inode and time of writing (ns) of every matching file: they change when it is written again."""
         stats = {name: (self.folder / name).stat() for name in self.matching(patterns)}
         return {name: (stat.st_ino, stat.st_mtime_ns) for name, stat in stats.items()}
 
     def written(self, patterns: Sequence[str], before: Mapping[str, object]) -> list[str]:
-        """Names of the files that match and were written after their marks were taken."""
+        """Return the names of the files that match and were written after their marks were taken."""
         return [name for name, mark in self.marks(patterns).items() if before.get(name) != mark]
 
     def remove(self, patterns: Sequence[str]) -> None:

@@ -39,7 +39,7 @@ MODELS: dict[str, Callable[[Path, str, str | None], ImportedSection]] = {
 
 @dataclass(frozen=True)
 class Reading:
-    """Options of reading files.
+    """Holds the options of reading files.
 
     Attributes
     ----------
@@ -69,8 +69,8 @@ class Reading:
         """Make the options from those of the command line. Raises InputError with every option that is not understood.
 
         ``off_line``: largest distance of a boring from the line (m); ``layers``: DXF attribute or layer names;
-        ``columns``: pairs expected=actual; ``unit``: of a drawing; ``part``: of a file with several; ``borings``: names
-        of the borings to use.
+        ``columns``: pairs expected=actual; ``unit``: unit of a drawing; ``part``: part of a file that has several;
+        ``borings``: names of the borings to use.
         """
         pairs = [text.partition("=") for item in columns for text in item.split(",")]
         messages = [f"{key}{equals}{name}: expected ours=theirs, such as layer=Stratum" for key, equals, name in pairs
@@ -88,7 +88,8 @@ class Reading:
 
 
 def make_section(files: Sequence[Path], out: Path, reading: Reading) -> list[str]:
-    """Write a section from files of borings or from a drawing, or a drawing of a section; what was done, in sentences.
+    """Write a section from files of borings or from a drawing, or a drawing of a section; return sentences on what was
+    done.
 
     Raises InputError with every problem found.
     """
@@ -157,7 +158,7 @@ GUESSED = "It is sound; stiffness and strength are guesses from N: correct them.
 
 
 def to_be_given(path: Path, sound: str = GUESSED) -> list[str]:
-    """Missing input of the new section, one sentence each; or that it is ``sound``."""
+    """Return missing input of the new section, one sentence each; or that the section is ``sound``."""
     try:
         load_config(path)
     except InputError as error:

@@ -18,7 +18,7 @@ NAMES = (
 
 
 def command_of(stage: str) -> str:
-    """The command that runs a stage; `noshiro run` if the stage has no command."""
+    """Return the command that runs a stage; `noshiro run` if the stage has no command."""
     return {"triggering": "liquefaction", "mpm": "slide"}.get(stage, stage)
 
 

@@ -34,7 +34,7 @@ Result = TypeVar("Result")
 
 
 def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool = False) -> Bearing:
-    """Factor of safety and critical Kh of a section with another strength than that of the input.
+    """Compute factor of safety and critical Kh of a section with another strength than that of the input.
 
     Parameters
     ----------
@@ -115,8 +115,8 @@ def _critical(
 ) -> "LimitLoadResult | CriticalResult | None":
     """The critical Kh by finite elements; None, and a note, where there is no answer.
 
-    ``section``: with changed strength; ``config``: for meshing; ``mesh``: initial mesh; ``fem``: settings; ``notes``:
-    list to which notes are added.
+    ``section``: with changed strength; ``config``: config with the settings of the mesh; ``mesh``: initial mesh;
+    ``fem``: settings; ``notes``: list to which notes are added.
     """
     from mpi4py import MPI
 
@@ -132,11 +132,11 @@ def _critical(
 
 
 def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float:
-    """The multiple of its weight that the ground resists by finite elements. The multiple is infinite where it is not
+    """The multiple of its weight that the ground resists by finite elements. The multiple is infinite if it is not
     found, or where the flow is not associated: a path would search for an equilibrium for minutes, and ground that
     flows has none.
 
-    ``section``: with changed strength; ``mesh``: of it; ``fem``: settings.
+    ``section``: with changed strength; ``mesh``: mesh of the section; ``fem``: settings.
     """
     from mpi4py import MPI
 
@@ -155,8 +155,8 @@ def _factors(
     """Factor of safety at Kh = 0 between held sides by finite elements, and its strict bounds; closer bounds if the
     first ones do not decide whether the ground stands. None, with a note, without an answer.
 
-    ``section``: with changed strength; ``mesh``: of it; ``fem``, ``bounds_settings``: settings of both methods;
-    ``notes``: list to which notes are added.
+    ``section``: with changed strength; ``mesh``: mesh of the section; ``fem``, ``bounds_settings``: settings of both
+    methods; ``notes``: list to which notes are added.
     """
     from mpi4py import MPI
 
@@ -199,7 +199,7 @@ def _between_own_sides(
 
 
 def tried(what: str, notes: list[str], find: Callable[[], Result]) -> Result | None:
-    """The answer of an analysis; None, with a note of the reason, if it has none."""
+    """Return the answer of an analysis; None, with a note of the reason, if it has none."""
     try:
         return find()
     except (NoAnswerError, InputError) as error:

@@ -104,9 +104,9 @@ def _reason(bounds: "SafetyBounds", settings: BoundsSettings) -> str:
 
 
 def answer_of(config: Config, bounds: "KhBounds", settings: BoundsSettings, seconds: float) -> BoundsAnswer:
-    """The answer: brackets, residuals of the bounds, and every mesh; ``seconds``: computing time.
+    """Return the answer: brackets, residuals of the bounds, and every mesh; ``seconds``: computing time.
 
-    ``config``: of the run; ``bounds``: result of the analysis; ``settings``: of the bounds.
+    ``config``: config of the run; ``bounds``: result of the analysis; ``settings``: settings of the bounds.
     """
     from fem.continuum.shallow_failure import joined
 
@@ -127,7 +127,7 @@ def answer_of(config: Config, bounds: "KhBounds", settings: BoundsSettings, seco
 
 
 def bracket_part(bounds: "SmallerKhBounds", settings: BoundsSettings) -> BracketPart:
-    """One bracket of bounds in the form of the stored answer."""
+    """Return one bracket of bounds in the form of the stored answer."""
     verdict, reason = _verdict(bounds, settings)
     directions = tuple(_direction_part(direction) for direction in bounds.directions)
     return BracketPart(
@@ -234,7 +234,7 @@ def _remedy(ended: "EndReason | None") -> str:
 
 
 def in_words(bounds: "SmallerKhBounds") -> str:
-    """The bracket in words."""
+    """Return the bracket in words."""
     if bounds.mechanism and bounds.upper < -1.0:  # no seismic force of that size is meant
         return f"it fails under its own weight, {bounds.meshes[-1].cells} triangles"
     low = f"{bounds.lower:.4f}" if bounds.stress else "no lower bound"

@@ -31,7 +31,7 @@ def draw(job: Job) -> None:
 
 
 def ignored(config: Config) -> tuple[str, ...]:
-    """The settings that do not change calibrated discs."""
+    """Return the settings that do not change calibrated discs."""
     return (*WITHOUT_EFFECT, *config.dem.without_effect)
 
 

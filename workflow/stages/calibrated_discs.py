@@ -69,8 +69,8 @@ FIRST = 0.5  # of the time, what comes before these searches and tests
 def calibrate_stage(config: Config, store: Store, progress: Progress, executor: Executor) -> None:
     """Calibrate discs to the critical Kh of the finite elements. Raises InputError, NoAnswerError, DemError.
 
-    ``config``: of the run; ``store``: its folder; ``progress``: called with every step; ``executor``: computes in
-    parallel.
+    ``config``: config of the run; ``store``: store of the folder with the results; ``progress``: called with every
+    step; ``executor``: computes in parallel.
     """
     fem = FemAnswer.read(store)
     precompile(executor, lambda what: progress(what, None))
@@ -122,12 +122,12 @@ class Searched:
 
     @property
     def after(self) -> Search:
-        """The search with the calibration factor, or the uncalibrated one where there is no factor."""
+        """Return the search with the calibration factor, or the uncalibrated one where there is no factor."""
         return self.calibration.search if self.calibration else self.base
 
     @property
     def factor(self) -> dict[str, float]:
-        """The parameter and the factor on it."""
+        """Return the parameter and the factor on it."""
         return {self.calibration.parameter: self.calibration.value} if self.calibration else {}
 
 
@@ -219,7 +219,7 @@ def _calibrated(config: Config, store: Store, threads: int, tell: Tell, executor
 def calibration_answer(
     config: Config, searched: Searched, continuum: Continuum | None, **more: Any
 ) -> CalibrationAnswer:
-    """The calibration as an answer; of soil discs also their uncalibrated critical Kh compared with that of the
+    """Return the calibration as an answer; of soil discs also their uncalibrated critical Kh compared with that of the
     ``continuum``. ``more`` are tests of the layers.
     """
     kc = searched.base.kc
@@ -273,10 +273,10 @@ def discs_answer(
     sliding: DiscModel,
     paper: PaperDiscs | None = None,
 ) -> DiscsAnswer:
-    """The content of dem/critical.json; ``sliding`` are the discs at rest from which slides start.
+    """Return the content of dem/critical.json; ``sliding`` are the discs at rest from which slides start.
 
-    ``config``: of the run; ``discs``: at rest; ``searched``: critical Kh before and after calibration; ``stored``:
-    states at recorded Kh; ``surfaces``: slip surfaces; ``paper``: answer of the paper's discs.
+    ``config``: config of the run; ``discs``: discs at rest; ``searched``: critical Kh before and after calibration;
+    ``stored``: states at recorded Kh; ``surfaces``: slip surfaces; ``paper``: answer of the paper's discs.
     """
     return DiscsAnswer(
         section=SectionLabel.of(config.section),
@@ -324,11 +324,12 @@ def _off(config: Config, ground: Ground, model: DiscModel) -> dict[str, float]:
 
 
 def slip_surfaces(config: Config, store: Store, before: np.ndarray, after: np.ndarray, fem: FemAnswer) -> SlipSurfaces:
-    """Slip surfaces of the discs and of the continuum, and their agreement.
+    """Return the slip surfaces of the discs and of the continuum, and their agreement.
 
-    ``before``, ``after``: of the discs before and after calibration, (k, 2) points [x, elevation] in m. The slip
-    surface of the continuum is that of the FEM counterpart of soil discs, else that of the last state of its path.
-    ``config``: of the run; ``store``: its folder; ``fem``: answer of the finite elements.
+    ``before``, ``after``: slip surfaces of the discs before and after calibration, (k, 2) points [x, elevation] in m.
+    The slip surface of the continuum is that of the FEM counterpart of soil discs, else that of the last state of its
+    path. ``config``: config of the run; ``store``: store of the folder with the results; ``fem``: answer of the finite
+    elements.
     """
     soil = config.dem.model == "soil"
     of_fem = [state.slip_surface for state in fem.states if state.slip_surface]

@@ -18,7 +18,7 @@ POINTS = "mpm"  # the set of springs of material points, and the folder of their
 
 @dataclass(frozen=True)
 class CasePictures:
-    """Cases with equal slides to be drawn: the frames of their animation are drawn once.
+    """Holds cases with equal slides to be drawn: the frames of their animation are drawn once.
 
     Attributes
     ----------
@@ -33,11 +33,11 @@ class CasePictures:
     cases: Mapping[int, CaseAnswer | PointCase]
 
     def picture(self, number: int) -> str:
-        """The name of the pictures of a case."""
+        """Return the name of the pictures of a case."""
         return f"{POINTS}_case{number}" if self.springs == POINTS else case_name(self.springs, number)
 
     def states(self, number: int) -> list[Path]:
-        """The files of the states of a case."""
+        """Return the files of the states of a case."""
         of_points = self.springs == POINTS
         name = f"case{number}" if of_points else case_name(self.springs, number)
         return [self.store.folder / file for file in frames(self.store, name, POINTS if of_points else "dem").values()]
@@ -46,7 +46,7 @@ class CasePictures:
 def case_pictures(
     config: Config, store: Store, springs: str, cases: Mapping[int, CaseAnswer | PointCase]
 ) -> list[CasePictures]:
-    """The pictures of all cases of a set of springs; cases with equal answers share their states."""
+    """Return the pictures of all cases of a set of springs; cases with equal answers share their states."""
     first = first_equal({n: cases[n].model_dump_json(exclude={"stiffness"}) for n in sorted(cases)})
     groups: dict[int, dict[int, CaseAnswer | PointCase]] = {}
     for number, same in first.items():
@@ -55,7 +55,7 @@ def case_pictures(
 
 
 def drawn(wanted: CasePictures, _: Tell) -> None:
-    """The picture of each case at its end, and its animation, from its states."""
+    """Draw the picture of each case at its end, and its animation, from its states."""
     from workflow.figures.slides import animate, end
 
     config, store = wanted.config, wanted.store

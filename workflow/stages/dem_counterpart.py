@@ -40,11 +40,11 @@ def dem_counterpart_piece(config: Config, store: Store, tell: Tell) -> None:
 
 
 def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounterpart:
-    """The path with the given ψ, on the initial mesh, since discs have the strength of the soil and hardly dilate. If
-    the path still rises at its end, the critical Kh lies between its last equilibrium and the limit load with ψ = φ.
-    Davis's estimate, which is low, replaces a path that takes too long or gives less; the critical Kh then lies between
-    the estimate and the same limit load. The given ψ is also used if the critical Kh of the section is with ψ = φ,
-    since the dilation of discs does not depend on the flow rule of the continuum.
+    """Return the path with the given ψ, on the initial mesh, since discs have the strength of the soil and hardly
+    dilate. If the path still rises at its end, the critical Kh lies between its last equilibrium and the limit load
+    with ψ = φ. Davis's estimate, which is low, replaces a path that takes too long or gives less; the critical Kh then
+    lies between the estimate and the same limit load. The given ψ is also used if the critical Kh of the section is
+    with ψ = φ, since the dilation of discs does not depend on the flow rule of the continuum.
     """
     from mpi4py import MPI
 

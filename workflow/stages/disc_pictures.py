@@ -21,14 +21,14 @@ def draw_discs(config: Config, store: Store, executor: Executor = SERIAL) -> Non
 
 @dataclass(frozen=True)
 class StatePicture:
-    """A state of the discs to be drawn; None for the discs by layer, at rest."""
+    """Holds a state of the discs to be drawn; None for the discs by layer, at rest."""
 
     config: Config
     store: Store
     state: RecordedDiscs | None
 
     def placed(self, which: SetOfSprings, file: str) -> DiscModel:
-        """The discs of a file, of one set of springs, where they lie in the section."""
+        """Return the discs of a file, of one set of springs, where they lie in the section."""
         from workflow.figures.discs import in_section
 
         config, store = self.config, self.store

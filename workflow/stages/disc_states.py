@@ -23,7 +23,7 @@ FAILING = "failing"
 
 
 def state_file(which: SetOfSprings, label: str) -> str:
-    """File of a stored state in the folder."""
+    """Return the file of a stored state in the folder."""
     return f"dem/state_{which}_{label}.npz"
 
 
@@ -52,21 +52,20 @@ Sets = dict[SetOfSprings, DiscsAtRest]
 
 @dataclass(frozen=True)
 class StoredStates:
-    """The stored states, and for each set of springs the slip surface (k, 2) in m."""
+    """Holds the stored states, and for each set of springs the slip surface (k, 2) in m."""
 
     states: tuple[RecordedDiscs, ...] = ()
     surfaces: dict[SetOfSprings, np.ndarray] = field(default_factory=dict)
 
     def surface(self, which: SetOfSprings) -> np.ndarray:
-        """The slip surface of one set; without points where there is none."""
+        """Return the slip surface of one set; without points if there is none."""
         return self.surfaces.get(which, NO_LINE)
 
 
 def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) -> StoredStates:
     """Compute and store the discs at every recorded Kh, each from rest, until they stand or fail; and the slip surface
-    of every set at the upper end of its bracket.
-    ``config``: of the run; ``store``: its folder; ``sets``: discs before and after calibration; ``executor``: computes
-    in parallel.
+    of every set at the upper end of its bracket. ``config``: config of the run; ``store``: store of the folder with the
+    results; ``sets``: discs before and after calibration; ``executor``: computes in parallel.
     """
     recorded = [Goal(which, sets[which], kh, f"{kh:g}", store) for which in sets for kh in config.dem.kh]
     ends = [

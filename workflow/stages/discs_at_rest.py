@@ -28,7 +28,7 @@ PAPER = "dem/paper_settled.npz"
 
 @dataclass(frozen=True)
 class Discs:
-    """The discs of a section at rest, with their springs before calibration.
+    """Holds the discs of a section at rest, with their springs before calibration.
 
     Attributes
     ----------
@@ -49,8 +49,8 @@ def discs_at_rest(config: Config, store: Store, dem: DemSettings, file: str, tel
 
     Raises InputError if no packing fits, NotSettledError, DemError.
 
-    ``config``: of the section; ``store``: the folder of the run; ``dem``: settings; ``file``: in which the discs are
-    stored; ``tell``: called with every step.
+    ``config``: config of the section; ``store``: the folder of the run; ``dem``: settings; ``file``: file in which the
+    discs are stored; ``tell``: called with every step.
     """
     if dem.model == "paper":
         return _paper(config.section, store, dem, file, tell)
@@ -58,17 +58,18 @@ def discs_at_rest(config: Config, store: Store, dem: DemSettings, file: str, tel
 
 
 def sides_of_discs(config: Config) -> Literal["periodic", "fixed"]:
-    """Sides of the discs of a section: soil discs have periodic sides where the finite elements have, others are in
-    a box.
+    """Return the sides of the discs of a section: soil discs have periodic sides if the finite elements have, others
+    are in a box.
     """
     repeat = config.fem.sides == "periodic" and config.dem.model == "soil"
     return "periodic" if repeat else "fixed"
 
 
 def ground_for(section: Section, store: Store, dem: DemSettings, settled: DiscModel) -> Ground:
-    """The ground of discs at rest, with the direction in which the finite elements fail.
+    """Return the ground of discs at rest, with the direction in which the finite elements fail.
 
-    ``section``: the ground; ``store``: the folder of the run; ``dem``: settings; ``settled``: discs at rest.
+    ``section``: the section of the ground; ``store``: the folder of the run; ``dem``: settings; ``settled``: discs at
+    rest.
     """
     ground = ground_at_rest(section, dem, settled) if dem.model == "soil" else ground_of(section, dem)
     try:
@@ -89,11 +90,11 @@ def calibrator_for(
     until_failed: bool = True,
     threads: int = 1,
 ) -> Calibrator:
-    """The calibrator of discs, which continues from the searches in a journal.
+    """Return the calibrator of discs, which continues from the searches in a journal.
 
     ``store``: the folder of the run; ``dem``: settings; ``on_trial``: called with every trial; ``continuum``: critical
     Kh and yield displacement; ``executor``: computes in parallel; ``until_failed``: whether the test of soil discs
-    continues until they have a slip surface; ``threads``: of a search that is done alone.
+    continues until they have a slip surface; ``threads``: threads of a search that is done alone.
     """
     trials = Journal(store, journal)
     return Calibrator(
@@ -104,8 +105,8 @@ def calibrator_for(
 
 
 def continuum_for(config: Config, store: Store) -> Continuum:
-    """The FEM model that discs are calibrated to; for the paper's discs the one with the sides of the section, as in
-    the paper.
+    """Return the FEM model that discs are calibrated to; for the paper's discs the one with the sides of the section,
+    as in the paper.
     """
     if config.dem.model == "soil":
         like = DemCounterpart.read(store)

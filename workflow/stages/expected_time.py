@@ -56,8 +56,8 @@ SECONDS: Mapping[str, Callable[[Config], float]] = {
 
 
 def announcement(decisions: Sequence[Decision], config: Config) -> str:
-    """How long the stages that will run take, in a sentence; empty where that is half a minute or less, or cannot be
-    foretold.
+    """Return how long the stages that will run take, in a sentence; empty if it is half a minute or less, or cannot be
+    foreseen.
     """
     costs = {item.stage.name: SECONDS[item.stage.name](config) for item in decisions if item.action == "run"}
     processors = max(1, min(os.cpu_count() or 1, config.dem.workers))

@@ -32,7 +32,7 @@ BOUNDS_SHARE = 0.5  # of the work of the bounds of the section, for each face
 
 @dataclass(frozen=True)
 class ElementValue:
-    """A value by finite elements, and its slip surface (m)."""
+    """Holds a value by finite elements, and its slip surface (m)."""
 
     value: float
     davis: float | None
@@ -41,7 +41,7 @@ class ElementValue:
 
 @dataclass(frozen=True, eq=False)
 class FaceTask:
-    """One quantity of one face.
+    """Holds one quantity of one face.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class FaceTask:
 
 @dataclass(frozen=True, eq=False)
 class UnchangedTask:
-    """One quantity of the section without strong zones, which all faces of a side share.
+    """Holds one quantity of the section without strong zones, which all faces of a side share.
 
     Attributes
     ----------
@@ -146,7 +146,7 @@ def _of_elements(config: Config, fem: FemAnswer) -> Iterator[tuple[tuple[Quantit
 
 
 def unchanged_value(task: UnchangedTask, tell: Tell) -> ElementValue | str:
-    """A quantity of the section without strong zones; or why there is none."""
+    """Return a quantity of the section without strong zones; or why there is none."""
     tell("finite elements")
     try:
         return _computed(task.config, task.quantity, task.side, ())
@@ -170,7 +170,7 @@ def _tasks(
 
 
 def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
-    """The quantity of a face, with as many strong zones as necessary; or why there is none."""
+    """Return the quantity of a face, with as many strong zones as necessary; or why there is none."""
     zones: tuple[StrongZone, ...] = ()
     if isinstance(task.first, str):
         return task.first
@@ -252,7 +252,7 @@ def _ground(config: Config, zones: tuple[StrongZone, ...]) -> "Section":
 
 
 def unwanted(config: Config) -> str:
-    """Why the faces are not computed; empty where they are."""
+    """Return why the faces are not computed; empty if they are."""
     count = len(structures_of(config.section))
     if not count:
         return "there are no structures"

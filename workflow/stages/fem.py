@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 
 def help_compute(job: Job, ranks: Ranks) -> None:
-    """The work of every rank but the first: its share of the finite element analysis, if there is one."""
+    """Do the work of every rank but the first: its share of the finite element analysis, if there is one."""
     if ranks.called():
         work(job)
 
@@ -95,7 +95,7 @@ def _slip_line(mesh: "QuadMesh", state: "FieldState") -> Line:
 
 
 def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
-    """The answer: critical Kh with its alternatives, path, stored states, and factors of safety."""
+    """Return the answer: critical Kh with its alternatives, path, stored states, and factors of safety."""
     from fem.continuum.shallow_failure import joined
     from fem.search.mesh_sequence import AdaptiveResult
 
@@ -174,14 +174,15 @@ def _factor_of_safety(adapted: "AdaptiveResult[SafetyFactor]", flow: Flow) -> Fa
 
 
 def failed_shares(mesh: "QuadMesh", state: "FieldState") -> dict[str, float]:
-    """Share of the cells of each stratum that are at failure."""
+    """Return the share of the cells of each stratum that are at failure."""
     return {name: float(np.mean(state.failed[mesh.stratum == k])) for k, name in enumerate(mesh.strata)}
 
 
 def write_fields(section: Section, mesh: "QuadMesh", states: list["FieldState"], store: Store) -> None:
     """Write fem/fields.pvd with one .vtu file for every state of equilibrium, and for the last one of the path.
 
-    ``section``: the ground; ``mesh``: cells of it; ``states``: with their fields; ``store``: the folder of the run.
+    ``section``: the section of the ground; ``mesh``: a mesh of the section; ``states``: with their fields; ``store``:
+    the folder of the run.
     """
     from workflow.results.fem_states import COLLECTION, fields_file
     from workflow.results.mesh_grids import add_texts, grid_of

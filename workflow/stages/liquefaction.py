@@ -13,7 +13,7 @@ LOST = ("cohesion", "friction", "residual", "residual_strength")  # of a case, w
 
 
 def liquefying(config: Config) -> dict[int, list[int]]:
-    """For every case the indices of the strata that liquefy in it; cases without any are left out."""
+    """Return, for every case, the indices of the strata that liquefy in it; cases without any are left out."""
     numbers = range(1, len(config.cases) + 1)
     numbers_of_strata = {
         n: [k for k, stratum in enumerate(config.section.strata) if n in stratum.liquefies_in] for n in numbers
@@ -22,7 +22,7 @@ def liquefying(config: Config) -> dict[int, list[int]]:
 
 
 def remaining(config: Config) -> dict[int, dict[int, Remains]]:
-    """For every case the remaining strength of the strata that liquefy in it, by their indices."""
+    """Return, for every case, the remaining strength of the strata that liquefy in it, by their indices."""
     return {
         n: {k: config.cases[n - 1].remains_of(config.section, k) for k in strata}
         for n, strata in liquefying(config).items()
@@ -30,20 +30,20 @@ def remaining(config: Config) -> dict[int, dict[int, Remains]]:
 
 
 def first_equal(keys: Mapping[Item, Hashable]) -> dict[Item, Item]:
-    """For every item the first one with the same key (possibly itself): only the first one has to be computed."""
+    """Return, for every item, the first item with the same key (possibly itself): only the first has to be computed."""
     first: dict[Hashable, Item] = {}
     return {item: first.setdefault(key, item) for item, key in keys.items()}
 
 
 def lowest_factors(config: Config) -> list[float | None]:
-    """The smallest F_L of every stratum by its blow counts, None where it has none; empty without any borings."""
+    """Return the smallest F_L of every stratum by its blow counts, None if it has none; empty without any borings."""
     if not config.triggering.borings:
         return []
     return [stratum.lowest for stratum in assess(config.section, config.earthquake, config.triggering).strata]
 
 
 def cases_as_data(config: Config, keys: Collection[str] | None = None) -> list[dict[str, Any]]:
-    """Every case in which strata liquefy, as data for JSON: number, strata, and all or some of its settings."""
+    """Return every case in which strata liquefy, as data for JSON: number, strata, and all or some of its settings."""
     wanted = None if keys is None else {"name", *keys}
     return [
         {"number": n, "strata": strata, **config.cases[n - 1].model_dump(mode="json", include=wanted)}
@@ -52,6 +52,6 @@ def cases_as_data(config: Config, keys: Collection[str] | None = None) -> list[d
 
 
 def taken(config: Config) -> dict[str, Any]:
-    """The resolved cases; if a record determines when strata liquefy, also the smallest F_L of each stratum."""
+    """Return the resolved cases; if a record determines when strata liquefy, also the smallest F_L of each stratum."""
     decides = (config.slide.accelerogram or config.slide.kh_cycles) and config.slide.liquefies_at == "F_L"
     return {"what liquefies": cases_as_data(config)} | ({"its F_L": lowest_factors(config)} if decides else {})

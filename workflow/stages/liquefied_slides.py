@@ -132,7 +132,7 @@ class Hearer:
         return name if task.springs == "calibrated" else f"{name}, springs of Table 2"
 
     def ended(self, place: int, _: Any) -> None:
-        """A slide has ended, or a packing with all of its slides."""
+        """Report that a slide has ended, or a packing with all of its slides."""
         self.done[place] = 1.0
 
 

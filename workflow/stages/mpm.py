@@ -34,7 +34,8 @@ AFTER = 1.0  # s after Kh has gone, from which on the ground may come to rest
 
 @dataclass(frozen=True, eq=False)
 class PointRun:
-    """One case with one decay of velocities (1/s), from ground at rest, in cells of the settings or in coarse cells."""
+    """A slide by material points: one case with one damping rate of unresolved velocities (1/s), from ground at rest,
+    in cells of the settings or in coarse cells."""
 
     config: Config
     slider: "PointSlider"
@@ -45,7 +46,7 @@ class PointRun:
 
     @property
     def name(self) -> str:
-        """Name of the case, with the differences if it is not the governing slide."""
+        """Return the name of the case, with the differences if it is not the governing slide."""
         from fem.mpm.slide import DECAYS
 
         called = self.config.called(self.number)
@@ -56,7 +57,7 @@ class PointRun:
 
     @property
     def checkpoint(self) -> Path | None:
-        """The checkpoint file of this slide."""
+        """Return the checkpoint file of this slide."""
         name = f"mpm/checkpoint_{self.number}_{self.decay:g}{'_coarse' if self.coarse else ''}.npz"
         return None if self.store is None else self.store.folder / name
 
@@ -64,7 +65,7 @@ class PointRun:
 def work(job: Job) -> None:
     """Compute the slides of the requested cases, or of all; writes mpm/slides.json and a picture.
 
-    Where the method is not applicable, the answer has the reason.
+    If the method is not applicable, the answer has the reason.
     """
     from fem.mpm.slide import DECAYS
     from workflow.results.disc_grids import copy_frames, write_collection
@@ -116,8 +117,8 @@ def work(job: Job) -> None:
 
 
 def alike_by_strength(config: Config, wanted: Sequence[int]) -> dict[int, int]:
-    """For every case the first one in which the same layers keep the same strength: material points do not depend on
-    the other numbers of a case, so that both slides are the same.
+    """Return, for every case, the first case in which the same layers keep the same strength: material points do not
+    depend on the other numbers of a case, so that both slides are the same.
     """
     remains = remaining(config)
     return first_equal({n: (tuple(remains[n].items()), config.cases[n - 1].volumetric_strain) for n in wanted})
@@ -136,7 +137,7 @@ def draw(job: Job) -> None:
 
 
 def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
-    """Material points of a section at rest under their weight, and their displacement on the way (m).
+    """Return the material points of a section at rest under their weight, and their displacement on the way (m).
 
     The number of cells is that of the settings divided by ``fewer``. Raises FloatingPointError if the ground has no
     equilibrium.
@@ -151,12 +152,12 @@ def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
 
 
 def slide_of_points(config: Config, number: int) -> "PointSlide":
-    """One case by material points, with the standard decay of unresolved velocities.
+    """Compute the slide of one case by material points, with the standard damping rate of unresolved velocities.
 
     Parameters
     ----------
     config : Config
-        The section, and the residual strengths of its cases.
+        Config with the section, and the residual strengths of its cases.
     number : int
         Number of the case, from 1.
 
@@ -202,7 +203,7 @@ def _slid(run: PointRun, tell: Tell) -> "PointSlide":
 
 
 def programme_of(config: Config, number: int) -> "SlideProgramme":
-    """Loading of the ground and onset of liquefaction: a constant Kh, or a record, as for the discs."""
+    """Return loading of the ground and onset of liquefaction: a constant Kh, or a record, as for the discs."""
     from fem.mpm.slide import SlideProgramme
     from meshes.section.quantity import GRAVITY
     from workflow.stages.shaking import shaking_of
@@ -235,7 +236,7 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
     """The answer of a case from its governing slide, and those in coarse cells with both decays.
 
     Slides converge with the first power of the size of the cells, so that the second slide gives the limit of fine
-    cells (Richardson's extrapolation). The third slide shows the influence of the decay.
+    cells (Richardson's extrapolation). The third slide shows the influence of the damping rate.
     """
     from fem.mpm.slide import LOSS
 

@@ -21,7 +21,7 @@ Packed = tuple[Seed, dict[int, Slide]]  # how it was calibrated, and its slides 
 
 @dataclass(frozen=True)
 class RandomPackingsWanted:
-    """The random packings in addition to that of the run itself.
+    """Holds the random packings in addition to that of the run itself.
 
     A seed whose packing cannot be calibrated to the critical Kh is named with the reason, and not counted. If the
     parameter of the calibration has to be chosen, the first packing determines it for all others.
@@ -42,7 +42,7 @@ class RandomPackingsWanted:
 
     @classmethod
     def of(cls, config: Config, store: Store, numbers: Sequence[int]) -> "RandomPackingsWanted":
-        """The wanted packings of a run whose discs are calibrated."""
+        """Return the wanted packings of a run whose discs are calibrated."""
         continuum = continuum_for(config, store)
         return cls(config, store, continuum, tuple(numbers), _own_seed(config, CalibrationAnswer.read(store)))
 
@@ -56,13 +56,13 @@ class RandomPackingsWanted:
         return [PackingTask(self.config, self.store, self.continuum, seed, parameter, self.numbers) for seed in others]
 
     def first_packings(self) -> list["PackingTask"]:
-        """The packings that can begin: all, or only the one that determines the parameter."""
+        """Return the packings that can begin: all, or only the one that determines the parameter."""
         parameter = self.config.dem.parameter
         packings = self._packings("auto" if parameter == "none" else parameter)
         return packings[:1] if self._chooses else packings
 
     def answer(self, job: Job, packings: list["Packed"], own_slides: dict[int, Slide]) -> RandomPackings:
-        """Mean, standard deviation and every value of slide and settlement over the seeds, for each case.
+        """Return the mean, standard deviation and every value of slide and settlement over the seeds, for each case.
 
         ``packings`` are those that began first, ``own_slides`` the slides of the run itself.
         """
@@ -83,7 +83,7 @@ class RandomPackingsWanted:
 
 
 def _own_seed(config: Config, calibration: CalibrationAnswer) -> Seed | None:
-    """The packing of the run itself; None where it is a lattice, or could not be calibrated."""
+    """The packing of the run itself; None if it is a lattice, or could not be calibrated."""
     if config.dem.model == "paper" or calibration.verdict == "out of reach":
         return None
     before = calibration.predicted_kc if calibration.predicted_kc is not None else calibration.kc
@@ -95,7 +95,7 @@ def _own_seed(config: Config, calibration: CalibrationAnswer) -> Seed | None:
 
 @dataclass(frozen=True)
 class PackingTask:
-    """One random packing, given by its seed, to be calibrated and used for slides in the folder of the run."""
+    """Holds one random packing, given by its seed, to be calibrated and used for slides in the folder of the run."""
 
     config: Config
     store: Store
@@ -105,12 +105,12 @@ class PackingTask:
     numbers: tuple[int, ...]
 
     def message(self, text: str) -> str:
-        """The message of a packing, with its seed."""
+        """Return the message of a packing, with its seed."""
         return f"random packing, seed {self.seed}: {text}"
 
 
 def packed(packing: PackingTask, tell: Tell) -> Packed:
-    """The calibration of a packing and its slides by case; no slides where the calibration is out of reach."""
+    """Compute the calibration of a packing and its slides by case; no slides if the calibration is out of reach."""
     config, store, parameter = packing.config, packing.store, packing.parameter
     dem = config.dem.changed(packing="random", seed=packing.seed, parameter=parameter)
     discs = discs_at_rest(config, store, dem, f"dem/slide_seed{dem.seed}_settled.npz", tell)
@@ -165,5 +165,5 @@ def _case(slides: list[Slide]) -> RandomCase:
 
 
 def as_line(points: list[list[float]]) -> Line:
-    """Points of a surface in the form of stored answers."""
+    """Return the points of a surface in the form of stored answers."""
     return tuple((x, z) for x, z in points)

@@ -107,7 +107,7 @@ def _without_residual(config: Config) -> str:
 
 
 def verdict_of(factor: float | None, everywhere: "Bearing") -> ResidualVerdict:
-    """The verdict from the factors of safety with peak and with residual strength."""
+    """Return the verdict from the factors of safety with peak and with residual strength."""
     if everywhere.stands == "stands":
         return "stands"
     if factor is None:

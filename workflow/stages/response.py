@@ -30,7 +30,7 @@ def draw(job: Job) -> None:
 
 
 def answer_of(section: Section, column: ResponseColumn) -> SiteResponseAnswer:
-    """The answer of a site response."""
+    """Return the answer of a site response."""
     response = column.response
     layers = tuple(
         ResponseLayer.taken(
@@ -60,7 +60,7 @@ def answer_of(section: Section, column: ResponseColumn) -> SiteResponseAnswer:
 
 
 def files(job: Job) -> Mapping[str, Path]:
-    """The file of the record; its content decides whether the stage is out of date, not its path."""
+    """Return the file of the record; its content decides whether the stage is out of date, not its path."""
     record = job.config.site_response.record
     return {"site_response, record": Path(record)} if record else {}
 

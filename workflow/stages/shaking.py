@@ -15,7 +15,7 @@ from workflow.stages.liquefaction import lowest_factors
 
 
 def shaking_of(config: Config, strata: Sequence[int]) -> Shaking | None:
-    """The base motion, with the times at which strata begin to liquefy; None for a constant Kh.
+    """Return the base motion, with the times at which strata begin to liquefy; None for a constant Kh.
 
     The base motion is a record of the base, or the average acceleration in time of the soil above the slip surface
     (Makdisi & Seed 1978) from a site response to a record of the rock.

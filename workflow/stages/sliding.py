@@ -23,7 +23,7 @@ ALONE = 0  # the number of the case without liquefaction, Kh alone
 
 @dataclass(frozen=True, eq=False)
 class PlannedSlide:
-    """One slide.
+    """Holds one slide.
 
     Attributes
     ----------
@@ -44,24 +44,26 @@ class PlannedSlide:
 
     @property
     def folder(self) -> str:
-        """Folder of the checkpoints, within the folder of the run."""
+        """Return the folder of the checkpoints, within the folder of the run."""
         return f"dem/slide_{self.springs}_{self.number}"
 
     def effect(self, config: Config) -> Hashable:
-        """All inputs of this slide that may differ within a run: two slides with equal inputs are the same."""
+        """Return all inputs of this slide that may differ within a run: two slides with equal inputs are the same."""
         case = None if self.case is None else effect_of(self.case, config.section, self.strata, self.start.law)
         return self.springs, case
 
 
 def first_alike(config: Config, tasks: Sequence[PlannedSlide]) -> dict[PlannedSlide, PlannedSlide]:
-    """For every slide the first one with the same inputs."""
+    """Return, for every slide, the first slide with the same inputs."""
     return first_equal({each: each.effect(config) for each in tasks})
 
 
 def task(config: Config, springs: str, number: int, start: DiscModel, ground: Ground) -> PlannedSlide:
-    """A case of the input by its number, or `ALONE`, from some discs at rest.
+    """Return the task of a case of the input by its number, or `ALONE` for Kh without liquefaction, from some discs at
+    rest.
 
-    ``config``: of the run; ``springs``: set of the discs; ``start``: discs at rest; ``ground``: in which they lie.
+    ``config``: config of the run; ``springs``: set of the discs; ``start``: discs at rest; ``ground``: the ground in
+    which the discs lie.
     """
     case = None if number == ALONE else config.cases[number - 1]
     return PlannedSlide(springs, number, start, ground, liquefying(config).get(number, []), case)
@@ -69,7 +71,7 @@ def task(config: Config, springs: str, number: int, start: DiscModel, ground: Gr
 
 @dataclass(frozen=True, eq=False)
 class SlideTask:
-    """A slide to be computed: input and folder of the run, and whether its frames are stored."""
+    """Holds a slide to be computed: input and folder of the run, and whether its frames are stored."""
 
     config: Config
     store: Store

@@ -57,7 +57,7 @@ def work(job: Job) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """One changed assumption.
+    """Holds one changed assumption.
 
     Attributes
     ----------
@@ -79,10 +79,10 @@ class Change:
 def on_a_mesh(
     change: tuple[str, str, Config], config: Config, store: Store, answer: FemAnswer, last: "QuadMesh"
 ) -> Change:
-    """The change on the ``last`` mesh, that of the answer, or on the first mesh if the last one has too many cells for
-    a path.
+    """Return the change on the ``last`` mesh, that of the answer, or on the first mesh if the last mesh has too many
+    cells for a path.
 
-    ``config``: of the run; ``store``: its folder.
+    ``config``: config of the run; ``store``: store of the folder with the results.
     """
     from fem.limit_load.limit_load import is_unique
     from workflow.results.stored_mesh import stored_mesh
@@ -98,7 +98,8 @@ def on_a_mesh(
 
 
 def like_with_like(changes: Sequence[Change], config: Config, progress: Progress) -> list[Change]:
-    """The changes, each on the first mesh beside the path of the unchanged ``config`` there if the answer is a path.
+    """Return the changes, each on the first mesh with the path of the unchanged ``config`` there if the answer is a
+    path.
 
     Critical Kh of a sequence of meshes are limit loads of the reduced element. Another element has another critical Kh
     on the same mesh, which is no effect of the change. Without a result of this path such changes are left out.
@@ -117,7 +118,7 @@ def like_with_like(changes: Sequence[Change], config: Config, progress: Progress
 
 
 def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] | None:
-    """Name, description and config of a variant; None if it would change nothing.
+    """Return the name, description and config of a variant; None if it would change nothing.
 
     ``element`` is the element of the answer.
     """
@@ -144,7 +145,7 @@ def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] 
 
 
 def variant(change: Change, tell: Tell) -> Variant:
-    """The critical Kh with a change, or None with the reason."""
+    """Return the critical Kh with a change, or None with the reason."""
     start = time.perf_counter()
     try:
         result = _limit(change, tell)

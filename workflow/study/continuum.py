@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def continuum(sample: StudySample) -> Numbers:
-    """The critical Kh by finite elements; 0 for ground that does not stand without shaking.
+    """Return the critical Kh by finite elements; 0 for ground that does not stand without shaking.
 
     The critical Kh is that with ψ = φ or by Davis's estimate, as ``fem.flow`` says. For both it is the limit load on
     meshes adapted to the mechanism; for non-associated flow it follows from the path.
@@ -51,7 +51,7 @@ def _critical(config: Config, first: "QuadMesh") -> "tuple[LimitLoadResult | Cri
 
 
 def bounds(sample: StudySample) -> Numbers:
-    """Strict lower and upper bound of the critical Kh, ψ = φ."""
+    """Return strict lower and upper bounds of the critical Kh, ψ = φ."""
     config = Config.parse(sample.data)
     bounds_settings = config.bounds.changed(davis=False)
     try:

@@ -24,12 +24,12 @@ ORDERS = (0.5, 3.0)  # that a fit is believed to have
 
 @dataclass(frozen=True)
 class Fit:
-    """Extrapolation of a number to size zero.
+    """Holds the extrapolation of a number to size zero.
 
     Attributes
     ----------
     limit : float
-        Limit of the number.
+        Limit of the number at size zero.
     order : float or None
         Order of convergence in the size; None if three values show none, so that a straight line is fitted.
     left : float
@@ -45,11 +45,11 @@ class Fit:
     scatter: float
 
     def converged(self, within: float) -> bool:
-        """Whether the remaining error is at most ``within``."""
+        """Return whether the remaining error is at most ``within``."""
         return self.left <= within
 
     def verdict(self, within: float) -> str:
-        """The verdict on convergence in words."""
+        """Return the verdict on convergence in words."""
         if self.converged(within):
             return f"converged within {100.0 * self.left:.2g} %"
         message = f"not converged: the remaining error may be {100.0 * self.left:.2g} %"
@@ -92,9 +92,9 @@ def run(
 ) -> ConvergenceAnswer:
     """Compute missing results, and write section.toml and converge.json.
 
-    ``config``: of the run; ``store``: its folder; ``within``: largest error of a converged number (%); ``ensemble``:
-    computes the rows; ``on_row``: called with each.
-    Raises InputError where nothing liquefies, NoAnswerError where fewer runs than three of a kind have an answer.
+    ``config``: config of the run; ``store``: store of the folder with the results; ``within``: largest error of a
+    converged number (%); ``ensemble``: computes the rows; ``on_row``: called with each. Raises InputError if nothing
+    liquefies, NoAnswerError where fewer runs than three of a kind have an answer.
     """
     if not config.section.liquefies:
         raise InputError(

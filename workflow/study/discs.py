@@ -20,7 +20,7 @@ STAGES = (mesh.STAGE, fem.STAGE, calibrate.STAGE, slide.STAGE)
 
 
 def discs(sample: StudySample) -> Numbers:
-    """The slides of every case: all stages of a run up to `slide`, in a folder that is removed afterwards.
+    """Compute the slides of every case: all stages of a run up to `slide`, in a folder that is removed afterwards.
 
     Raises NoAnswerError if the discs cannot be calibrated.
     """

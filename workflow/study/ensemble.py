@@ -21,7 +21,7 @@ PATIENCE = 30  # s for a scheduler to answer
 
 @dataclass(frozen=True)
 class TaskOutcome(Generic[Result]):
-    """Outcome of a task.
+    """Holds the outcome of a task.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Ensemble:
         self.cache = ResultCache(self.folder)
 
     def rows(self, tasks: Sequence[Task[Input, Result]], on_row: OnRow | None = None) -> list[TaskOutcome[Result]]:
-        """Outcomes of all tasks, in their order.
+        """Return the outcomes of all tasks, in their order.
 
         Tasks in work on another machine are waited for, and taken over if that machine fails.
         """
@@ -141,7 +141,7 @@ class Ensemble:
 
 @dataclass(frozen=True)
 class Attempt:
-    """Input of a worker: the folder of the answers, the task's fingerprint, and the function."""
+    """Holds the input of a worker: the folder of the answers, the task's fingerprint, and the function."""
 
     folder: str
     fingerprint: str

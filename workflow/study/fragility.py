@@ -24,7 +24,7 @@ TAILS = (0.025, 0.975)
 
 
 def fit(levels: np.ndarray, exceeds: np.ndarray) -> tuple[float, float]:
-    """Median θ and dispersion β of P = Φ(ln(x / θ) / β), by maximum likelihood.
+    """Fit median θ and dispersion β of P = Φ(ln(x / θ) / β), by maximum likelihood.
 
     M. Shinozuka et al., J. Eng. Mech. 126 (2000) 1224-1231; J. W. Baker, Earthquake Spectra 31 (2015) 579-599, eq. 11.
     ``levels`` (n,) are above 0; ``exceeds`` (n,) has true and false values.
@@ -42,7 +42,7 @@ def fit(levels: np.ndarray, exceeds: np.ndarray) -> tuple[float, float]:
 
 
 def curve(name: str, levels: np.ndarray, exceeds: np.ndarray) -> ProbabilityCurve | None:
-    """The fit as a curve with its 95 % interval by bootstrap; None if all samples exceed, or none does."""
+    """Return the fit as a curve with its 95 % interval by bootstrap; None if all samples exceed, or none does."""
     if not (levels > 0.0).all() or exceeds.all() or not exceeds.any():
         return None
     over = np.linspace(levels.min(), levels.max(), POINTS)
@@ -64,7 +64,7 @@ LEAST = 1e-3  # kc of a block that would never stop otherwise
 
 
 def failure(table: SampleTable) -> ProbabilityCurve | None:
-    """P(kc < Kh); None without a critical Kh."""
+    """Return P(kc < Kh), the probability of failure; None without a critical Kh."""
     kc = _known(table, "kc")
     if len(kc) < 2:
         return None
@@ -73,8 +73,8 @@ def failure(table: SampleTable) -> ProbabilityCurve | None:
 
 
 def fragility(config: Config, table: SampleTable) -> Iterator[ProbabilityCurve]:
-    """Curves of P(slide > d): of the rigid block over Kh, and over the peak acceleration of the record if there is one;
-    of the discs over d, and over their shaking if it is uncertain.
+    """Return curves of P(slide > d): of the rigid block over Kh, and over the peak acceleration of the record if there
+    is one; of the discs over d, and over their shaking if it is uncertain.
     """
     kc = _known(table, "kc")
     if len(kc) >= 2:
@@ -136,7 +136,7 @@ def _under(record: Accelerogram, peak: float, kc: float) -> float:
 
 
 def block(config: Config, kc: float | None) -> float | None:
-    """The slide (m) of the rigid block of one sample, under its record or its constant Kh.
+    """Return the slide (m) of the rigid block of one sample, under its record or its constant Kh.
 
     The slide is None without kc, and for a constant Kh without end: the block then is at rest or never stops, and a
     mean over samples has no meaning.

@@ -48,6 +48,6 @@ OF_ALL = ("study", "uncertain", "earthquake", "triggering", "figures", "report",
 
 
 def read_by(parts: Sequence[str]) -> tuple[str, ...]:
-    """The tables of settings that some parts of a study read, by their names, "block" among them."""
+    """Return the tables of settings that some parts of a study read, by their names, "block" among them."""
     tables = [table for part in PARTS if part.name in parts for table in part.tables]
     return (*OF_ALL, *tables, *(OF_THE_BLOCK if "block" in parts else ()))

@@ -12,7 +12,8 @@ from workflow.study.table import SampleTable
 def draw_all(section: Section, table: SampleTable, answer: StudyAnswer, store: Store) -> None:
     """Write figures/study_*.png; pictures without data are left out.
 
-    ``section``: the ground; ``table``: of all samples; ``answer``: of the study; ``store``: its folder.
+    ``section``: the section of the ground; ``table``: table of all samples; ``answer``: answer of the study; ``store``:
+    store of the folder with the results.
     """
     title = section.heading
     store.remove(["figures/study_*.png"])

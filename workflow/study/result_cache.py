@@ -42,11 +42,11 @@ class ResultCache:
         self.folder = folder / FOLDER
 
     def path(self, fingerprint: str) -> Path:
-        """File of the outcome of a task."""
+        """Return the file of the outcome of a task."""
         return self.folder / f"{fingerprint}.json"
 
     def read(self, fingerprint: str) -> Outcome | None:
-        """The outcome of a task; None if it has not ended, or if the file is not an outcome of this program."""
+        """Return the outcome of a task; None if it has not ended, or if the file is not an outcome of this program."""
         try:
             return Outcome.model_validate_json(self.path(fingerprint).read_bytes())
         except (OSError, ValidationError):
@@ -63,7 +63,8 @@ class ResultCache:
 
     @contextmanager
     def claimed(self, fingerprint: str) -> Iterator[bool]:
-        """Whether this process has claimed the task until the end of the block; else another process has."""
+        """Return whether this process has claimed the task until the end of the block; otherwise another process
+        has."""
         self.folder.mkdir(parents=True, exist_ok=True)
         path = self.folder / f".{fingerprint}.claim"
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)

@@ -13,7 +13,8 @@ BOOTSTRAP_SEED, RESAMPLES = 0, 400
 
 
 def probability(name: str, over: np.ndarray, happens: np.ndarray) -> ProbabilityCurve:
-    """A probability curve: the share of true values in ``happens`` (samples, len(over)) at each value of ``over``.
+    """Return a probability curve: the share of true values in ``happens`` (samples, len(over)) at each value of
+    ``over``.
 
     Interval by E. B. Wilson, Probable inference, J. Am. Stat. Assoc. 22 (1927) 209-212. This interval holds for
     independent samples; samples of a Sobol' sequence or a Latin hypercube are more accurate.
@@ -32,11 +33,10 @@ def probability(name: str, over: np.ndarray, happens: np.ndarray) -> Probability
 
 
 def effects(table: SampleTable, name: str, words: Sequence[str], indices: bool) -> tuple[Effect, ...]:
-    """Effects of the uncertain numbers on a result, the strongest first.
+    """Return the effects of the uncertain numbers on a result, the strongest first.
 
     ``words`` are the paths whose values have no order. With ``indices`` the samples are of the method "saltelli"; then
-    Sobol' indices are computed if no sample is missing.
-    ``table``: of all samples; ``name``: of the result.
+    Sobol' indices are computed if no sample is missing. ``table``: table of all samples; ``name``: name of the result.
     """
     values = table.column(name)
     there = np.isfinite(values)

@@ -30,13 +30,13 @@ BLOCK = "block"  # the part that takes no task: a closed form of the critical Kh
 
 @dataclass(frozen=True)
 class Study:
-    """The samples of a study, and their statistics."""
+    """Holds the samples of a study, and their statistics."""
 
     table: SampleTable
     answer: StudyAnswer
 
     def refuse_parts_without_answer(self) -> None:
-        """Raise NoAnswerError, with the reasons, where a requested part has no answer in any sample."""
+        """Raise NoAnswerError, with the reasons, if a requested part has no answer in any sample."""
         if not self.answer.without:
             return
         names = " and ".join(self.answer.without)
@@ -45,7 +45,8 @@ class Study:
 
 
 def parts_of(only: Sequence[str]) -> tuple[list[StudyPart], bool]:
-    """The parts by their names, and whether the sliding block is requested; raises InputError for an unknown name."""
+    """Return the parts by their names, and whether the sliding block is requested; raise InputError for an unknown
+    name."""
     names = [*(part.name for part in PARTS), BLOCK]
     if unknown := [name for name in only if name not in names]:
         raise InputError("--only", [f"{name!r}: expected one of {', '.join(names)}" for name in unknown])
@@ -56,9 +57,9 @@ def parts_of(only: Sequence[str]) -> tuple[list[StudyPart], bool]:
 def run(config: Config, store: Store, only: Sequence[str], ensemble: Ensemble, on_row: OnRow | None = None) -> Study:
     """Compute missing samples of a study, and write section.toml, samples.csv and study.json to its folder.
 
-    ``config``: of the study; ``store``: its folder; ``only``: parts to compute; ``ensemble``: computes the rows;
-    ``on_row``: called with each.
-    Raises InputError if nothing is uncertain, and for an unknown part.
+    ``config``: config of the study; ``store``: store of the folder with the results; ``only``: parts to compute;
+    ``ensemble``: computes the rows; ``on_row``: called with each. Raises InputError if nothing is uncertain, and for an
+    unknown part.
     """
     if not config.uncertain.numbers:
         raise InputError(
@@ -76,10 +77,11 @@ def run(config: Config, store: Store, only: Sequence[str], ensemble: Ensemble, o
 def computed(
     config: Config, store: Store, parts: Sequence[StudyPart], with_block: bool, ensemble: Ensemble, on_row: OnRow | None
 ) -> SampleTable:
-    """The table of all samples; those that fail have the reason.
+    """Return the table of all samples; those that fail have the reason.
 
-    ``config``: of the study; ``store``: its folder; ``parts``: to compute; ``with_block``: whether the sliding block is
-    among them; ``ensemble``: computes the rows; ``on_row``: called with each.
+    ``config``: config of the study; ``store``: store of the folder with the results; ``parts``: parts to compute;
+    ``with_block``: whether the sliding block is among them; ``ensemble``: computes the rows; ``on_row``: called with
+    each.
     """
     drawn = samples(config.uncertain, config.study, config.reach)
     inputs = [_input(config, sample) for sample in drawn]
@@ -104,7 +106,7 @@ def _input(config: Config, drawn: Mapping[str, Any]) -> Config | str:
 
 
 def task_of(read: Config, part: StudyPart, store: Store) -> Task[StudySample, Numbers]:
-    """The task of one part of a sample: its section, and only the settings that this part reads.
+    """Return the task of one part of a sample: its section, and only the settings that this part reads.
 
     The input of a part that reads borings and earthquake includes them. Other parts do not depend on the strata that
     liquefy; pore pressures by blow counts are already in the strata.
@@ -147,7 +149,7 @@ def _row(
 
 
 def statistics_of(config: Config, table: SampleTable, only: Sequence[str]) -> StudyAnswer:
-    """Statistics of the samples."""
+    """Return the statistics of the samples."""
     words = [path for path, distribution in config.uncertain.numbers.items() if distribution.is_words]
     indices = config.study.method == "saltelli"
     names = [name for name in table.names if name != "cells"]

@@ -15,8 +15,8 @@ FILE = "samples.csv"
 
 @dataclass(frozen=True)
 class SampleRow:
-    """One sample: drawn values by path, results by name, reasons of missing results, and parts of the study with an
-    answer.
+    """Holds one sample: drawn values by path, results by name, reasons of missing results, and parts of the study with
+    an answer.
     """
 
     drawn: dict[str, Any]
@@ -27,32 +27,32 @@ class SampleRow:
 
 @dataclass(frozen=True)
 class SampleTable:
-    """All samples; ``units`` are those of the drawn numbers."""
+    """Holds all samples; ``units`` are those of the drawn numbers."""
 
     units: dict[str, str]
     rows: Sequence[SampleRow]
 
     @property
     def names(self) -> list[str]:
-        """The results, in the order in which they first appear."""
+        """Return the results, in the order in which they first appear."""
         return list(dict.fromkeys(name for row in self.rows for name in row.results.numbers))
 
     @property
     def failed(self) -> int:
-        """Samples in which at least one part of the study has no answer."""
+        """Return samples in which at least one part of the study has no answer."""
         return sum(bool(row.reason) for row in self.rows)
 
     def column(self, name: str) -> np.ndarray:
-        """A result over all samples (n,), NaN where it is missing."""
+        """Return a result over all samples (n,), NaN if it is missing."""
         values = [row.results.numbers.get(name) for row in self.rows]
         return np.array([np.nan if value is None else value for value in values], dtype=float)
 
     def drawn(self, path: str) -> list[Any]:
-        """The drawn values of one uncertain number, by its path, in all samples."""
+        """Return the drawn values of one uncertain number, by its path, in all samples."""
         return [row.drawn[path] for row in self.rows]
 
     def text(self) -> str:
-        """The table as CSV; numbers with all their digits."""
+        """Return the table as CSV; numbers with all their digits."""
         words = list(dict.fromkeys(name for row in self.rows for name in row.results.words))
         heads = [f"{path} ({unit})" if unit else path for path, unit in self.units.items()]
         out = io.StringIO()

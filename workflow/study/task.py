@@ -18,7 +18,7 @@ Result = TypeVar("Result", bound=BaseModel)
 
 @dataclass(frozen=True)
 class Task(Generic[Input, Result]):
-    """One function to be called once.
+    """Holds one function to be called once.
 
     Attributes
     ----------
@@ -34,18 +34,18 @@ class Task(Generic[Input, Result]):
 
     @property
     def name(self) -> str:
-        """Name of the function that the task calls."""
+        """Return the name of the function that the task calls."""
         return f"{self.function.__module__}.{self.function.__qualname__}"
 
     @property
     def answer_type(self) -> type[Result]:
-        """The model of its answer."""
+        """Return the model of its answer."""
         answer_type: type[Result] = get_type_hints(self.function)["return"]
         return answer_type
 
     @cached_property
     def fingerprint(self) -> str:
-        """Fingerprint of the function, its module, the program and its input."""
+        """Return the fingerprint of the function, its module, the program and its input."""
         made_by = {"task": self.name, "program": program(), "module": _text(self.function.__module__)}
         return fingerprint_of({**made_by, "given": self.argument.model_dump(mode="json")})
 
@@ -57,7 +57,7 @@ def _text(module: str) -> str:
 
 
 class StudySample(BaseModel):
-    """The input of a task: the section, and those of its settings that matter to the task.
+    """Holds the input of a task: the section, and the settings that matter to the task.
 
     ``files`` are fingerprints of the files that these settings name. ``folder`` holds the files from which a long task
     continues after a stop; it is no part of the input.

@@ -35,18 +35,18 @@ class Distribution(Model):
 
     @property
     def kind(self) -> str:
-        """Name of the kind of distribution."""
+        """Return the name of the kind of distribution."""
         return next(kind for kind in KINDS if getattr(self, kind) is not None)
 
     @property
     def unit(self) -> str:
-        """The unit of drawn values: that of the first parameter; empty for plain numbers and words."""
+        """Return the unit of drawn values: that of the first parameter; empty for plain numbers and words."""
         first = getattr(self, self.kind)[0]
         return "" if self.kind == "list" else measured(first)[1]
 
     @property
     def is_words(self) -> bool:
-        """Whether drawn values have no order: a list with an entry that is no number."""
+        """Return whether drawn values have no order: a list with an entry that is no number."""
         return self.list is not None and not all(_is_number(value) for value in self.list)
 
     @model_validator(mode="after")
@@ -94,7 +94,7 @@ class Distribution(Model):
         return in_unit(self.between[0], self.unit), in_unit(self.between[1], self.unit)
 
     def at(self, chance: float) -> Any:
-        """The quantile of a probability (0 to 1): a number in `unit`, or an entry of the list."""
+        """Return the quantile of a probability (0 to 1): a number in `unit`, or an entry of the list."""
         if self.list is not None:
             weights = self.chances or (1.0,) * len(self.list)
             reached = 0.0
@@ -130,12 +130,12 @@ class Distribution(Model):
         return math.exp(drawn) if logarithmic else drawn
 
     def written(self, value: Any) -> Any:
-        """A sampled value in the form of a section file, with its unit."""
+        """Return a sampled value in the form of a section file, with its unit."""
         return f"{value!r} {self.unit}" if self.unit else value
 
 
 def list_(values: tuple[float, ...]) -> "list[float]":
-    """The values as a list (a field has the name `list`)."""
+    """Return the values as a list (a field has the name `list`)."""
     return [*values]
 
 
@@ -148,7 +148,7 @@ def _is_number(value: Any) -> bool:
 
 
 def measured(value: Any) -> tuple[float, str]:
-    """Number and unit of a written value; raises ValueError."""
+    """Return the number and unit of a written value; raise ValueError."""
     if isinstance(value, int | float):
         return float(value), ""
     parts = NUMBER_AND_UNIT.fullmatch(value) if isinstance(value, str) else None
@@ -158,7 +158,8 @@ def measured(value: Any) -> tuple[float, str]:
 
 
 def in_unit(value: Any, unit: str) -> float:
-    """A value of a section file as a number in a unit; without a unit in SI. Raises ValueError if it is no number."""
+    """Return a value of a section file as a number in a unit; without a unit in SI. Raises ValueError if it is no
+    number."""
     number, unit_of_value = measured(value)
     if unit_of_value == unit:
         return number

@@ -43,8 +43,8 @@ class Reach:
 
 
 def reach_of(data: Mapping[str, Any], numbers: Mapping[str, Distribution], models: Models) -> dict[str, Reach]:
-    """Range of each distribution, truncated to the values that the fields of ``models`` accept, by its path in the
-    input ``data``.
+    """Return the range of each distribution, truncated to the values that the fields of ``models`` accept, by its path
+    in the input ``data``.
 
     Tails of normal and lognormal distributions are truncated where the field refuses the number. Refused ends in the
     input (uniform, triangular, list, between) are a problem.

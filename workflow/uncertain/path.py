@@ -13,14 +13,14 @@ Place = tuple[int | str, ...]  # keys and indices, from the outermost table inwa
 
 
 def plain(data: Any) -> Any:
-    """A copy of nested tables that can be changed."""
+    """Return a copy of nested tables that can be changed."""
     if isinstance(data, Mapping):
         return {key: plain(value) for key, value in data.items()}
     return [plain(value) for value in data] if isinstance(data, list | tuple) else data
 
 
 def changed(data: Mapping[str, Any], drawn: Mapping[str, Any], numbers: Mapping[str, Distribution]) -> dict[str, Any]:
-    """Nested tables with the drawn values in their places; raises ValueError for an unknown path."""
+    """Return the nested tables with the drawn values in their places; raise ValueError for an unknown path."""
     new: dict[str, Any] = plain(data)
     for path, value in drawn.items():
         for place in list(places(new, path)):
@@ -30,14 +30,14 @@ def changed(data: Mapping[str, Any], drawn: Mapping[str, Any], numbers: Mapping[
 
 
 def value_at(data: Any, place: Place) -> Any:
-    """The value at a place of nested tables; None where the last key is not set."""
+    """Return the value at a place of nested tables; None if the last key is not set."""
     for key in place[:-1]:
         data = data[key]
     return data.get(place[-1]) if place and isinstance(data, Mapping) else data[place[-1]] if place else data
 
 
 def places(data: Any, path: str) -> Iterator[Place]:
-    """The places that a path names; raises ValueError if there are none."""
+    """Yield the places that a path names; raise ValueError if there are none."""
     entries = _entries(data)
     if path.startswith("*.") and isinstance(data, list | tuple):
         for number, entry in enumerate(data):
@@ -72,7 +72,7 @@ def _head(entries: Mapping[str, Any], path: str) -> str | None:
 
 
 def changed_value(before: Any, distribution: Distribution, value: Any) -> Any:
-    """The value after a number is drawn; raises ValueError if the value before is no number."""
+    """Return the value after a number is drawn; raise ValueError if the value before is no number."""
     if distribution.does == "value":
         if _is_point(before):
             return [before[0], distribution.written(value)]

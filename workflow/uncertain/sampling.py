@@ -14,12 +14,12 @@ SMALLEST = 2.0**-54  # a chance of nothing at all would be infinitely far away
 
 
 def chances(dimensions: int, count: int, method: SamplingMethod, seed: int) -> np.ndarray:
-    """Points (n, dimensions) in the unit cube.
+    """Return points (n, dimensions) in the unit cube.
 
-    "sobol": the first ``count`` of a scrambled sequence (Owen 1998), which a longer study continues.
-    "latin": a Latin hypercube (McKay, Beckman and Conover 1979). "saltelli": for Sobol' indices, ``count`` points A,
-    as many B, and for each dimension A with that column taken from B (Saltelli et al. 2010).
-    ``method``: one of these; ``seed``: of the random numbers.
+    "sobol": the first ``count`` of a scrambled sequence (Owen 1998), which a longer study continues. "latin": a Latin
+    hypercube (McKay, Beckman and Conover 1979). "saltelli": for Sobol' indices, ``count`` points A, as many B, and for
+    each dimension A with that column taken from B (Saltelli et al. 2010). ``method``: one of these methods; ``seed``:
+    seed of the random numbers.
     """
     from scipy.stats import qmc
 
@@ -38,7 +38,7 @@ def chances(dimensions: int, count: int, method: SamplingMethod, seed: int) -> n
 
 
 def correlated(points: np.ndarray, correlation: np.ndarray) -> np.ndarray:
-    """Correlated probabilities (n, d) by a Gaussian copula; each stays uniform."""
+    """Return the correlated probabilities (n, d) by a Gaussian copula; each stays uniform."""
     from scipy.special import ndtr, ndtri
 
     if np.array_equal(correlation, np.eye(len(correlation))):
@@ -50,7 +50,7 @@ def correlated(points: np.ndarray, correlation: np.ndarray) -> np.ndarray:
 def samples(
     uncertain: UncertainSettings, study: StudySettings, reach: Mapping[str, Reach] = MappingProxyType({})
 ) -> list[dict[str, Any]]:
-    """The drawn values of every sample, by the paths of the numbers, within the admissible range of each."""
+    """Return the sampled values of every sample, by the paths of the numbers, within the admissible range of each."""
     numbers = uncertain.numbers
     points = chances(len(numbers), study.samples, study.method, study.seed)
     points = correlated(points, uncertain.correlation())

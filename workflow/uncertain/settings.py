@@ -42,11 +42,11 @@ class UncertainSettings(Model):
 
     @property
     def numbers(self) -> dict[str, Distribution]:
-        """Every uncertain number by its path, in the order of the file."""
+        """Return every uncertain number by its path, in the order of the file."""
         return dict(self.__pydantic_extra__ or {})
 
     def correlation(self) -> np.ndarray:
-        """The matrix (n, n) of correlations of the normal variables, in the order of `numbers`."""
+        """Return the matrix (n, n) of correlations of the normal variables, in the order of `numbers`."""
         places = {path: place for place, path in enumerate(self.numbers)}
         matrix = np.eye(len(places))
         for pair in self.correlated:
@@ -86,8 +86,8 @@ class UncertainSettings(Model):
         return self
 
     def problems(self, check: Callable[[Mapping[str, Any]], object]) -> list[str]:
-        """Problems of the uncertain numbers, one sentence each; ``check`` takes medians by their paths, and raises
-        ValueError.
+        """Return problems of the uncertain numbers, one sentence each; ``check`` takes medians by their paths, and
+        raises ValueError.
         """
         medians = {path: distribution.at(0.5) for path, distribution in self.numbers.items()}
         problems: list[str] = []

@@ -28,7 +28,7 @@ CLAY = 'clay by its strength, φ = 0, and its plasticity index is not known; liq
 
 @dataclass(frozen=True)
 class Judged:
-    """One test and its factor F_L.
+    """Holds one test and its factor F_L.
 
     Attributes
     ----------
@@ -52,17 +52,17 @@ class Judged:
 
     @property
     def area(self) -> float:
-        """The area of ground (m²) that the test represents."""
+        """Return the area of ground (m²) that the test represents."""
         return (self.bottom - self.top) * self.length
 
     @property
     def factor(self) -> float | None:
-        """F_L; None if the soil is not assessed."""
+        """Return F_L; None if the soil is not assessed."""
         return None if self.outcome is None else self.outcome.factor
 
     @property
     def liquefies(self) -> bool:
-        """Whether F_L is below 1."""
+        """Return whether F_L is below 1."""
         return self.factor is not None and self.factor < 1.0
 
 
@@ -92,7 +92,7 @@ class OfStratum:
 
 @dataclass(frozen=True)
 class TriggeringAssessment:
-    """All tests, all strata, and P_L by boring; with the motion and the method of the assessment."""
+    """Holds all tests, all strata, and P_L by boring; with the motion and the method of the assessment."""
 
     motion: PeakMotion
     magnitude: float | None
@@ -191,12 +191,12 @@ def _missing(section: Section, earthquake: EarthquakeSettings, settings: Trigger
 
 
 def off_the_section(section: Section, settings: TriggeringSettings) -> list[str]:
-    """Borings, or tests of them, that lie outside of the section."""
+    """Return the borings, or tests of borings, that lie outside the section."""
     return [text for boring in settings.borings for text in _outside(section, boring)]
 
 
 def below_loads(section: Section, settings: TriggeringSettings) -> list[str]:
-    """A sentence on the borings whose stresses depend on surcharges, and on how these are included."""
+    """Return a sentence on the borings whose stresses depend on surcharges, and on how surcharges are included."""
     loaded = [boring.name for boring in settings.borings if section.surcharges and _feels_loads(section, boring)]
     if not loaded:
         return []
@@ -220,7 +220,8 @@ def _outside(section: Section, boring: Boring) -> list[str]:
 
 
 def point_of(sample: Sample | Cone, where: Overburden) -> BlowCount | ConeTest:
-    """The input of a method on a test; a blow count without fines counts as clean sand, which is on the safe side."""
+    """Return the input of a method on a test; a blow count without fines counts as clean sand, which is on the safe
+    side."""
     if isinstance(sample, Cone):
         return ConeTest(
             sample.depth, sample.qc / KPA, sample.fs / KPA, where.total / KPA, where.effective / KPA, sample.fines
@@ -238,8 +239,8 @@ def point_of(sample: Sample | Cone, where: Overburden) -> BlowCount | ConeTest:
 
 
 def normalised_counts(test: Judged, settings: TriggeringSettings) -> tuple[float, float]:
-    """(N1)60 and (N1)60cs of a test, for residual strength and strain; for a cone test those of the same relative
-    density.
+    """Return (N1)60 and (N1)60cs of a test, for residual strength and strain; for a cone test those of the same
+    relative density.
     """
     point = point_of(test.sample, test.where)
     if isinstance(point, ConeTest):
@@ -249,7 +250,7 @@ def normalised_counts(test: Judged, settings: TriggeringSettings) -> tuple[float
 
 
 def fines_of(test: Judged) -> float:
-    """Fines content (%) of the tested soil: measured, from the index of a cone test, or None."""
+    """Return the fines content (%) of the tested soil: measured, or from the index of a cone test, or None."""
     point = point_of(test.sample, test.where)
     if isinstance(point, ConeTest):
         return boulanger_idriss.fines_of(point.index) if point.fines is None else point.fines
@@ -313,9 +314,11 @@ RISKS = ((0.0, "very low"), (5.0, "low"), (15.0, "high"))
 
 
 def potential(layers: Sequence[tuple[float, float, float | None]]) -> float:
-    """P_L = ∫ F w dz from the ground to 20 m, F = 1 - F_L where F_L < 1, w = 10 - z/2.
+    """Return the liquefaction potential P_L = ∫ F w dz from the ground to 20 m, F = 1 - F_L where F_L < 1, w = 10 -
+    z/2.
 
-    ``layers`` are (top, bottom, F_L) with depths in m; None where the soil does not liquefy. From 0 to 100.
+    ``layers`` are (top, bottom, F_L) with depths in m; F_L is None if the soil does not liquefy. P_L lies between 0 and
+    100.
     """
     total = 0.0
     for top, bottom, factor in layers:
@@ -328,5 +331,5 @@ def potential(layers: Sequence[tuple[float, float, float | None]]) -> float:
 
 
 def risk(value: float) -> str:
-    """The risk of liquefaction damage in the words of Iwasaki et al. (1982)."""
+    """Return the risk of liquefaction damage in the words of Iwasaki et al. (1982)."""
     return next((word for up_to, word in RISKS if value <= up_to), "very high")

@@ -11,7 +11,7 @@ ATMOSPHERE = 101.325  # kPa
 
 @dataclass(frozen=True)
 class BlowCount:
-    """Input of a method on one test.
+    """Holds the input of a triggering method on one test.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class BlowCount:
 
 @dataclass(frozen=True)
 class SurfaceMotion:
-    """The earthquake as input of a method: ``peak`` acceleration over g at the surface, and magnitude."""
+    """Holds the earthquake as input of a method: ``peak`` acceleration over g at the surface, and magnitude."""
 
     peak: float
     magnitude: float
@@ -45,7 +45,7 @@ class SurfaceMotion:
 
 @dataclass(frozen=True)
 class Resistance:
-    """Result of a method at a test: F_L = ``resistance`` / ``load``.
+    """Holds the result of a method at a test: F_L = ``resistance`` / ``load``.
 
     Attributes
     ----------
@@ -62,5 +62,5 @@ class Resistance:
 
     @property
     def factor(self) -> float:
-        """F_L, at most 2, the end of the range of experience."""
+        """Return F_L, at most 2, the end of the range of experience."""
         return min(2.0, self.resistance / self.load)

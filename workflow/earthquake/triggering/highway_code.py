@@ -17,19 +17,22 @@ MotionType = Literal["I", "II"]
 
 
 def stress_ratio(point: BlowCount, shaking: SurfaceMotion) -> float:
-    """L = r_d k σv/σ'v with r_d = 1 - 0.015 z, all forms; k is the peak acceleration at the surface over g."""
+    """Return the shear stress ratio L = r_d k σv/σ'v with r_d = 1 - 0.015 z, all forms; k is the peak acceleration at
+    the surface over g."""
     return (1.0 - 0.015 * point.depth) * shaking.peak * point.total / point.effective
 
 
 def grain_size_term(d50: float) -> float:
-    """R2 of 1990: 0.19 up to D50 = 0.05 mm, 0.225 log(0.35/D50) up to 0.6 mm, -0.05 beyond; D50 in mm."""
+    """Return the grain size term R2 of 1990: 0.19 up to D50 = 0.05 mm, 0.225 log(0.35/D50) up to 0.6 mm, -0.05 beyond;
+    D50 in mm."""
     if d50 <= 0.05:
         return 0.19
     return 0.225 * math.log10(0.35 / d50) if d50 <= 0.6 else -0.05
 
 
 def resistance_1990(point: BlowCount) -> float:
-    """R = R1 + R2 + R3: R1 = 0.0882 √(N/(σ'v + 0.7)), σ'v in kgf/cm²; R3 = 0.004 FC - 0.16 from FC = 40 % on.
+    """Return the resistance R = R1 + R2 + R3: R1 = 0.0882 √(N/(σ'v + 0.7)), σ'v in kgf/cm²; R3 = 0.004 FC - 0.16 from
+    FC = 40 % on.
 
     Raises ValueError without a mean grain size.
     """
@@ -41,12 +44,13 @@ def resistance_1990(point: BlowCount) -> float:
 
 
 def normalised(point: BlowCount) -> float:
-    """N1 = 170 N / (σ'v + 70), σ'v in kPa."""
+    """Return the normalised blow count N1 = 170 N / (σ'v + 70), σ'v in kPa."""
     return 170.0 * point.N / (point.effective + 70.0)
 
 
 def corrected_2012(n1: float, fines: float) -> float:
-    """Na = c1 N1 + c2: c1 = 1, (FC + 40)/50 from 10 %, FC/20 - 1 from 60 %; c2 = 0, (FC - 10)/18 from 10 %."""
+    """Return the corrected blow count Na = c1 N1 + c2: c1 = 1, (FC + 40)/50 from 10 %, FC/20 - 1 from 60 %; c2 = 0, (FC
+    - 10)/18 from 10 %."""
     if fines < 10.0:
         return n1
     first = (fines + 40.0) / 50.0 if fines < 60.0 else fines / 20.0 - 1.0
@@ -54,7 +58,8 @@ def corrected_2012(n1: float, fines: float) -> float:
 
 
 def corrected_2017(n1: float, fines: float) -> float:
-    """Na = c (N1 + 2.47) - 2.47: c = 1, (FC + 20)/30 from 10 %, (FC - 16)/12 from 40 %."""
+    """Return the corrected blow count Na = c (N1 + 2.47) - 2.47: c = 1, (FC + 20)/30 from 10 %, (FC - 16)/12 from
+    40 %."""
     factor = 1.0
     if fines >= 10.0:
         factor = (fines + 20.0) / 30.0 if fines < 40.0 else (fines - 16.0) / 12.0
@@ -62,39 +67,42 @@ def corrected_2017(n1: float, fines: float) -> float:
 
 
 def of_gravel(n1: float, d50: float) -> float:
-    """Na = (1 - 0.36 log(D50/2)) N1 where D50 is at least 2 mm."""
+    """Return the corrected blow count of gravel, Na = (1 - 0.36 log(D50/2)) N1, for D50 of at least 2 mm."""
     return (1.0 - 0.36 * math.log10(d50 / 2.0)) * n1
 
 
 def resistance_2012(corrected: float) -> float:
-    """R_L = 0.0882 √(Na/1.7), and from Na = 14 on 1.6e-6 (Na - 14)^4.5 more."""
+    """Return the cyclic triaxial strength ratio R_L = 0.0882 √(Na/1.7), and from Na = 14 on 1.6e-6 (Na - 14)^4.5
+    more."""
     dense = 1.6e-6 * (corrected - 14.0) ** 4.5 if corrected >= 14.0 else 0.0
     return 0.0882 * math.sqrt(corrected / 1.7) + dense
 
 
 def resistance_2017(corrected: float) -> float:
-    """R_L = 0.0882 √((0.85 Na + 2.1)/1.7) below Na = 14, from there on as in 2012."""
+    """Return the cyclic triaxial strength ratio R_L = 0.0882 √((0.85 Na + 2.1)/1.7) below Na = 14, from there on as in
+    2012."""
     if corrected < 14.0:
         return 0.0882 * math.sqrt((0.85 * corrected + 2.1) / 1.7)
     return resistance_2012(corrected)
 
 
 def motion_factor(resistance: float, motion: MotionType) -> float:
-    """c_W: 1 for motions of type I (at plate boundaries); of type II (inland) 1, 3.3 R_L + 0.67, or 2."""
+    """Return the factor of the motion c_W: 1 for motions of type I (at plate boundaries); of type II (inland) 1, 3.3
+    R_L + 0.67, or 2."""
     if motion == "I" or resistance <= 0.1:
         return 1.0
     return 3.3 * resistance + 0.67 if resistance <= 0.4 else 2.0
 
 
 def assess_1990(point: BlowCount, shaking: SurfaceMotion) -> Resistance:
-    """F_L at a test by the form of 1990. Raises ValueError without a mean grain size."""
+    """Return F_L at a test by the form of 1990. Raises ValueError without a mean grain size."""
     return Resistance(normalised(point), None, stress_ratio(point, shaking), max(0.0, resistance_1990(point)))
 
 
 def assess_later(
     point: BlowCount, shaking: SurfaceMotion, form: Literal["2012", "2017"], motion: MotionType
 ) -> Resistance:
-    """F_L at a test by the form of 2012 or 2017: c_W R_L over L.
+    """Return F_L at a test by the form of 2012 or 2017: c_W R_L over L.
 
     ``point``: blow count; ``shaking``: acceleration and magnitude; ``motion``: type 1 or 2 of the code.
     """
@@ -108,7 +116,7 @@ def assess_later(
 
 
 def why_not(point: BlowCount) -> str:
-    """Why the code requires no assessment of a soil; empty if the code requires one."""
+    """Return why the code requires no assessment of a soil; empty if the code requires one."""
     if point.depth > DEEPEST:
         return f"deeper than {DEEPEST:g} m"
     if point.fines > 35.0 and point.plasticity is not None and point.plasticity > 15.0:

@@ -19,55 +19,59 @@ RODS = ((3.0, 0.75), (4.0, 0.80), (6.0, 0.85), (10.0, 0.95))
 
 
 def stress_reduction(depth: float, magnitude: float) -> float:
-    """r_d = exp(α + β M), α = -1.012 - 1.126 sin(z/11.73 + 5.133), β = 0.106 + 0.118 sin(z/11.28 + 5.142)."""
+    """Return the stress reduction factor r_d = exp(α + β M), α = -1.012 - 1.126 sin(z/11.73 + 5.133), β = 0.106 + 0.118
+    sin(z/11.28 + 5.142)."""
     alpha = -1.012 - 1.126 * math.sin(depth / 11.73 + 5.133)
     beta = 0.106 + 0.118 * math.sin(depth / 11.28 + 5.142)
     return math.exp(alpha + beta * magnitude)
 
 
 def stress_ratio(point: BlowCount, shaking: SurfaceMotion) -> float:
-    """CSR = 0.65 (σv/σ'v) a_max r_d of the earthquake, at its magnitude."""
+    """Return the cyclic stress ratio CSR = 0.65 (σv/σ'v) a_max r_d of the earthquake, at its magnitude."""
     return 0.65 * point.total / point.effective * shaking.peak * stress_reduction(point.depth, shaking.magnitude)
 
 
 def magnitude_scaling(magnitude: float) -> float:
-    """MSF = 6.9 exp(-M/4) - 0.058, at most 1.8."""
+    """Return the magnitude scaling factor MSF = 6.9 exp(-M/4) - 0.058, at most 1.8."""
     return min(1.8, 6.9 * math.exp(-magnitude / 4.0) - 0.058)
 
 
 def overburden_correction(corrected: float, effective: float) -> float:
-    """C_N = (Pa/σ'v)^m, at most 1.7, with m = 0.784 - 0.0768 √(N1)60cs, (N1)60cs at most 46."""
+    """Return the overburden correction C_N = (Pa/σ'v)^m, at most 1.7, with m = 0.784 - 0.0768 √(N1)60cs, (N1)60cs at
+    most 46."""
     exponent = 0.784 - 0.0768 * math.sqrt(min(46.0, corrected))
     return min(1.7, (ATMOSPHERE / effective) ** exponent)
 
 
 def fines_correction(fines: float) -> float:
-    """Δ(N1)60 = exp(1.63 + 9.7/(FC + 0.01) - (15.7/(FC + 0.01))²)."""
+    """Return the fines correction Δ(N1)60 = exp(1.63 + 9.7/(FC + 0.01) - (15.7/(FC + 0.01))²)."""
     return math.exp(1.63 + 9.7 / (fines + 0.01) - (15.7 / (fines + 0.01)) ** 2)
 
 
 def overburden_factor(corrected: float, effective: float) -> float:
-    """K_σ = 1 - C_σ ln(σ'v/Pa), at most 1.1, with C_σ = 1/(18.9 - 2.55 √(N1)60cs), at most 0.3."""
+    """Return the overburden factor K_σ = 1 - C_σ ln(σ'v/Pa), at most 1.1, with C_σ = 1/(18.9 - 2.55 √(N1)60cs), at most
+    0.3."""
     slope = min(0.3, 1.0 / (18.9 - 2.55 * math.sqrt(min(37.0, corrected))))
     return min(1.1, 1.0 - slope * math.log(effective / ATMOSPHERE))
 
 
 def resistance_ratio(corrected: float) -> float:
-    """CRR at M = 7.5 and σ'v = 1 atm: exp(N/14.1 + (N/126)² - (N/23.6)³ + (N/25.4)⁴ - 2.8), N = (N1)60cs."""
+    """Return the cyclic resistance ratio CRR at M = 7.5 and σ'v = 1 atm: exp(N/14.1 + (N/126)² - (N/23.6)³ + (N/25.4)⁴
+    - 2.8), N = (N1)60cs."""
     powers = corrected / 14.1 + (corrected / 126.0) ** 2 - (corrected / 23.6) ** 3 + (corrected / 25.4) ** 4
     return math.exp(powers - 2.8)
 
 
 def rod_correction(length: float) -> float:
-    """C_R for rods of a length (m), including the part above the ground."""
+    """Return the rod correction C_R for rods of a length (m), including the part above the ground."""
     return next((factor for up_to, factor in RODS if length < up_to), 1.0)
 
 
 def normalised(point: BlowCount, energy_ratio: float, rods_above: float) -> tuple[float, float]:
-    """(N1)60 and (N1)60cs of a test.
+    """Return (N1)60 and (N1)60cs of a test.
 
-    ``energy_ratio`` of the hammer in percent, ``rods_above`` the ground in m. C_N depends on (N1)60cs, which is found
-    by iteration.
+    ``energy_ratio`` of the hammer is in percent, ``rods_above`` the ground in m. C_N depends on (N1)60cs, which is
+    found by iteration.
     """
     at_60 = point.N * energy_ratio / 60.0 * rod_correction(point.depth + rods_above)
     fines = fines_correction(point.fines)
@@ -80,10 +84,10 @@ def normalised(point: BlowCount, energy_ratio: float, rods_above: float) -> tupl
 
 
 def assess(point: BlowCount, shaking: SurfaceMotion, energy_ratio: float, rods_above: float) -> Resistance:
-    """F_L at a test: CRR MSF K_σ over CSR.
+    """Return F_L at a test: CRR MSF K_σ over CSR.
 
-    ``point``: blow count; ``shaking``: acceleration and magnitude; ``energy_ratio``: of the hammer (%); ``rods_above``:
-    length of the rods above ground (m).
+    ``point``: blow count; ``shaking``: acceleration and magnitude; ``energy_ratio``: energy ratio of the hammer (%);
+    ``rods_above``: length of the rods above ground (m).
     """
     n1, clean = normalised(point, energy_ratio, rods_above)
     load = stress_ratio(point, shaking)
@@ -94,7 +98,7 @@ def assess(point: BlowCount, shaking: SurfaceMotion, energy_ratio: float, rods_a
 
 
 def why_not(point: BlowCount) -> str:
-    """Why a soil is not assessed by this method; empty if it is."""
+    """Return why a soil is not assessed by this method; empty if it is."""
     if point.plasticity is not None and point.plasticity >= PLASTIC:
         return f"plasticity index {point.plasticity:g} % is at least {PLASTIC:g} %: behaves as clay"
     if point.depth > DEEPEST:

@@ -16,8 +16,8 @@ FINES = ((10.0, 1.0), (25.0, 2.0), (50.0, 4.0), (75.0, 5.0))
 
 @dataclass(frozen=True)
 class Penetration:
-    """(N1)60 of a test, fines (%), the vertical effective stress (kPa), and whether water ``gathers`` below a less
-    permeable layer, which loosens the sand there.
+    """Holds (N1)60 of a test, fines (%), the vertical effective stress (kPa), and whether water ``gathers`` below a
+    less permeable layer, which loosens the sand there.
     """
 
     n1: float
@@ -28,7 +28,7 @@ class Penetration:
 
 @dataclass(frozen=True)
 class ResidualRelation:
-    """A relation of residual strength: its name, its publication, and the soils it holds for.
+    """A relation of residual strength: its name, its publication, and the soils for which it is valid.
 
     ``count`` returns the blow count of the relation, ``most`` is the largest blow count of its cases, ``curve`` returns
     Sr/σ'v for a blow count.
@@ -42,17 +42,17 @@ class ResidualRelation:
     curve: Callable[[float, Penetration], float]
 
     def ratio(self, soil: Penetration) -> float | None:
-        """Sr/σ'v; None beyond the cases."""
+        """Return Sr/σ'v; None beyond the cases of the relation."""
         count = self.count(soil)
         return self.curve(count, soil) if count <= self.most else None
 
     def least_ratio(self, soil: Penetration) -> float:
-        """Sr/σ'v; for soil denser than the cases the value at the end of their range, a lower bound."""
+        """Return Sr/σ'v; for soil denser than the cases the value at the end of their range, a lower bound."""
         return self.curve(min(self.count(soil), self.most), soil)
 
 
 def fines_addition(fines: float) -> float:
-    """Δ(N1)60 for the residual strength: 1, 2, 4, 5 at 10, 25, 50, 75 % of fines, linear between, 0 at 0 %."""
+    """Return Δ(N1)60 for the residual strength: 1, 2, 4, 5 at 10, 25, 50, 75 % of fines, linear between, 0 at 0 %."""
     points = ((0.0, 0.0), *FINES)
     for (low, below), (high, above) in pairwise(points):
         if fines <= high:
@@ -69,21 +69,23 @@ def _plain(soil: Penetration) -> float:
 
 
 def idriss_boulanger(n: float, soil: Penetration) -> float:
-    """Sr/σ'v = exp(N/16 + ((N - 16)/21.2)³ - 3), N = (N1)60 + Δ, where water may gather below a less permeable layer.
+    """Return Sr/σ'v = exp(N/16 + ((N - 16)/21.2)³ - 3), N = (N1)60 + Δ, for sand in which water may gather below a less
+    permeable layer.
 
-    Multiplied by 1 + exp(N/2.4 - 6.6) where water can drain upwards: the two curves of Idriss & Boulanger (2008).
+    The ratio is multiplied by 1 + exp(N/2.4 - 6.6) if water can drain upwards: the two curves of Idriss & Boulanger
+    (2008).
     """
     gathered = math.exp(n / 16.0 + ((n - 16.0) / 21.2) ** 3 - 3.0)
     return gathered if soil.gathers else gathered * (1.0 + math.exp(n / 2.4 - 6.6))
 
 
 def olson_stark(n: float, soil: Penetration) -> float:
-    """su(LIQ)/σ'v = 0.03 + 0.0075 (N1)60, ± 0.03; fines do not count."""
+    """Return su(LIQ)/σ'v = 0.03 + 0.0075 (N1)60, ± 0.03; fines do not count (Olson & Stark)."""
     return 0.03 + 0.0075 * n
 
 
 def kramer_wang(n: float, soil: Penetration) -> float:
-    """Sr = exp(-8.444 + 0.109 (N1)60 + 5.379 σ'v^0.1), stresses in atmospheres; the mean."""
+    """Return Sr = exp(-8.444 + 0.109 (N1)60 + 5.379 σ'v^0.1), stresses in atmospheres; the mean (Kramer & Wang)."""
     stress = soil.effective / ATMOSPHERE
     return math.exp(-8.444 + 0.109 * n + 5.379 * stress**0.1) / stress
 

@@ -71,9 +71,10 @@ class TriggeringSettings(Model):
 
 
 def left_to_blow_counts(data: Mapping[str, Any]) -> bool:
-    """Whether blow counts determine all liquefying strata of a section file, and its [triggering] names no cases.
+    """Return whether blow counts determine all liquefying strata of a section file, and its [triggering] names no
+    cases.
 
-    ``data``: the tables of the file as they were read, which may hold anything.
+    ``data``: the tables of the file as read, which may contain anything.
     """
     settings = data.get("triggering")
     if not isinstance(settings, Mapping) or "cases" in settings or not settings.get("borings"):
@@ -85,7 +86,7 @@ def left_to_blow_counts(data: Mapping[str, Any]) -> bool:
 
 
 class FreeFaceSettings(Model):
-    """Toe and top of a free face, and the place behind it where the displacement is required."""
+    """Toe and top of a free face, and the place behind it for which the displacement is required."""
 
     crest: Coordinate | None = Field(default=None, description="the x of its upper edge")
     toe: Coordinate | None = Field(default=None, description="the x of its foot")
@@ -94,7 +95,7 @@ class FreeFaceSettings(Model):
     )
 
     def problems(self, ground: np.ndarray) -> list[str]:
-        """Problems of the free face on this ground, points (n, 2) in m, one sentence each."""
+        """Return problems of the free face on this ground, points (n, 2) in m, one sentence each."""
         if self.crest is None and self.toe is None and self.at is None:
             return []
         problems = [f"free_face, {key}: missing; expected both crest and toe" for key in ("crest", "toe")
@@ -113,7 +114,7 @@ class FreeFaceSettings(Model):
         return problems
 
     def distance_and_height(self, ground: np.ndarray) -> tuple[float, float]:
-        """Distance L (m) from the toe to the required place, and height H (m) of the free face."""
+        """Return the distance L (m) from the toe to the required place, and the height H (m) of the free face."""
         if self.crest is None or self.toe is None:
             raise ValueError("the section has no free face")
         upper, lower = np.interp([self.crest, self.toe], *ground.T)
