@@ -47,7 +47,7 @@ MOST_LINES = 9  # of a run without -v, after the one on its time, before the two
 
 
 def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
-    """The number of cells and the quality of the mesh, and notices on the ground."""
+    """Return the number of cells and the quality of the mesh, and notices on the ground, in sentences."""
     mesh = stored_mesh(config.section, store)
     quality = mesh.quality()
     yield (
@@ -64,7 +64,7 @@ def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
 def fem_sentences(
     answer: FemAnswer, section: Section, every: bool = True, results: Results | None = None
 ) -> Iterator[str]:
-    """The critical Kh with its interval, and the factors of safety, from fem/critical.json.
+    """Yield sentences on the critical Kh with its interval, and the factors of safety, from fem/critical.json.
 
     With ``every`` also details: the end of the path, the sequence of meshes, and the use of Davis's estimate. An answer
     without a limit load always has its reason. Strict bounds among the ``results`` are part of the interval.
@@ -94,7 +94,7 @@ def fem_sentences(
 
 
 def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = True) -> str:
-    """A factor of safety and the extent of its slip surface; with ``every`` also details of its computation."""
+    """Return a factor of safety and the extent of its slip surface; with ``every`` also details of its computation."""
     most = f", on this mesh at most {factor.upper:.3f}" if factor.upper > factor.factor else ""
     rest = f", with a mesh error of {100 * factor.rest:.1f} % or less" if factor.rest is not None else ""
     compared = factor.davis if factor.davis is not None else factor.associated
@@ -122,7 +122,7 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = Tru
 
 
 def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
-    """The critical Kh on every mesh that was adapted to the mechanism."""
+    """Yield sentences on the critical Kh on every mesh that was adapted to the mechanism."""
     if answer.meshes:
         phrase = ", ".join(f"{mesh.kc:.4f} ({mesh.cells} cells)" for mesh in answer.meshes)
         tends = f" The sequence tends to {answer.kc_limit:.4f}." if answer.kc_limit is not None else ""
@@ -130,7 +130,7 @@ def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
 
 
 def comparison_sentences(answer: FemAnswer) -> Iterator[str]:
-    """The critical Kh in the other direction, and the shallow failures of cohesionless faces."""
+    """Yield sentences on the critical Kh in the other direction, and the shallow failures of cohesionless faces."""
     if answer.associated is not None and answer.associated.at_sides:
         yield f"With ψ = φ the critical Kh is {coefficient(answer.associated.kc)}{_out_at(answer.associated.at_sides)}."
     other = answer.opposite
@@ -149,7 +149,7 @@ def comparison_sentences(answer: FemAnswer) -> Iterator[str]:
 
 
 def edge_sentence(stratum: str, start: float, end: float, kh: float) -> str:
-    """The edge of a layer without cohesion, from ``start`` to ``end`` (m), that fails locally at ``kh``."""
+    """Return the edge of a layer without cohesion, from ``start`` to ``end`` (m), that fails locally at ``kh``."""
     when = f"at Kh = {coefficient(kh)}" if kh > 0.0 else "by its own weight"
     width = f"{end - start:.2g} m wide where it comes out of the ground at x = {start:g} m"
     return f"The edge of {shown_name(stratum)}, {width}, has no cohesion and fails locally {when}: no slope failure."
@@ -161,15 +161,15 @@ def _out_at(sides: tuple[str, ...]) -> str:
 
 
 def proven(faces: bool, load_ends: bool) -> str:
-    """The name of bounds of the ground as it is, or with cohesionless ``faces``, or bare ground at ``load_ends``,
-    strengthened."""
+    """Return the name of bounds of the ground as it is, or with cohesionless ``faces``, or bare ground at
+    ``load_ends``, strengthened."""
     strengthened = [what for what, is_so in (("the faces", faces), ("the ends of loads", load_ends)) if is_so]
     failures = "Bounds of these deeper failures" if faces else "Bounds"
     return f"{failures}, {' and '.join(strengthened)} given a cohesion," if strengthened else "Strict bounds"
 
 
 def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
-    """The strict bounds of fem/bounds.json, and the shallow failures of faces before them."""
+    """Yield sentences on the strict bounds of fem/bounds.json, and the shallow failures of faces before them."""
     for face in answer.shallow_failures:
         if face.is_edge(answer.least_depth):
             yield edge_sentence(face.stratum, face.start, face.end, face.kh)
@@ -207,7 +207,7 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
 
 
 def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
-    """How the discs were calibrated, from dem/calibration.json."""
+    """Yield sentences on how the discs were calibrated, from dem/calibration.json."""
     if answer.kc is None:
         yield f"Discs: no critical Kh: {answer.verdict}, {answer.reason}."
     elif answer.range is None or answer.target_kc is None:
@@ -245,7 +245,7 @@ def _bracket(kc: float, answer: CalibrationAnswer) -> str:
 
 
 def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
-    """The cases and their slides, from dem/cases.json."""
+    """Yield sentences on the cases and their slides, from dem/cases.json."""
     heads = [name for name, _ in case_heads(config)]
     phrases = []
     for number, layers, *factors in case_rows(config):
@@ -271,7 +271,7 @@ def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
 
 
 def mpm_sentences(config: Config, answer: PointSlidesAnswer) -> Iterator[str]:
-    """The slide of every case by the material point method, from mpm/slides.json."""
+    """Yield sentences on the slide of every case by the material point method, from mpm/slides.json."""
     if answer.not_possible:
         yield f"Not possible by material points: {answer.not_possible}."
     for number, case in sorted(answer.cases.items()):
@@ -285,7 +285,7 @@ def mpm_sentences(config: Config, answer: PointSlidesAnswer) -> Iterator[str]:
 
 
 def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
-    """The response of the layers to the record, from site_response.json."""
+    """Yield sentences on the response of the layers to the record, from site_response.json."""
     largest = max(answer.layers, key=lambda layer: layer.strain)
     yield (
         f"{answer.record}: {answer.peak_rock_gal:.0f} gal on rock, {answer.peak_surface_gal:.0f} gal at the surface at "
@@ -327,8 +327,8 @@ def _slices(config: Config, answer: SlicesAnswer) -> Iterator[str]:
 def sentences(
     name: str, config: Config, store: Store, every: bool = True, results: Results | None = None
 ) -> Iterator[str]:
-    """The result of one stage in sentences; with ``every`` also details of the finite elements. The result is compared
-    with the ``results`` of the other stages.
+    """Yield the result of one stage in sentences; with ``every`` also details of the finite elements. The result is
+    compared with the ``results`` of the other stages.
     """
     of_stage: dict[str, Callable[[], Iterator[str]]] = {
         "triggering": lambda: triggering_sentences(TriggeringAnswer.read(store)),
@@ -349,7 +349,8 @@ def sentences(
 
 
 def run_lines(answer: Summary) -> list[str]:
-    """The results of a run in at most nine lines: three numbers, crests, criteria, stages without answer, warnings."""
+    """Return the results of a run in at most nine lines: three numbers, crests, criteria, stages without answer,
+    warnings."""
     lines = [
         f"{part.name}: {part.value}" + (f" ({part.interval})" if part.interval else "")
         if part.value != NO_NUMBER else part.conclusion

@@ -139,7 +139,7 @@ def crest_sentences(parts: Iterator[CrestPart]) -> Iterator[str]:
 
 
 def crests_in_short(parts: Sequence[CrestPart], _: Texts) -> Iterator[str]:
-    """A sentence on the crest of every structure, over all slides: settlement and freeboard."""
+    """Yield a sentence on the crest of every structure, over all slides: settlement and freeboard."""
     for name in dict.fromkeys(part.structure for part in parts):
         of_crest = [part for part in parts if part.structure == name]
         ends = [end for part in of_crest for end in (part.settlement_low_m, part.settlement_high_m)]

@@ -258,7 +258,7 @@ def _overlap(line: tuple[tuple[float, float], ...], surface: list[tuple[float, f
 
 
 def note_sentences(results: Results) -> Iterator[str]:
-    """Yield the strong zones of the faces, values without an answer, and values left out of the table."""
+    """Yield sentences on the strong zones of the faces, values without an answer, and values left out of the table."""
     config, answer = results.config, results.faces
     for face in answer.faces if answer is not None else ():
         of = f"{face.structure}, towards the {face.towards}"
@@ -294,7 +294,7 @@ def note_sentences(results: Results) -> Iterator[str]:
 
 
 def faces_sentences(answer: FacesAnswer) -> Iterator[str]:
-    """Yield the critical Kh and the factor of safety of every face, as commands print them."""
+    """Yield sentences on the critical Kh and the factor of safety of every face, as commands print them."""
     for face in answer.faces:
         phrases = []
         for name, value, digits in (("critical Kh", face.critical, 3), ("factor of safety", face.safety, 2)):

@@ -28,7 +28,7 @@ def span(lengths: Sequence[float]) -> str:
 
 
 def signed_span(lengths: Sequence[float]) -> str:
-    """The range of lengths (m) that may be negative, such as freeboards: -0.30 to 0.57 m."""
+    """Return the range of lengths (m) that may be negative, such as freeboards: -0.30 to 0.57 m."""
     low, high = metres(min(lengths)), metres(max(lengths))
     return low if low == high else f"{low.removesuffix(' m')} to {high}"
 

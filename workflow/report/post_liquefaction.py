@@ -173,7 +173,7 @@ def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
 
 
 def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
-    """Yield every case with its numbers, for the terminal."""
+    """Yield sentences on every case with its numbers, for the terminal."""
     for case in answer.cases:
         yield outcome(case)
         strengths = [f"{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa" for s in case.strata]

@@ -45,6 +45,6 @@ def residual_details(steps: TwoSteps) -> Iterator[str]:
 
 
 def residual_sentences(steps: TwoSteps) -> Iterator[str]:
-    """Yield the verdict and its details, for the terminal."""
+    """Yield sentences on the verdict and its details, for the terminal."""
     yield residual_verdict(steps, Texts("en"))
     yield from (f"    {sentence}" for sentence in residual_details(steps))

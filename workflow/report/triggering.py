@@ -7,7 +7,7 @@ from workflow.results.triggering import LeftPart, StratumPart, TriggeringAnswer
 
 
 def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
-    """What liquefies, from triggering.json."""
+    """Return sentences on which strata liquefy, from triggering.json."""
     motion = answer.motion
     spread = f" ({motion.low_gal:.0f} to {motion.high_gal:.0f}, one standard deviation)" if motion.sigma else ""
     magnitude = f", M {answer.magnitude:g}" if answer.magnitude is not None else ""
@@ -32,7 +32,7 @@ def _left_sentence(stratum: LeftPart) -> str:
 
 
 def stratum_sentence(stratum: StratumPart) -> str:
-    """Whether a stratum liquefies, or why this was not assessed."""
+    """Return whether a stratum liquefies, or why this was not assessed."""
     name = shown_name(stratum.name)
     if not stratum.judged or stratum.share is None:
         return f"{name} was not assessed ({stratum.reason})."

@@ -18,8 +18,8 @@ def chances(dimensions: int, count: int, method: SamplingMethod, seed: int) -> n
 
     "sobol": the first ``count`` of a scrambled sequence (Owen 1998), which a longer study continues. "latin": a Latin
     hypercube (McKay, Beckman and Conover 1979). "saltelli": for Sobol' indices, ``count`` points A, as many B, and for
-    each dimension A with that column taken from B (Saltelli et al. 2010). ``method``: one of these methods; ``seed``:
-    seed of the random numbers.
+    each dimension A with that column taken from B (Saltelli et al. 2010). ``method``: one of these methods methods;
+    ``seed``: seed of the random numbers.
     """
     from scipy.stats import qmc
 

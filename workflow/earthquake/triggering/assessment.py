@@ -279,7 +279,8 @@ def _pieces(section: Section, boring: Boring, depths: list[float]) -> list[tuple
 
 
 def judged_in_stratum(names: Sequence[str], number: int, tests: Sequence[Judged]) -> list[Judged]:
-    """The tests in a stratum; without any, those in the other parts of its soil on the same side of the water table.
+    """Return the tests in a stratum; without any, those in the other parts of its soil on the same side of the water
+    table.
 
     ``names`` are those of all strata, ``number`` is the index of the stratum.
     """

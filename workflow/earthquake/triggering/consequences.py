@@ -28,18 +28,19 @@ CYCLIC_SLOPE, RISE = 0.34, 0.7
 
 
 def limiting_shear_strain(clean: float) -> float:
-    """γ_lim = 1.859 (1.1 - √(N/46))³, from 0 to 0.5, N = (N1)60cs."""
+    """Return the limiting shear strain γ_lim = 1.859 (1.1 - √(N/46))³, from 0 to 0.5, N = (N1)60cs."""
     return min(0.5, max(0.0, 1.859 * (1.1 - math.sqrt(clean / 46.0)) ** 3))
 
 
 def limiting_factor(clean: float) -> float:
-    """F_α = 0.032 + 0.69 √N - 0.13 N, N = (N1)60cs of at least 7: F_L at which γ_lim is reached."""
+    """Return F_α = 0.032 + 0.69 √N - 0.13 N, N = (N1)60cs of at least 7: the F_L at which γ_lim is reached."""
     n = max(7.0, clean)
     return 0.032 + 0.69 * math.sqrt(n) - 0.13 * n
 
 
 def shear_strain(factor: float, clean: float) -> float:
-    """γ_max = 0.035 (2 - F_L)(1 - F_α)/(F_L - F_α), at most γ_lim; γ_lim up to F_L = F_α, 0 from F_L = 2 on."""
+    """Return the maximum shear strain γ_max = 0.035 (2 - F_L)(1 - F_α)/(F_L - F_α), at most γ_lim; γ_lim up to F_L =
+    F_α, 0 from F_L = 2 on."""
     if factor >= SAFE:
         return 0.0
     limit, alpha = limiting_shear_strain(clean), limiting_factor(clean)
@@ -49,15 +50,15 @@ def shear_strain(factor: float, clean: float) -> float:
 
 
 def volumetric_strain(factor: float, clean: float) -> float:
-    """ε_v = 1.5 exp(-0.369 √N) min(0.08, γ_max): volumetric strain by drainage after the earthquake."""
+    """Return the volumetric strain by drainage after the earthquake: ε_v = 1.5 exp(-0.369 √N) min(0.08, γ_max)."""
     return 1.5 * math.exp(-0.369 * math.sqrt(clean)) * min(0.08, shear_strain(factor, clean))
 
 
 def pore_pressure_ratio(factor: float) -> float:
-    """Excess pore pressure over σ'v: r_u = (2/π) arcsin(F_L^(-1/(2 α b))), 1 where F_L is at most 1.
+    """Return the excess pore pressure over σ'v: r_u = (2/π) arcsin(F_L^(-1/(2 α b))), 1 if F_L is at most 1.
 
-    Cycles over those to liquefaction are F_L^(-1/b), with the slope b = 0.34 of cyclic strength (Idriss & Boulanger
-    2008), and r_u rises with them by Seed, Martin & Lysmer (1976), α = 0.7.
+    The number of cycles over that to liquefaction is F_L^(-1/b), with the slope b = 0.34 of cyclic strength (Idriss &
+    Boulanger 2008), and r_u rises with it by Seed, Martin & Lysmer (1976), α = 0.7.
     """
     if factor <= 1.0:
         return 1.0
@@ -91,16 +92,16 @@ class Left:
     strain_potential: float
 
     def ratio(self, case: CaseName) -> float:
-        """The residual strength over σ'v of a case by name."""
+        """Return the residual strength over σ'v of a case by the name of the case."""
         return CHOICE[case](list(self.ratios.values()))
 
     def strength(self, case: CaseName) -> float:
-        """The residual strength (Pa) of a case by name."""
+        """Return the residual strength (Pa) of a case by the name of the case."""
         return CHOICE[case](list(self.strengths.values()))
 
 
 def left(assessment: TriggeringAssessment, settings: TriggeringSettings) -> tuple[Left, ...]:
-    """Residual strength of every stratum in which at least one test has F_L below 1."""
+    """Return the residual strength of every stratum in which at least one test has F_L below 1."""
     strata = [k for k in range(len(assessment.strata)) if _liquefying(assessment, k)]
     return tuple(_of_stratum(k, assessment, settings) for k in strata)
 
@@ -112,7 +113,7 @@ def _liquefying(assessment: TriggeringAssessment, number: int) -> list[Judged]:
 
 
 def pore_pressures(assessment: TriggeringAssessment, strata: int) -> list[float]:
-    """Mean excess pore pressure ratio of every stratum over the area of its tests: 1 where F_L is at most 1."""
+    """Return the mean excess pore pressure ratio of every stratum over the area of its tests: 1 if F_L is at most 1."""
     ratios = []
     for k in range(strata):
         here = judged_in_stratum([stratum.name for stratum in assessment.strata], k, assessment.tests)
