@@ -18,6 +18,7 @@ from fem.search.adaptive import AdaptiveSearch, failing_by_itself
 from fem.search.checks import SAME_MESH, of_uplift, warnings_of
 from fem.search.critical import CriticalResult, critical_coefficient
 from fem.search.mesh_sequence import AdaptiveResult
+from fem.search.own_dilation import OwnDilation, is_far_apart, own_dilation
 from fem.search.result_warnings import ResultWarning
 from fem.search.strength_reduction import SafetyFactor, safety_factor
 from fem.settings import FemSettings, FlowSetting
@@ -58,6 +59,8 @@ class Assessment:
         Factors of safety at the Kh of the settings, the first one without shaking, each on its own meshes.
     warnings : list of ResultWarning
         Warnings: contradictions and notes on the answer.
+    own_dilation : OwnDilation or None
+        The critical Kh for the dilation angles of the strata, where it was computed.
     """
 
     critical: CriticalResult
@@ -68,6 +71,7 @@ class Assessment:
     davis: AdaptiveResult[LimitLoadResult] | None
     safety: list[AdaptiveResult[SafetyFactor]]
     warnings: list[ResultWarning]
+    own_dilation: OwnDilation | None = None
 
 
 def assess(
@@ -194,11 +198,13 @@ class _Search:
         one_way = settings.changed(direction=adapted.result.direction)
         safety = self.begin_safety(one_way) if safety is None else safety
         limits = self.executor.submit(partial(self.limit_loads_by_both_rules, adapted, one_way))
+        third = self.executor.submit(lambda: self.by_own_dilation(*limits.result(), one_way))
         critical = self.path_to(adapted, one_way)
         better, other = limits.result()
         if better.mesh is not adapted.mesh:
             critical = self.path_to(better, one_way)
-        return _together(critical, better.mesh, better, better.other, other, safety)
+        assessment = _together(critical, better.mesh, better, better.other, other, safety)
+        return replace(assessment, own_dilation=third.result())
 
     def path_to(self, limit: AdaptiveResult[LimitLoadResult], settings: FemSettings) -> CriticalResult:
         """Return the path to a limit load, on its mesh; raise UnstableError."""
@@ -248,6 +254,23 @@ class _Search:
             raise
         except NoAnswerError:
             return adapted, None
+
+    def by_own_dilation(
+        self,
+        adapted: AdaptiveResult[LimitLoadResult],
+        other: AdaptiveResult[LimitLoadResult] | None,
+        settings: FemSettings,
+    ) -> OwnDilation | None:
+        """The critical Kh for the ψ of the strata where it differs from ``adapted`` and from the limit load by the
+        ``other`` flow rule; None where these two are near each other.
+        """
+        if other is None or self.comm.size > 1:
+            return None
+        full, davis = (adapted, other) if settings.flow == "associated" else (other, adapted)
+        if not is_far_apart(settings, self.section, full.result.kc, davis.result.kc):
+            return None
+        self.tell("Kh for the dilation angles of the strata", None)
+        return own_dilation(self.section, settings, full.result, self.comm)
 
     def by_other_flow(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult] | None:
         """Return the limit load by the other flow rule, if the flow rule of the settings has only an equilibrium path;

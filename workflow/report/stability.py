@@ -44,6 +44,13 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
     for other, flow in ((fem.davis, "davis"), (fem.associated, "associated")):
         if other is not None and other.verdict in ("plateau", "peak"):
             yield StabilityRow(name, coefficient(other.kc), "", f"{_(SIDES[fem.settings.sides])}, {_(FLOW[flow])}")
+    third = fem.own_dilation
+    if third is not None and third.kc is not None:
+        interval = _("{low} to {high}", low=number(third.low, 3), high=number(third.high, 3))
+        angles = _("ψ as given") if any(fem.dilation_deg.values()) else _("ψ = 0")
+        how = _("{angles}; element and mesh decide 5 to 15 % of it", angles=angles)
+        about = _("about {kc}", kc=coefficient(third.kc))
+        yield StabilityRow(name, about, interval, f"{_(SIDES[fem.settings.sides])}, {how}")
     other = fem.opposite
     if other is not None:
         value = f"> {coefficient(other.kc)}" if other.verdict == "no failure" else coefficient(other.kc)

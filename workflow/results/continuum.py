@@ -79,6 +79,16 @@ class OtherWay(Part):
     at_sides: tuple[str, ...] = Field(description="sides, left or right, that the ground that fails reaches")
 
 
+class OwnDilationPart(Part):
+    """About the critical Kh of ground that flows with the ψ of the strata; element and mesh decide 5 to 15 % of it."""
+
+    kc: float | None = Field(description="on the last of three meshes; null where the iteration has no answer")
+    low: float | None = Field(description="smallest of the three meshes")
+    high: float | None = Field(description="largest of the three meshes")
+    cells: tuple[int, ...] = Field(description="cells of the meshes")
+    reason: str = Field(description="why there is none")
+
+
 class ShallowFailurePart(Part):
     """A cohesionless face that fails before the slope as a whole fails."""
 
@@ -146,6 +156,9 @@ class FemAnswer(Answer):
     davis: OtherWay | None = Field(
         default=None, description="Davis's estimate, a low one and no bound, where the flow is ψ = φ and ψ is not"
     )
+    own_dilation: OwnDilationPart | None = Field(
+        default=None, description="about the same with ψ of the strata, where ψ = φ and Davis's estimate are far apart"
+    )
     shallow_failures: tuple[ShallowFailurePart, ...]
     flow: Flow
     element: Element
@@ -165,6 +178,11 @@ class FemAnswer(Answer):
     def estimate(self) -> str:
         """Return the name of Davis's estimate for these dilation angles."""
         return davis_words(self.dilation_deg.values())
+
+    @property
+    def own_angles(self) -> str:
+        """The dilation angles of the strata in words."""
+        return "ψ as given" if any(self.dilation_deg.values()) else "ψ = 0"
 
     @property
     def ended(self) -> str:

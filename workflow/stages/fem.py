@@ -17,6 +17,7 @@ from workflow.results.continuum import (
     MeshCount,
     MeshStep,
     OtherWay,
+    OwnDilationPart,
     ShallowFailurePart,
     StoredState,
 )
@@ -115,6 +116,7 @@ def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
         opposite=_other_way(assessment.opposite),
         associated=_other_way(assessment.associated),
         davis=_other_way(assessment.davis),
+        own_dilation=OwnDilationPart.taken(assessment.own_dilation) if assessment.own_dilation else None,
         shallow_failures=tuple(
             ShallowFailurePart.taken(
                 face, start_x_m=face.start, end_x_m=face.end, angle_deg=float(np.degrees(face.angle))

@@ -6,9 +6,10 @@ from tests.support.answers import bounds, fem, liquefying_config, report_text, r
 from tests.support.sections import analysed, slope
 from workflow.config import Config
 from workflow.report.first_page import headlines
+from workflow.report.flow_rule import own_dilation_sentences
 from workflow.report.stability import stability_rows
 from workflow.report.texts import Texts
-from workflow.results.continuum import OtherWay, ResultWarning, ShallowFailurePart, VariantsAnswer
+from workflow.results.continuum import OtherWay, OwnDilationPart, ResultWarning, ShallowFailurePart, VariantsAnswer
 from workflow.results.results import Results
 from workflow.run.record import Entry
 from workflow.run.store import Store
@@ -95,6 +96,20 @@ def test_what_stands_beside_the_critical_kh(run: Config) -> None:
     assert warned(results(run, fem=answer))[0] == "A finer mesh gives 0.20. Refine it."
     stands = fem(run).model_copy(update={"opposite": other.model_copy(update={"verdict": "no failure", "kc": 1.5})})
     assert "> 1.500" in [row.value for row in stability_rows(results(run, fem=stands), Texts())]
+
+
+def test_a_third_number_is_about_so_much_and_not_told_where_it_did_not_settle(run: Config) -> None:
+    third = OwnDilationPart(kc=0.129, low=0.128, high=0.134, cells=(350, 450, 600), reason="")
+    answer = fem(run).model_copy(update={"own_dilation": third, "dilation_deg": {"Soil": 0.0}})
+    assert list(own_dilation_sentences(answer)) == [
+        "The critical Kh is about 0.129 for ψ = 0, 0.128 to 0.134 on three meshes. An iteration of pressures found it; "
+        "element and mesh decide 5 to 15 % of it."
+    ]
+    rows = {(row.value, row.interval) for row in stability_rows(results(run, fem=answer), Texts())}
+    assert ("about 0.129", "0.128 to 0.134") in rows
+    open_ = third.model_copy(update={"kc": None, "reason": "pressures still change by 0.3 %"})
+    unsettled = answer.model_copy(update={"own_dilation": open_})
+    assert list(own_dilation_sentences(unsettled)) == []
 
 
 def test_a_limit_load_that_the_path_did_not_come_to_is_no_plateau(run: Config) -> None:

@@ -1,0 +1,174 @@
+"""The limit load of discretised ground that flows with its own dilation angle ψ, by a sequence of associated problems.
+
+Ground that yields at t = c cos φ + p sin φ, t and p the radius and the pressure of the stress in the plane, and flows
+with ψ is put as ground with associated flow, t <= k + p sin ψ with k = c cos φ + (sin φ - sin ψ) p*, where p* is the
+pressure found before (Krabbenhoft, Karim, Lyamin & Sloan 2012, Int. J. Numer. Meth. Engng 90, 1089). One elastoplastic
+step from the ground at rest takes the seismic load far beyond its elastic displacement. p* is the mean over each cell:
+with pressures of its own at every point the iteration wanders at ψ = 0.
+
+The result is no bound, and it depends on element and mesh by 5 to 15 %. It is an answer only where the pressures settle
+and where another start leads to it, too.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import linalg
+
+from fem.limit_load.conic_limit_load import Discretised, gathered
+from fem.solvers.elastic_cone_program import ElasticConeProgram
+from meshes.quad_mesh import QuadMesh
+
+if TYPE_CHECKING:
+    from fem.continuum.plane_strain import PlaneStrain
+
+# Displacement of the step over the elastic displacement at Kh = 1; with a quarter of it a peak may not be passed yet.
+STEP = 8.0
+# Share of the change of pressure that is taken over: with all of it the iteration wanders. After so many programs it is
+# less: of three meshes of a slope, one did not settle with 0.7, nor with the smaller share from the beginning.
+DAMPING, MANY_PROGRAMS, DAMPING_LATER = 0.7, 8, 0.5
+# Programs at most, and the change of pressures, as a share of them, that is small enough.
+PROGRAMS, SETTLED = 20, 0.002
+# Difference between the answers from two starts that counts as none.
+SAME_ANSWER = 0.02
+# Least strength k, over the unit of stress.
+LEAST_STRENGTH = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class NonassociatedLimitLoad:
+    """The limit load of one mesh.
+
+    Attributes
+    ----------
+    kh : float or None
+        The critical Kh (-); None where pressures did not settle, or two starts disagree.
+    reason : str
+        Why there is none; empty otherwise.
+    programs : int
+        Cone programs solved.
+    work : float
+        Work in seconds of the reference machine.
+    """
+
+    kh: float | None
+    reason: str
+    programs: int
+    work: float
+
+
+def nonassociated_limit_load(
+    problem: "PlaneStrain",
+    mesh: QuadMesh,
+    dead: np.ndarray,
+    live: np.ndarray,
+    associated: np.ndarray | None = None,
+    most_work: float = np.inf,
+) -> NonassociatedLimitLoad:
+    """The Kh at which ground fails under the nodal forces ``dead`` + Kh ``live``, both (dofs,) in N/m, where it flows
+    with the dilation angles of its strata.
+
+    ``problem``: the elements of ``mesh`` with ψ = φ and the components that are held, on one MPI rank;
+    ``associated``: mean stress of every cell (cells, [xx, yy, ...]) in Pa at the limit load with ψ = φ, for the second
+    start; without it there is only the start from rest. No program is begun after ``most_work`` (s of the reference
+    machine).
+    """
+    ground = gathered(problem, mesh, dead, live)
+    step = _Step(problem, ground)
+    step.bring_to_rest()
+    first = step.settled(step.at_rest, most_work) if step.at_rest is not None else None
+    if first is None or associated is None:
+        return NonassociatedLimitLoad(first, "" if first is not None else step.reason, step.programs, step.work)
+    pressure = -0.5 * associated[ground.cells.cell][:, :2].sum(axis=1) / ground.unit
+    second = step.settled(pressure, most_work)
+    if second is None or abs(first - second) > SAME_ANSWER * abs(first):
+        reason = step.reason if second is None else f"two starts lead to {first:.4f} and {second:.4f}"
+        return NonassociatedLimitLoad(None, reason, step.programs, step.work)
+    return NonassociatedLimitLoad(first, "", step.programs, step.work)
+
+
+class _Step:
+    """The step from rest, with the pressures (cells,) over the unit of stress as the unknowns of an iteration."""
+
+    def __init__(self, problem: "PlaneStrain", ground: Discretised) -> None:
+        self.ground, self.programs, self.reason = ground, 0, ""
+        self.at_rest: np.ndarray | None = None
+        cells, strength, strata = ground.cells, problem.strength, problem.strata
+        material = cells.material.ravel()
+        self._weight = ground.weight.ravel()
+        self._share = cells.weights / cells.weights.sum(axis=1, keepdims=True)
+        sine, cosine = np.sin(strength.friction)[material], np.cos(strength.friction)[material]
+        dilation = np.minimum(np.array([s.dilation for s in strata])[material], strength.friction[material])
+        self._sine, self._sine_of_flow = sine, np.sin(dilation)
+        self._cohesion = strength.cohesion[material] / ground.unit * cosine
+        modulus = np.array([s.youngs_modulus for s in strata])[material] / ground.unit
+        poisson = np.array([s.poissons_ratio for s in strata])[material]
+        compliance = np.zeros((len(material), 3, 3))
+        compliance[:, 0, 0] = compliance[:, 1, 1] = 1.0 - poisson
+        compliance[:, 0, 1] = compliance[:, 1, 0] = -poisson
+        compliance[:, 2, 2] = 2.0
+        self._compliance = compliance * ((1.0 + poisson) / modulus)[:, None, None]
+        self._ratio = float(np.abs(ground.load(0)).sum() / np.abs(ground.load(1)).sum())
+        self._loads = ground.load(0), self._ratio * ground.load(1)
+        self._program: ElasticConeProgram | None = None
+        self._spent = 0.0
+
+    @property
+    def work(self) -> float:
+        """Work in seconds of the reference machine."""
+        return self._spent + (self._program.work if self._program else 0.0)
+
+    def bring_to_rest(self) -> None:
+        """The stress of ground under its dead load, whose pressures begin the iteration, and the program of the step
+        from there.
+        """
+        strain = self.ground.strain
+        rest = ElasticConeProgram(
+            strain, self._compliance, self._sine, self._loads, np.zeros((len(self._sine), 3)), 0.0
+        )
+        solution = rest.solve(self._weight * self._cohesion)
+        self._spent, self.programs = rest.work, 1
+        if solution is None:
+            self.reason = "the solver found no stress at rest"
+            return
+        stiffness = np.linalg.inv(self._compliance)
+        blocks = [stiffness[:, i, j] for i in range(3) for j in range(3)]
+        rows = (3 * np.arange(len(stiffness))[:, None] + np.repeat([0, 1, 2], 3)).T.ravel()
+        columns = (3 * np.arange(len(stiffness))[:, None] + np.tile([0, 1, 2], 3)).T.ravel()
+        size = strain.shape[0]
+        law = type(strain)((np.concatenate(blocks), (rows, columns)), shape=(size, size))
+        moved = linalg.spsolve((strain.T @ law @ strain).tocsc(), self._loads[1])
+        displacement = STEP * float(self._loads[1] @ moved) / self._ratio
+        self._program = ElasticConeProgram(
+            strain, self._compliance, self._sine_of_flow, self._loads, solution[1], displacement
+        )
+        self.at_rest = self._pressure(solution[1])
+
+    def settled(self, pressure: np.ndarray, most_work: float) -> float | None:
+        """The Kh at which the ``pressure`` (cells,) no longer changes; None where it does not settle."""
+        assert self._program is not None
+        off = np.inf
+        for number in range(PROGRAMS):
+            if self.work > most_work:
+                self.reason = "the allowed work is used up"
+                return None
+            mean = np.repeat(pressure, self._share.shape[1])
+            strength = np.maximum(self._cohesion + (self._sine - self._sine_of_flow) * mean, LEAST_STRENGTH)
+            solution = self._program.solve(self._weight * strength)
+            self.programs += 1
+            if solution is None:
+                self.reason = "the solver ended without an answer"
+                return None
+            change = self._pressure(solution[1]) - pressure
+            off = float(np.linalg.norm(change) / np.linalg.norm(pressure))
+            if off < SETTLED:
+                return self._ratio * solution[0]
+            pressure = pressure + (DAMPING if number < MANY_PROGRAMS else DAMPING_LATER) * change
+        self.reason = f"pressures still change by {100.0 * off:.1f} %"
+        return None
+
+    def _pressure(self, stress: np.ndarray) -> np.ndarray:
+        """The mean pressure of every cell (cells,) of a weighted ``stress`` (points, 3)."""
+        points = -0.5 * stress[:, :2].sum(axis=1) / self._weight
+        return np.einsum("cq,cq->c", self._share, points.reshape(self._share.shape))

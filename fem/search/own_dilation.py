@@ -1,0 +1,95 @@
+"""A third critical Kh, "about", for the ψ of the strata, where ψ = φ and Davis's estimate lie far apart.
+
+The limit load with these angles (``nonassociated_limit_load.py``) depends on element and mesh by 5 to 15 %, and on some
+ground it is not found at all. So it is computed on three meshes, on the first of them from two starts, and told only
+where all of these agree.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fem.continuum.strength import is_dilating_fully
+from fem.limit_load.limit_load import LimitLoadResult, critical_limit_load
+from fem.limit_load.nonassociated_limit_load import nonassociated_limit_load
+from fem.settings import FemSettings
+from meshes.errors import InputError, NoAnswerError
+from meshes.gmsh_model import generate
+from meshes.section.section import Section
+from meshes.settings import MeshSettings
+
+# Davis's estimate lies far below ψ = φ where it is less than this share of it.
+FAR_APART = 0.85
+# Cells of the three meshes, how many times as many there may be where layers are thin, and the largest work on all of
+# them (s of the reference machine).
+CELLS, MOST_TIMES, WORK = (300, 375, 450), 1.8, 15.0
+# Largest difference between the meshes, as a share of the last answer: beyond it, the mesh decides.
+SPREAD = 0.15
+
+
+@dataclass(frozen=True)
+class OwnDilation:
+    """The critical Kh for the dilation angles of the strata.
+
+    Attributes
+    ----------
+    kc : float or None
+        The critical Kh on the last mesh (-); None where the iteration has no answer.
+    low, high : float or None
+        Smallest and largest value of the three meshes (-).
+    cells : tuple of int
+        Cells of the meshes.
+    reason : str
+        Why there is no answer; empty otherwise.
+    """
+
+    kc: float | None
+    low: float | None
+    high: float | None
+    cells: tuple[int, ...]
+    reason: str = ""
+
+
+def is_far_apart(settings: FemSettings, section: Section, associated: float, davis: float) -> bool:
+    """Whether the settings, or the distance between the critical Kh with ψ = φ (``associated``) and Davis's estimate,
+    require the third number.
+    """
+    if settings.own_dilation != "auto":
+        return settings.own_dilation and not is_dilating_fully(section.strata)
+    return associated > 0.0 and davis < FAR_APART * associated
+
+
+def own_dilation(section: Section, settings: FemSettings, known: LimitLoadResult, comm: Any) -> OwnDilation:
+    """The critical Kh of a section for the dilation angles of its strata, in the direction of the limit load ``known``,
+    whose cohesionless faces are strengthened here, too.
+
+    ``settings``: of the elements; ``comm``: MPI communicator of one rank.
+    """
+    settings = settings.changed(flow="associated", direction=known.direction)
+    values: list[float] = []
+    sizes: list[int] = []
+    left = WORK
+    area = float(section.layering.areas().sum())
+    for cells in CELLS:
+        try:
+            mesh = generate(section, MeshSettings(size=math.sqrt(area / cells)))
+            sizes.append(len(mesh.cells))
+            if sizes[-1] > MOST_TIMES * cells:
+                return OwnDilation(None, None, None, tuple(sizes), "thin layers need too many cells")
+            full = critical_limit_load(section, mesh, settings, comm, known.ground.faces)
+        except (NoAnswerError, InputError) as error:
+            return OwnDilation(None, None, None, tuple(sizes), str(error))
+        if full.mechanism is None or full.kc <= 0.0 or np.isfinite(full.ground.problem.strength.tension).any():
+            return OwnDilation(None, None, None, tuple(sizes), "no failure, or a tension cut-off")
+        ground = full.ground
+        second = None if values else full.mechanism.stress
+        result = nonassociated_limit_load(ground.problem, mesh, ground.constant, ground.load, second, left)
+        left -= result.work
+        if result.kh is None:
+            return OwnDilation(None, None, None, tuple(sizes), result.reason)
+        values.append(result.kh)
+    if max(values) - min(values) > SPREAD * abs(values[-1]):
+        return OwnDilation(None, min(values), max(values), tuple(sizes), "the mesh decides too much of it")
+    return OwnDilation(values[-1], min(values), max(values), tuple(sizes))
