@@ -129,10 +129,18 @@ def conic_safety_factor(
     return ConicSafetyFactor(factor, mechanism, next_start)
 
 
-def too_weak(kh: float) -> UnstableError:
-    """Return the error for a factor of safety below the smallest factor that is searched for."""
+def too_weak(kh: float, moving: np.ndarray | None = None) -> UnstableError:
+    """Return the error for a factor of safety below the smallest factor that is searched for.
+
+    ``moving`` are the points (n, 2) in m that move most in the mechanism; without them the error names no place.
+    """
     under = "its own weight" + (f" and Kh = {kh:g}" if kh else "")
-    return UnstableError(f"the section fails under {under} even at {LARGEST_FACTOR:g} times its strength")
+    what = f"the section fails under {under} even at {LARGEST_FACTOR:g} times its strength"
+    if moving is None:
+        return UnstableError(what)
+    (left, low), (right, high) = moving.min(axis=0), moving.max(axis=0)
+    ends = f"x = {left:.1f} to {right:.1f} m and z = {low:.1f} to {high:.1f} m"
+    return UnstableError(f"{what}; it moves between {ends}", "check outline and strength of this ground")
 
 
 def _elastic_mean(problem: "PlaneStrain", forces: np.ndarray) -> np.ndarray:
@@ -165,9 +173,10 @@ class _FactorSearch:
     def find(self, guess: float, kh: float) -> tuple[float, FieldState, FactorStart]:
         """Find the factor of safety, its mechanism, and the start of a search by another flow rule."""
         low, high, at = -math.inf, math.inf, math.log(guess) if self.start is None else self.next_from(self.start)
+        solution = None
         for _ in range(TRIALS):
             if at < -math.log(LARGEST_FACTOR):
-                raise too_weak(kh)
+                raise too_weak(kh, None if solution is None else self.moving(solution, kh))
             if at > math.log(LARGEST_FACTOR):
                 raise NoAnswerError(f"the section stands even with its strength divided by {LARGEST_FACTOR:g}", "")
             step, solution = self.step(at)
@@ -182,6 +191,12 @@ class _FactorSearch:
             step = float(np.clip(step, -math.log(LARGEST_STEP), math.log(LARGEST_STEP)))
             at = at + step if low < at + step < high else 0.5 * (low + high)
         raise NoAnswerError("no factor of safety was found", "use another mesh")
+
+    def moving(self, solution: cone_program.Solution, kh: float) -> np.ndarray:
+        """Return the nodes (n, 2) in m that move at more than half of the largest velocity in the mechanism."""
+        mechanism = self.ground.mechanism(self.problem, self.mesh, solution, kh)
+        speed = np.linalg.norm(mechanism.displacement, axis=1)
+        return self.mesh.points[speed > 0.5 * speed.max()]
 
     def step(self, at: float) -> tuple[float, cone_program.Solution]:
         """Return the Newton correction of the logarithm of the factor of safety at the value ``at``, and the solution
