@@ -32,6 +32,8 @@ VERBS: Mapping[Action, str] = {"run": "run", "redraw": "draw again", "reuse": "b
 SEISMIC_STAGES = frozenset(
     {"triggering", "liquefied", "calibrate", "slide", "mpm"}
 )  # stages that an earthquake matters to
+NAME_WIDTH = 10  # characters of the column of strata: names in a narrower one cannot be read
+SEVERAL = tables.STRATA_HEADS[6]  # the densities, of which a stratum may have two: wrapped where the screen is narrow
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
@@ -78,7 +80,10 @@ def show_strata(section: Section) -> None:
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     for head in tables.STRATA_HEADS:
         name = head == "stratum"  # a name is wrapped, a number is told whole
-        table.add_column(legible(head), justify="left" if name else "right", no_wrap=not name, overflow="fold")
+        table.add_column(
+            legible(head), justify="left" if name else "right", no_wrap=not (name or head == SEVERAL), overflow="fold",
+            min_width=NAME_WIDTH if name else None,
+        )  # fmt: skip
     for row in tables.strata_rows(section):
         table.add_row(*(escape(legible(cell)) for cell in row))
     out.print(table)

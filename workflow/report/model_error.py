@@ -21,7 +21,8 @@ def model_error(results: Results) -> Iterator[str]:
     flows = known.pop() if len(known) == 1 else None
     if sentence := error_sentence(slides, flows):
         yield sentence
-    points = [case.slide_max_m for case in results.mpm.cases.values()] if results.mpm is not None else []
+    cases_of_points = results.mpm.cases.values() if results.mpm is not None else ()
+    points = [end for case in cases_of_points for end in (case.slide_max_low_m, case.slide_max_high_m)]
     if sentence := error_sentence(points, flows, "mpm"):
         yield sentence
 
@@ -33,8 +34,8 @@ def error_sentence(slides: Sequence[float], flows: bool | None, method: SlideMet
     None if this is not known.
     """
     error = slide_error(flows, method)
-    moved = [slide for slide in slides if slide > 0.0]
-    if error is None or not moved:
+    moved = [max(slide, 0.0) for slide in slides]
+    if error is None or not any(moved):
         return ""
     if 2 * error.within < error.cases:
         return f"{error.sentence()}: the slide of such ground is not predicted by {NAMES[method]}."

@@ -1,13 +1,13 @@
 """Wide tables of a page for narrow screens: every cell carries the heading of its column."""
 
 import re
-from html import escape
+from html import escape, unescape
 
 TABLE = re.compile(r"<table\b([^>]*)>(.*?)</table>", re.DOTALL)
 ROW = re.compile(r"<tr\b([^>]*)>(.*?)</tr>", re.DOTALL)
 CELL = re.compile(r"<(t[hd])\b([^>]*)>(.*?)</\1>", re.DOTALL)
 SPAN = re.compile(r'colspan="(\d+)"')
-TAG = re.compile(r"<[^>]*>")
+BREAK, TAG = re.compile(r"<br */?>"), re.compile(r"<[^>]*>")
 MOST_COLUMNS = 4  # of a table that fits on a narrow screen
 
 
@@ -21,7 +21,7 @@ def labelled(html: str) -> str:
 
 def _table(match: re.Match[str]) -> str:
     rows = ROW.findall(match[2])
-    heads = [TAG.sub(" ", text) for _, _, text in CELL.findall(rows[0][1])] if rows else []
+    heads = [TAG.sub("", BREAK.sub(" ", text)) for _, _, text in CELL.findall(rows[0][1])] if rows else []
     if len(heads) <= MOST_COLUMNS or "<td" in rows[0][1] or "class=" in match[1]:
         return match[0]
     body = ROW.sub(lambda row: _row(row, heads), match[2])
@@ -36,5 +36,5 @@ def _row(match: re.Match[str], heads: list[str]) -> str:
         span = SPAN.search(attributes)
         label = "" if column == 0 or span else " ".join(heads[column].split()) if column < len(heads) else ""
         column += int(span[1]) if span else 1
-        cells.append(f'<{tag}{attributes} data-label="{escape(label)}">{text}</{tag}>')
+        cells.append(f'<{tag}{attributes} data-label="{escape(unescape(label))}">{text}</{tag}>')
     return f"<tr{match[1]}>{''.join(cells)}</tr>"
