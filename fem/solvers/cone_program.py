@@ -32,8 +32,9 @@ from fem.settings import LEAST_KH
 from fem.solvers import cholmod, interior_point
 from fem.solvers.blas_threads import use_one_thread
 from fem.solvers.cone_matrices import Assembled, ConeProgram, assembled, standard, stress_of
+from fem.solvers.convergence import Place, Tolerance
 from fem.solvers.corner_matrix import CornerMatrix
-from fem.solvers.interior_point import Standard, Tolerance
+from fem.solvers.interior_point import Standard
 from meshes.executor import check_cancelled, interruptible
 
 use_one_thread()
@@ -70,6 +71,9 @@ AROUND_SECONDS = 1.4e-5
 # breaks down, and the velocities below which Clarabel is as quick. The middle of the bracket of elements is off by less
 # than half of their gap, which is a tenth of the accuracy that is asked for of the discretisation.
 INTERIOR_GAP, INTERIOR_GAP_OF_ELEMENTS, WIDER, LEAST_VELOCITIES = 3e-4, 1e-3, 2.5, 2000
+# No stress balances the dead load of bounds where velocities prove that the multiplier is below this number: a Kh below
+# -1 has no meaning, and a share of loads is positive.
+LEAST_MULTIPLIER = -10.0
 # Its work: an iteration whose stiffness matrix has so many entries takes so long, and goes with this power of them.
 INTERIOR_ENTRIES, INTERIOR_SECONDS, INTERIOR_EXPONENT = 1e6, 0.35, 1.1
 
@@ -141,7 +145,7 @@ class Warm:
     """Holds a starting point, and the stiffness matrix with its order of elimination, for programs with the same
     ``rates``."""
 
-    place: interior_point.Place
+    place: Place
     matrix: CornerMatrix
     form: Standard
 
@@ -179,7 +183,9 @@ def solve(
     """
     feasibility = FEASIBILITY_TORN if len(program.torn) else FEASIBILITY
     ask = partial(_by_clarabel, regularisations, feasibility)
-    return _solve(program, Tolerance(INTERIOR_GAP, LEAST_KH), ask, magnified, most_work, start=start)
+    return _solve(
+        program, Tolerance(INTERIOR_GAP, LEAST_KH, floor=LEAST_MULTIPLIER), ask, magnified, most_work, start=start
+    )
 
 
 def solve_for_elements(program: ConeProgram, start: Warm | None = None, least: float = 1.0) -> Solution:
@@ -210,7 +216,7 @@ def _solve(
     most_work -= around
     if n >= LEAST_VELOCITIES and cholmod.available():
         built_in = _by_interior_point(program, data, magnified, tolerance, most_work, start)
-    if built_in is not None and (built_in.status in MET or built_in.out_of_work):
+    if built_in is not None and (built_in.sure or built_in.out_of_work):
         end = built_in
     else:
         end = ask_clarabel(data, magnified, most_work - (built_in.work if built_in is not None else 0.0))
@@ -280,6 +286,7 @@ def _by_interior_point(
             )
             iterations += solution.iterations
             met = solution.residual <= tolerance.nearly and solution.gap <= WIDER * tolerance.gap
+            met = met or solution.below_floor
             most = iterations_within(most_work - cost * iterations, cost, interior_point.MOST_ITERATIONS)
             spent = most_work < cost * (iterations + 1)
             if met or spent:
@@ -292,6 +299,7 @@ def _by_interior_point(
     low, high = sorted((solution.primal / magnified, solution.dual / magnified))
     warm_start = Warm(solution.warm, matrix, form) if solution.warm else None
     status = "Solved" if met else "NumericalError"
+    status = "DualInfeasible" if solution.below_floor else status
     out_of_work = not met and spent
     return _End(status, solution.y, z, met, iterations, work, (low, high), warm=warm_start, out_of_work=out_of_work)
 

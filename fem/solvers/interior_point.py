@@ -3,8 +3,9 @@
 Once primal and dual equations are fulfilled, the two objectives are a bracket of the multiplier: bounds need a gap of
 3e-4, finite elements one of 1e-3. Newton's directions have the scaling of Nesterov & Todd (1997), the corrector of
 Mehrotra (1992) and up to two of Gondzio (1996). CHOLMOD factorises the positive definite stiffness matrix of a body
-whose corners have the compliances of ``corner_stiffness.py``; the load is one more right-hand side. The method cannot
-prove infeasibility, and below gaps of 1e-4 it may break down.
+whose corners have the compliances of ``corner_stiffness.py``; the load is one more right-hand side. Of what has no
+solution, the method can only prove that no stress balances the dead load, by velocities whose multiplier is below a
+``floor``. Below gaps of 1e-4 it may break down.
 """
 
 from collections.abc import Callable
@@ -15,6 +16,7 @@ from scipy import sparse
 
 from fem.kernels.corner_cones import add_products, centrality, corrections, longest_step, scalings
 from fem.kernels.corner_stiffness import condense, expand, stiffnesses
+from fem.solvers.convergence import Iterate, Place, Tolerance
 from fem.solvers.corner_matrix import CornerMatrix
 
 MOST_ITERATIONS = 60
@@ -70,55 +72,6 @@ class Standard:
     rates: sparse.csr_matrix  # [volume, difference, shear] (3 k, velocities)
 
 
-@dataclass(frozen=True)
-class Tolerance:
-    """Holds the criteria of convergence.
-
-    Attributes
-    ----------
-    gap : float
-        Difference of both objectives as a share of the multiplier (-).
-    least : float
-        Smallest multiplier of which the gap is a share (-).
-    residual : float
-        Relative residual of both equations (-).
-    nearly : float
-        Residual that is accepted if iterations no longer reduce it (-). If edges pass almost straight through a point,
-        the volume conditions of clay around the point are nearly dependent, and a residual of 5e-9 remains.
-    """
-
-    gap: float
-    least: float = 0.05
-    residual: float = 1e-9
-    nearly: float = 1e-8
-
-
-# Unknowns y, multipliers z and slacks s.
-Place = tuple[np.ndarray, np.ndarray, np.ndarray]
-
-
-@dataclass(frozen=True, eq=False)
-class Iterate:
-    """Holds unknowns, multipliers and slacks, both objectives, the gap as a share of the multiplier, and the relative
-    residual of the equations; at the end also a starting point for another program on the same mesh.
-    """
-
-    y: np.ndarray
-    z: np.ndarray
-    s: np.ndarray
-    primal: float
-    dual: float
-    gap: float
-    residual: float
-    iterations: int
-    warm: "Place | None" = None
-
-    def rank(self, nearly: float) -> tuple[bool, float]:
-        """Return the rank of an iterate: its gap if the equations are met to ``nearly``."""
-        met = self.residual <= nearly
-        return (not met, self.gap if met else self.residual)
-
-
 def interior_solution(
     standard: Standard,
     unit: float,
@@ -147,7 +100,7 @@ class _Method:
 
     def __init__(self, standard: Standard, unit: float, tolerance: Tolerance, matrix: CornerMatrix) -> None:
         self.program, self.wanted, self.stiffness_matrix = standard, tolerance, matrix
-        self.least = tolerance.least * unit
+        self.least, self.floor = tolerance.least * unit, tolerance.floor * unit
         corners = standard.corners
         self.a, self.a_t = standard.matrix, standard.matrix.T.tocsr()
         self.b, self.c = standard.offset, standard.cost
@@ -184,12 +137,16 @@ class _Method:
             ry, rz = self.a_t @ z + self.c, self.b - self.a @ y - s
             primal, dual = float(self.c @ y), -float(self.b @ z)
             product = float(s[self.first :] @ z[self.first :])
+            of_velocities = np.abs(rz).max() / max(1.0, np.abs(self.b).max() + np.abs(y).max() + np.abs(s).max())
             residual = max(
-                np.abs(rz).max() / max(1.0, np.abs(self.b).max() + np.abs(y).max() + np.abs(s).max()),
+                of_velocities,
                 np.abs(ry).max() / max(1.0, np.abs(self.c).max() + np.abs(z).max()),
             )
             gap = max(abs(primal - dual), product) / max(abs(dual), self.least)
             now = Iterate(y, z, s, primal, dual, gap, float(residual), iteration)
+            if primal < self.floor and of_velocities <= wanted.nearly:
+                best = replace(now, below_floor=True)
+                break
             if best is None or now.rank(wanted.nearly) < best.rank(wanted.nearly):
                 best = now
             if warm is None and product <= WARM * max(abs(dual), self.least):

@@ -1,0 +1,60 @@
+"""The criteria at which an interior-point method ends, and its iterates."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Holds the criteria of convergence.
+
+    Attributes
+    ----------
+    gap : float
+        Difference of both objectives as a share of the multiplier (-).
+    least : float
+        Smallest multiplier of which the gap is a share (-).
+    residual : float
+        Relative residual of both equations (-).
+    nearly : float
+        Residual that is accepted if iterations no longer reduce it (-). If edges pass almost straight through a point,
+        the volume conditions of clay around the point are nearly dependent, and a residual of 5e-9 remains.
+    floor : float
+        Multiplier (-) below which the method ends with the velocities that prove the multiplier to be smaller: if no
+        stress balances the dead load, velocities prove ever smaller multipliers.
+    """
+
+    gap: float
+    least: float = 0.05
+    residual: float = 1e-9
+    nearly: float = 1e-8
+    floor: float = -np.inf
+
+
+# Unknowns y, multipliers z and slacks s.
+Place = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class Iterate:
+    """Holds unknowns, multipliers and slacks, both objectives, the gap as a share of the multiplier, and the relative
+    residual of the equations; at the end also a starting point for another program on the same mesh, and whether the
+    multiplier is below the floor.
+    """
+
+    y: np.ndarray
+    z: np.ndarray
+    s: np.ndarray
+    primal: float
+    dual: float
+    gap: float
+    residual: float
+    iterations: int
+    warm: "Place | None" = None
+    below_floor: bool = False
+
+    def rank(self, nearly: float) -> tuple[bool, float]:
+        """Return the rank of an iterate: its gap if the equations are met to ``nearly``."""
+        met = self.residual <= nearly
+        return (not met, self.gap if met else self.residual)
