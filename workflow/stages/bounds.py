@@ -23,6 +23,7 @@ from workflow.results.bounds import (
     VelocityResiduals,
 )
 from workflow.run.stage import Job, Stage
+from workflow.run.store import Store
 
 if TYPE_CHECKING:
     from fem.limit.bounds import KhBounds
@@ -40,7 +41,6 @@ def work(job: Job) -> None:
     written, NoAnswerError if a bound is missing.
     """
     from fem.limit.bounds import kh_bounds
-    from workflow.figures.bounds import draw_all
 
     config, settings = job.config, job.config.bounds
     started = time.perf_counter()
@@ -56,9 +56,16 @@ def work(job: Job) -> None:
     answer = answer_of(config, bounds, settings, time.perf_counter() - started)
     answer = answer.model_copy(update={"safety": factors})
     answer.write(job.store)
-    draw_all(config, bounds, job.store)
+    job.executor.submit(_draw, config, bounds, job.store).result()  # where the pictures of the stage before were drawn
     if answer.verdict == "no bracket":
         raise NoAnswerError(answer.reason.rstrip("."), _remedy(bounds.ended))
+
+
+def _draw(config: Config, bounds: "KhBounds", store: Store) -> None:
+    """Draw the pictures of the bounds."""
+    from workflow.figures.bounds import draw_all
+
+    draw_all(config, bounds, store)
 
 
 def _factors(job: Job, config: Config, settings: BoundsSettings) -> Iterator[SafetyPart]:

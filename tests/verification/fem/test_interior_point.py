@@ -116,7 +116,8 @@ def test_velocities_prove_that_no_stress_balances_a_column(monkeypatch):
     values = cone_program.solve(unborne)
     assert (values.none, values.fallback) == ("no stress", False)
     xx, yy, xy = strain @ values.rates
-    assert live @ values.rates == pytest.approx(1.0) and xx + yy == pytest.approx(0.0, abs=1e-9)
+    assert live @ values.rates == pytest.approx(1.0)
+    assert xx + yy == pytest.approx(0.0, abs=1e-9)
     assert np.hypot(xx - yy, xy) - dead @ values.rates < cone_program.LEAST_MULTIPLIER
 
 
