@@ -22,6 +22,7 @@ MOST_STRAIN = 0.02  # so that the strength is there before 5 %
 SHEAR_MODULUS = 0.23  # of patches of soil discs, over kn: their E is 0.6 kn, with a Poisson's ratio of 0.3
 LOOSE, LOOSER = 0.95, 0.85  # of the median density of a layer: discs at a free surface, looser than that, take this
 SOFTEST = 1.2  # time between two looks at pairs times a bound on their highest frequency
+BALANCED = 0.6  # of the longest time between two looks: with more, ground of clay alone gains energy as it slides
 MOST_STEPS = 4  # between two looks: half a period of the fastest contacts, beyond which these resonate
 ADJUSTS = 40.0  # change of the strength of bonds by the strain, over what the stress held lacks: 1/e within 1/40
 MOST_LACKING = 0.5  # of the strength asked for: ground that turns without strain does work against its bonds as well
@@ -193,7 +194,7 @@ def longest_look(model: DiscState) -> tuple[float, int]:
 
 def steps_between_looks(model: DiscState, dt: float) -> int:
     """Return the number of steps of dt (s) for which forces of liquefied ground are constant."""
-    return int(np.clip(longest_look(model)[0] / dt, 1, MOST_STEPS))
+    return int(np.clip(BALANCED * longest_look(model)[0] / dt, 1, MOST_STEPS))
 
 
 def _densities(model: DiscState) -> np.ndarray:

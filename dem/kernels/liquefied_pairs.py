@@ -313,22 +313,21 @@ def press_pairs(
         gain = more / (1.0 + FIRST * left)  # the limit falls, and what is mobilised of it grows
         here_along, here_across = mobilised(here * gain * new_along, here * gain * new_across)
         mobilised_share = force_share(new_along, new_across, soft, steep)
+        energy = strength * room
+        yields = energy / (gain * gain)
         if with_losses:
             dashed = memory[r + DASH_ALONG] * stretch + memory[r + DASH_ACROSS] * slip
             damped = both(damped, (1.0 - part) * dashed)
             work = both(work, (factor - 1.0) * 0.5 * part * pressure_force * stretch)
-            energy = strength * room
             weaker = 0.5 * (memory[r + YIELD] - energy) * energy_share(along, across, soft, steep, soft_to)
             was = force_share(along, across, soft, steep)
             cut = (was * along + mobilised_share * new_along) * (tried_along - new_along)
             cut += (was * across + mobilised_share * new_across) * (tried_across - new_across)
             slid = both(slid, weaker + 0.5 * energy * cut)
-            yields = energy / (gain * gain)
             stored = energy * energy_share(new_along, new_across, soft, steep, soft_to)
             left_over = yields * energy_share(here_along, here_across, soft, steep, soft_to)
             slid = both(slid, 0.5 * (stored - left_over))
-            memory[r + YIELD] = yields
-        memory[r + LEFT] = left
+        memory[r + YIELD], memory[r + LEFT] = yields, left
         late_along, late_across = mobilised(
             relaxation * (memory[r + LATE_ALONG] + BEHIND * stretch * inverse),
             relaxation * (memory[r + LATE_ACROSS] + BEHIND * slip * inverse),
