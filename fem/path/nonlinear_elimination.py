@@ -20,7 +20,7 @@ from fem.path.line_search import Descent
 # A node whose unbalanced force is this share of the largest belongs to the subproblem, with so many rings of cells.
 SHARE, RINGS = 0.2, 5
 # Corrections of a subproblem; fewer if its unbalanced force is this share of the largest unbalanced force outside: to
-# less than what is left outside, paths of five sections took 8 to 16 % more time.
+# less than what is left outside, paths of five sections took 9 to 18 % more time.
 CORRECTIONS, ALIKE = 20, 1.0
 
 

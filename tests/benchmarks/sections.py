@@ -1,8 +1,9 @@
 """Processor seconds of `noshiro fem` on twenty sections: `python -m tests.benchmarks.sections [NAME ...]`.
 
-For each section the critical Kh with what stands beside it and pictures; with ``--parts factor bounds`` the factor of
-safety without shaking alone, and both bounds; each by the interior-point method of our own and, with ``--both``, by
-Clarabel alone. At the end the median and the slowest of each.
+For each section the critical Kh with what stands beside it and pictures; with ``--parts factor bounds together`` the
+factor of safety without shaking alone, both bounds of Kh, and `noshiro fem --safety-factor` with all bounds; each by
+the interior-point method of our own and, with ``--both``, by Clarabel alone. At the end the
+median and the slowest of each.
 """
 
 import argparse
@@ -42,7 +43,10 @@ fem = config.fem.model_copy(update={{"flow": flow_of(section.strata, config.fem.
 AdaptiveSearch(section, meshing, generate(section, meshing), MPI.COMM_SELF, print).safety(fem, 0.0)
 """
 # What is measured: a program, and its command.
-PARTS = {"fem": (COMMAND, ["fem"]), "factor": (FACTOR, []), "bounds": (COMMAND, ["bounds"])}
+PARTS = {
+    "fem": (COMMAND, ["fem"]), "factor": (FACTOR, []), "bounds": (COMMAND, ["bounds"]),
+    "together": (COMMAND, ["fem", "--safety-factor"]),
+}  # fmt: skip
 
 
 def files(folder: Path) -> dict[str, Path]:
@@ -60,12 +64,13 @@ def files(folder: Path) -> dict[str, Path]:
 
 @dataclass(frozen=True)
 class Measured:
-    """Processor seconds of one part in a process of its own, None where it failed, and the critical Kh and factor of
-    safety without shaking that it left, None where it left none."""
+    """Holds processor seconds of one part in a process of its own, None where it failed, the critical Kh and factor of
+    safety without shaking that it left, None where it left none, and lower and upper bounds of Kh, then of factors."""
 
     seconds: float | None
     kc: float | None
     factor: float | None
+    bounds: list[tuple[float | None, float | None]]
 
 
 def measured(path: Path, part: str, solver: str) -> Measured:
@@ -77,8 +82,12 @@ def measured(path: Path, part: str, solver: str) -> Measured:
         _, status, usage = os.wait4(process.pid, 0)
         answer = Path(out) / "fem/critical.json"
         result = json.loads(answer.read_text()) if answer.exists() else {"kc": None, "safety_factors": []}
+        bounds = Path(out) / "fem/bounds.json"
+        bracket = json.loads(bounds.read_text()) if bounds.exists() else None
     seconds = round(usage.ru_utime + usage.ru_stime, 1) if os.waitstatus_to_exitcode(status) in (0, 3) else None
-    return Measured(seconds, result["kc"], next((row["factor"] for row in result["safety_factors"]), None))
+    factor = next((row["factor"] for row in result["safety_factors"]), None)
+    brackets = [] if bracket is None else [bracket, *bracket["safety"]]
+    return Measured(seconds, result["kc"], factor, [(each["lower"], each["upper"]) for each in brackets])
 
 
 def quoted(rows: list[dict[str, Any]]) -> dict[str, Any]:
@@ -113,10 +122,12 @@ def main() -> None:
                     answer = measured(path, part, solver)
                     row[f"{part}, {solver}"] = answer.seconds
                     if (part, solver) == ("fem", "own"):
-                        row |= vars(answer)
+                        row |= {key: value for key, value in vars(answer).items() if key != "bounds"}
+                    elif answer.bounds:
+                        row[f"{part}, {solver}: bounds"] = answer.bounds
             rows.append(row)
             print(row, flush=True)
-    for key in (key for key in rows[0] if ", " in key):
+    for key in (key for key in rows[0] if ", " in key and ":" not in key):
         known = [row[key] for row in rows if row[key] is not None]
         print(f"{key}: median {statistics.median(known):.1f} s, slowest {max(known):.1f} s, {len(known)} sections")
     if options.json:
