@@ -17,7 +17,7 @@ from fem.limit.adaptive_bounds import (
 )
 from fem.limit.bounds import body_of
 from fem.limit.bracket import COST_EXPONENT, FAILED_MESHES, GROWTH, LEAST_GROWTH, MOST_GROWTH, BoundSide
-from fem.limit.factor_trial import BoundsTrial, FactorWork, Gauge, TrialStart, gap_of_factors
+from fem.limit.factor_trial import BoundsTrial, FactorWork, Gauge, TrialStart, gap_of_factors, inside
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of, with_all_loads_live
 from fem.limit.lower_bound import LowerBound
 from fem.limit.upper_bound import UpperBound
@@ -36,8 +36,6 @@ SMALLEST, LARGEST, STEP = 0.02, 20.0, 1.6
 TRIALS, MARGIN = 10, 0.0005
 # Trials, at most, that prove a bound on one mesh.
 PROOFS = 4
-# How near to either end of what is left a secant may go, as a share of its logarithm; else the middle is tried.
-INSIDE = 0.05
 # A factor is good enough to refine at when the middle of the bounds is this close, or this close over what they leave
 # open: 0.5 is where the lower bound is.
 CLOSE, OPEN = 0.015, 0.6
@@ -81,7 +79,7 @@ class FactorSearch:
         self.mesh, self.settings, self.work = mesh, settings, work
         self.target, self.factor = sign * start.kh, start.factor
         self.enough, self.slips = start.enough, start.slips
-        self.meshes = [mesh]
+        self.meshes, self.mesh_of_lower = [mesh], mesh
         self.lower, self.upper = 0.0, math.inf
         self.trials: list[BoundsTrial] = []
         self.slope: float | None = None
@@ -157,7 +155,12 @@ class FactorSearch:
 
     @property
     def has_work_for_finer(self) -> bool:
-        return self.work.allows(WORK_OF_A_MESH * GROWTH**COST_EXPONENT * self.trials[-1].work)
+        return self.work.allows(WORK_OF_A_MESH * GROWTH**COST_EXPONENT * self.work_of_both)
+
+    @property
+    def work_of_both(self) -> float:
+        """Work of both bounds at one factor on the present triangles; a trial of one bound takes a part of it."""
+        return max(trial.work for trial in self.here)
 
     def problem(self, factor: float) -> LimitProblem:
         varying = self.body.varying
@@ -209,6 +212,7 @@ class FactorSearch:
             self.seen = (self.seen[0], low, self.seen[2])  # what keeps stress from balancing the loads wants triangles
         if trial.lower is not None and self.over(trial.lower) >= 0.0:
             self.both_ways = self.gauge == "loads" if factor > self.lower else self.both_ways
+            self.mesh_of_lower = self.mesh if factor > self.lower else self.mesh_of_lower
             self.lower = max(self.lower, factor)
         if trial.upper is not None and self.over(trial.upper) <= 0.0:
             self.upper = min(self.upper, factor)
@@ -242,7 +246,7 @@ class FactorSearch:
             if self.slope is not None and abs(math.log(step)) < max(CLOSE, OPEN * self.gap_of(last)):
                 break
             safe, unsafe = (last.factor, unsafe) if middle >= 0.0 else (safe, last.factor)
-            self.factor = float(np.clip(_inside(last.factor * step, safe, unsafe), SMALLEST, LARGEST))
+            self.factor = float(np.clip(inside(last.factor * step, safe, unsafe), SMALLEST, LARGEST))
             if self.factor == last.factor:  # at an end of what is looked for
                 break
             trial = self.regauged(self.measure(self.factor))
@@ -364,7 +368,7 @@ class FactorSearch:
         needed = AIM * min(self.gap, self.open_here) / max(self.settings.gap - margins, margins)
         allowed = self.settings.max_cells / len(problem.mesh.cells)
         at_once = FURTHEST_GROWTH if needed <= allowed else MOST_GROWTH
-        affordable = (self.work.left / (WORK_OF_A_MESH * self.trials[-1].work)) ** (1.0 / COST_EXPONENT)
+        affordable = (self.work.left / (WORK_OF_A_MESH * self.work_of_both)) ** (1.0 / COST_EXPONENT)
         allowed = min(allowed, max(affordable, GROWTH))
         growth = min(max(needed, LEAST_GROWTH) if needed <= at_once else GROWTH, allowed)
         lower = self.root("lower")
@@ -389,11 +393,3 @@ def _root(points: Sequence[tuple[float, float]], slope: float | None) -> float:
         return math.nan
     at, over = min(ends, key=lambda point: abs(point[1]))
     return math.exp(at + float(np.clip(-over / slope, -math.log(STEP), math.log(STEP))))
-
-
-def _inside(factor: float, safe: float, unsafe: float) -> float:
-    """The factor if it lies well between a stable and an unstable one, else the middle of these two."""
-    if not 0.0 < safe < unsafe < math.inf:
-        return factor
-    share = math.log(factor / safe) / math.log(unsafe / safe)
-    return factor if INSIDE <= share <= 1.0 - INSIDE else math.sqrt(safe * unsafe)

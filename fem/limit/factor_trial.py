@@ -6,6 +6,8 @@ from typing import Literal
 
 # What is bounded: the Kh that weakened ground bears, or the share of all loads, the Kh given among them.
 Gauge = Literal["kh", "loads"]
+# How near to either end of what is left a secant may go, as a share of its logarithm; else the middle is tried.
+INSIDE = 0.05
 
 
 @dataclass(frozen=True)
@@ -67,3 +69,14 @@ def gap_of_factors(lower: float, upper: float) -> float:
     if lower <= 0.0 or not math.isfinite(upper):
         return math.inf
     return (upper - lower) / (0.5 * (upper + lower))
+
+
+def inside(factor: float, safe: float, unsafe: float) -> float:
+    """The factor if it lies well between a stable and an unstable one, else the middle of these two.
+
+    ``factor``: the one wanted; ``safe``, ``unsafe``: factors at which the ground stands and fails.
+    """
+    if not 0.0 < safe < unsafe < math.inf:
+        return factor
+    share = math.log(factor / safe) / math.log(unsafe / safe)
+    return factor if INSIDE <= share <= 1.0 - INSIDE else math.sqrt(safe * unsafe)

@@ -28,8 +28,11 @@ from meshes.triangles import TriMesh
 HALVINGS = 4
 # Share of the work for a slope as a whole where its bare faces meet; the rest is for the ground as it is given.
 SHARE_OF_WHOLE = 0.6
+# Share of the work for one direction of the force; the rest is for the proof that the other one bears as much. Under
+# seepage this proof needs the triangles of the first one's bound.
+SHARE_OF_FIRST, SHARE_OF_FIRST_UNDER_SEEPAGE = 0.92, 0.75
 # Coarse triangles have an upper bound of at most so many times the factor.
-COARSE_EXCESS = 1.1
+COARSE_EXCESS = 1.06
 # The allowed work is enough for so many trials on the first mesh.
 FACTOR_TRIALS = 12
 
@@ -178,10 +181,14 @@ def _bounds_of(
         return FactorSearch(section, mesh, fem, settings, sign, start, work)
 
     first = first_mesh(section, cells_of_first_search(settings.max_cells, work.left / FACTOR_TRIALS), fem.sides)
+    seeps = section.water_pressure.flow is not None
+    shared, work = work, work.part(SHARE_OF_FIRST_UNDER_SEEPAGE if seeps else SHARE_OF_FIRST)
     searches = [search(first, 1, start)]
     searches[0].find()
+    shared.spent += work.spent
+    work = shared
     # Under seepage pressures are linear in each triangle: other triangles are other ground, and prove nothing here.
-    known = searches[0].meshes if section.water_pressure.flow is None else searches[0].meshes[-1:]
+    known = [searches[0].mesh_of_lower] if seeps else searches[0].meshes
     searches.append(search(known[(len(known) - 1) // 2], -1, start))
     if not searches[1].confirms(searches[0]) and work.left > 0.0:
         start = replace(start, factor=searches[0].lower or start.factor, enough=searches[0].lower or math.inf)
@@ -189,7 +196,7 @@ def _bounds_of(
         searches[2].find()
     lower, upper = min(searches[0].lower, searches[-1].lower), min(search.upper for search in searches)
     trials = [trial for search in searches for trial in search.trials]
-    ended: FactorEnd = "time" if work.ran_out else "triangles"
+    ended: FactorEnd = "time" if work.ran_out or searches[0].work.ran_out else "triangles"
     ended = "solver" if any(search.solver_fails for search in searches) else ended
     ended = "range" if lower >= LARGEST or upper <= SMALLEST else ended
     ended = "gap" if gap_of_factors(lower, upper) <= settings.gap else ended

@@ -132,3 +132,32 @@ def test_work_is_left_for_a_bank_as_given_where_its_dry_and_wet_faces_meet() -> 
     bounds = safety_bounds(bank, FemSettings(), BoundsSettings(gap=0.005, seconds=12.0), smooth_sides=True)
     assert 1.93 < bounds.lower < bounds.upper < 1.985
     assert bounds.shallow_failure == pytest.approx(1.865, abs=0.015)
+
+
+def zoned_dam() -> Section:
+    """A dam with shells of bare sand, a core of clay, and steady seepage from a pond below half of its height."""
+    shell = layer("Shell", bottom={"elevation": 0.0}, cohesion="0 kPa", friction_angle="40.3 deg", permeability=1e-4)
+    ground = layer("Foundation", cohesion="12.1 kPa", friction_angle="33.3 deg", permeability=1e-6)
+    core = layer("Core", cohesion="5.1 kPa", friction_angle="26.6 deg", permeability=1e-8)
+    core["points"] = [[67.3, 0.0], [82.89, 0.0], [77.15, 20.88], [73.03, 20.88]]
+    surface = [[0.0, 0.0], [22.19, 0.0], [72.56, 22.19], [77.63, 22.19], [116.08, 0.0], [138.27, 0.0]]
+    water = {"flow": True, "table": [[0, 9.25], [43.19, 9.25], [116.08, 0.0], [138.27, 0.0]]}
+    return Section.parse(
+        {
+            "name": "dam",
+            "surface": surface,
+            "base": {"elevation": -8.69},
+            "strata": [shell, ground],
+            "zones": [core],
+            "water": water,
+        }
+    )
+
+
+@pytest.mark.slow
+def test_seepage_leaves_work_for_the_proof_in_the_other_direction() -> None:
+    """A dam whose lower bound was lost: the last triangles were so many that no work was left for them."""
+    bounds = safety_bounds(zoned_dam(), FIXED, BoundsSettings(gap=0.005, seconds=12.0), smooth_sides=True)
+    assert bounds.lower > 0.0
+    assert bounds.gap < 0.05
+    assert sum(trial.work for trial in bounds.trials) < 13.0
