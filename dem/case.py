@@ -39,43 +39,44 @@ class Case(Model):
         default=1.0,
         gt=0.0,
         le=1.0,
-        description="factor on the element springs, such as 0.02; of soil discs on the shear modulus, "
-        "with which residual strength is reached at a shear strain of 0.4 to 2 %",
+        description="factor on the element springs, such as 0.02; for soil discs the factor on the shear "
+        "modulus, so that residual strength is reached at a shear strain of 0.4 to 2 %",
     )
     damping: float | None = Field(
         default=None,
         ge=0.0,
         le=1.0,
-        description="factor on the dashpots; if not given the root of stiffness: so that the damping ratio is "
-        "unchanged",
+        description="factor on the dashpots; by default the square root of stiffness, so that the damping "
+        "ratio is unchanged",
     )
     friction: float = Field(
         default=0.0,
         ge=0.0,
         le=1.0,
-        description="factor on the friction; of other discs and of the continuum on tan phi",
+        description="factor on the friction of the contacts of the paper's discs; on tan phi of other discs "
+        "and of the continuum",
     )
     cohesion: float = Field(default=0.0, ge=0.0, le=1.0, description="remaining share of the cohesion")
     residual: Share | dict[str, Share] = Field(
         default=0.0,
-        description="residual strength over the vertical effective stress before shaking; one for all, or one for "
-        "each by the name of the stratum; friction and cohesion count instead where they give more",
+        description="residual strength over the vertical effective stress before shaking; one value for all, "
+        "or one for each stratum by name; friction and cohesion count instead if they give a larger strength",
     )
     residual_strength: ResidualStrength | dict[str, ResidualStrength] = Field(
         default=0.0,
-        description='residual strength, the same all over a stratum, such as "4 kPa"; one for all, or '
-        "one for each by the name of the stratum; in place of residual",
+        description='residual strength, constant within a stratum, such as "4 kPa"; one value for '
+        "all, or one for each stratum by name; in place of residual",
     )
     strain_potential: Share | dict[str, Share] = Field(
         default=0.0,
         description="shear strain of liquefied ground before it regains strength, such as 0.4, with hardly any "
-        "stiffness; one for all, or one for each by the name of the stratum",
+        "stiffness; one value for all, or one for each stratum by name",
     )
     volumetric_strain: float = Field(
         default=0.0,
         ge=0.0,
         le=0.2,
-        description="volumetric strain by drainage during the onset, such as 0.03; discs shrink",
+        description="volumetric strain by drainage while the layers liquefy, such as 0.03",
     )
 
     @property

@@ -51,7 +51,7 @@ class DemSettings(Model):
     )
     paper: StrictBool = Field(
         default=False,
-        description="true to run the paper's own discs, too, unchanged and with its constant Kh of 0.1",
+        description="true to compute the paper's own discs, too, unchanged and with the paper's constant Kh of 0.1",
     )
     packing: Literal["auto", "box", "lattice", "random"] = Field(
         default="auto",
@@ -81,20 +81,30 @@ class DemSettings(Model):
     kh_limit: float = Field(default=1.0, gt=0.0, description="seismic coefficient beyond which to stop")
     resolution: float = Field(default=0.005, gt=0.0, le=0.1, description="width of the bracket of the critical Kh")
     unbalanced: float = Field(
-        default=4e-4, gt=0.0, le=1e-2, description="stands: mean unbalanced force over mean contact force, at most"
+        default=4e-4,
+        gt=0.0,
+        le=1e-2,
+        description="the discs stand if mean unbalanced force over mean contact force is at most this",
     )
-    kinetic: float = Field(default=1e-5, gt=0.0, description="stands: kinetic over stored energy, at most")
+    kinetic: float = Field(
+        default=1e-5, gt=0.0, description="the discs stand if kinetic over stored energy is at most this"
+    )
     growth: float | None = Field(
         default=None,
         gt=1.0,
-        description="fails: least displacement, over the elastic one for the paper's discs (3 if not given), over that "
-        "at which the FEM reaches its critical Kh for soil discs (3.5 if not given)",
+        description="the discs fail at this displacement: over the elastic one for the paper's discs (3 if not "
+        "given), over the "
+        "displacement at which the FEM reaches its critical Kh for soil discs (3.5 if not given)",
     )
-    patience: float = Field(default=15.0, gt=0.0, description="undecided after so many periods of the ground")
+    patience: float = Field(
+        default=15.0, gt=0.0, description="number of natural periods of the ground after which a trial is undecided"
+    )
     parameter: Literal["auto", "stiffness", "friction", "pore_strength", "strength", "all", "none"] = Field(
         default="auto",
-        description="factor that calibration changes: on all stiffness, on friction, on stretch and cohesion of pore "
-        "springs, on both (strength), or on all of it; auto: by the sensitivities. Soil discs take strength, or none",
+        description="parameter that calibration multiplies by a factor: stiffness, friction, stretch and "
+        "cohesion of pore springs "
+        "(pore_strength), friction and pore_strength (strength), or all; auto: chosen by the sensitivities. "
+        "For soil discs: strength, or none",
     )
     range: tuple[float, float] | None = Field(
         default=None,
@@ -102,12 +112,13 @@ class DemSettings(Model):
     )
     tolerance: float = Field(default=0.005, gt=0.0, le=0.1, description="allowed difference to the FEM's critical Kh")
     out_of_reach: Literal["stop", "go on"] = Field(
-        default="stop", description='what to do where no factor reaches the FEM: "stop" or "go on" with the closest'
+        default="stop",
+        description='what to do if no factor reaches the critical Kh of the FEM: "stop" or "go on" with the closest',
     )
     allowed_overlap: float = Field(
         default=1.0, gt=0.0, le=2.0, description="deepest overlap over the mean radius; deeper ones stop a run"
     )
-    element_tests: StrictBool = Field(default=True, description="true for element tests of the discs of every layer")
+    element_tests: StrictBool = Field(default=True, description="true to run element tests of the discs of every layer")
     workers: int = Field(default=2, ge=1, le=256, description="number of concurrent trials, or of threads of one trial")
 
     @property
@@ -214,8 +225,10 @@ class SlideSettings(Model):
     )
     liquefies_at: Seconds | Literal["F_L"] = Field(
         default="F_L",
-        description='seconds after the shaking begins at which the layers liquefy, or "F_L", its smallest by the blow '
-        "counts: when a record first reaches that share of its peak (1 without any), and after F_L^(1/0.34) of the "
+        description='time (s) after the beginning of the shaking at which the layers liquefy; with "F_L", the '
+        "smallest F_L by "
+        "the blow counts: when a record first reaches this share of its peak (1 without any), and after "
+        "F_L^(1/0.34) of the "
         "cycles of Kh (0 without any)",
     )
     onset: Seconds | None = Field(
@@ -234,10 +247,11 @@ class SlideSettings(Model):
     still: float = Field(
         default=0.01,
         gt=0.0,
-        description="at rest: movement of the surface (m) in 5 s, while discs may oscillate by three times that; of "
-        "points that or 0.2 % of the slide, twice in a row",
+        description="the surface is at rest if it moves by less than this length (m) in 5 s; discs may "
+        "oscillate by three times this "
+        "length; for material points this length or 0.2 % of the slide, twice in a row",
     )
-    duration: float = Field(default=60.0, gt=0.0, description="largest duration of a slide in seconds")
+    duration: float = Field(default=60.0, gt=0.0, description="largest simulated duration of a slide (s)")
     methods: tuple[SlideMethod, ...] = Field(
         default=("discs", "mpm"),
         min_length=1,
@@ -248,13 +262,14 @@ class SlideSettings(Model):
     )
     mpm_sides: Literal["free-field", "smooth", "fixed", "periodic"] | None = Field(
         default=None,
-        description="sides of the section for material points; if not given those of [fem]; if neither is given, "
-        '"smooth" also where the higher end of the ground alone is level',
+        description="sides of the section for material points; by default those of [fem]; if neither is given, the "
+        'sides are "smooth" also if only the higher end of the ground is level',
     )
     frames: int = Field(default=30, ge=2, le=1000, description="pictures of an animation, states of a .pvd")
     seeds: tuple[Seed, ...] | PackingCount | None = Field(
         default=None,
-        description="random packings to repeat the cases on, such as [1, 2]; or how many packings there shall be, "
+        description="seeds of random packings on which the cases are repeated, such as [1, 2]; or the number "
+        "of packings, "
         "such as 36 for a study; [] for none. If not given soil discs are packed twice more, so that a slide has an "
         "interval",
     )

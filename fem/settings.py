@@ -114,25 +114,29 @@ class FemSettings(Model):
     )
     rigid_box: StrictBool = Field(
         default=True,
-        description="true to calibrate discs to the critical Kh between fixed sides, false to that of these settings",
+        description="true to calibrate discs to the critical Kh between fixed sides, false to the critical Kh "
+        "with the sides of this table",
     )
     direction: DirectionSetting = Field(
         default="both",
-        description='of the seismic force, by the ends of the surface; "both": the smaller Kh counts',
+        description='direction of the seismic force, by the ends of the surface; "both": the smaller Kh counts',
     )
     least_depth: Length = Field(
         default=Quantity(0.5, "0.5 m"),
-        description="least depth of a failure that counts; less deep ones of cohesionless faces are shallow failures",
+        description="least depth of failures that count; shallower failures of cohesionless faces are reported "
+        "as shallow failures",
     )
     accuracy: float = Field(
         default=0.01,
         ge=0.0,
         le=0.5,
-        description="largest remaining error before a finer mesh is made for the mechanism, such as 0.01: as a "
-        "share of the critical Kh, or of 0.2 where it is smaller; half of it of a factor of safety; 0, as columns and "
-        "rows, keeps the first mesh",
+        description="largest remaining error, such as 0.01, above which a finer mesh is made: as a share of "
+        "the critical "
+        "Kh, or of 0.2 if the critical Kh is smaller; half of this error for a factor of safety; with 0, or "
+        "with given columns and "
+        "rows, the first mesh is the only one",
     )
-    max_cells: int = Field(default=6000, ge=100, le=500_000, description="cells of the finest of these meshes")
+    max_cells: int = Field(default=6000, ge=100, le=500_000, description="cells of the finest mesh")
     vertical: float = Field(default=0.0, gt=-1.0, lt=1.0, description="vertical seismic coefficient, positive upwards")
     flow: FlowSetting = Field(
         default="auto",
@@ -150,8 +154,8 @@ class FemSettings(Model):
     )
     kh: RecordedKh = Field(
         default=(),
-        description="seismic coefficients whose fields are stored, such as [0.2, 0.3]; 0.5 and 0.8 of the critical "
-        "one where none is given; that of the critical one is always stored",
+        description="seismic coefficients whose fields are stored, such as [0.2, 0.3]; by default 0.5 and 0.8 "
+        "of the critical Kh; the fields at the critical Kh are always stored",
     )
     kh_limit: float = Field(default=1.5, gt=0.0, description="seismic coefficient beyond which to stop")
     first_step: float = Field(default=0.02, gt=0.0, le=0.1, description="first step of the seismic coefficient")
@@ -160,7 +164,8 @@ class FemSettings(Model):
         default=0.002,
         ge=0.0,
         le=0.1,
-        description='displacement over which overstress decays, in elastic displacements; used with flow = "section"',
+        description="displacement over which the overstress is relaxed, in elastic displacements; used with "
+        'flow = "section"',
     )
     safety_factor_at: tuple[Annotated[float, Field(ge=-LARGEST, le=LARGEST)], ...] = Field(
         default=(0.0,), description="seismic coefficients at which the factor of safety is computed, such as [0.0, 0.1]"
@@ -180,25 +185,27 @@ class BoundsSettings(Model):
         default=0.01,
         ge=1e-4,
         le=1.0,
-        description="(upper - lower) at which to stop, such as 0.01: as a share of their mean, or of a Kh of 0.2 where "
-        "that is smaller; half of it of a factor of safety",
+        description="gap (upper - lower) at which the search for bounds ends, such as 0.01: as a share of the "
+        "mean of both, or of a Kh "
+        "of 0.2 if the mean is smaller; half of this gap for a factor of safety",
     )
     max_cells: int = Field(default=20_000, ge=100, le=500_000, description="triangles at which to stop")
     seconds: float = Field(
         default=60.0,
         gt=0.0,
         le=86_400.0,
-        description="largest work, such as 20: in seconds of a reference machine, computed and not measured, so that "
-        "a busy machine finds the same bounds",
+        description="largest computing work, such as 20, in seconds of a reference machine; the work is "
+        "counted and not measured, "
+        "so that a busy machine finds the same bounds",
     )
     safety_factor: StrictBool = Field(
         default=False,
-        description="true if the factor of safety shall be bounded, too, at every safety_factor_at of [fem]",
+        description="true to find bounds of the factor of safety, too, at every safety_factor_at of [fem]",
     )
     davis: StrictBool | Literal["auto"] = Field(
         default="auto",
-        description="true if Davis's estimate shall be bounded, too, where ψ < φ (c and tan φ reduced), false if not; "
-        '"auto": where it, and not ψ = φ, is the flow of [fem]',
+        description="true to find bounds of Davis's estimate, too, if ψ < φ (c and tan φ reduced), false not to; "
+        '"auto": if Davis\'s estimate is the flow rule of [fem]',
     )
 
     @property

@@ -32,7 +32,7 @@ class MeshSettings(Model):
     """Settings of the mesh of a section. Sizes are lengths of cell edges (m)."""
 
     method: Literal["auto", "mapped", "free"] = Field(
-        default="auto", description="mapped columns and rows, free, or whichever the layers allow"
+        default="auto", description='"mapped" (columns and rows), "free", or "auto": whichever the layers allow'
     )
     columns: int | None = Field(default=None, ge=1, description="columns of a mapped mesh")
     rows: int | None = Field(default=None, ge=1, description="rows of a mapped mesh")
@@ -43,15 +43,15 @@ class MeshSettings(Model):
     )
     least_thickness: Length | None = Field(
         default=None,
-        description="thickness at which a layer that thins out ends in a step, in a free mesh; by default a third of "
-        "the size of its cells",
+        description="thickness at which a layer that thins out ends in a step, in a free mesh; by default "
+        "a third of the cell size",
     )
     max_cells: int = Field(
         default=3000,
         ge=100,
         le=MOST_QUADRILATERALS,
-        description="about the most cells of a mesh for which neither size nor columns and rows are given, before "
-        "refine; by default 3000, or fem.max_cells where that is less",
+        description="approximate largest number of cells of a mesh without given size or columns and rows, "
+        "before refine; by default 3000, or fem.max_cells if that is smaller",
     )
     refine: int = Field(default=1, ge=1, le=64, description="a whole number that divides every cell size")
 

@@ -86,7 +86,7 @@ def check_escape(model: DiscModel, checkpoint_note: str) -> None:
     line, disc = first_behind(model.x, model.z, model.radius, model.fixed, model.lines)
     if disc >= 0:
         raise EscapeError(
-            f"{_place(model, disc)} is behind rigid line {line}. The boundary did not stop it: use a smaller step, "
+            f"{_place(model, disc)} has passed rigid line {line}. The boundary did not stop it: use a smaller step, "
             f"or stiffer springs in the adjacent layer. {checkpoint_note}"
         )
 

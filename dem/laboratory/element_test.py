@@ -110,12 +110,16 @@ class ElementTest:
                 if result.verdict == "still rising":
                     verdicts.append(
                         f"{curve.kind} at {test.pressure:.4g} Pa: no peak up to a strain of "
-                        f"{curve.strain[-1]:.3g}; the strength is what was mobilised there"
+                        f"{curve.strain[-1]:.3g}; the strength is the largest stress up to this strain"
                     )
                 elif curve.stopped:
                     verdicts.append(
                         f"{curve.kind} at {test.pressure:.4g} Pa: stopped at a strain of {curve.strain[-1]:.3g}"
-                        + ("; the strength is what was mobilised there" if result.verdict == "stopped" else "")
+                        + (
+                            "; the strength is the largest stress up to this strain"
+                            if result.verdict == "stopped"
+                            else ""
+                        )
                         + f" ({curve.stopped})"
                     )
         if np.isnan(self.phi):

@@ -187,8 +187,8 @@ def _on_strength(contacts: ContactStrength, wanted: np.ndarray, reach: np.ndarra
         return []
     misses = ", ".join(f"{100.0 * m:+.0f} %" for m in miss)
     return [
-        f"the strength of discs is off by {misses} at a quarter, a half and all of the layer's stress: they keep some "
-        "friction where clay has none, and are stronger at little stress where they are stiff"
+        f"the strength of the discs differs by {misses} at a quarter, a half and all of the "
+        "layer's stress: discs of clay keep some friction, and stiff discs are stronger at low stress"
     ]
 
 

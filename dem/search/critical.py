@@ -105,7 +105,7 @@ def critical_kh(
         if kh > settings.kh_limit:
             search.verdict, search.reason = (
                 "stands everywhere",
-                f"stands at the limit of the search, {search.kc_lower:g}",
+                f"the discs stand at the largest Kh of the search, {search.kc_lower:g}",
             )
             return search
         model = stood.copy()

@@ -315,13 +315,14 @@ def try_kh(
         if model.time < risen:
             continue
         if resting:
-            return _trial(kh, "stands", "forces balance and nothing moves", seen, elastic, here.time)
+            return _trial(kh, "stands", "all forces are balanced and no disc moves", seen, elastic, here.time)
         recent = np.array([rest.displacement for rest in seen[-round(1.0 / LOOK) - 1 :]])
         if moving and abs(here.displacement) > settings.ductility * elastic and np.all(np.diff(np.abs(recent)) > 0.0):
-            reason = f"displacement is {abs(here.displacement) / elastic:.1f} times the elastic one and grows"
+            reason = f"the displacement is {abs(here.displacement) / elastic:.1f} times the elastic one and grows"
             return _trial(kh, "fails", reason, seen, elastic, here.time)
     reason = (
-        f"neither at rest nor past {settings.ductility:g} elastic displacements after {settings.patience:g} periods"
+        f"the discs are neither at rest nor displaced by {settings.ductility:g} elastic displacements after "
+        f"{settings.patience:g} periods"
     )
     return _trial(kh, "undecided", reason, seen, elastic, model.time - start)
 

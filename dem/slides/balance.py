@@ -140,7 +140,8 @@ def at_the_sides(sides: Sequence[AtSide]) -> list[str]:
         if side.came:
             notes.append(
                 f"{counted(side.came, 'disc', 'discs')} of the surface slid to within two diameters of the "
-                f"{side.name} side, which may stop {'it' if side.came == 1 else 'them'}: take a longer section (beyond)"
+                f"{side.name} side, which may stop {'this disc' if side.came == 1 else 'these discs'}: take a "
+                "longer section (setting beyond)"
             )
     return notes
 
@@ -154,7 +155,8 @@ def within_scatter(far: float, radius: float) -> list[str]:
     if abs(far) >= SCATTER * 2.0 * radius:
         return []
     return [
-        f"the slide is less than {SCATTER * 2.0 * radius:.2g} m, a quarter of a disc: level ground that liquefies "
+        f"the largest slide is less than {SCATTER * 2.0 * radius:.2g} m, a quarter of a disc: level ground that "
+        "liquefies "
         "drifts as far, either way, by its packing alone, and a smaller radius would show whether this ground slides"
     ]
 
@@ -187,13 +189,14 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
             *notes,
             f"stratum {name} liquefies and is {thick:.2g} m thick in the model, less than two disc diameters: discs "
             "of this size "
-            f"underestimate its slide behind a bank; check with discs of {radius}",
+            f"underestimate the slide of the ground behind a bank or quay wall; check with discs of {radius}",
         ]
     listed = ", ".join(f"{name} ({thick:.2g} m)" for name, thick in thin.items())
     return [
         *notes,
-        f"strata {listed} liquefy and are thinner than two discs: discs of this size underestimate their slide behind "
-        f"a bank; check with discs of {radius}",
+        f"strata {listed} liquefy and are thinner than two discs: discs of this size underestimate the slide of "
+        "the ground behind a "
+        f"bank or quay wall; check with discs of {radius}",
     ]
 
 
@@ -226,5 +229,6 @@ def thin_crust(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[
     return [
         f"the ground above the liquefied strata is {crust:.2g} m thick in the model, less than two disc diameters: "
         "discs of this "
-        f"size move at random and underestimate its slide behind a bank; check with discs of {crust / 4.0:.2g} m radius"
+        "size move at random and underestimate the slide of the ground behind a bank or quay wall; check with "
+        f"discs of {crust / 4.0:.2g} m radius"
     ]

@@ -273,7 +273,7 @@ class Slider:
         if slide.settled and slide.stopped_by is not None:
             slide.settled = False
             slide.reason = (
-                f"the {slide.stopped_by} side of the box stopped it: in a longer section the slide would continue"
+                f"the {slide.stopped_by} side of the box stopped the slide: in a longer section it would continue"
             )
         return slide
 

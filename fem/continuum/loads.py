@@ -61,4 +61,4 @@ def excess_pressure_advice(strata: Sequence[Stratum]) -> str:
 
 def lifted(uplift: Uplift, reason: str = "there is no equilibrium") -> UnstableError:
     """Return the UnstableError for ground in which pore pressure exceeds the weight of the soil above (uplift)."""
-    return UnstableError(f"{reason}: {uplift.words}", "check the levels of the water, or relieve its pressure")
+    return UnstableError(f"{reason}: {uplift.words}", "check the water levels, or relieve the pressure")

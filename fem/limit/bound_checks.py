@@ -56,10 +56,12 @@ class StressCheck:
     def __str__(self) -> str:
         """The conditions of a statically admissible stress field that are violated."""
         if self.yield_slack < 0.0:
-            return f"its stress is beyond the yield surface by {-self.yield_slack:.1e} of the unit of stress"
+            return f"the stress lies beyond the yield surface by {-self.yield_slack:.1e} of the unit of stress"
         if self.tension_slack < -NO_TENSION:
-            return f"its tension is beyond the cut-off by {-self.tension_slack:.1e} of the unit of stress"
-        return f"its stress is out of balance by {max(self.imbalance, self.traction_jump):.1e} of the largest stress"
+            return f"the tension exceeds the cut-off by {-self.tension_slack:.1e} of the unit of stress"
+        return (
+            f"the stress field is out of balance by {max(self.imbalance, self.traction_jump):.1e} of the largest stress"
+        )
 
 
 @dataclass(frozen=True)
@@ -96,9 +98,9 @@ class VelocityCheck:
     def __str__(self) -> str:
         """The conditions of kinematically admissible velocities that are violated."""
         if self.flow_slack < 0.0:
-            return f"its strain rates violate the flow rule by {-self.flow_slack:.1e} of the largest"
+            return f"the strain rates violate the flow rule by {-self.flow_slack:.1e} of the largest"
         missed = max(self.volume, self.boundary, self.jump)
-        return f"its velocities violate volume, held sides or continuity by {missed:.1e} of the largest"
+        return f"the velocities violate constant volume, fixed sides or continuity by {missed:.1e} of the largest"
 
 
 def yield_slack(problem: LimitProblem, stress: np.ndarray) -> np.ndarray:

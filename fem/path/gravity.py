@@ -252,9 +252,9 @@ def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, set
     resisted, reached = 0.0, path.reach(1.0)
     while not reached:
         if not path.advance() or path.factor >= 1.0 or path.length > LONGEST_LOADING:
-            share = f", of which the ground carries about {100 * resisted:.0f} %" if resisted > 0.0 else ""
+            share = f", of which the ground supports about {100 * resisted:.0f} %" if resisted > 0.0 else ""
             raise UnstableError(
-                f"the section fails under its own weight{share}; check strengths and densities, or ask for the "
+                f"the section fails under its own weight{share}; check strengths and densities, or compute the "
                 "factor of safety at Kh = 0"
             )
         if path.relax():

@@ -343,8 +343,8 @@ class _Search:
         loose = excess_pressure_advice(self.section.strata)
         if factor.factor > 1.0 and loose:  # the factor is that before shaking
             message = (
-                "the section fails at any Kh by excess pore pressure, and stands without it: then its factor of "
-                f"safety is {factor.factor:.2f}"
+                "the section fails at any Kh by excess pore pressure, and stands without this pressure, with "
+                f"a factor of safety of {factor.factor:.2f}"
             )
             remedy = loose
         elif factor.factor > 1.0 and settings.sides == "free-field":  # the factor is that between held sides
@@ -362,7 +362,7 @@ class _Search:
         if full is None:
             full = self.safety(settings.changed(flow="associated"), 0.0).result.factor
         rule = f" {self.by('davis')}" if settings.flow == "davis" else ""
-        remedy = 'with fem.flow = "associated" it stands, and has a critical Kh' if full > 1.0 else remedy
+        remedy = 'with fem.flow = "associated" the ground stands, and has a critical Kh' if full > 1.0 else remedy
         return UnstableError(f"{message}{rule}, and {full:.2f} {self.by('associated')}", remedy)
 
     def or_warning(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor] | ResultWarning:

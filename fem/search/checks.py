@@ -45,7 +45,7 @@ def of_uplift(uplift: Uplift | None) -> Iterator[ResultWarning]:
     if uplift is not None:
         yield ResultWarning(
             f"{uplift.words[0].upper()}{uplift.words[1:]}.",
-            "check the levels of the water, or relieve its pressure; no answer for this section is valid before",
+            "check the water levels, or relieve the pressure; until then no answer for this section is valid",
         )
 
 
@@ -96,7 +96,7 @@ def of_cells(mesh: QuadMesh) -> Iterator[ResultWarning]:
         yield ResultWarning(
             f"{count} of {len(mesh.cells)} cells {have} a corner below {NARROW:g}°; the narrowest, "
             f"{narrowest.min():.1f}°, is at x = {x:.1f} m, elevation {z:.1f} m.",
-            "end thin layers in a step in the section"
+            "let thin layers end in a vertical step in the section file"
             + (', or use mesh.method = "free"' if mesh.method == "mapped" else ""),
             contradiction=False,
         )

@@ -215,7 +215,7 @@ def _followed(
         states = states_at(again, mesh, _wanted(settings, kc))
     reached = {state.kh for state in states}
     beyond = [
-        replace(last, label=f"no equilibrium: Kh = {kh:g} is out of reach", kh=kh, past_equilibrium=True)
+        replace(last, label=f"there is no equilibrium at Kh = {kh:g}", kh=kh, past_equilibrium=True)
         for kh in sorted(settings.kh)
         if kh not in reached and limit.verdict != "undecided"
     ]

@@ -45,7 +45,7 @@ class Boring(Model):
     """A boring with its name, its place along the section, and its tests from the top down."""
 
     name: str = Field(min_length=1, description="the name of the boring, such as B-1")
-    x: Coordinate = Field(description="where it stands along the section, a coordinate in m")
+    x: Coordinate = Field(description="the position along the section, a coordinate in m")
     spt: tuple[Sample, ...] = Field(
         default=(), description="its blow counts, such as [{ depth = 1.3, N = 4, fines = 10 }, ...]"
     )

@@ -189,7 +189,7 @@ def _spelled_alike(logs: Sequence[Log]) -> tuple[list[Log], list[str]]:
 def _water_above(borings: Sequence[Placed]) -> list[str]:
     """A sentence for each boring whose water stands above its ground: open water, a head, or a slip."""
     above = [(at.log, at.log.water_level - at.log.ground_level) for at in borings if at.log.water_level is not None]
-    return [f"boring {log.name}: its water level, {log.water_level:.4g} m, is {height:.3g} m above its ground: "
+    return [f"boring {log.name}: the water level, {log.water_level:.4g} m, is {height:.3g} m above its ground: "
             "expected the elevation of a water table, or of a river or pond that stands there"
             for log, height in above if height > WATER_ABOVE]  # fmt: skip
 

@@ -176,7 +176,9 @@ def _sheet(path: Path, columns: Mapping[str, str], known: Sequence[str]) -> _She
         heads = [(name, unit or below) for (name, unit), below in zip(heads, rows.pop(1)[1], strict=False)]
     notices = [notice] if notice else []
     if any(line.strip(" \t\r\n,;") for line in lines[:first]):
-        notices.append(f"{path.name}: the heading is taken to stand in line {first + 1}; what stands above is not read")
+        notices.append(
+            f"{path.name}: the heading is taken to stand in line {first + 1}; the lines above it are not read"
+        )
     return _Sheet(rows, heads, notices)
 
 

@@ -8,7 +8,9 @@ from typing import Annotated, Any, Self
 from pydantic import PlainSerializer, PlainValidator
 
 TRIGGERED = "triggered"
-LIQUEFIES_IN = f'the cases it liquefies in, such as [1, 2, 3], or "{TRIGGERED}": what the blow counts say'
+LIQUEFIES_IN = (
+    f'the cases in which the stratum liquefies, such as [1, 2, 3], or "{TRIGGERED}": as the blow counts determine'
+)
 
 
 class Cases(tuple[int, ...]):

@@ -59,7 +59,7 @@ def sentence(key: str, value: float, limits: Range, remedy: str = UNUSUAL) -> st
     meant = next((unit for factor, unit in limits.slips if _is_meant(written, unit, factor * value, limits)), None)
     hint = f' (did you mean "{number} {meant}"?)' if meant and f"{number} {meant}" != written else ""
     expected = f"{'0, or ' if limits.or_none else ''}{limits.low:g} to {limits.high:g}{unit}"
-    return f"{key} = {shown}: {value / limits.si:.6g}{unit} is beyond what there is{hint}; expected {expected}{remedy}"
+    return f"{key} = {shown}: {value / limits.si:.6g}{unit} is implausible{hint}; expected {expected}{remedy}"
 
 
 def _is_meant(written: str | float, unit: str, otherwise: float, limits: Range) -> bool:

@@ -81,7 +81,7 @@ class Stratum(Model):
     )
     cohesion: Strength = Field(description='a cohesion such as "10 tf/m^2"')
     cohesion_increase: Gradient = Field(
-        default=0.0, description='what the cohesion gains per depth below cohesion_from, such as "2 kPa/m"'
+        default=0.0, description='the increase of cohesion per depth below cohesion_from, such as "2 kPa/m"'
     )
     cohesion_from: ElevationOrLine | None = Field(
         default=None,
@@ -98,9 +98,9 @@ class Stratum(Model):
     ocr: Ratio | None = Field(
         default=None, description="the overconsolidation ratio OCR of strength_ratio; 1 if not given"
     )
-    ocr_exponent: Ratio | None = Field(default=None, description="its exponent m, 0 to 1; 0.8 if not given")
+    ocr_exponent: Ratio | None = Field(default=None, description="the exponent m of OCR, 0 to 1; 0.8 if not given")
     pre_overburden_pressure: Strength | None = Field(
-        default=None, description="what the preconsolidation stress exceeds σ'v by, in place of ocr"
+        default=None, description="the difference of preconsolidation stress and σ'v, in place of ocr"
     )
     consolidated_below: ElevationOrLine | None = Field(
         default=None,
@@ -117,16 +117,15 @@ class Stratum(Model):
     )
     residual_cohesion: Strength | None = Field(
         default=None,
-        description='what is left of the cohesion of soil that has been sheared far, such as "0 kPa"; with '
-        "residual_friction_angle",
+        description='the cohesion of soil after large shear strains, such as "0 kPa"; with residual_friction_angle',
     )
     residual_friction_angle: Angle | None = Field(
         default=None,
-        description='its friction angle once it has been sheared far, such as "12 deg"; see noshiro residual',
+        description='the friction angle after large shear strains, such as "12 deg"; see noshiro residual',
     )
     liquefies_in: CaseNumbers = Field(default=Cases(), description=LIQUEFIES_IN)
     piezometric_level: ElevationOrLine | None = Field(
-        default=None, description="the level to which water rises in a pipe that ends in it, where not the water table"
+        default=None, description="the piezometric level of the stratum, if it is not the water table"
     )
     pore_pressure_ratio: Ratio | None = Field(
         default=None, description="pore pressure over the weight of the soil above, such as 0.25; in place of a level"
@@ -136,14 +135,17 @@ class Stratum(Model):
         description="pore pressure that shaking adds, over the vertical effective stress before it, from 0 to 1",
     )
     permeability: Permeability | None = Field(
-        default=None, description='how fast water flows under a gradient of 1, such as "1e-5 m/s"; for flow in [water]'
+        default=None,
+        description='the permeability: flow velocity under a gradient of 1, such as "1e-5 m/s"; for flow in [water]',
     )
     permeability_vertical: Permeability | None = Field(
         default=None,
         description="permeability to vertical flow where it differs; permeability is then that to horizontal flow",
     )
     drains: StrictBool = Field(
-        default=False, description="true if its water follows a drawdown at once; false: only what is taken off it"
+        default=False,
+        description="true if pore pressure in the stratum follows a drawdown at once (drained); false: the pressure "
+        "falls only by the load that is removed",
     )
 
     _place: str = PrivateAttr(default="")  # the table of its file, such as "zones 2", where not its own number tells

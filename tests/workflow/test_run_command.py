@@ -89,7 +89,7 @@ def test_nothing_changed_nothing_runs(whole: Path, capsys: pytest.CaptureFixture
     capsys.readouterr()
     assert run("run", whole / "slope.toml", "--out", out) == 0
     output = capsys.readouterr()
-    assert output.err.count("nothing has changed: reused") == 9
+    assert output.err.count("no input has changed: the result of") == 9
     assert len(output.out.splitlines()) <= 12
     after = {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()}
     assert {path.name for path in after if after[path] != before.get(path)} == {"log.txt", "lock"}

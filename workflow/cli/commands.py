@@ -113,7 +113,7 @@ def run_all(
         ),
     ] = None,
     force: Force = False,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would run, and why; nothing else.")] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Print which stages would run, and why.")] = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
     json: Json = False,
@@ -335,9 +335,13 @@ def _of_stage(stage: str, panel: str, words: str) -> None:
 _of_stage("triggering", Panel.LIQUEFACTION, "F_L at the blow counts of the borings, which strata liquefy, and P_L.")
 _of_stage("slices", Panel.GROUND, "Slip circles by Bishop and Spencer, towards both sides: factor of safety and Kh.")
 _of_stage("faces", Panel.GROUND, "Every face of structures by finite elements and bounds: Kh, factor of safety.")
-_of_stage("residual", Panel.GROUND, "Factor of safety with peak strength, then with residual strength, and its Kh.")
-_of_stage("liquefied", Panel.LIQUEFACTION, "Whether the ground still stands once layers have liquefied, and its Kh.")
-_of_stage("response", Panel.GROUND, "Response of the layers to a record of the rock below, with depth, and k_max.")
+_of_stage(
+    "residual", Panel.GROUND, "Factor of safety with peak strength, then with residual strength, and the critical Kh."
+)
+_of_stage(
+    "liquefied", Panel.LIQUEFACTION, "Whether the ground still stands once layers have liquefied, and the critical Kh."
+)
+_of_stage("response", Panel.GROUND, "Response of the layers to a record of the rock below, over depth, and k_max.")
 _of_stage("calibrate", Panel.LIQUEFACTION, "Calibrate the discs so that they fail at the Kh of the finite elements.")
 
 

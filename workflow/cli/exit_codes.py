@@ -29,7 +29,7 @@ def ended(call: Callable[[], object]) -> None:
             raise
         _stop()  # typer turns Ctrl-C into an exit without a word
     except MemoryError:
-        _complain("Out of memory: take larger cells or discs, or a machine with more.")
+        _complain("Out of memory: use larger cells or discs, or a machine with more memory.")
         sys.exit(BAD_INPUT)
     except Exception as error:
         if is_interrupt(error):
@@ -37,7 +37,7 @@ def ended(call: Callable[[], object]) -> None:
         _complain(traceback.format_exc(), style="")
         _complain(
             f"This is a fault of noshiro, not of your input: {type(error).__name__}: {error}",
-            "Please report it with log.txt and your section; what was computed is kept.",
+            "Please report it with log.txt and your section; finished results are kept.",
         )
         sys.exit(FAULT)
 

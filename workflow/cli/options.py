@@ -52,8 +52,8 @@ Set = Annotated[
     list[str] | None,
     typer.Option("--set", help="Any setting by its name, such as fem.sides=fixed; repeatable.", show_default=False),
 ]
-Force = Annotated[bool, typer.Option("--force", help="Run again even where nothing has changed.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but what went wrong.")]
+Force = Annotated[bool, typer.Option("--force", help="Run again even if nothing has changed.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only errors.")]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say every step.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the answers as JSON, and nothing else.")]
 Workers = Annotated[
@@ -62,7 +62,7 @@ Workers = Annotated[
 Scheduler = Annotated[
     str | None,
     typer.Option(
-        help="Address of a Dask scheduler whose workers are taken, such as tcp://host:8786.", show_default=False
+        help="Address of a Dask scheduler whose workers are used, such as tcp://host:8786.", show_default=False
     ),
 ]
 Model = Annotated[

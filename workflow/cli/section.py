@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 COLUMNS_OPTION = typer.Option(
-    help="A column of a .csv by our name and its own, such as layer=Stratum; repeatable, or with commas.",
+    help="A column of a .csv, as standard name = name in the file, such as layer=Stratum; repeatable, or with commas.",
     show_default=False,
 )
 LAYERS_OPTION = typer.Option(
@@ -34,7 +34,10 @@ def section(
     columns: Annotated[list[str] | None, COLUMNS_OPTION] = None,
     borings: Annotated[list[str] | None, BORINGS_OPTION] = None,
     unit: Annotated[
-        str | None, typer.Option(help="The unit of a drawing, such as mm. [default: what it says]", show_default=False)
+        str | None,
+        typer.Option(
+            help="The unit of a drawing, such as mm. [default: the unit stated in the drawing]", show_default=False
+        ),
     ] = None,
     part: Annotated[str | None, PART_OPTION] = None,
 ) -> None:

@@ -16,7 +16,9 @@ def study(
         Path | None,
         typer.Option("--out", help="Folder of the study. [default: runs/<section name>_study]", show_default=False),
     ] = None,
-    samples: Annotated[int | None, typer.Option(help="Samples to draw; more go on from fewer.")] = None,
+    samples: Annotated[
+        int | None, typer.Option(help="Number of samples; a larger number continues a smaller one.")
+    ] = None,
     only: Annotated[
         list[str] | None,
         typer.Option("--only", help="What to compute: fem, bounds, block, slide; repeatable. [default: fem, block]"),

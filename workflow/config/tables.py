@@ -29,7 +29,7 @@ class FigureSettings(Model):
         default=1280, ge=400, le=1600, description="pixels across of the pictures in the report, from 400 to 1600"
     )
     report_animations: StrictBool = Field(
-        default=True, description="true if the report shall play the slides, and the path of Kh"
+        default=True, description="true to include animations of the slides, and of the path of Kh, in the report"
     )
 
 
@@ -37,7 +37,7 @@ class Observed(Model):
     """A displacement that was measured, a table [[report.observed]]."""
 
     name: str = Field(min_length=1, description="where or how it was measured, such as inclinometer SI-5")
-    displacement: Length = Field(description='how far the ground went, such as "0.26 m"')
+    displacement: Length = Field(description='measured displacement of the ground, such as "0.26 m"')
     x: Coordinate | None = Field(
         default=None, description="horizontal position in the section, to compare with the discs there"
     )
@@ -70,7 +70,8 @@ class VariantSettings(Model):
 
     which: tuple[Variant, ...] = Field(
         default=("element", "step", "dilation", "sides"),
-        description='what is changed, one at a time, to see how the critical Kh depends on it: "mesh" (four '
+        description="assumptions that are changed, one at a time, to show their influence on the critical Kh: "
+        '"mesh" (four '
         'times the cells), "element", "step", "dilation", "sides"',
     )
 
@@ -105,7 +106,7 @@ class SlidingBlockSettings(Model):
         default=None,
         gt=0.0,
         le=3600.0,
-        description="how long the constant coefficient acts (s); by default as long as on the slides",
+        description="duration of the constant coefficient (s); by default as for the slides",
     )
 
     def in_use(self) -> Accelerogram:
@@ -116,19 +117,20 @@ class SlidingBlockSettings(Model):
 class Tables(Model):
     """The settings of all stages, one TOML table each."""
 
-    mesh: MeshSettings = Field(default=MeshSettings(), description="a table [mesh] that says how to mesh")
+    mesh: MeshSettings = Field(default=MeshSettings(), description="a table [mesh] of the settings of the mesh")
     fem: FemSettings = Field(default=FemSettings(), description="a table [fem] of the finite element analysis")
     bounds: BoundsSettings = Field(default=BoundsSettings(), description="a table [bounds] of the limit analysis")
     dem: DemSettings = Field(default=DemSettings(), description="a table [dem] of the discs and their calibration")
     slide: SlideSettings = Field(default=SlideSettings(), description="a table [slide] of the liquefied slides")
     variants: VariantSettings = Field(
-        default=VariantSettings(), description="a table [variants] of what is changed to see what it does"
+        default=VariantSettings(), description="a table [variants] of assumptions that are changed one at a time"
     )
     faces: FaceSettings = Field(
-        default=FaceSettings(), description="a table [faces] of what is computed for every face of structures"
+        default=FaceSettings(), description="a table [faces] of the analyses of every face of structures"
     )
     sliding_block: SlidingBlockSettings = Field(
-        default=SlidingBlockSettings(), description="a table [sliding_block] of the blocks to compare with"
+        default=SlidingBlockSettings(),
+        description="a table [sliding_block] of the rigid blocks that slides are compared with",
     )
     earthquake: EarthquakeSettings = Field(
         default=EarthquakeSettings(), description="a table [earthquake] of magnitude and distance, or acceleration"
@@ -137,7 +139,8 @@ class Tables(Model):
         default=SiteResponseSettings(), description="a table [site_response] of the layers under a record of the rock"
     )
     triggering: TriggeringSettings = Field(
-        default=TriggeringSettings(), description="a table [triggering] of borings, and of how they are judged"
+        default=TriggeringSettings(),
+        description="a table [triggering] of borings, and of the method of triggering analysis",
     )
     free_face: FreeFaceSettings = Field(
         default=FreeFaceSettings(), description="a table [free_face] of a bank that liquefied ground spreads towards"
@@ -153,7 +156,7 @@ class Tables(Model):
         description="a table [uncertain] of numbers that have a distribution, by their paths",
     )
     study: StudySettings = Field(
-        default=StudySettings(), description="a table [study] of how `noshiro study` samples what is uncertain"
+        default=StudySettings(), description="a table [study] of the samples of `noshiro study`"
     )
     figures: FigureSettings = Field(default=FigureSettings(), description="a table [figures] of pictures and report")
     report: ReportSettings = Field(default=ReportSettings(), description="a table [report] of the head of the report")

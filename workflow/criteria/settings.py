@@ -47,7 +47,7 @@ PRESETS: Mapping[Preset, PublishedCriterion] = {
 }  # fmt: skip
 
 
-SOURCE = "where the limit stands, such as the name of a guideline"
+SOURCE = "source of the limit, such as the name of a guideline"
 
 
 class FactorCriterion(Model):
@@ -89,8 +89,8 @@ class CriteriaSettings(Model):
     preset: Preset | None = Field(
         default=None,
         description='a published criterion: "hynes_griffin_franklin_1984" (factor 1 at half of the peak acceleration, '
-        'for up to 1 m) or "nchrp_611" (factor 1.1 at half of it, for up to 2 inches); what is given beside it counts '
-        "before it",
+        'for up to 1 m) or "nchrp_611" (factor 1.1 at half of it, for up to 2 inches); limits given in addition '
+        "take precedence",
     )
     factor_of_safety: FactorCriterion | None = Field(
         default=None, description="the least factor of safety, { limit = 1.2, kh = 0.1, source = ... }"

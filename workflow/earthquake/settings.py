@@ -56,12 +56,12 @@ class EarthquakeSettings(Model):
     )
     peak_acceleration: Acceleration | None = Field(
         default=None,
-        description='the peak acceleration at the ground surface, such as "250 gal"; goes before all others',
+        description='the peak acceleration at the ground surface, such as "250 gal"; takes precedence over all others',
     )
     record: str = Field(
         default="",
-        description="a file with a record of the ground surface (PEER, K-NET, COSMOS, ESM, .csv), whose peak is "
-        "taken; goes before magnitude and distance",
+        description="a file with a record of the ground surface (PEER, K-NET, COSMOS, ESM, .csv), whose peak "
+        "is used; takes precedence over magnitude and distance",
     )
     unit: RecordUnit = ""
     component: RecordComponent = ""

@@ -90,7 +90,7 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
 
     title = f"{config.section.heading}: upper bound, Kh = {mechanism.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion] * 3, foot(config.section), legend_rows=3)
-    sheet.show(0, render(window, arrows), window, "velocities of the mechanism; its size is arbitrary")
+    sheet.show(0, render(window, arrows), window, "velocities of the mechanism; their magnitude is arbitrary")
     views = (
         (shear / max(float(shear.max()), 1e-300), "largest shear rate"),
         (
@@ -100,7 +100,7 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
     )
     for view, (values, what) in enumerate(views, start=1):
         sheet.show(view, render(window, _classes(mesh, values, DISSIPATION, DISSIPATION_COLOURS)), window, what)
-    label = "shear rate, dissipation per area: over the largest (-)"
+    label = "shear rate and dissipation per area, over the largest value (-)"
     sheet.colour_bar(in_classes(DISSIPATION, DISSIPATION_COLOURS), label, DISSIPATION)
     sheet.note(conditions(config, bounds, mechanism))
     return sheet
@@ -111,7 +111,7 @@ def _stress_sheet(config: Config, bounds: KhBounds, stress: StressField, window:
     title = f"{config.section.heading}: lower bound, Kh = {stress.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion], foot(config.section), legend_rows=3)
     image = render(window, _classes(mesh, yield_use(stress), YIELD, YIELD_COLOURS))
-    sheet.show(0, image, window, "mobilised share of strength, at the worst corner of each triangle")
+    sheet.show(0, image, window, "mobilised strength, at the worst corner of each triangle")
     sheet.colour_bar(in_classes(YIELD, YIELD_COLOURS), "radius of Mohr's circle over the largest possible (-)", YIELD)
     sheet.note(conditions(config, bounds, stress))
     return sheet
@@ -140,7 +140,7 @@ def _mesh_sheet(section: Section, bounds: KhBounds, window: Window) -> Sheet:
     title = f"{len(mesh.cells)} triangles of the bounds"
     sheet = Sheet(title, [window.proportion], foot(section), legend_rows=-(-len(handles) // columns))
     sheet.legend(handles, columns)
-    sheet.show(0, render(window, draw), window, "divided where the gap between the bounds is")
+    sheet.show(0, render(window, draw), window, "small triangles where the bounds differ")
     return sheet
 
 

@@ -67,7 +67,7 @@ def _curves(results: Results, name: str) -> bool:
         if rest:  # the path itself carries overstress
             look: dict[str, Any] = {"color": CONTINUUM, "marker": "o", "markerfacecolor": "white", "linestyle": ""}
             axes.plot(*np.array(rest).T, **look, markersize=4)
-            handles.append(Line2D([], [], **look, markersize=4, label="the same, in equilibrium without overstress"))
+            handles.append(Line2D([], [], **look, markersize=4, label="in equilibrium without overstress"))
     if results.kc is not None:
         axes.axhspan(answer.kc_lower, answer.kc_upper, color=CONTINUUM, alpha=0.15, linewidth=0)
     if discs is not None:

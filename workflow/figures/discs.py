@@ -153,7 +153,9 @@ def state(model: DiscModel, before: DiscModel, path: Path | str, title: str) -> 
     if there:  # soil discs have none
         springs = partial(draw_pore_springs, model=model)
         sheet.show(1, render(window, springs), window, "pore springs: green whole, red cracked")
-    sheet.colour_bar(ScalarMappable(norm, FAR), "displacement (m); discs beyond the scale have its last colour")
+    sheet.colour_bar(
+        ScalarMappable(norm, FAR), "displacement (m); larger displacements have the last colour of the scale"
+    )
     sheet.save(path)
 
 
@@ -220,7 +222,7 @@ def force_chains(model: DiscModel, path: Path | str, title: str = "Force chains"
                 plotter.add_mesh(mesh, color=colour, lighting=False)
 
     full = f"{scale / 1e3:,.0f} kN/m"
-    handles = [Line2D([], [], color=INK, lw=6, label=f"push; widest bars {full} and more")]
+    handles = [Line2D([], [], color=INK, lw=6, label=f"compression; widest bars {full} and more")]
     if np.any(normal < -0.01 * scale):
         handles.append(Line2D([], [], color=CRACKED, lw=6, label="pull"))
     _write(path, title, window_of(model), draw, model, handles)

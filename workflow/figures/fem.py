@@ -85,7 +85,7 @@ def conditions(config: Config, element: str) -> str:
     flow = _flow_in_words(config)
     kv = f", Kv = {config.fem.vertical:g}" if config.fem.vertical else ""
     direction = config.fem.direction
-    way = "down- and upslope, of which the smaller Kh counts" if direction == "both" else FORCE[direction]
+    way = "seismic force downslope and upslope; the smaller Kh counts" if direction == "both" else FORCE[direction]
     return f"{config.fem.sides} sides, {flow}, {element} element, seismic force {way}{kv}"
 
 
@@ -156,7 +156,7 @@ def _state_sheet(config: Config, results: FemResults, state: FieldState, views: 
         1,
         views.safety,
         window,
-        "mobilised share of strength τ / (c + N tan φ) on the worst plane",
+        "mobilised strength τ / (c + N tan φ) on the worst plane",
     )
     if len(slip):
         axes.plot(*slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))

@@ -30,7 +30,7 @@ def profiles(config: Config, answer: PointSlidesAnswer, out: Path) -> None:
     margin = ROOM * (heights.max() - heights.min()) + answer.cell_m
     for view, (numbers, case) in enumerate(groups.items()):
         last = view == len(groups) - 1
-        name = f"{config.called(*numbers)}: slides at most {metres(case.slide_max_m)}; {case.reason}"
+        name = f"{config.called(*numbers)}: largest slide {metres(case.slide_max_m)}; {case.reason}"
         axes = sheet.plot(view, "distance x (m)" if last else "", "elevation (m)", name)
         before, after = np.array(case.surface_before), seen_from_above(np.array(case.surface_after), answer.cell_m)
         axes.plot(*after.T, color=CONTINUUM, linewidth=1.3)

@@ -48,7 +48,7 @@ FIELDS: Mapping[str, Field] = {
     "displacement": Field("displacement (m)", lambda state: np.hypot(*state.displacement.T), by_point=True),
     "displacement_x": Field("displacement to the right (m)", lambda state: state.displacement[:, 0], by_point=True),
     "displacement_z": Field("displacement upwards (m)", lambda state: state.displacement[:, 1], by_point=True),
-    "mobilised": Field("mobilised share of strength (-)", lambda state: state.mobilised, "YlOrRd"),
+    "mobilised": Field("mobilised strength (-)", lambda state: state.mobilised, "YlOrRd"),
     "shear_strain": Field("largest shear strain (-)", lambda state: state.shear_strain, "magma_r"),
     "plastic_shear_strain": Field("plastic shear strain (-)", lambda state: state.plastic_shear_strain, "magma_r"),
     "stress_xx": Field("stress xx (kPa), tension positive", _stress(0)),

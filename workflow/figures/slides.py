@@ -150,7 +150,9 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
     axes.plot(*smoothed(before, size).T, color=INK, linewidth=1.1, linestyle=(0, (4, 2)))
     axes.plot(*smoothed(after, size).T, color=CONTINUUM, linewidth=1.3)
     sheet.show(1, render(window, strata), window, "layers")
-    sheet.colour_bar(ScalarMappable(norm, FAR), "displacement (m); beyond the scale in its last colour")
+    sheet.colour_bar(
+        ScalarMappable(norm, FAR), "displacement (m); larger displacements have the last colour of the scale"
+    )
     lines = [
         Line2D([], [], color=INK, linewidth=1.1, linestyle=(0, (4, 2)), label="surface before"),
         Line2D([], [], color=CONTINUUM, linewidth=1.3, label="surface after"),

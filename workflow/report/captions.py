@@ -35,17 +35,17 @@ CAPTIONS = (
     Caption(
         r"front",
         "front",
-        "The section in true proportions, with its layers and the direction of the seismic force; where there are any, "
-        "with water, borings, the slip surface at the critical Kh, and the surface after the largest slide.",
+        "The section in true proportions, with its layers and the direction of the seismic force; with water, borings, "
+        "the slip surface at the critical Kh, and the surface after the largest slide, if there are any.",
         True,
     ),
     Caption(r"section", "ground", "The layers. Dotted: liquefiable. Dashed line: water table.", True),
     Caption(r"weights", "ground", "Unit weight of the ground, surcharges and pore pressure, without shaking.", True),
-    Caption(r"site_response", "response", "The layers under the record of the rock, with depth."),
+    Caption(r"site_response", "response", "Response of the layers to the record of the rock, over depth."),
     Caption(
         r"triggering",
         "triggering",
-        "Blow counts and F_L with depth beside each boring; the strata, and the water table.",
+        "Blow counts and F_L over depth at each boring, with the strata and the water table.",
         True,
     ),
     Caption(r"mesh", "ground", "The mesh of the continuum."),
@@ -68,7 +68,7 @@ CAPTIONS = (
     Caption(
         r"fem_kh_(\d+\.\d+)",
         "fem",
-        "Continuum at Kh = {0}: displacement since gravity, and mobilised share of strength.",
+        "Continuum at Kh = {0}: displacement since gravity, and mobilised strength.",
     ),
     Caption(r"fem_curve", "fem", "Continuum: the path of Kh, with every converged step."),
     Caption(r"fem_safety", "fem", "Continuum: slip surface with the strength divided by the factor of safety."),
@@ -85,7 +85,7 @@ CAPTIONS = (
         "The ground surface before and after the slide on all random packings: median, and 5 to 95 %.",
         True,
     ),
-    Caption(r"case(\d+)_table2", "slide", "Case {0}, springs of Table 2 as printed."),
+    Caption(r"case(\d+)_table2", "slide", "Case {0}, discs with the springs of the paper's Table 2."),
     Caption(r"case(\d+).*", "slide", "Case {0}."),
     Caption(
         r"calibration",

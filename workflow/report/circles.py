@@ -77,8 +77,8 @@ def against_elements(results: Results) -> Iterator[str]:
             continue
         if abs(math.log(max(circle.bishop, 1e-9) / factor.factor)) > math.log(FAR):
             both = (
-                f"slip circles have a factor of safety of {circle.bishop:.2f} at Kh = {factor.kh:g}, where elements "
-                f"have {factor.factor:.2f}"
+                f"slip circles have a factor of safety of {circle.bishop:.2f} at Kh = {factor.kh:g}, while "
+                f"finite elements have {factor.factor:.2f}"
             )
             yield both + _why_far(results, circle, factor.factor, np.array(factor.slip_surface), factor.kh)
     if not circles.critical or not fem.has_kc:
@@ -88,7 +88,7 @@ def against_elements(results: Results) -> Iterator[str]:
     if apart > max(FAR_IN_KH, (FAR - 1.0) * fem.kc) and not _contradicted(circle.bishop, *kh):
         state = fem.last_in_equilibrium()
         line = np.array(state.slip_surface if state is not None else ())
-        both = f"slip circles have a critical Kh of {coefficient(circle.bishop)}, where elements have "
+        both = f"slip circles have a critical Kh of {coefficient(circle.bishop)}, while finite elements have "
         yield f"{both}{coefficient(fem.kc)}{_why_far(results, circle, fem.kc, line, None)}"
 
 
@@ -118,7 +118,7 @@ def _why_far(results: Results, circle: CirclePart, elements: float, line: np.nda
     spencer = least_balance(section, line, kh, results.config.fem.vertical)
     if spencer is not None and abs(spencer - elements) <= CONFIRMS * elements:
         value = coefficient(spencer) if kh is None else f"{spencer:.2f}"
-        where += f", where Spencer's method has {value}"
+        where += f", while Spencer's method has {value}"
     return f"{where}: rely on the elements, whose slip surface is no circle"
 
 

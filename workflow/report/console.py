@@ -72,7 +72,8 @@ def fem_sentences(
     error = accuracy(results, answer) if results is not None else of_meshes(answer)
     interval = f" Range {error.method}: {between([error.low, error.high])}." if error is not None else ""
     if error is not None and answer.has_kc and answer.kc > CONTRADICTED * error.high:
-        interval += f" The elements lie {100.0 * (answer.kc / error.high - 1.0):.1f} % above it: use its upper end."
+        above = 100.0 * (answer.kc / error.high - 1.0)
+        interval += f" The finite elements lie {above:.1f} % above this interval: use its upper end."
     how = ""
     if every or answer.ended not in ("plateau", "limit load"):
         most = f", at most {coefficient(answer.kc_upper)} on this mesh" if answer.kc_upper > answer.kc else ""
@@ -101,7 +102,7 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = Tru
     compared = factor.davis if factor.davis is not None else factor.associated
     number = with_flow(factor.factor, answer.flow, compared, answer.estimate, "{:.3f}".format)
     if factor.verdict == "no failure":  # it is where the search ended, not where the ground fails
-        return f"Factor of safety at Kh = {factor.kh:g}: above {factor.factor:.3g}, where the search ended."
+        return f"Factor of safety at Kh = {factor.kh:g}: above {factor.factor:.3g}, the largest factor of the search."
     phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}. {factor.verdict.capitalize()}{most}, "
     phrase += f"{factor.reason}{rest}."
     if not every:
@@ -126,7 +127,7 @@ def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
     """Yield sentences on the critical Kh on every mesh that was adapted to the mechanism."""
     if answer.meshes:
         phrase = ", ".join(f"{mesh.kc:.4f} ({mesh.cells} cells)" for mesh in answer.meshes)
-        tends = f" The sequence tends to {answer.kc_limit:.4f}." if answer.kc_limit is not None else ""
+        tends = f" The sequence of meshes converges to {answer.kc_limit:.4f}." if answer.kc_limit is not None else ""
         yield f"On meshes adapted to the mechanism: {phrase}. The sequence ended because {answer.meshes_ended}.{tends}"
 
 
@@ -165,7 +166,7 @@ def proven(faces: bool, load_ends: bool) -> str:
     """Return the name of bounds of the ground as it is, or with cohesionless ``faces``, or bare ground at
     ``load_ends``, strengthened."""
     strengthened = [what for what, is_so in (("the faces", faces), ("the ends of loads", load_ends)) if is_so]
-    failures = "Bounds of these deeper failures" if faces else "Bounds"
+    failures = "Bounds of failures below such faces" if faces else "Bounds"
     return f"{failures}, {' and '.join(strengthened)} given a cohesion," if strengthened else "Strict bounds"
 
 
@@ -185,7 +186,7 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
         ground = "such faces meet, the ground above this depth"
         if not answer.shallow_failures:
             ground = f"water comes out of a bare face, ground less than {answer.least_depth:g} m deep"
-        yield f"Where {ground} slips {when}: this ground needs cohesion, or protection."
+        yield f"Where {ground} slips {when}: this ground requires cohesion, or protection."
     ends = bool(answer.load_ends)
     if ends:
         where = ", ".join(f"{x:g}" for x in answer.load_ends)
@@ -265,7 +266,8 @@ def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
             settled += f"; the surface falls by {metres(fall)} at x = {x:.0f} m"
         settled += "".join(f"; {note}" for note in case.notes)
         yield (
-            f"Case {which} ({name}): slides at most {metres(case.slide_max_m)} at x = {case.slide_max_at_x_m:.0f} m, "
+            f"Case {which} ({name}): the largest slide is {metres(case.slide_max_m)} at x = "
+            f"{case.slide_max_at_x_m:.0f} m, "
             f"{case.uphill} {metres(abs(case.settlement_uphill_m))} uphill on average{settled}."
         )
     yield from crest_sentences(crest_parts(config, answer))
@@ -278,7 +280,8 @@ def mpm_sentences(config: Config, answer: PointSlidesAnswer) -> Iterator[str]:
     for number, case in sorted(answer.cases.items()):
         between_ends = span([case.slide_max_low_m, case.slide_max_high_m])
         yield (
-            f"{config.called(number)}: by the material point method the surface slides at most {between_ends}, the "
+            f"{config.called(number)}: by the material point method the largest slide of the surface is "
+            f"{between_ends}, the "
             f"crest settles {metres(case.settlement_crest_m)}; {case.reason}."
         )
         yield from (f"- {note}." for note in case.notes)

@@ -103,7 +103,7 @@ def of_sides(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
             lengths = span([cases[number].slide_max_m for number in stopped])
             yield (
                 f"the {side} side of the disc model stopped {of_cases(stopped)}: {lengths} is a lower limit of the "
-                f"slide; take a longer section (beyond)"
+                f"slide; take a longer section (setting beyond)"
             )
 
 
@@ -118,8 +118,8 @@ def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
         lengths = span([case.slide_max_m for case in stopped.values()])
         end = "reach the fixed side of the section" if answer.sides == "fixed" else "leave the section"
         yield (
-            f"material points {end} in {of_cases(sorted(stopped))}: {lengths} is a lower limit of the slide; take a "
-            f"longer section (beyond)"
+            f"material points {end} in {of_cases(sorted(stopped))}: {lengths} is a lower limit of the slide; take "
+            f"a longer section (setting beyond)"
         )
     ends = {number: case.slide_along[_uphill_end(case)][1] for number, case in points.items() if case.slide_along}
     far = {number: end for number, end in ends.items() if points[number].slide_max_m >= LEAST_END}
@@ -161,7 +161,8 @@ def of_order(
                     f"case {weak}{_named(cases[weak])} has less residual strength than case "
                     f"{strong}{_named(cases[strong])} "
                     f"and slides less by {by}, {metres(slides[weak])} and {metres(slides[strong])}: a side of the "
-                    f"model{packings} limits the slides, and not their strength; take a longer section (beyond) if a "
+                    f"model{packings} limits the slides, and not their strength; take a longer section (setting "
+                    "beyond) if a "
                     f"side stops the slides, {more} otherwise, and rely on the longer slide until then"
                 )
 
@@ -204,17 +205,17 @@ def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "di
     if by == "discs" and side:
         yield (
             f"the surface falls by {fall} at x = {at} m in {of}, where it slides away from the {side} side of the "
-            "model: take a longer section (beyond) before you use this value, which may be smaller there"
+            "model: take a longer section (setting beyond) before you use this value, which may be smaller there"
         )
     elif by == "discs":
         yield (
-            f"the surface falls by {fall} at x = {at} m in {of}, far more than the mean settlement of any third of "
-            "the section: use this value for what stands there"
+            f"the surface falls by {fall} at x = {at} m in {of}, far more than the mean settlement of any third "
+            "of the section: use this value for structures at this place"
         )
     else:
         yield (
-            f"the surface of material points falls by {fall} at x = {at} m in {of}, far more than the highest point of "
-            "the ground: use this value for what stands there"
+            f"the surface of material points falls by {fall} at x = {at} m in {of}, far more than at the highest "
+            "point of the ground: use this value for structures at this place"
         )
 
 

@@ -207,7 +207,7 @@ def _spread(values: list[float]) -> str:
 
 
 def _elsewhere(results: Results) -> Iterator[FaceLine]:
-    """The failure of the section by finite elements where no crest slides with it."""
+    """The failure of the section by finite elements where no crest is part of this failure."""
     fem, slices, config = results.fem, results.slices, results.config
     surface = [(float(x), float(z)) for x, z in results.slip_surface]
     if fem is None or slices is None or results.kc is None or not surface:
@@ -224,7 +224,7 @@ def _elsewhere(results: Results) -> Iterator[FaceLine]:
         both = _by_both_rules(fem.flow, factor.factor, factor.davis, factor.associated)
         safety = MethodValues(*both, *_of_safety(results), safety.circles)
     yield FaceLine(
-        name=f"x = {surface[0][0]:.0f} to {surface[-1][0]:.0f} m, no crest slides with it",
+        name=f"x = {surface[0][0]:.0f} to {surface[-1][0]:.0f} m, no crest is part of this failure",
         side=fem.towards,
         critical=MethodValues(full, low, *_of_section(results, fem.towards), circle),
         safety=safety,
@@ -280,7 +280,7 @@ def note_sentences(results: Results) -> Iterator[str]:
             if value is not None and not value.reaches_crest:
                 yield (
                     f"{what[0].upper()}{what[1:]} of {of}: the finite elements fail at {value.value:.3g} first, in "
-                    "ground with which no crest slides."
+                    "ground that does not include a crest."
                 )
         for reason in face.reasons:
             yield f"{of[0].upper()}{of[1:]}: no {reason.rstrip('.')}."
@@ -306,5 +306,5 @@ def faces_sentences(answer: FacesAnswer) -> Iterator[str]:
             )  # fmt: skip
             phrases.append(f"{name} {value.value:.{digits}f} with ψ = φ{low}{bounds}")
         reasons = [reason.rstrip(".") for reason in face.reasons]
-        words = "; ".join([*phrases, *reasons]) or "no failure with which its crest slides"
+        words = "; ".join([*phrases, *reasons]) or "no failure includes the crest"
         yield f"{face.structure}, towards the {face.towards}: {words}."

@@ -62,7 +62,7 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
     if not fem.has_kc:
         least = coefficient(fem.kc_lower)
         if fem.verdict == "no failure":
-            phrase = _("The section stands at every Kh up to {kh}, where the search ended.", kh=least)
+            phrase = _("The section stands at every Kh up to {kh}, the largest Kh of the search.", kh=least)
             return HeadlinePart(name=name, value=f"> {least}", interval="", conclusion=phrase)
         phrase = _("The critical Kh was not found: {reason}.", reason=fem.reason)
         return HeadlinePart(name=name, value=f"≥ {least}", interval="", conclusion=phrase)
@@ -111,7 +111,7 @@ def _with_crests(
     ]  # fmt: skip
     if quantity == "critical":
         phrase = " " + _(
-            "This mechanism reaches from x = {left} to {right} m, and no crest slides with it ({structures}).",
+            "This mechanism reaches from x = {left} to {right} m, and no crest is part of this failure ({structures}).",
             left=f"{min(x):.0f}",
             right=f"{max(x):.0f}",
             structures=_.listed(names),
@@ -158,12 +158,12 @@ def _contradicted(results: Results, fem: FemAnswer, kh: GoverningKh, conditions:
     """
     word = (
         "The section fails {way} at Kh = {kc} ({conditions}). The finite elements give {excess} % more; no mechanism "
-        "needs more than the upper bound, so that the upper bound counts."
+        "requires more than the upper bound, so that the upper bound counts."
     )
     if kh.is_limit:
         word = (
             "The section fails {way} at Kh = {kc} or less ({conditions}). The finite elements give {excess} % more; no "
-            "mechanism needs more than the upper bound, so that the upper bound counts, as a limit."
+            "mechanism requires more than the upper bound, so that the upper bound counts, as a limit."
         )
     phrase = _(
         word,
@@ -197,7 +197,7 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
         phrase = _("No factor of safety: {reason}.", reason=entry.reason)
         return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
     if fem is None or factor is None:
-        phrase = _("No factor of safety was computed; fem.safety_factor_at = [0.0] asks for one.")
+        phrase = _("No factor of safety was computed; fem.safety_factor_at = [0.0] requests one.")
         return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
     if factor.verdict == "no failure":
         phrase = _(
@@ -294,6 +294,6 @@ def _why_kh(results: Results, _: Texts) -> Iterator[str]:
     elif slide.kh <= 1.1 * high:
         word = (
             "The slides are computed at Kh = {kh}, which is about the critical Kh after liquefaction, {limit}: small "
-            "changes of strength change the slide much."
+            "changes of strength change the slide strongly."
         )
     yield _(word, kh=f"{slide.kh:g}", limit=limit)

@@ -10,7 +10,7 @@ from workflow.results.continuum import FemAnswer
 # When Davis's estimate counts, and when ψ = φ does.
 WHEN = (
     "Strict bounds, limit equilibrium and most strength reduction results are for ψ = φ. Davis's estimate, with "
-    "reduced strength, is low. It governs where dense ground is confined, and where a dilation angle is given."
+    "reduced strength, is low. Davis's estimate governs if dense ground is confined, or if a dilation angle is given."
 )
 # Which critical Kh sliding blocks resist with, and why.
 BLOCKS: Mapping[Flow, str] = {
@@ -22,7 +22,7 @@ BLOCKS: Mapping[Flow, str] = {
     "blocks would slide less.",
 }
 # The same of discs, and of the verdict on liquefied ground.
-DISCS = "They are calibrated to the continuum with the given ψ, 0 if none is given, since discs hardly dilate."
+DISCS = "The discs are calibrated to the continuum with the given ψ, 0 if none is given, since discs hardly dilate."
 LIQUEFIED = "Whether the ground then stands follows from strict bounds, which have ψ = φ, or else from finite elements."
 
 

@@ -92,7 +92,7 @@ class Enough:
             for s in self.strata
         ]
         more = "; a case with more strength would determine the required strength" if self.how == "more than" else ""
-        return f"To stand without shaking the ground needs {self.how} {listed(phrases)}{more}"
+        return f"The residual strength required to stand without shaking is {self.how} {listed(phrases)}{more}"
 
 
 def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:

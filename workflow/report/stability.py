@@ -127,7 +127,9 @@ def _circle(of: str, circle: CirclePart, section: Section, digits: int, _: Texts
     depth = float(depth_below_ground(section, np.array(circle.surface_m)).max())
     conditions = _("Bishop, towards the {side}, {depth} m deep", side=_(circle.towards), depth=f"{depth:.1f}")
     if circle.strengthened:
-        conditions += _("; the cohesionless face has a cohesion added, because without it it fails at a smaller Kh")
+        conditions += _(
+            "; the cohesionless face has a cohesion added, because without cohesion it fails at a smaller Kh"
+        )
     return StabilityRow(of, f"{circle.bishop:.{digits}f}", spencer, conditions)
 
 

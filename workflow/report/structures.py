@@ -71,5 +71,5 @@ def elsewhere(config: Config, answer: SlicesAnswer | None) -> Iterator[str]:
         if not any(structure.slides_with(circle.surface_m) for structure in structures):
             yield (
                 f"Elsewhere, from x = {circle.surface_m[0][0]:.0f} to {circle.surface_m[-1][0]:.0f} m towards the "
-                f"{circle.towards}, {what} is {circle.bishop:.{digits}f}: no crest slides with it."
+                f"{circle.towards}, {what} is {circle.bishop:.{digits}f}: no crest is part of this failure."
             )

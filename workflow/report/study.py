@@ -91,7 +91,7 @@ def sentences(config: Config, answer: StudyAnswer) -> Iterator[str]:
 def _where(spread: Spread, samples: int) -> str:
     phrase = f"half of the samples are below {number(spread.median)}"
     if spread.low is not None and samples >= FEWEST:
-        phrase += f", nine of ten between {number(spread.low)} and {number(spread.high)}"
+        phrase += f", 90 % of the samples between {number(spread.low)} and {number(spread.high)}"
     return phrase
 
 
@@ -102,7 +102,7 @@ def _strongest(result: Result) -> str:
     if first.total is not None:
         return f"; it depends most on {first.path} (total Sobol' index {first.total:.2f})"
     if abs(first.correlation) <= result.by_chance:
-        return "; so few samples do not show what it depends on"
+        return "; the samples are too few to show on which numbers it depends"
     return f"; it depends most on {first.path} (correlation {first.correlation:+.2f})"
 
 

@@ -311,8 +311,8 @@ def _disagreement(results: Results) -> Iterator[str]:
         yield "The rigid block has the strength before liquefaction, so it does not predict slides after it."
     if observed:
         yield (
-            "The regression is an average over gentle slopes of liquefied sand; it does not depend on shaking and "
-            "strength, and flow failures are excluded."
+            "The regression is an average over gentle slopes of liquefied sand; the regression does not depend "
+            "on shaking and strength, and flow failures are excluded."
         )
     if observed and max(discs) > DISAGREE * min(observed) and not any(case.flows for case in cases.values()):
         yield (

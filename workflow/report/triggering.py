@@ -24,7 +24,8 @@ def _left_sentence(stratum: LeftPart) -> str:
             for title, pascals in stratum.strength_Pa.items()]  # fmt: skip
     drains = f"{100.0 * stratum.volumetric_strain:.1f} % volumetric strain by drainage"
     if stratum.strain_potential > 0.0:
-        drains = f"it shears by {100.0 * stratum.strain_potential:.0f} % before it regains strength, and {drains}"
+        strain = f"{100.0 * stratum.strain_potential:.0f} %"
+        drains = f"it undergoes a shear strain of {strain} before it regains strength, and {drains}"
     keeps = "is outside the range of all relations of residual strength"
     if phrases:
         keeps = f"keeps a residual strength of {', '.join(phrases)}"
@@ -41,4 +42,4 @@ def stratum_sentence(stratum: StratumPart) -> str:
     if stratum.lowest_factor is not None:
         phrase += f", smallest F_L {stratum.lowest_factor:.2f}"
     rest = stratum.tests - stratum.judged
-    return phrase + (f"; {rest} of its {stratum.tests} tests not assessed ({stratum.reason})." if rest else ".")
+    return phrase + (f"; {rest} of {stratum.tests} tests in it not assessed ({stratum.reason})." if rest else ".")

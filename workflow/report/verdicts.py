@@ -210,7 +210,7 @@ def _words(part: VerdictPart) -> str:
 
 
 def limit_words(part: VerdictPart) -> str:
-    """Return the limit with its unit, and its Kh."""
+    """Return the limit with its unit, and the Kh at which it applies."""
     return _number(part.criterion, part.limit) + ("" if part.kh is None else f" at Kh = {part.kh:g}")
 
 

@@ -73,7 +73,7 @@ def _of_cases(results: Results) -> Iterator[str]:
     _, cases = results.case_set()
     escaped = [number for number, case in cases.items() if case.escaped]
     if escaped:
-        yield f"discs have left the section in {of_cases(escaped)}: take a longer section (beyond)"
+        yield f"discs have left the section in {of_cases(escaped)}: take a longer section (setting beyond)"
     yield from joined({number: case.notes for number, case in cases.items()})
     points = results.mpm.cases if results.mpm is not None else {}
     warned = {

@@ -112,7 +112,7 @@ class Display:
         shown.state, shown.share = entry.outcome, None
         shown.seconds = entry.seconds
         if decision.action == "reuse":
-            shown.text = f"nothing has changed: reused, made {entry.ended}"
+            shown.text = f"no input has changed: the result of {entry.ended} is reused"
             self._say(f"{decision.stage.name}: {shown.text}")
         elif entry.outcome == "no answer":
             shown.text = f"no answer: {entry.reason}"

@@ -137,7 +137,7 @@ class Run:
             return False
         if decision.action == "reuse" and left is not None:
             self.listener.end(decision, left)
-            self.log.line(f"{stage.name}: reused, made in {left.seconds:.1f} s until {left.ended}")
+            self.log.line(f"{stage.name}: result of {left.ended} reused (computed in {left.seconds:.1f} s)")
         elif decision.action == "redraw" and stage.draw is not None:
             self.redraw(decision, stage.draw)
             self.log.line(f"{stage.name}: pictures drawn again")

@@ -13,7 +13,7 @@ from workflow.run.store import OtherVersionError
 Action = Literal["run", "redraw", "reuse", "off"]
 
 
-OTHER_VERSION = "another version of noshiro made it"
+OTHER_VERSION = "computed by another version of noshiro"
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool
         return Decision(stage, "redraw", "pictures are missing")
     left = record.entries[stage.name]
     if stage.drawn_after and not left.title:
-        return Decision(stage, "redraw", "it was stopped before its pictures were drawn")
+        return Decision(stage, "redraw", "the stage was stopped before its pictures were drawn")
     if stage.draw is not None and left.pictures and left.title != title(job.config.section):
         return Decision(stage, "redraw", "the title has changed")
     return Decision(stage, "reuse", "")
@@ -157,7 +157,7 @@ def changes(stage: Stage, prints: dict[str, str], record: Record) -> str:
     if entry.outcome == "begun":
         return "it was stopped, and continues"
     if entry.outcome == "part":
-        return "some of its cases are still to come"
+        return "some cases are not yet computed"
     if entry.outcome == "done" and not record.left(stage.name):
         return "files are missing or have changed"
     try:

@@ -154,7 +154,7 @@ def draw_borings(connection: Connected, out: Path) -> Path:
 MISSING = re.compile(
     r'(?P<stratum>strata (?P<number>\d+) ".*")[,:] (?P<key>\w+): missing; expected (?P<expected>.*)', re.DOTALL
 )
-GUESSED = "It is sound; stiffness and strength are guesses from N: correct them."
+GUESSED = "The section is complete; stiffness and strength are estimated from N: correct them."
 
 
 def to_be_given(path: Path, sound: str = GUESSED) -> list[str]:
@@ -162,7 +162,10 @@ def to_be_given(path: Path, sound: str = GUESSED) -> list[str]:
     try:
         load_config(path)
     except InputError as error:
-        return ["To be given before it can run:", *(f"  - {text}" for text in _by_stratum(error.problems))]
+        return [
+            "Required before the section can be analysed:",
+            *(f"  - {text}" for text in _by_stratum(error.problems)),
+        ]
     return [sound]
 
 
@@ -183,7 +186,7 @@ def _by_stratum(problems: Sequence[str]) -> list[str]:
 def _summary(connection: Connected) -> list[str]:
     everything = (*connection.borings, *connection.soundings)
     far = [f"{item.log.name} {abs(item.off_line):.1f} m" for item in everything if abs(item.off_line) > 0.05]
-    notice = [f"Away from the line of the section: {', '.join(far)}."] if far else []
+    notice = [f"Not on the line of the section: {', '.join(far)}."] if far else []
     cones = sum(bool(item.log.cones) for item in everything)
     more = f", cones in {cones} of {len(everything)}" if cones else ""
     return [f"{len(connection.borings)} borings with layers{more}, strata {', '.join(connection.names)}.", *notice]

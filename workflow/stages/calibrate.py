@@ -17,7 +17,7 @@ def work(job: Job) -> None:
     fem = FemAnswer.read(job.store)
     if fem.verdict == "no failure":
         raise NoAnswerError(
-            f"the section does not fail ({fem.reason}), so there is no critical Kh to calibrate the discs to",
+            f"the section does not fail ({fem.reason}), so the discs cannot be calibrated to a critical Kh",
             "raise fem.kh_limit, or use a weaker section",
         )
     calibrate_stage(job.config, job.store, job.progress, job.executor)

@@ -120,7 +120,7 @@ def _soil(
 ) -> Discs:
     soil = soil_layers(section)
     if not store.has(file):
-        tell("soil discs are filled in, settle, are cut to the section and settle again")
+        tell("soil discs are placed, settle, are cut to the surface of the section and settle again")
         laid = deposit(section, dem, soil, periodic=periodic)
         save(store, file, laid.settled)
     settled = DiscModel.load(store.folder / file)

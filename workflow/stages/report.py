@@ -45,7 +45,7 @@ def named(job: Job) -> Mapping[str, Path]:
 
 STAGE = Stage(
     name="report",
-    what="pictures of all, summary and report",
+    what="pictures of several stages, summary and report",
     work=work,
     draw=draw,
     needs=(

@@ -77,5 +77,7 @@ STAGE = Stage(
     results=(SiteResponseAnswer.FILE,),
     read=SiteResponseAnswer.read,
     pictures=(PICTURE,),
-    unwanted=lambda config: "" if config.site_response.record else "no record of the rock (site_response.record)",
+    unwanted=lambda config: (
+        "" if config.site_response.record else "no record of the rock is given (site_response.record)"
+    ),
 )

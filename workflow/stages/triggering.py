@@ -34,5 +34,5 @@ STAGE = Stage(
     results=(TriggeringAnswer.FILE,),
     read=TriggeringAnswer.read,
     pictures=(PICTURE,),
-    unwanted=lambda config: "" if config.triggering.borings else "no blow counts (triggering.borings)",
+    unwanted=lambda config: "" if config.triggering.borings else "no blow counts are given (triggering.borings)",
 )

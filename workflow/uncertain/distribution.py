@@ -24,13 +24,14 @@ class Distribution(Model):
     uniform: tuple[Number, Number] | None = Field(default=None, description="[least, greatest]")
     triangular: tuple[Number, Number, Number] | None = Field(default=None, description="[least, most likely, greatest]")
     list: tuple[Any, ...] | None = Field(default=None, min_length=1, description="values, also words, of equal chance")
-    chances: tuple[float, ...] | None = Field(default=None, description="the chances of the values of a list")
+    chances: tuple[float, ...] | None = Field(default=None, description="the probabilities of the values of a list")
     between: tuple[Number, Number] | None = Field(
         default=None, description="[least, greatest] that a normal or lognormal number may have"
     )
     does: Literal["value", "shift", "factor"] = Field(
         default="value",
-        description='what is drawn is the "value", a "shift" added to what the file says, or a "factor" on it',
+        description='meaning of a sampled number: the "value" itself, a "shift" added to the value of the '
+        'file, or a "factor" on the value of the file',
     )
 
     @property

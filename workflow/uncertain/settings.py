@@ -37,7 +37,8 @@ class UncertainSettings(Model):
     __pydantic_extra__: dict[str, Distribution] = Field(init=False)
 
     correlated: tuple[Correlation, ...] = Field(
-        default=(), description="pairs that go together, { of = [path, path], coefficient = 0.5 }; others do not"
+        default=(),
+        description="correlated pairs, { of = [path, path], coefficient = 0.5 }; other pairs are independent",
     )
 
     @property
@@ -80,7 +81,9 @@ class UncertainSettings(Model):
             if pair.of[0] == pair.of[1]:
                 problems.append(f"correlated {number}, of: expected two different paths")
         if not problems and self.correlated and np.linalg.eigvalsh(self.correlation()).min() <= 0.0:
-            problems.append("correlated: no numbers can go together like that; expected smaller coefficients")
+            problems.append(
+                "correlated: no numbers can have these correlations together; expected smaller coefficients"
+            )
         if problems:
             raise ValueError("\n".join(problems))
         return self
@@ -101,7 +104,7 @@ class UncertainSettings(Model):
             except ValueError as error:
                 messages = getattr(error, "problems", None) or str(error).splitlines()
                 problems += [f'uncertain, "{path}": {text}' for text in messages]
-        return problems or ["uncertain: each number fits at its median, all together they do not"]
+        return problems or ["uncertain: each number is valid at its median, but all medians together are not"]
 
 
 Length = Annotated[float, Field(gt=0.0)]

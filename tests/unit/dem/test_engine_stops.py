@@ -114,7 +114,7 @@ def test_undamped_heap_that_gains_energy_is_caught() -> None:
 def test_disc_behind_a_line_is_found() -> None:
     model = DiscModel.create(DiscGeometry([0.0], [RADIUS], RADIUS), DiscMaterials([BARE]), DiscBoundary(FLOOR))
     model.z[:] = -1.5 * RADIUS
-    with pytest.raises(EscapeError, match="behind rigid line 0"):
+    with pytest.raises(EscapeError, match="has passed rigid line 0"):
         Engine(dt=1e-4, balance=1.0).run(model, steps=1)
 
 

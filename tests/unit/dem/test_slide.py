@@ -105,7 +105,7 @@ def test_a_slide_that_a_side_of_the_box_stopped_has_not_come_to_rest(
     slide = slid(start, ground, Case(stiffness=0.3), kh=0.0, duration=30.0, still=1e-3)
     assert not slide.settled
     assert slide.stopped_by == "right"
-    assert slide.reason == "the right side of the box stopped it: in a longer section the slide would continue"
+    assert slide.reason == "the right side of the box stopped the slide: in a longer section it would continue"
 
 
 def closing(load: float, k: float) -> float:

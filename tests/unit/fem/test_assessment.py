@@ -110,7 +110,7 @@ def test_ground_that_excess_pore_pressure_lets_flow_is_told_so():
     fails under its own weight, and that its factor of safety is above 1: the one before shaking."""
     sand = {"cohesion": "0.1 kPa", "friction_angle": "35 deg", "excess_pore_pressure_ratio": 1.0}
     loose = slope_with(**sand)
-    with pytest.raises(UnstableError, match=r"stands without it: then its factor of safety is 1\.\d\d") as error:
+    with pytest.raises(UnstableError, match=r"without this pressure, with a factor of safety of 1\.\d\d") as error:
         assessed(loose)
     assert "excess_pore_pressure_ratio, which is 1 in" in str(error.value)
     with pytest.raises(UnstableError, match="excess pore pressure and its weight"):

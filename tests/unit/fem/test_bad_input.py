@@ -57,7 +57,7 @@ def test_section_that_fails_under_its_own_weight_says_how_much_it_carries():
     bank = [[0.0, 6.0], [12.0, 6.0], [13.5, 0.0], [24.0, 0.0]]
     with pytest.raises(UnstableError, match="fails under its own weight") as caught:
         answer(section(bank, 3.0, soil(c=5e3, phi=0.0)))
-    share = int(str(caught.value).split("carries about ")[1].split(" %")[0])
+    share = int(str(caught.value).split("supports about ")[1].split(" %")[0])
     assert 10 < share < 70, "coarse bilinear cells carry too much, but not all"
     assert "factor of safety at Kh = 0" in str(caught.value)
 

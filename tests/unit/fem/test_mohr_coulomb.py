@@ -143,7 +143,7 @@ def test_nan_stays_where_it_is():
     assert np.array_equal(stress[0], stress[2])
 
 
-# --- mobilised share of strength ---
+# --- mobilised strength ---
 
 
 @every

@@ -17,7 +17,7 @@ from tests.support import command_line
 from tests.support.sections import analysed, slope
 
 FOOT = 0.3048
-BEYOND = ' is beyond what there is (did you mean "'
+BEYOND = ' is implausible (did you mean "'
 
 
 def ags(*groups: tuple[str, str, str, str]) -> str:
@@ -313,9 +313,7 @@ def test_columns_may_be_named_with_their_unit(tmp_path: Path) -> None:
 def test_a_grain_size_without_a_unit_is_no_quarter_of_a_metre(tmp_path: Path) -> None:
     head = "boring,x,ground_level,top,bottom,layer,N,d50{},unit_weight\n"
     [text] = message(tmp_path, head.format("") + "A,0,5,0,2,s,4,0.25,18 kN/m^3\n", "b.csv")
-    assert (
-        text == 'line 2, d50 = 0.25: 250 mm is beyond what there is (did you mean "0.25 mm"?); expected 1e-05 to 10 mm'
-    )
+    assert text == 'line 2, d50 = 0.25: 250 mm is implausible (did you mean "0.25 mm"?); expected 1e-05 to 10 mm'
     (log,) = read_csv(written(tmp_path, head.format(" (mm)") + "A,0,5,0,2,s,4,0.25,18 kN/m^3\n", "b.csv")).logs
     assert log.samples[0].d50 == pytest.approx(0.25e-3)
 
@@ -324,7 +322,7 @@ def test_a_grain_size_without_a_unit_is_no_quarter_of_a_metre(tmp_path: Path) ->
     ("test", "text"),
     [
         ({"depth": 2, "N": 8, "d50": 0.25}, "spt 1, d50 = 0.25: 250 mm" + BEYOND + "0.25 mm"),
-        ({"depth": 2, "N": 210}, "spt 1, N = 210: 210 blows is beyond what there is; expected 0 to 200 blows"),
+        ({"depth": 2, "N": 210}, "spt 1, N = 210: 210 blows is implausible; expected 0 to 200 blows"),
         ({"depth": 2, "N": 20, "plasticity": 320}, "spt 1, plasticity = 320: 320 % is beyond"),
         ({"depth": 2, "N": 20, "fines": 120}, "spt 1, fines = 120: input should be less than or equal to 100"),
         ({"depth": 2, "N": ">5x"}, "spt 1, N = '>5x': expected the blow count for 30 cm"),
@@ -391,4 +389,4 @@ def test_rows_of_borings_that_loca_lacks_and_depths_that_no_boring_has(tmp_path:
     upper = ags(LOCA, ("GEOL", GEOL[1], ",M,FT,,", "B1,0,13.1234,FILL,1; B1,4,32.8084,SAND,2; B2,0,22.9659,SAND,2"))
     assert read_ags4(written(tmp_path, upper, "b.ags")).logs[0].layers[0].bottom == pytest.approx(4.0, abs=1e-4)
     deep = ags(LOCA, (*GEOL[:3], "B1,0,4000,FILL,1; B2,0,7,SAND,2"))
-    assert "boring B1, depth of its end = 4000: 4000 m is beyond what there is" in message(tmp_path, deep, "c.ags")[0]
+    assert "boring B1, depth of its end = 4000: 4000 m is implausible" in message(tmp_path, deep, "c.ags")[0]

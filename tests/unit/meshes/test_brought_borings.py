@@ -60,7 +60,7 @@ def test_sheets_as_they_come_say_what_the_plain_one_says(text: str, notice: str,
 
 def test_a_count_is_doubted_beside_a_grain_size_with_its_unit(tmp_path: Path) -> None:
     [problem] = problems(tmp_path, f"{HEAD}\n{LINES.replace('Sand,12', 'Sand,300')}")
-    assert problem.startswith("line 3, N = 300: 300 blows is beyond what there is")
+    assert problem.startswith("line 3, N = 300: 300 blows is implausible")
 
 
 def test_shares_of_one_are_no_percent(tmp_path: Path) -> None:
@@ -79,8 +79,8 @@ def test_shares_of_one_are_no_percent(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("qc", "fs", "message"),
     [
-        ("4 MPa", "20 MPa", 'largest fs = "20 MPa": 20000 kPa is beyond what there is (did you mean "20 kPa"?)'),
-        ("4 kPa", "20 kPa", 'largest qc = "4 kPa": 0.004 MPa is beyond what there is (did you mean "4 MPa"?)'),
+        ("4 MPa", "20 MPa", 'largest fs = "20 MPa": 20000 kPa is implausible (did you mean "20 kPa"?)'),
+        ("4 kPa", "20 kPa", 'largest qc = "4 kPa": 0.004 MPa is implausible (did you mean "4 MPa"?)'),
         ("0.4 MPa", "0.5 MPa", "fs: half of the readings are above 125 % of qc; expected a friction ratio below 20 %"),
         ("4 MPa", "20 kPa", ""),
     ],
@@ -108,7 +108,7 @@ def test_names_that_differ_in_capitals_and_blanks_are_one_stratum(tmp_path: Path
 def test_water_above_the_ground_of_a_boring_is_told(tmp_path: Path) -> None:
     logs, _ = read(tmp_path, f"{HEAD}\n{LINES}".replace(",8\n", ",13\n"))
     [notice] = connected(logs).notices
-    assert notice.startswith("boring B1: its water level, 13 m, is 3 m above its ground")
+    assert notice.startswith("boring B1: the water level, 13 m, is 3 m above its ground")
 
 
 @pytest.mark.parametrize(

@@ -41,10 +41,10 @@ def data(**changes: Any) -> dict[str, Any]:
 )
 def test_a_slip_of_the_unit_is_told_with_what_was_meant_and_may_be_meant(changes: dict[str, Any], meant: str) -> None:
     [messages] = problems(data(**changes))
-    assert "is beyond what there is" in messages
+    assert "is implausible" in messages
     assert f'did you mean "{meant}"?' in messages if meant else "did you mean" not in messages
     taken = Section.parse({**data(**changes), "unusual": True})
-    assert any("is beyond what there is" in notice for notice in taken.notices)
+    assert any("is implausible" in notice for notice in taken.notices)
 
 
 def test_what_no_soil_has_is_told_beside_what_cannot_be_read() -> None:

@@ -70,8 +70,8 @@ def test_ground_that_hardly_moved_did_not_flow_and_the_report_says_what_that_mea
         liquefied_answer = LiquefiedAnswer(section=SectionLabel.of(config.section), sides="free-field", cases=cases)
         text = "\n".join(findings(results(config, liquefied=liquefied_answer)))
         assert (
-            'To stand without shaking the ground needs about 6 kPa in "upper" (0.15 of its mean effective stress).'
-            in text
+            'The residual strength required to stand without shaking is about 6 kPa in "upper" (0.15 of its '
+            "mean effective stress)." in text
         )
         assert (
             "At most 0.2 m were measured, on 10 m of height, where a flow failure would have moved further." in text

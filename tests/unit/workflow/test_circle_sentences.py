@@ -119,10 +119,11 @@ def test_circles_far_from_the_elements_are_told_with_the_surface_of_the_elements
     both = run.with_settings("fem", direction="both")
     first, second = against_elements(results(both, slices=circles(1.65, 0.119), fem=fem))
     start = (
-        "slip circles have a factor of safety of 1.65 at Kh = 0, where elements have 1.36, which slip from x = 39.9 to"
+        "slip circles have a factor of safety of 1.65 at Kh = 0, while finite elements have 1.36, which slip "
+        "from x = 39.9 to"
     )
     assert first.startswith(start)
-    assert second.startswith("slip circles have a critical Kh of 0.119, where elements have 0.078, which slip")
+    assert second.startswith("slip circles have a critical Kh of 0.119, while finite elements have 0.078, which slip")
     assert second.endswith("rely on the elements, whose slip surface is no circle")
     assert list(against_elements(results(both, slices=circles(1.4, 0.08), fem=fem))) == []
     (cautious,) = against_elements(results(both, slices=circles(1.2, 0.08), fem=fem))

@@ -60,7 +60,7 @@ def test_low_strength_that_slides_less_than_median_is_found(run: Config) -> None
     assert warnings.startswith(
         "Case 2 (low strength) has less residual strength than case 1 (median) and slides less by discs, 45 m and 48 m"
     )
-    assert "ake a longer section (beyond) if a side stops the slides, more packings (slide.seeds) otherwise" in warnings
+    assert "(setting beyond) if a side stops the slides, more packings (slide.seeds) otherwise" in warnings
     assert warned(results(levee, cases=slides(levee, 45.0, 48.0))) == []
     assert warned(results(levee, cases=slides(levee, 48.0, 47.9))) == [], "what packings differ by is no contradiction"
 
@@ -118,7 +118,7 @@ def test_a_side_of_the_box_that_stops_a_slide_is_no_rest(run: Config) -> None:
     fixed = slides(run, 48.0, 45.0, stopped_by="right")
     [messages] = of_sides(fixed.sets["calibrated"])
     assert messages.startswith("the right side of the disc model stopped cases 1 and 2: 45 to 48 m is")
-    assert messages.endswith("take a longer section (beyond)")
+    assert messages.endswith("take a longer section (setting beyond)")
     assert list(of_sides(slides(run, 3.0).sets["calibrated"])) == []
     assert any("side of the disc model stopped" in item for item in warned(results(run, cases=fixed)))
 
@@ -215,7 +215,7 @@ def test_the_console_has_the_interval_of_strict_bounds_and_what_they_contradict(
         fem_sentences(answer, run.section, False, results(run, fem=answer, bounds=bounds(run, 0.0875, 0.089)))
     )
     assert messages[0].endswith(
-        "Range by strict bounds: 0.087 to 0.089. The elements lie 1.0 % above it: use its upper end."
+        "Range by strict bounds: 0.087 to 0.089. The finite elements lie 1.0 % above this interval: use its upper end."
     )
     far = results(run, fem=answer, bounds=bounds(run, 0.078, 0.08))
     assert any(text.startswith("Contradiction: The critical Kh of 0.090 lies 12 % above the strict upper bound")
@@ -228,7 +228,7 @@ def test_level_ground_has_no_factor_of_safety_but_one_above_where_the_search_end
         kh=0.0, factor=20.007, upper=33.6, verdict="no failure", reason="", curve=(), shallow_failure=None
     )
     text = safety_sentence(factor, fem(run))
-    assert text == "Factor of safety at Kh = 0: above 20, where the search ended."
+    assert text == "Factor of safety at Kh = 0: above 20, the largest factor of the search."
 
 
 def test_a_slip_surface_of_no_length_is_told_as_a_place(run: Config) -> None:
@@ -309,7 +309,9 @@ def test_a_levee_whose_crest_material_points_lower_more_than_the_highest_point_i
     after = ((0.0, 9.0), (40.0, 2.0), (50.0, 2.0), (60.0, 2.5), (100.0, 2.1))
     slid = point_slide([(0.0, 0.0), (50.0, 20.0)], surface_before=before, surface_after=after)
     [messages] = with_points(run, slid)
-    assert messages.startswith("The surface of material points falls by 5.0 m at x = 50 m in case 1, far more than the")
+    assert messages.startswith(
+        "The surface of material points falls by 5.0 m at x = 50 m in case 1, far more than at the"
+    )
 
 
 def test_points_that_leave_the_section_or_take_its_uphill_end_along_are_found() -> None:

@@ -120,7 +120,7 @@ def test_a_limit_load_that_the_path_did_not_come_to_is_no_plateau(run: Config) -
 
 def test_a_slope_that_stands_and_one_that_does_not(run: Config) -> None:
     stands = report_text(results(run, fem=fem(run, 1.5, "no failure")))
-    assert "The section stands at every Kh up to 1.500, where the search ended." in stands
+    assert "The section stands at every Kh up to 1.500, the largest Kh of the search." in stands
     ended = Entry({}, "no answer", reason="the section fails under its own weight")
     falls = report_text(Results(run, Store("nowhere"), {"fem": ended}, {}))
     assert "No critical Kh: the section fails under its own weight." in falls

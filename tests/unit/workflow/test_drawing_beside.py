@@ -90,4 +90,4 @@ def test_what_was_stopped_before_it_was_drawn_is_drawn_without_computing(toys: T
     toys.change("mesh", draw=draws)
     decisions = plan(toys.job(tmp_path), Record(toys.job(tmp_path).store), toys.choose())
     messages = {each.stage.name: (each.action, each.why) for each in decisions}
-    assert messages["mesh"] == ("redraw", "it was stopped before its pictures were drawn")
+    assert messages["mesh"] == ("redraw", "the stage was stopped before its pictures were drawn")

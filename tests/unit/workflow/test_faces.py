@@ -130,7 +130,7 @@ def test_every_face_is_a_line_with_all_methods_and_the_bank_is_one_of_its_own() 
     assert left.slides == ("1.2 m discs",)
     assert right.slides == ("0.0 m discs",)  # the ground moves to the left
     assert left.settles == right.settles == ("0.5 m discs",)
-    assert bank.name == "x = 40 to 46 m, no crest slides with it"
+    assert bank.name == "x = 40 to 46 m, no crest is part of this failure"
     assert bank.critical.pair("elements", 3)[0] == "0.078"
     assert bank.critical.interval(3) == "0.077–0.079"
     notes = list(note_sentences(answers))

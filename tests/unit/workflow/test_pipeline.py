@@ -236,7 +236,7 @@ def test_results_of_an_older_version_are_computed_anew_and_told_so(toys: Toys, t
     record.write_text(record.read_text().replace('"version": 3', '"version": 2').replace('"title"', '"drawing"'))
     job = toys.job(tmp_path)
     whys = {decision.why for decision in plan(job, Record(job.store), toys.choose())}
-    assert whys == {"another version of noshiro made it"}
+    assert whys == {"computed by another version of noshiro"}
     assert toys.go(tmp_path).ran == ALL_OF_THEM
 
 

@@ -53,9 +53,9 @@ def test_a_file_of_another_version_is_computed_anew(tmp_path: Path) -> None:
     own_part.store.write_text(CasesAnswer.FILE, text.replace('"escaped"', '"got_out"'))  # of the same size
     values = Results.of(own_part)
     assert values.cases is None
-    assert values.missing["slide"] == "another version of noshiro made it"
+    assert values.missing["slide"] == "computed by another version of noshiro"
     record = Record(own_part.store)
-    assert changes(SLIDE, made_from(SLIDE, own_part, record), record) == "another version of noshiro made it"
+    assert changes(SLIDE, made_from(SLIDE, own_part, record), record) == "computed by another version of noshiro"
 
 
 def test_answers_of_another_version_of_the_program_are_told_as_such(

@@ -49,7 +49,7 @@ def test_help_loads_nothing_that_computes_draws_or_reads(arguments: list[str]) -
     [
         (["study", "--help"], "the numbers in [uncertain], on all"),
         (["--help"], "the numbers in [uncertain], on all"),
-        (["section", "--help"], "[default: what it says]"),
+        (["section", "--help"], "[default: the unit stated in the drawing]"),
     ],
 )
 def test_help_has_its_words_in_brackets(

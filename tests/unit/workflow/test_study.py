@@ -186,6 +186,6 @@ def test_four_samples_tell_no_more_than_their_median() -> None:
     perfect = Effect(path="strata.Fill.cohesion", correlation=-1.0)
     values = [0.096, 0.119, 0.098, 0.113]
     result = Result(name="kc", samples=4, spread=Spread.of(values), effects=(perfect,), groups=())
-    assert strongest(result) == "; so few samples do not show what it depends on"
+    assert strongest(result) == "; the samples are too few to show on which numbers it depends"
     assert where(result.spread, 4) == "half of the samples are below 0.106"
-    assert "nine of ten" in where(Spread.of(values * 5), 20)
+    assert "90 % of the samples" in where(Spread.of(values * 5), 20)

@@ -154,7 +154,7 @@ def test_a_report_in_japanese_says_the_same_numbers() -> None:
     "html",
     [
         "<p>剛体ブロックによる。 Elsewhere, from x = 41 to 46 m towards the left, critical Kh is 0.039: no "
-        "crest slides with it. 全体のものである。</p>",
+        "crest is part of this failure. 全体のものである。</p>",
         "<sup>b</sup> Warning: 13 % of the energy is lost, so that the slide is a low estimate;<br><sup>c</sup>",
         "<td>In case 1 liquefaction leaves 砂 with a residual strength of 4.6 kPa and 4.2 kPa, a shear strain of 45 % "
         "before strength is regained and 3.8 % less of its volume, and none of its friction and cohesion.</td>",

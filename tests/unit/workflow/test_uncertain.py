@@ -139,7 +139,7 @@ def test_numbers_that_cannot_go_together() -> None:
     table["correlated"] = [
         {"of": list(pair), "coefficient": sign} for pair, sign in zip(pairs, (0.9, 0.9, -0.9), strict=True)
     ]
-    with pytest.raises(InputError, match="no numbers can go together like that"):
+    with pytest.raises(InputError, match="no numbers can have these correlations together"):
         with_paths(table)
 
 

@@ -98,8 +98,9 @@ def test_faces_the_smallest_and_failures_elsewhere() -> None:
     messages = list(structure_sentences(config, by_slices(config)))
     assert messages[2] == "The smallest counts: embankment at x = 69 m, towards the left."
     assert messages[3:] == [
-        "Elsewhere, from x = 40 to 46 m towards the left, factor of safety at Kh = 0 is 1.20: no crest slides with it.",
-        "Elsewhere, from x = 40 to 46 m towards the left, critical Kh is 0.039: no crest slides with it.",
+        "Elsewhere, from x = 40 to 46 m towards the left, factor of safety at Kh = 0 is 1.20: no crest is part "
+        "of this failure.",
+        "Elsewhere, from x = 40 to 46 m towards the left, critical Kh is 0.039: no crest is part of this failure.",
     ]
 
 
@@ -150,7 +151,7 @@ def test_finite_elements_are_held_against_a_criterion_where_a_crest_slides_with_
         result = results(config, fem=answer, slices=by_slices(config))
         (paragraph,) = verdict_paragraph(verdicts(result))
         assert f"0.100: {verdict}" in paragraph
-        apart = "from x = 40 to 46 m, and no crest slides with it" in headlines(result, shown)[0].conclusion
+        apart = "from x = 40 to 46 m, and no crest is part of this failure" in headlines(result, shown)[0].conclusion
         assert apart == ("of the faces of structures" in paragraph) == (verdict == "satisfied")
 
 

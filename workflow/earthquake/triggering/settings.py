@@ -33,8 +33,8 @@ class TriggeringSettings(Model):
         default=60.0,
         ge=20.0,
         le=120.0,
-        description="energy of the hammer in percent of its free fall, from 20 to 120, where a blow count has "
-        "none of its own; for Idriss & Boulanger alone",
+        description="energy of the hammer in percent of its free fall, from 20 to 120, for "
+        "borings that give none; only for Idriss & Boulanger",
     )
     rods_above: Length = Field(
         default=1.5, description='length of the rods above the ground, such as "1.5 m"; for Idriss & Boulanger'
@@ -43,7 +43,10 @@ class TriggeringSettings(Model):
         default="I", description='type of motion of the highway code from 2012 on: "I" plate boundary, "II" inland'
     )
     share: float = Field(
-        default=0.5, gt=0.0, le=1.0, description="share of a stratum in which F_L is below 1 so that it liquefies"
+        default=0.5,
+        gt=0.0,
+        le=1.0,
+        description="share of a stratum in which F_L has to be below 1 for the stratum to liquefy",
     )
     cases: tuple[CaseName, ...] = Field(
         default=(),
