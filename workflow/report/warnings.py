@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from meshes.section.section import Section
+from workflow.config import notice_lines
 from workflow.report.contradictions import contradictions
 from workflow.report.numbers import coefficient, listed, of_cases
 from workflow.results.continuum import FemAnswer, Variant
@@ -56,6 +57,8 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
         yield from sides_warning(fem, results.config.section, results.variants.variants if results.variants else ())
     if results.config.section.reconstruction:
         yield 2, "the ground is a reconstruction: confirm the depths of the layers by borings"
+    if results.mpm is not None or results.case_set()[1]:
+        yield from ((2, text) for text in _assumed_input(results))
     for find in (_calibration, _target_range, _fails_between_fixed_sides, _residual_strength, _at_the_limit):
         yield from ((2, text) for text in find(results))
     yield from contradictions(results)
@@ -66,6 +69,14 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
             yield 2, text
         if discs.model.packing != "random":
             yield 3, 'the discs are in rows, which must climb over each other to slide: take dem.packing = "random"'
+
+
+def _assumed_input(results: Results) -> Iterator[str]:
+    """Warnings of the input on the slides, such as a residual strength that was assumed."""
+    for line in notice_lines(results.config.notices_of_slides):
+        if line.startswith("Warning: "):
+            text = line.removeprefix("Warning: ").rstrip(".")
+            yield text.replace(": ", ", ", 1) if text.count(": ") > 1 else text  # the first colon follows a key
 
 
 def _of_cases(results: Results) -> Iterator[str]:

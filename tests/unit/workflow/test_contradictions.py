@@ -107,11 +107,11 @@ def test_a_case_in_which_more_strata_liquefy_is_the_weaker_one(run: Config) -> N
     data["strata"][0]["liquefies_in"], data["strata"][1]["liquefies_in"] = [1, 2], [2]
     data["slide"] = {"cases": [{"residual_strength": "9 kPa", "strain_potential": 0.3}] * 2}
     both = analysed(data)
-    [warnings] = warned(results(both, cases=slides(both, 5.0, 2.0)))
+    [warnings] = [text for text in warned(results(both, cases=slides(both, 5.0, 2.0))) if "assumed" not in text]
     assert warnings.startswith(
         "Case 2 has less residual strength than case 1 and slides less by discs, 2.0 m and 5.0 m"
     )
-    assert warned(results(both, cases=slides(both, 2.0, 5.0))) == []
+    assert [text for text in warned(results(both, cases=slides(both, 2.0, 5.0))) if "assumed" not in text] == []
 
 
 def test_a_side_of_the_box_that_stops_a_slide_is_no_rest(run: Config) -> None:
@@ -308,7 +308,7 @@ def test_a_levee_whose_crest_material_points_lower_more_than_the_highest_point_i
     before = ((0.0, 9.0), (40.0, 2.0), (50.0, 7.0), (60.0, 2.0), (100.0, 2.0))
     after = ((0.0, 9.0), (40.0, 2.0), (50.0, 2.0), (60.0, 2.5), (100.0, 2.1))
     slid = point_slide([(0.0, 0.0), (50.0, 20.0)], surface_before=before, surface_after=after)
-    [messages] = with_points(run, slid)
+    [messages] = [text for text in with_points(run, slid) if "assumed" not in text]
     assert messages.startswith(
         "The surface of material points falls by 5.0 m at x = 50 m in case 1, far more than at the"
     )
