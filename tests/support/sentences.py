@@ -107,12 +107,20 @@ CASES = r"In (cases? [\d, and]+\d)"
 # The first pattern that is found in a sentence decides about it.
 CHECKS: tuple[tuple[str, Check], ...] = (
     (r"^No (?:critical Kh|factor of safety): (.*)\.$", lambda s, why: why == s["no_answer"]["fem"]["reason"]),
-    (rf"stands at every Kh up to {NUMBER}, where", lambda s, kh: _near(kh, s["fem"]["kc_lower"])),
+    (rf"stands at every Kh up to {NUMBER}, the largest Kh of the search", lambda s, kh: _near(kh, s["fem"]["kc_lower"])),
     (rf"with a factor of safety of {NUMBER} \(|with its strength divided by {NUMBER}\.", _any_safe),
     (r"^No factor of safety was computed; fem.safety_factor_at = \[0.0\] asks for one", lambda s: True),
     (
         rf"^The section fails \w+, to the \w+, at Kh = {NUMBER} \({NUMBER} m/s²\)",
         lambda s, kh, a: _near(kh, s["fem"]["kc"]) and _near(a, GRAVITY * s["fem"]["kc"]),
+    ),
+    (
+        rf"^The section fails \w+, to the \w+, at Kh = {NUMBER} or less \(",
+        lambda s, kh: _near(kh, min(s["fem"]["kc"], s["bounds"]["upper"])),
+    ),
+    (
+        rf"^The finite elements give {NUMBER} % more; no mechanism requires more than the upper bound",
+        lambda s, more: _near(more, 100.0 * (s["fem"]["kc"] / s["bounds"]["upper"] - 1.0)),
     ),
     (rf"^With Davis reduced strength the factor of safety is {NUMBER}\.", lambda s, factor: _safe(s, factor, "davis")),
     (rf"^With Davis reduced strength, .* it is {NUMBER}\.", lambda s, kh: _near(kh, s["fem"]["kc_davis"])),
@@ -125,7 +133,7 @@ CHECKS: tuple[tuple[str, Check], ...] = (
         lambda s, low, high: float(low) <= float(high) and _near(high, s["bounds"]["upper"]),
     ),
     (
-        r"the surface slides < 0.1 m by calibrated discs",
+        r"the surface slides < 0.1 m by (?:calibrated )?discs",
         lambda s: max(case["slide_max_m"] for case in s["cases"].values()) < 0.1,
     ),
     (

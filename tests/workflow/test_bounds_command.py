@@ -131,8 +131,8 @@ def test_ctrl_c_stops_it(tmp_path: Path) -> None:
         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=TOP,
         env={**os.environ, "PYTHONUNBUFFERED": "1"},
     )  # fmt: skip
-    assert done.stdout is not None
-    while not done.stdout.readline().startswith("bounds:"):
+    assert done.stderr is not None
+    while not done.stderr.readline().startswith("bounds:"):
         assert done.poll() is None
     time.sleep(1.0)
     done.send_signal(signal.SIGINT)

@@ -165,6 +165,7 @@ def test_a_slide_has_an_interval(whole: Path) -> None:
     for case in cases["random"]["cases"].values():
         values = case["slide_max_m"]["values"]
         assert len(values) == counted
-        if counted > 1:
+        assert ("mean_ci95" in case["slide_max_m"]) == (counted > 2), "two packings have no interval"
+        if counted > 2:
             low, high = case["slide_max_m"]["mean_ci95"]
             assert low <= np.mean(values) <= high
