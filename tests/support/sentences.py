@@ -107,7 +107,7 @@ CASES = r"In (cases? [\d, and]+\d)"
 # The first pattern that is found in a sentence decides about it.
 CHECKS: tuple[tuple[str, Check], ...] = (
     (r"^No (?:critical Kh|factor of safety): (.*)\.$", lambda s, why: why == s["no_answer"]["fem"]["reason"]),
-    (rf"stands at every Kh up to {NUMBER}, the largest Kh of the search", lambda s, kh: _near(kh, s["fem"]["kc_lower"])),
+    (rf"stands at every Kh up to {NUMBER}, the largest Kh of the", lambda s, kh: _near(kh, s["fem"]["kc_lower"])),
     (rf"with a factor of safety of {NUMBER} \(|with its strength divided by {NUMBER}\.", _any_safe),
     (r"^No factor of safety was computed; fem.safety_factor_at = \[0.0\] asks for one", lambda s: True),
     (
