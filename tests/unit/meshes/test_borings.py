@@ -271,7 +271,7 @@ def test_cones_of_a_csv_file(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     cones = tmp_path / "cones.csv"
     assert command_line.run("section", borings, cones, "-o", tmp_path / "made.toml") == 0
     assert Config.load(tmp_path / "made.toml").triggering.borings[1].cpt == log.cones
-    assert "It is sound" in capsys.readouterr().out
+    assert "The section is complete" in capsys.readouterr().out
     messages = problems(tmp_path, text + "C-1,20,1.05,-1,21\nC-1,20,1.0,2,20\n")
     assert "line 4, qc = '-1 MPa'" in messages
     assert "sounding C-1: 1 m follows 1.1 m" in messages
