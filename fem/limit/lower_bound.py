@@ -147,7 +147,8 @@ def points_of_equations(matrix: sparse.csr_matrix, points: np.ndarray, corner_po
 
     The other two corners of such a cell lie at a bare surface of ground without cohesion. The equilibrium equations of
     several such cells around a point, as in the tip of a wedge of sand, depend on the tractions there.
-    ``matrix``: of the stresses of corners whose points are ``corner_points`` (k,); ``points``: of tractions alone.
+    ``matrix`` multiplies the stresses at the corners, which lie at the points ``corner_points`` (k,); ``points``
+    holds the point of each equation of tractions, -1 for the other equations.
     """
     rows = np.flatnonzero((points < 0) & (np.diff(matrix.indptr) > 0))
     corners = matrix[rows].indices // 3
@@ -166,7 +167,7 @@ def independent_equations(
     Equations at a point are linearly dependent where edges run straight through it, and at corners without stress. The
     dual velocities of dependent equations are not unique and could grow without limit, and with them the tolerance of
     the solver. Where edges run almost straight, equations are nearly dependent: they are made orthonormal.
-    ``matrix``: A; ``dead``, ``live``: b0 and b1; ``points``: of every equation, as by ``points_of_equations``.
+    ``matrix``: A; ``dead``, ``live``: b0 and b1; ``points``: point of every equation by ``points_of_equations``.
     """
     at_point = np.flatnonzero(points >= 0)
     at_point = at_point[np.argsort(points[at_point], kind="stable")]

@@ -208,7 +208,7 @@ def nodes_and_loads(problem: LimitProblem) -> tuple[np.ndarray, np.ndarray, np.n
 def add_edge_loads(loads: np.ndarray, mesh: TriMesh, nodes: np.ndarray, traction: np.ndarray) -> None:
     """Add tractions (k, 2 ends, 2) in Pa, linear along edges, to nodal ``loads`` (n, 2) in N/m.
 
-    ``mesh``: triangles; ``nodes`` (k, 3): ends and middle of each edge; ``traction``: at both ends.
+    ``mesh``: triangles; ``nodes`` (k, 3): ends and middle of each edge; ``traction``: traction at both ends.
     """
     length = np.hypot(*(mesh.points[nodes[:, 1]] - mesh.points[nodes[:, 0]]).T)[:, None]
     first, last = traction[:, 0], traction[:, 1]

@@ -66,8 +66,8 @@ def nonassociated_limit_load(
     associated: np.ndarray | None = None,
     most_work: float = np.inf,
 ) -> NonassociatedLimitLoad:
-    """The Kh at which ground fails under the nodal forces ``dead`` + Kh ``live``, both (dofs,) in N/m, where it flows
-    with the dilation angles of its strata.
+    """Return the Kh at which ground fails under the nodal forces ``dead`` + Kh ``live``, both (dofs,) in N/m, if the
+    ground flows with the dilation angles of its strata.
 
     ``problem``: the elements of ``mesh`` with ψ = φ and the components that are held, on one MPI rank;
     ``associated``: mean stress of every cell (cells, [xx, yy, ...]) in Pa at the limit load with ψ = φ, for the second

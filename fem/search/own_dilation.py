@@ -65,7 +65,7 @@ def own_dilation(section: Section, settings: FemSettings, known: LimitLoadResult
     """The critical Kh of a section for the dilation angles of its strata, in the direction of the limit load ``known``,
     whose cohesionless faces are strengthened here, too.
 
-    ``settings``: of the elements; ``comm``: MPI communicator of one rank.
+    ``settings``: settings of the finite elements; ``comm``: MPI communicator of one rank.
     """
     settings = settings.changed(flow="associated", direction=known.direction)
     values: list[float] = []

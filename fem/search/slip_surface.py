@@ -1,4 +1,4 @@
-"""The slip surface of a state: the line in the middle of the shear, where there is a mechanism."""
+"""The slip surface of a state is the line in the middle of the sheared ground, if the ground moves in a mechanism."""
 
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator

@@ -217,5 +217,5 @@ def safety_factor(
 
 
 def _friction(section: Section, settings: FemSettings) -> np.ndarray:
-    """The friction angle (rad) of the strata on a face; Davis's, in form A, where that is the flow rule."""
+    """Return the friction angle (rad) of the strata on a face, reduced in form A if the flow rule is Davis's."""
     return strength_of(section.strata, settings.flow, form="A").friction

@@ -305,7 +305,7 @@ def _by_interior_point(
 
 
 def iterations_within(most_work: float, cost: float, most: int) -> int:
-    """Return the number of iterations, each of ``cost`` (s of the reference machine), within ``most_work``: from 1 to
+    """Return the number of iterations, each of ``cost`` (s of the reference machine), within ``most_work``, from 1 to
     ``most``."""
     return most if most_work >= most * cost else max(1, int(most_work / cost))
 
