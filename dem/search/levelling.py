@@ -71,7 +71,7 @@ def _exchanged(
     radius: float,
     spread: float,
 ) -> np.ndarray:
-    """The discs between two ends (m), where in each deviating column one disc is removed and its room is filled again.
+    """Return the discs between two ends (m) after one disc of each deviating column is removed and its gap is filled.
 
     The disc is removed whose exchange brings the column and its neighbours nearest to the surface; no disc is removed
     if no exchange improves them.
