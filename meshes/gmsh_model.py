@@ -107,8 +107,8 @@ def free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path: Path
     no bad cell.
 
     Of the settings only the thickness counts in which a layer ends that thins out. Raises BadMeshError, the first
-    one's, if none does. ``section``: the section of the ground; ``sizes``: sizes of cells (m); ``path``: of the .msh
-    file to write, or None.
+    one's, if none does. ``section``: the section of the ground; ``sizes``: sizes of cells (m); ``path``: path of the
+    .msh file to write, or None.
     """
     try:
         return _in_fresh_processes.submit(

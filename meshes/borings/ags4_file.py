@@ -256,7 +256,7 @@ def _sample(row: Row, where: str, depth: float, count: str, groups: Groups) -> S
 
 
 def _water_level(name: str, ground: float, groups: Groups) -> float | None:
-    """Elevation (m) of the highest water that was struck, where it had risen to; None if none was."""
+    """Return the highest elevation (m) that struck water had risen to; None if no water was struck."""
     rows = [*groups.of("WSTG", name), *groups.of("WSTD", name)]
     keys = [(row, key) for row in rows for key in ("WSTG_DPTH", "WSTD_POST") if row.get(key)]
     dry = [row[key] for row, key in keys if row[key].lower() in DRY]

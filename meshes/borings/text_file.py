@@ -52,7 +52,7 @@ def _decoded(path: Path, data: bytes, encoding: str) -> str:
 
 
 def _is_japanese(data: bytes) -> bool:
-    """Whether text in cp932 is likely: it decodes, and what is beyond ASCII is mostly what Japanese is written with.
+    """Tell whether ``data`` is likely Japanese text in cp932, which decodes to mostly Japanese letters beyond ASCII.
 
     A Western letter and the one behind it decode as a rare kanji, as a sign of no script, or as a single kana of half
     width; Western quotation marks and dashes as a kanji in the middle of a word.

@@ -286,6 +286,6 @@ def cut_films(
 
 
 def _with_density(stratum: Stratum, density: float | None, /, **changes: object) -> Stratum:
-    """A stratum with other properties and, where that is known, another density."""
+    """Return a stratum with other properties and, if a density is given, with this density (kg/m³)."""
     weights = {} if density is None else dict.fromkeys(("density_ordinary", "density_seismic"), density)
     return stratum.model_copy(update={**changes, **weights})
