@@ -114,7 +114,7 @@ def _show_shaking(job: Job) -> None:
 
 
 def _announce(decisions: Sequence[Decision], job: Job) -> None:
-    """Print how long a run takes, where it takes long."""
+    """Print how long a run takes if the run takes long."""
     if words := announcement(decisions, job.config):
         say(words)
 

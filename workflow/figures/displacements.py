@@ -82,7 +82,7 @@ def _draw(axes: Axes, row: MethodRow, at: int) -> None:
 
 
 def _others(results: Results) -> Iterator[MethodRow]:
-    """The methods that the discs are compared with."""
+    """Yield the displacement (m) by each simple method, for comparison with the slide of the discs."""
     for estimate in estimates(results.config.section, results.config, results.kc, results.slip_surface):
         if estimate.displacement_m is not None:
             yield MethodRow(estimate.method, OTHERS, estimate.displacement_m)

@@ -178,7 +178,7 @@ def nice_number(value: float) -> float:
 
 
 def _most(answer: FemAnswer) -> str:
-    """The upper limit of the critical Kh, where it differs in the digits shown."""
+    """Return the upper limit of the critical Kh if the limit differs from the critical Kh in the digits shown."""
     most = f"{answer.kc_upper:.3f}"
     return f", at most {most}" if most != f"{answer.kc:.3f}" else ""
 

@@ -75,8 +75,8 @@ class FaceLine:
 
 
 def side_words(config: Config, start: float, end: float, towards: Side) -> str:
-    """Return the side of a face of a structure between two feet: riverward or landward, where water stands on one
-    side."""
+    """Return the side of a face of a structure between two feet, which is riverward or landward if water stands on
+    one side."""
     points, ground = config.section.water_points(), config.section.ground
     if points is None:
         return towards

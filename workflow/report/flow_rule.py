@@ -73,7 +73,7 @@ def critical_with_flow(fem: FemAnswer, shown: Callable[[float], str]) -> str:
 
 
 def own_dilation_sentences(fem: FemAnswer) -> Iterator[str]:
-    """About the critical Kh with the dilation angles of the strata, where it was found."""
+    """Yield sentences on the critical Kh with the dilation angles of the strata, if this Kh was found."""
     third = fem.own_dilation
     if third is not None and third.kc is not None:
         yield (

@@ -217,7 +217,7 @@ def _measured(results: Results) -> PaperRow:
 
 
 def _other_loading(results: Results) -> str:
-    """A clause that the paper holds its Kh constant, where the slides have another loading; else empty."""
+    """Return a clause that the paper holds its Kh constant if the slides have another loading; else return nothing."""
     slide = results.config.slide
     same = all(getattr(slide, key) == value for key, value in PAPER_LOADING.items())
     return (

@@ -134,7 +134,7 @@ def _circle(of: str, circle: CirclePart, section: Section, digits: int, _: Texts
 
 
 def _discs(results: Results, _: Texts) -> Iterator[StabilityRow]:
-    """Rows of the discs, and of the finite elements that they are compared with."""
+    """Yield the rows of the discs and of the FEM model with the boundary conditions of the discs."""
     like, calibration, discs = results.dem_counterpart, results.calibration, results.dem
     if like is not None:
         most = _("to {kc}", kc=coefficient(like.kc_upper)) if _more(like.kc_upper, like.kc) else ""

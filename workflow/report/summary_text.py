@@ -148,7 +148,7 @@ def _slides(results: Results) -> Iterator[str]:
 
 
 def _prediction(results: Results) -> Iterator[str]:
-    """The critical Kh of the uncalibrated discs, over that of the FEM model that they are compared with."""
+    """Yield a sentence on the critical Kh of the uncalibrated discs over the critical Kh of their FEM model."""
     calibration = results.calibration
     if calibration is not None and calibration.predicted_kc is not None and calibration.predicted_ratio is not None:
         yield (
@@ -265,7 +265,7 @@ def _shown(name: str, values: Sequence[Any]) -> str:
 
 
 def _interval(results: Results) -> str:
-    """The spread of the largest slide over random packings, where there are several."""
+    """Return a clause on the spread of the largest slide (m) over random packings, if there are several packings."""
     random = results.cases.random if results.cases is not None else None
     spreads = {number: case.slide_max_m for number, case in random.cases.items()} if random is not None else {}
     cases_of: dict[str, list[int]] = {}

@@ -23,7 +23,7 @@ class JournalEntry(Part):
 
     @property
     def as_search(self) -> Search:
-        """Return the search, to continue from."""
+        """Return the stored search so that a run can continue the search."""
         values = {field.name: getattr(self.search, field.name) for field in fields(Search)}
         trials = [_trial(trial) for trial in self.search.trials]
         return Search(**{**values, "trials": trials, "curve": list(self.search.curve)})

@@ -124,7 +124,7 @@ class DemSummary(Part):
 
 
 class EstimateSummary(Part):
-    """An estimate that slides are compared with."""
+    """An estimate holds the displacement (m) by a simple method, which is compared with the slide of the discs."""
 
     method: str
     displacement_m: float | None

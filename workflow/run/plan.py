@@ -54,7 +54,7 @@ class Choice:
     def up_to(cls, stages: Sequence[Stage], name: str, force: bool = False, also: Sequence[str] = ()) -> Self:
         """Return a stage (run again with ``force``), the stages in ``also``, and the stages that these need.
 
-        ``stages``: in their order; ``name``: name of the stage.
+        ``stages``: all stages in the order of their execution; ``name``: name of the stage.
         """
         needed = {name, *also}
         for stage in reversed(stages):

@@ -113,10 +113,10 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
 def _critical(
     section: Section, config: Config, mesh: "QuadMesh", fem: FemSettings, notes: list[str]
 ) -> "LimitLoadResult | CriticalResult | None":
-    """The critical Kh by finite elements; None, and a note, where there is no answer.
+    """Return the critical Kh by finite elements; if there is no answer, return None and add a note.
 
-    ``section``: with changed strength; ``config``: config with the settings of the mesh; ``mesh``: initial mesh;
-    ``fem``: settings; ``notes``: list to which notes are added.
+    ``section``: section with changed strength; ``config``: config with the settings of the mesh; ``mesh``: initial
+    mesh; ``fem``: settings; ``notes``: list to which notes are added.
     """
     from mpi4py import MPI
 
@@ -136,7 +136,7 @@ def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float
     found, or where the flow is not associated: a path would search for an equilibrium for minutes, and ground that
     flows has none.
 
-    ``section``: with changed strength; ``mesh``: mesh of the section; ``fem``: settings.
+    ``section``: section with changed strength; ``mesh``: mesh of the section; ``fem``: settings.
     """
     from mpi4py import MPI
 
@@ -155,8 +155,8 @@ def _factors(
     """Factor of safety at Kh = 0 between held sides by finite elements, and its strict bounds; closer bounds if the
     first ones do not decide whether the ground stands. None, with a note, without an answer.
 
-    ``section``: with changed strength; ``mesh``: mesh of the section; ``fem``, ``bounds_settings``: settings of both
-    methods; ``notes``: list to which notes are added.
+    ``section``: section with changed strength; ``mesh``: mesh of the section; ``fem``, ``bounds_settings``: settings
+    of both methods; ``notes``: list to which notes are added.
     """
     from mpi4py import MPI
 
@@ -184,8 +184,8 @@ def _between_own_sides(
     """Strict bounds of the critical Kh with the sides of the section, or the reason why the ground fails under its
     weight with them.
 
-    ``section``: with changed strength; ``fem``, ``bounds_settings``: settings; ``notes``: list to which a note is added
-    without an answer.
+    ``section``: section with changed strength; ``fem``, ``bounds_settings``: settings; ``notes``: list to which a note
+    is added if there is no answer.
     """
     from fem.limit.bounds import kh_bounds
 

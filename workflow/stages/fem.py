@@ -183,8 +183,8 @@ def failed_shares(mesh: "QuadMesh", state: "FieldState") -> dict[str, float]:
 def write_fields(section: Section, mesh: "QuadMesh", states: list["FieldState"], store: Store) -> None:
     """Write fem/fields.pvd with one .vtu file for every state of equilibrium, and for the last one of the path.
 
-    ``section``: the section of the ground; ``mesh``: a mesh of the section; ``states``: with their fields; ``store``:
-    the folder of the run.
+    ``section``: the section of the ground; ``mesh``: a mesh of the section; ``states``: states with their fields;
+    ``store``: the folder of the run.
     """
     from workflow.results.fem_states import COLLECTION, fields_file
     from workflow.results.mesh_grids import add_texts, grid_of
