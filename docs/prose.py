@@ -50,6 +50,7 @@ DOCSTRING_WORDS = {
     r"held against": "compared with, or calibrated to",
     r"Davis's substitute": "Davis's estimate",
     r"\bgrains roll down\b": "shallow failure of a cohesionless face",
+    r"``\w+``: (of|in|for|with|by|at|from) ": "a noun after the colon: what the parameter is",
 }
 # The same in the texts of the program, which use some of these words otherwise.
 TEXT_WORDS = {
