@@ -28,7 +28,14 @@ from dem.liquefied_ground import (
 from dem.model import DiscModel
 from dem.overburden import effective_overburden
 from dem.springs import LayerSprings
+from meshes.section.layering import middles
+from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section
 
+# Strength of rock and concrete over the largest total overburden: a vertical cut of the whole height stands with 0.26.
+# Bonds that are stronger would be stiffer, too, and vibrate on a compliant base.
+ENOUGH = 1.2
+COLUMNS = 100  # of a section, in which that is found
 STEPS = 20  # in which contacts fade out
 SHARE = 0.5  # of the stable step
 
@@ -88,7 +95,10 @@ def set_strengths(model: DiscModel, layers: Sequence[LayerSprings]) -> None:
 
 
 def undrained_strength(model: DiscModel, ground: Ground | None = None) -> np.ndarray:
-    """Return the undrained strength s_u (n,) of all discs of clay in Pa, 0 for others; parameters as above."""
+    """Return the undrained strength s_u (n,) of all discs of clay in Pa, 0 for others; parameters as above.
+
+    Ground that is too strong to fail, such as rock, has ``ENOUGH`` times the largest total overburden.
+    """
     layers = model.springs.layers
     strength = np.append([layer.undrained_strength for layer in layers], 0.0)[model.layer]
     if ground is None or ground.section is None:
@@ -97,8 +107,16 @@ def undrained_strength(model: DiscModel, ground: Ground | None = None) -> np.nda
     points = np.column_stack(ground.to_section(model.x[here], model.z[here]))
     field = section.cohesion_field
     means = np.array([soil.cohesion for soil in field.means()])[model.layer[here]]
-    strength[here] *= field.at(points, points, model.layer[here]) / means
+    most = ENOUGH * _largest_overburden(section)
+    strength[here] = np.minimum(strength[here] * field.at(points, points, model.layer[here]) / means, most)
     return strength
+
+
+def _largest_overburden(section: Section) -> float:
+    """The largest total vertical stress at the base of a section (Pa)."""
+    levels = section.layering.interfaces(middles(*section.extent, COLUMNS))
+    weights = GRAVITY * np.array([max(s.density_seismic, s.density_ordinary) for s in section.strata])
+    return float(((levels[:, :-1] - levels[:, 1:]) @ weights).max())
 
 
 def _state_of_clay(model: DiscModel, discs: np.ndarray, strength: np.ndarray) -> Onset:

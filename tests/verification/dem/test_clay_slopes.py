@@ -18,11 +18,11 @@ from meshes import Section
 HEIGHT, STRENGTH_OF_CLAY, GRADIENT = 8.0, 40e3, 1e3
 
 
-def clay_slope(gradient: float = 0.0) -> Section:
-    """A slope of 1:2 in clay of 40 kPa, which may grow with depth below the crest (Pa/m)."""
+def clay_slope(gradient: float = 0.0, strength: str = "40 kPa") -> Section:
+    """A slope of 1:2 in clay of 40 kPa or another strength, which may grow with depth below the crest (Pa/m)."""
     grown = {"cohesion_increase": f"{gradient / 1e3} kPa/m", "cohesion_from": HEIGHT} if gradient else {}
     clay = {
-        "name": "Clay", "cohesion": "40 kPa", "friction_angle": 0, "density": "1.8 t/m^3",
+        "name": "Clay", "cohesion": strength, "friction_angle": 0, "density": "1.8 t/m^3",
         "youngs_modulus": "12 MPa", "poissons_ratio": 0.45,
     } | grown  # fmt: skip
     surface = [[0, HEIGHT], [10, HEIGHT], [26, 0], [38, 0]]
@@ -41,6 +41,13 @@ def test_discs_have_the_undrained_strength_of_their_depth(growing: Deposit) -> N
     assert undrained_strength(model, growing.ground)[free] == pytest.approx(expected[free], rel=1e-6)
     # they have settled by a little since
     assert (model.liquefied[:, STRENGTH] / model.strength_factor)[free] == pytest.approx(expected[free], rel=5e-3)
+
+
+def test_rock_is_as_strong_as_its_overburden_can_ask_for() -> None:
+    """Bonds of 10 MPa would be as much stiffer: S-13, whose base has that cohesion, flew apart on a compliant base."""
+    lies = deposit(clay_slope(strength="10 MPa"), DemSettings(elements=300))
+    strength = undrained_strength(lies.settled, lies.ground)[~lies.settled.fixed]
+    assert strength == pytest.approx(1.2 * 1800.0 * 9.81 * (HEIGHT + 4.0), rel=1e-3)
 
 
 def test_a_factor_of_the_calibration_multiplies_the_strength_of_clay(growing: Deposit) -> None:
