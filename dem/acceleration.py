@@ -9,8 +9,8 @@ from meshes.section.quantity import GRAVITY
 
 @dataclass(frozen=True)
 class Acceleration:
-    """External acceleration that acts on the full mass of all discs (m/s2), in the frame of the discs, linear between
-    the times (s).
+    """Holds the external acceleration that acts on the full mass of all discs (m/s2), in the frame of the discs, linear
+    between the times (s).
 
     Before the first and after the last time it is constant. A seismic coefficient Kh is the constant Kh g.
     """

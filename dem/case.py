@@ -32,7 +32,7 @@ ResidualStrength = Annotated[Strength, AfterValidator(_of_liquefied_soil)]
 
 
 class Case(Model):
-    """Stiffness, strength and volume of liquefied layers that name this case in `liquefies_in`."""
+    """Holds the stiffness, strength and volume of liquefied layers that name this case in `liquefies_in`."""
 
     name: str = Field(default="", description="name of the case, such as low strength")
     stiffness: float = Field(

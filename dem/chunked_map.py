@@ -16,7 +16,7 @@ class Ranges(Protocol):
     """
 
     def __call__(self, work: Callable[[int, int], Any], n: int) -> list[Any]:
-        """Results of all ranges, in their order."""
+        """Return the results of all ranges, in their order."""
 
 
 def serial(work: Callable[[int, int], Any], n: int) -> list[Any]:

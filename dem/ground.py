@@ -27,7 +27,7 @@ SOON = 1e-3  # s in which what a record begins or ends with comes on and goes
 
 @dataclass(frozen=True)
 class Ground:
-    """The discs of a section, without loads.
+    """Holds the discs of a section, without loads.
 
     Attributes
     ----------
@@ -114,7 +114,7 @@ class Ground:
         return None if felt is None else np.array(self._to_disc_axes(felt))
 
     def _to_disc_axes(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Vectors (n, 2) in the frame of the discs, from vectors in the frame of the section."""
+        """Return vectors (n, 2) in the frame of the discs, from vectors in the frame of the section."""
         c, s = np.cos(self.tilt), np.sin(self.tilt)
         return c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]
 
@@ -237,8 +237,8 @@ def box_fits(section: Section, radius: float) -> bool:
 
 
 def _box(section: Section, radius: float) -> Ground:
-    """A box with as many columns as fit along the surface and as many rows as fit above the base, centred along the
-    surface.
+    """Return a box with as many columns as fit along the surface and as many rows as fit above the base, centred along
+    the surface.
     """
     tilt = mean_slope(section)
     start, end = section.ground[0], section.ground[-1]
@@ -270,7 +270,7 @@ def in_stratum(section: Section, x: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def _cut(section: Section, settings: DemSettings, kind: str, radius: float) -> Ground:
-    """A lattice or a random packing cut to the outline."""
+    """Return a lattice or a random packing cut to the outline."""
     outline = section.outline()
     if kind == "lattice":
         packing = triangular_lattice(outline, section.stratum_at, radius, angle=-mean_slope(section))
@@ -280,7 +280,7 @@ def _cut(section: Section, settings: DemSettings, kind: str, radius: float) -> G
 
 
 def _densest_that_fits(section: Section, settings: DemSettings, radius: float) -> Packing:
-    """A random packing of the porosity of the settings, or of the next larger porosity at which the discs fit
+    """Return a random packing of the porosity of the settings, or of the next larger porosity at which the discs fit
     between the walls.
     """
     for more in np.arange(0.0, LOOSER, 0.01):

@@ -36,7 +36,7 @@ NEEDED = 3  # columns of cells in a period
 
 
 class Onset(NamedTuple):
-    """State of the ground at the onset of liquefaction; arrays of all discs.
+    """Holds the state of the ground at the onset of liquefaction; arrays of all discs.
 
     Attributes
     ----------
@@ -126,7 +126,7 @@ def match_strength(state: DiscState) -> None:
 
 
 def _in_pairs(state: DiscState) -> np.ndarray:
-    """Mask (n,) of the liquefied discs and of discs with a liquefied one within reach."""
+    """Return the mask (n,) of the liquefied discs and of discs with a liquefied one within reach."""
     is_in_pair = np.zeros(len(state), bool)
     is_in_pair[state.liquefied_i] = is_in_pair[state.liquefied_j] = True
     return is_in_pair
@@ -198,7 +198,8 @@ def steps_between_looks(model: DiscState, dt: float) -> int:
 
 
 def _densities(model: DiscState) -> np.ndarray:
-    """Density of the areas of discs (n,) at the last evaluation of the pairs; only valid for liquefied discs."""
+    """Return the density of the areas of discs (n,) at the last evaluation of the pairs; only valid for liquefied
+    discs."""
     wet = model.liquefied
     x, z, area = (np.ascontiguousarray(wet[:, field]) for field in (bond.AT_X, bond.AT_Z, bond.AREA))
     return densities(x, z, area, model.liquefied_i, model.liquefied_j, model.reach, model.repeats)

@@ -183,7 +183,7 @@ class DiscModel(DiscState):
 
     @property
     def _gone(self) -> np.ndarray:
-        """Mask of the kinds of pairs that have neither element nor pore spring."""
+        """Return the mask of the kinds of pairs that have neither element nor pore spring."""
         return np.asarray((self.springs.pairs[KN] == 0.0) & (self.springs.pairs[KPN] == 0.0))
 
     def _carry(self, old: np.ndarray, sign: np.ndarray, in_ranges: Ranges) -> None:
@@ -299,7 +299,7 @@ class DiscModel(DiscState):
         self.make_list()
 
     def _spring_forces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Normal and tangential force of element and pore springs of all pairs, dashpots left out (N)."""
+        """Return the normal and tangential force of element and pore springs of all pairs, dashpots left out (N)."""
         constants = self.springs.pairs[:, self.kind(self.pair_i, self.pair_j)]
         distance = self.distance()
         radii = self.radius[self.pair_i] + self.radius[self.pair_j]
@@ -348,5 +348,5 @@ class DiscModel(DiscState):
 def _table(
     layers: Sequence[LayerSprings], mean: Mean, law: Law, skin: float, strengths: Sequence[Strength | None]
 ) -> PairTable:
-    """Constants of all contacts, including those with rigid lines."""
+    """Return the constants of all contacts, including those with rigid lines."""
     return with_line_strengths(pair_table(layers, mean, law, WIDEST * skin), strengths, law)

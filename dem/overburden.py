@@ -47,7 +47,7 @@ def effective_overburden(model: DiscModel) -> np.ndarray:
 
 
 def _within(x: np.ndarray, left: float, right: float, width: float) -> np.ndarray:
-    """Share of a triangular distribution (half width `width`, peak at x) between two sides (n,)."""
+    """Return the share of a triangular distribution (half width `width`, peak at x) between two sides (n,)."""
 
     def beyond(distance: np.ndarray) -> np.ndarray:
         return 0.5 * np.clip(1.0 - np.maximum(distance, 0.0) / width, 0.0, 1.0) ** 2

@@ -172,7 +172,7 @@ def periodic_packing(
 
 
 def _thrice(line: np.ndarray, shift: np.ndarray) -> np.ndarray:
-    """A line with its images to the left and to the right."""
+    """Return a line with its images to the left and to the right."""
     return np.vstack([line - shift, line[1:], line[1:] + shift])
 
 
@@ -184,7 +184,7 @@ def _grown_discs(
     seed: int,
     sweeps: int,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Positions and radii of discs of random size in an outline, pushed apart until overlaps are small.
+    """Return positions and radii of discs of random size in an outline, pushed apart until overlaps are small.
 
     outline, walls: polygons (m) in which discs are initially placed, and which they may not leave; they differ for
     periodic ground;
@@ -266,7 +266,7 @@ def boundary(outline: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray
 
 
 def _turn(first: np.ndarray, second: np.ndarray) -> float:
-    """Tangent of half the angle between two edges, positive at convex corners."""
+    """Return the tangent of half the angle between two edges, positive at convex corners."""
     cross = first[0] * second[1] - first[1] * second[0]
     return float(cross / (1.0 + first @ second))
 
@@ -285,7 +285,7 @@ def _surrounded(
 
 
 def _known_strata(x: np.ndarray, z: np.ndarray, stratum_at: StratumAt) -> np.ndarray:
-    """Strata of discs; discs outside all strata get the stratum of the nearest disc inside one."""
+    """Return the strata of discs; discs outside all strata get the stratum of the nearest disc inside one."""
     layer = np.asarray(stratum_at(x, z), np.int32)
     if (layer < 0).all():
         raise ValueError("stratum_at gives no stratum for any disc inside the outline")
@@ -310,7 +310,8 @@ def _checked(outline: np.ndarray) -> np.ndarray:
 
 
 def _scatter(rng: np.random.Generator, outline: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Uniformly spaced points in the outline, by Roberts's R2 sequence from a random start, each shifted a little.
+    """Return the uniformly spaced points in the outline, by Roberts's R2 sequence from a random start, each shifted a
+    little.
 
     The points are uniformly spaced because pushing discs apart removes density variations over many discs only very
     slowly.

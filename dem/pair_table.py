@@ -98,8 +98,8 @@ def _weaker(pairs: np.ndarray, values: np.ndarray) -> None:
 
 
 def _attraction(layers: Sequence[LayerSprings]) -> np.ndarray:
-    """Tensile strength (N) of contacts between layers (n + 1, n + 1): the smaller of both; at the boundary that of
-    the layer.
+    """Return the tensile strength (N) of contacts between layers (n + 1, n + 1): the smaller of both; at the boundary
+    that of the layer.
     """
     strength = np.array([*(layer.attraction * layer.contact_cohesion for layer in layers), np.inf])
     pull = np.minimum(strength[:, None], strength[None, :])
@@ -108,7 +108,8 @@ def _attraction(layers: Sequence[LayerSprings]) -> np.ndarray:
 
 
 def _square(values: np.ndarray, mean: Mean) -> np.ndarray:
-    """Constants for all pairs of layers and the boundary (rows, n + 1, n + 1), from those of the n layers (rows, n)."""
+    """Return constants for all pairs of layers and the boundary (rows, n + 1, n + 1), from those of the n layers (rows,
+    n)."""
     n = values.shape[1]
     pairs = np.zeros((len(values), n + 1, n + 1))
     a, b = np.broadcast_arrays(values[:, :, None], values[:, None, :])
@@ -121,7 +122,7 @@ def _square(values: np.ndarray, mean: Mean) -> np.ndarray:
 
 
 def _columns(layers: Sequence[LayerSprings]) -> np.ndarray:
-    """The constants of contacts within each layer, a column for each."""
+    """Return the constants of contacts within each layer, a column for each."""
     values = np.zeros((row.CONSTANTS, len(layers)))
     for k, layer in enumerate(layers):
         tan = layer.friction if layer.pore_friction is None else layer.pore_friction
@@ -138,7 +139,7 @@ def _columns(layers: Sequence[LayerSprings]) -> np.ndarray:
 
 
 def _share_left(faded: Sequence[float]) -> np.ndarray:
-    """Remaining share of the contacts between n layers and with the boundary (n + 1, n + 1).
+    """Return the remaining share of the contacts between n layers and with the boundary (n + 1, n + 1).
 
     faded: lost share by layer. For a contact between two layers the larger lost share counts.
     """

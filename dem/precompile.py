@@ -42,8 +42,8 @@ def precompile(executor: Executor, tell: Tell) -> None:
 
 
 def _conditions() -> str:
-    """Fingerprint of the conditions of Numba's compiled files: its version, the processor, the file of the step
-    loop.
+    """Return the fingerprint of the conditions of Numba's compiled files: its version, the processor, the file of the
+    step loop.
     """
     source = Path(stepping.__file__)
     conditions = (numba.__version__, get_host_cpu_name(), str(source), source.stat().st_mtime_ns)

@@ -72,7 +72,7 @@ def _mean(
     over_pairs: Callable[[np.ndarray, np.ndarray], np.ndarray],
     i: np.ndarray, j: np.ndarray, width: np.ndarray, area: np.ndarray, at_zero: float,
 ) -> Callable[[np.ndarray], np.ndarray]:  # fmt: skip
-    """The mean of values (n,) of discs over liquefied neighbours, by the kernel and their areas.
+    """Return the mean of values (n,) of discs over liquefied neighbours, by the kernel and their areas.
 
     over_pairs: sum over the pairs of every disc; i, j (pairs,): discs of each pair; width (pairs,): W, 0 but for two
     liquefied discs (1/m2); area (n,): areas of liquefied discs, 0 for others (m2); own: W at no distance (1/m2).

@@ -42,7 +42,8 @@ Parameter = Literal["stiffness", "friction", "pore_strength", "strength", "all"]
 
 
 class DemSettings(Model):
-    """Settings of the discs and of the search for their critical Kh, a table [dem]."""
+    """Holds the settings of the discs and of the search for their critical Kh; they are the table [dem] of the input
+    file."""
 
     model: DiscModelName = Field(
         default="soil",
@@ -186,7 +187,7 @@ AVERAGE = "average"  # in place of a file: the response of the layers to a recor
 
 
 class SlideSettings(Model):
-    """Settings of the liquefied slides, a table [slide]."""
+    """Holds the settings of the liquefied slides; they are the table [slide] of the input file."""
 
     cases: tuple[Case, ...] = Field(
         default=LOOSE_SAND,

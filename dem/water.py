@@ -102,7 +102,7 @@ def added_mass(section: Section, places: Places, discs: DiscState) -> np.ndarray
 def _of_pores(
     section: Section, places: Places, discs: DiscState, pressure: Pressure, outside: Outside | None
 ) -> np.ndarray:
-    """Acceleration (n, 2) by a pore pressure: by its gradient, its jumps, and its excess over free water."""
+    """Return the acceleration (n, 2) by a pore pressure: by its gradient, its jumps, and its excess over free water."""
     free = np.flatnonzero(~discs.fixed)
     at, layer = np.column_stack(places)[free], discs.layer[free].astype(int)
     step = STEP * float(discs.radius.mean())
@@ -128,7 +128,7 @@ def _of_pores(
 
 
 def _on_ground(mesh: TriMesh, traction: WaterTraction) -> tuple[np.ndarray, np.ndarray]:
-    """Middles (k, 2) in m of the edges of the ground surface, and forces (k, 2) in N/m of a traction on them."""
+    """Return middles (k, 2) in m of the edges of the ground surface, and forces (k, 2) in N/m of a traction on them."""
     ends = mesh.boundaries["surface"]
     normal = outward_normals(mesh, mesh.edge_cells[mesh.edge_numbers(ends), 0], ends)
     middle = mesh.points[ends].mean(axis=1)
@@ -136,8 +136,8 @@ def _on_ground(mesh: TriMesh, traction: WaterTraction) -> tuple[np.ndarray, np.n
 
 
 def _at_nearest(discs: DiscState, places: Places, at: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """Acceleration (n, 2) in m/s2 of discs by forces (k, 2) in N/m, each on the disc that is nearest to its place
-    (k, 2) in m.
+    """Return the acceleration (n, 2) in m/s2 of discs by forces (k, 2) in N/m, each on the disc that is nearest to its
+    place (k, 2) in m.
     """
     free = np.flatnonzero(~discs.fixed)
     nearest = free[cKDTree(np.column_stack(places)[free]).query(at)[1]]

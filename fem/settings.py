@@ -80,7 +80,7 @@ def usual_point_sides(section: Section) -> Sides | None:
 
 
 def _level_ends(section: Section) -> tuple[bool, bool]:
-    """Whether the ground is level at the left and at the right end, over half of the mean height of the section.
+    """Return whether the ground is level at the left and at the right end, over half of the mean height of the section.
 
     Ground counts as level also where it falls by less than a tenth of the steepest stretch of that length: a plateau of
     1:40 behind a cut is no slope that continues. Longer level stretches are not required: with free-field sides, an
@@ -97,7 +97,7 @@ def _level_ends(section: Section) -> tuple[bool, bool]:
 
 
 class FemSettings(Model):
-    """Settings of the finite element analysis, a table [fem]."""
+    """Holds the settings of the finite element analysis; they are the table [fem] of the input file."""
 
     element: Literal["auto", "quadratic", "reduced", "bilinear"] = Field(
         default="auto",
@@ -174,7 +174,8 @@ class FemSettings(Model):
 
 
 class BoundsSettings(Model):
-    """Settings of limit analysis, a table [bounds]; sides, direction and vertical coefficient are those of [fem]."""
+    """Holds the settings of limit analysis; they are the table [bounds]; sides, direction and vertical coefficient are
+    those of [fem] of the input file."""
 
     run: StrictBool | Literal["auto"] = Field(
         default="auto",

@@ -25,7 +25,7 @@ def bisect(mesh: TriMesh, marked: np.ndarray) -> tuple[TriMesh, np.ndarray]:
 
 
 def _alike(mesh: TriMesh, cut: np.ndarray) -> np.ndarray:
-    """The edges to cut (a mask); edges of one periodic side are cut with their counterparts on the other."""
+    """Return the edges to cut (a mask); edges of one periodic side are cut with their counterparts on the other."""
     left, right = (mesh.edge_numbers(ends) for ends in mesh.matched)
     marked = cut.copy()
     marked[left] = marked[right] = cut[left] | cut[right]
@@ -78,7 +78,8 @@ def _rank(mesh: TriMesh) -> np.ndarray:
 
 
 def _divided(mesh: TriMesh, base: np.ndarray, middle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Cells and their parents after every cell was cut at its base edge and its halves at their own cut edges."""
+    """Return cells and their parents after every cell was cut at its base edge and its halves at their own cut
+    edges."""
     at = np.argmax(mesh.cell_edges == base[:, None], axis=1)
     rows = np.arange(len(mesh.cells))
     a, b, c = (mesh.cells[rows, (at + k) % 3] for k in range(3))
@@ -95,7 +96,7 @@ def _divided(mesh: TriMesh, base: np.ndarray, middle: np.ndarray) -> tuple[np.nd
 
 
 def _divided_edges(ends: np.ndarray, middle: np.ndarray) -> np.ndarray:
-    """Edges (k, 2) of a boundary, each edge that got a middle point divided in two."""
+    """Return edges (k, 2) of a boundary, each edge that got a middle point divided in two."""
     cut = middle >= 0
     start, end, mid = ends[cut, 0], ends[cut, 1], middle[cut]
     return np.concatenate([ends[~cut], np.column_stack([start, mid]), np.column_stack([mid, end])])

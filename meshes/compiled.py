@@ -76,7 +76,7 @@ def forget(base: Path, current: Path) -> None:
 
 
 def _usable(folder: Path) -> bool:
-    """Whether files can be written into the folder, which is made if need be; it counts as used today."""
+    """Return whether files can be written into the folder, which is made if need be; it counts as used today."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=folder).close()
@@ -87,7 +87,7 @@ def _usable(folder: Path) -> bool:
 
 
 def _user_cache() -> Path:
-    """The folder for files that a program can make again."""
+    """Return the folder for files that a program can make again."""
     if sys.platform == "darwin":
         return Path.home() / "Library" / "Caches"
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")

@@ -27,7 +27,7 @@ class InputError(ValueError):
         return self if file is None or self.source != name else InputError(str(file), self.problems)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """The error in the form in which one process hands it to another."""
+        """Return the error in the form in which one process hands it to another."""
         return type(self), (self.source, self.problems)
 
 
@@ -52,5 +52,5 @@ class NoAnswerError(RuntimeError):
         super().__init__(f"{reason}; {remedy}" if remedy else reason)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """The error in the form in which one process hands it to another."""
+        """Return the error in the form in which one process hands it to another."""
         return type(self), (self.reason, self.remedy)

@@ -270,7 +270,7 @@ class Processes(Executor):
         self._threads.shutdown(wait=True)
 
     def _done(self, request: bytes, heard: Tell) -> Any:
-        """The result of a task in this thread's process, or in a new one if that process ends."""
+        """Return the result of a task in this thread's process, or in a new one if that process ends."""
         for _ in range(self.tries):
             worker = self._worker()
             try:

@@ -135,8 +135,8 @@ def _match_sides() -> None:
 def _geometry(
     section: Section, layers: Layering, sizes: Sizes | None = None, cuts: Sequence[float] | np.ndarray = ()
 ) -> tuple[dict[int, list[int]], dict[str, list[int]], dict[int, float]]:
-    """The strata as plane surfaces that share their curves: surfaces by stratum, curves by line, and the heights (m) of
-    the vertical ones.
+    """Return the strata as plane surfaces that share their curves: surfaces by stratum, curves by line, and the heights
+    (m) of the vertical ones.
 
     Every polygon's edge is cut at every corner of another polygon that lies on it. Where ``sizes`` are given, layers
     that are thin beside them get rows of cells. Else breakpoints that are ``cuts`` are vertical lines through all
@@ -187,13 +187,14 @@ def _geometry(
 
 
 def _corners(section: Section, layers: Layering, polygons: list[np.ndarray]) -> np.ndarray:
-    """The corners (n, 2) of all polygons, and the ends of loads on the ground: there an edge ends, too."""
+    """Return the corners (n, 2) of all polygons, and the ends of loads on the ground: there an edge ends, too."""
     ends = np.array([x for load in section.surcharges for x in (load.start, load.end)])
     return np.unique(np.concatenate([np.column_stack([ends, layers.interfaces(ends)[:, 0]]), *polygons]), axis=0)
 
 
 def _size_in(section: Section, sizes: Sizes, k: int, points: np.ndarray) -> np.ndarray:
-    """The size (n,) of cells in stratum k at points (n, 2), all of which count as near the lines of a thin one."""
+    """Return the size (n,) of cells in stratum k at points (n, 2), all of which count as near the lines of a thin
+    one."""
     name, above = section.strata[k].name, section.strata[max(k - 1, 0)].name
     near = [size for line, size in sizes.towards.items() if line in (name, above, "surface", "base")]
     return np.minimum(sizes.at(name, points), min(near, default=np.inf))
@@ -229,8 +230,8 @@ def _cut_ring(
     tolerance: float,
     reach: np.ndarray,
 ) -> list[int]:
-    """A polygon as indices of corners, with every corner on one of its edges, nearer to it than its ``reach`` (m),
-    taken in between."""
+    """Return a polygon as indices of corners, with every corner on one of its edges, nearer to it than its ``reach``
+    (m), taken in between."""
     ring: list[int] = []
     for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
         length = float(np.hypot(*(end - start)))
@@ -248,7 +249,7 @@ def _named_curves(
     lines: dict[tuple[int, int], int],
     owners: dict[tuple[int, int], list[int]],
 ) -> tuple[dict[str, list[int]], dict[str, list[int]]]:
-    """Curves of the four boundaries, and of the bottom of every stratum by its name.
+    """Return the curves of the four boundaries, and of the bottom of every stratum by its name.
 
     Where no ground of the section reaches a side, the last face of the mesh is ground in the open, and no side.
     """
@@ -317,7 +318,7 @@ def _size_field(
 
 
 def _near_field(curves: list[int], near: float, far: float, reach: float, stop: bool) -> int:
-    """gmsh's field that grows from ``near`` within that distance of curves to ``far`` at ``reach`` (all in m).
+    """Return gmsh's field that grows from ``near`` within that distance of curves to ``far`` at ``reach`` (all in m).
 
     Beyond ``reach`` the field has no effect if it is to ``stop``; else it stays ``far``.
     """
@@ -351,7 +352,7 @@ def _inside_field(section: Section, sizes: Sizes) -> int:
 
 
 def _view_field(sizes: Sizes) -> int:
-    """gmsh's field of the sizes at the corners of triangles."""
+    """Return gmsh's field of the sizes at the corners of triangles."""
     view = gmsh.view.add("sizes")
     count = len(sizes.corners)
     x, z = sizes.corners[..., 0], sizes.corners[..., 1]

@@ -146,7 +146,7 @@ def make_free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path:
 
 
 def _narrowest(mesh: QuadMesh) -> float:
-    """The smallest angle (deg) at a corner of a cell."""
+    """Return the smallest angle (deg) at a corner of a cell."""
     return float(corner_angles(mesh.points, mesh.cells).min())
 
 
@@ -194,7 +194,7 @@ def session(name: str) -> Iterator[Any]:
 
 
 def _from_gmsh(section: Section, method: str) -> QuadMesh:
-    """The meshed gmsh model as arrays, its nodes numbered from 0 without gaps."""
+    """Return the meshed gmsh model as arrays, its nodes numbered from 0 without gaps."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     types, _, _ = gmsh.model.mesh.getElements(2)
     others = set(types) - {GMSH_QUADRILATERAL}

@@ -118,18 +118,18 @@ def seam_ends(layers: Layering, k: int, size: Callable[[np.ndarray], np.ndarray]
 
 
 def _touch(first: Seam, second: Seam, tolerance: float) -> bool:
-    """Whether two seams have points in common."""
+    """Return whether two seams have points in common."""
     return len(_common(first, second, tolerance)) + len(_common(second, first, tolerance)) > 0
 
 
 def _common(first: Seam, second: Seam, tolerance: float) -> np.ndarray:
-    """The points (n, 2) of one seam that lie on a line of the other."""
+    """Return the points (n, 2) of one seam that lie on a line of the other."""
     edges = [edge for line in (second.top, second.bottom) for edge in pairwise(line)]
     return np.unique(np.vstack([_on(*edge, first.points(), tolerance) for edge in edges]), axis=0)
 
 
 def _fit(first: Seam, second: Seam, tolerance: float) -> bool:
-    """Whether seams have the same points where they touch, to the last bit, and as many rows at a common end."""
+    """Return whether seams have the same points where they touch, to the last bit, and as many rows at a common end."""
     here, there = _common(first, second, tolerance), _common(second, first, tolerance)
     same = np.array_equal(here, there)
     ends = [{tuple(seam.top[end]), tuple(seam.bottom[end])} for seam in (first, second) for end in (0, -1)]
@@ -138,7 +138,7 @@ def _fit(first: Seam, second: Seam, tolerance: float) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Line:
-    """One of the two lines of a layer, and where its points lie along the layer.
+    """Holds one of the two lines of a layer, and where its points lie along the layer.
 
     Attributes
     ----------
@@ -180,7 +180,7 @@ class _Line:
 def _seam(
     polygon: np.ndarray, corners: np.ndarray, size: Callable[[np.ndarray], np.ndarray], tolerance: float
 ) -> Seam | None:
-    """The outline of a layer as a seam, None if it is not one."""
+    """Return the outline of a layer as a seam, None if it is not one."""
     lines = _lines(polygon)
     if lines is None:
         return None
@@ -208,7 +208,7 @@ def _seam(
 
 
 def _lines(polygon: np.ndarray) -> tuple[_Line, _Line] | None:
-    """Top and bottom of an outline, counter-clockwise, between its ends; None if it has no such lines.
+    """Return the top and bottom of an outline, counter-clockwise, between its ends; None if it has no such lines.
 
     An end is the edge at the outermost corner; where the layer ends in a single corner, as at the face of a slope, it
     is the steeper one of the two edges there. Places along the layer are x, but towards an end that leans, the columns
@@ -235,13 +235,13 @@ def _lines(polygon: np.ndarray) -> tuple[_Line, _Line] | None:
 
 
 def _steepness(first: np.ndarray, second: np.ndarray) -> float:
-    """Height over width of the way from one corner to another."""
+    """Return the height over width of the way from one corner to another."""
     width, height = np.abs(second - first)
     return math.inf if width == 0.0 else float(height / width)
 
 
 def _on(start: np.ndarray, end: np.ndarray, points: np.ndarray, tolerance: float) -> np.ndarray:
-    """The points out of (n, 2) on an edge, its ends included."""
+    """Return the points out of (n, 2) on an edge, its ends included."""
     at, off = along_and_above(start, end, points)
     return points[(off <= tolerance) & (at >= -tolerance) & (at <= np.hypot(*(end - start)) + tolerance)]
 
@@ -277,7 +277,7 @@ def _paired(top: np.ndarray, bottom: np.ndarray, length: Callable[[float], float
 
 
 def _divided(pairs: np.ndarray, length: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """The pairs (n, [top, bottom]) with columns in between that are as long as they are wanted (m)."""
+    """Return the pairs (n, [top, bottom]) with columns in between that are as long as they are wanted (m)."""
     parts = []
     for start, end in pairwise(pairs):
         share = np.linspace(0.0, 1.0, 201)

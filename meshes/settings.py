@@ -29,7 +29,7 @@ THINNEST = 1.0 / 3.0
 
 
 class MeshSettings(Model):
-    """Settings of the mesh of a section. Sizes are lengths of cell edges (m)."""
+    """Holds the settings of the mesh of a section. Sizes are lengths of cell edges (m)."""
 
     method: Literal["auto", "mapped", "free"] = Field(
         default="auto", description='"mapped" (columns and rows), "free", or "auto": whichever the layers allow'

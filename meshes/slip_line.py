@@ -35,7 +35,7 @@ def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
 
 
 def _threshold(moved: np.ndarray) -> float:
-    """The displacement that separates moving from resting ground; infinite if all ground moves alike."""
+    """Return the displacement that separates moving from resting ground; infinite if all ground moves alike."""
     if not len(moved) or np.ptp(moved) <= 1e-12 * np.abs(moved).max():
         return np.inf
     limit, before = 0.5 * (moved.min() + moved.max()), np.nan
@@ -45,8 +45,8 @@ def _threshold(moved: np.ndarray) -> float:
 
 
 def _depth(z: np.ndarray, moved: np.ndarray, limit: float) -> float:
-    """The least height at which a column moves half as much as the upper half of what lies above, below which it moves
-    less; not a number if its top is at rest.
+    """Return the least height at which a column moves half as much as the upper half of what lies above, below which it
+    moves less; not a number if its top is at rest.
     """
     ground = np.isfinite(moved)
     z, moved = z[ground], moved[ground]

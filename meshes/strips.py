@@ -63,7 +63,7 @@ def with_finer_strips(mesh: QuadMesh, indicator: np.ndarray, cells: int) -> Quad
 
 
 def _cut(mesh: QuadMesh, strips: Strips, marked: np.ndarray) -> QuadMesh:
-    """The mesh with the ``marked`` edges halved, opposite ones together."""
+    """Return the mesh with the ``marked`` edges halved, opposite ones together."""
     n, (a, b, c, d) = len(mesh.points), mesh.cells.T
     place = np.full(len(marked), -1)
     place[marked] = n + np.arange(np.count_nonzero(marked))

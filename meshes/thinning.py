@@ -53,7 +53,7 @@ def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering,
 
 
 def _part(names: list[str], k: int) -> str:
-    """A stratum in words, and where water cut it the part that is meant."""
+    """Return a stratum in words, and where water cut it the part that is meant."""
     return f"stratum {shown_name(names[k])}{' above water' if names[k] + BELOW_WATER in names else ''}"
 
 
@@ -100,13 +100,14 @@ def _stepped_once(layers: Layering, least: float, names: list[str]) -> tuple[Lay
 
 
 def _thickness(layers: Layering, k: int | None) -> np.ndarray:
-    """Thickness (m) of stratum k, of the whole section if None, at both ends of the intervals, (intervals, 2)."""
+    """Return the thickness (m) of stratum k, of the whole section if None, at both ends of the intervals, (intervals,
+    2)."""
     top, bottom = (0, layers.strata) if k is None else (k, k + 1)
     return np.stack([side[:, top] - side[:, bottom] for side in (layers.left, layers.right)], axis=1)
 
 
 def _tips(layers: Layering, k: int | None) -> list[tuple[float, int]]:
-    """Sharp tips of a stratum: the x (m) from which it grows, and +1 or -1, the way in which it does."""
+    """Return the sharp tips of a stratum: the x (m) from which it grows, and +1 or -1, the way in which it does."""
     thick = _thickness(layers, k)
     width = layers.width
     tips = []
@@ -120,8 +121,8 @@ def _tips(layers: Layering, k: int | None) -> list[tuple[float, int]]:
 
 
 def _crumbs(layers: Layering, k: int, least: float) -> list[tuple[float, float]]:
-    """Pieces of a stratum (from and to, m) that end in a sharp tip, are a short and small part of it, and are thinner
-    than ``least`` (m).
+    """Return the pieces of a stratum (from and to, m) that end in a sharp tip, are a short and small part of it, and
+    are thinner than ``least`` (m).
     """
     thick = _thickness(layers, k)
     area = 0.5 * layers.width * thick.sum(axis=1)
@@ -142,7 +143,8 @@ def _crumbs(layers: Layering, k: int, least: float) -> list[tuple[float, float]]
 
 
 def _necks(layers: Layering, k: int, least: float, longest: float) -> list[tuple[float, float]]:
-    """Stretches up to the ``longest`` (m) where a stratum is thinner than ``least`` (m), and somewhere much thinner.
+    """Return stretches up to the ``longest`` (m) where a stratum is thinner than ``least`` (m), and somewhere much
+    thinner.
 
     On one side at least the stratum is thick; the other side may be the end of the section. A stratum that is thin
     everywhere is unchanged.
@@ -170,7 +172,8 @@ def _necks(layers: Layering, k: int, least: float, longest: float) -> list[tuple
 
 
 def _step_of(layers: Layering, k: int | None, tip: float, way: int, least: float) -> tuple[float, float, float] | None:
-    """The thickness (m) of the step in which a stratum ends, its x (m), and the area (m²) cut off; None without one."""
+    """Return the thickness (m) of the step in which a stratum ends, its x (m), and the area (m²) cut off; None without
+    one."""
     whole = layers.areas().sum() if k is None else layers.areas()[k]
     for thick in (share * least for share in SMALLER):
         cut = _cut_of(layers, k, tip, way, thick)
@@ -180,7 +183,8 @@ def _step_of(layers: Layering, k: int | None, tip: float, way: int, least: float
 
 
 def _near_breakpoint(layers: Layering, k: int | None, tip: float, way: int, at: float, least: float) -> float | None:
-    """A breakpoint (m) near where a stratum is to end, ``least`` (m) thick, at which it can end in a step as well."""
+    """Return a breakpoint (m) near where a stratum is to end, ``least`` (m) thick, at which it can end in a step as
+    well."""
     inside = layers.x[way * (layers.x - tip) > layers.tolerance]
     near = inside[np.abs(inside - at) <= NEAR * least]
     near = near[[_step_at(layers, k, tip, way, float(x))[0] >= 0.5 * least for x in near]] if len(near) else near
@@ -188,7 +192,8 @@ def _near_breakpoint(layers: Layering, k: int | None, tip: float, way: int, at: 
 
 
 def _step_at(layers: Layering, k: int | None, tip: float, way: int, at: float) -> tuple[float, float]:
-    """The thickness (m) of a stratum at a breakpoint (m), as it comes from its tip, and its area (m²) to there."""
+    """Return the thickness (m) of a stratum at a breakpoint (m), as it comes from its tip, and its area (m²) to
+    there."""
     thick = _thickness(layers, k)
     first, last = sorted((int(np.argmin(np.abs(layers.x - tip))), int(np.argmin(np.abs(layers.x - at)))))
     area = 0.5 * float((layers.width[first:last, None] * thick[first:last]).sum())
@@ -219,7 +224,7 @@ def _cut_of(layers: Layering, k: int | None, tip: float, way: int, least: float)
 
 
 def _with_breakpoint(layers: Layering, at: float) -> Layering:
-    """The layers with a breakpoint at x (m)."""
+    """Return the layers with a breakpoint at x (m)."""
     if np.abs(layers.x - at).min() <= layers.tolerance:
         return layers
     i = int(np.searchsorted(layers.x, at)) - 1
@@ -234,7 +239,7 @@ def _with_breakpoint(layers: Layering, at: float) -> Layering:
 
 
 def _without(layers: Layering, k: int | None, start: float, end: float) -> Layering:
-    """The layers with stratum k, or everything if None, left out between two breakpoints (m)."""
+    """Return the layers with stratum k, or everything if None, left out between two breakpoints (m)."""
     left, right = layers.left.copy(), layers.right.copy()
     middles = 0.5 * (layers.x[1:] + layers.x[:-1])
     for i in np.flatnonzero((middles > start) & (middles < end)):
@@ -254,7 +259,7 @@ def _without(layers: Layering, k: int | None, start: float, end: float) -> Layer
 
 
 def _without_empty_ends(layers: Layering) -> Layering:
-    """The layers without intervals of no height at either end of the section."""
+    """Return the layers without intervals of no height at either end of the section."""
     high = np.flatnonzero(_thickness(layers, None).max(axis=1) > 0.0)
     first, last = int(high[0]), int(high[-1])
     return replace(

@@ -155,7 +155,7 @@ def triangulate(section: Section, size: float, sizes: dict[str, float] | None = 
 
 
 def _triangulated(section: Section, sizes: Sizes, repeats: bool) -> TriMesh:
-    """Triangles of these sizes; raises BadMeshError if gmsh gives up or leaves a hole or a flat cell."""
+    """Return the triangles of these sizes; raise BadMeshError if gmsh gives up or leaves a hole or a flat cell."""
     with session(section.name):
         try:
             build_triangles(section, sizes, repeats)
@@ -170,7 +170,7 @@ def _triangulated(section: Section, sizes: Sizes, repeats: bool) -> TriMesh:
 
 
 def _from_gmsh(section: Section, repeats: bool) -> TriMesh:
-    """The meshed gmsh model as arrays, its points numbered from 0 without gaps."""
+    """Return the meshed gmsh model as arrays, its points numbered from 0 without gaps."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     groups = group_names([layer.name for layer in section.strata])
     parts = [group_nodes(2, group, GMSH_TRIANGLE, 3) for group in groups]

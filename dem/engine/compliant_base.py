@@ -101,6 +101,6 @@ class Look:
 
 
 def _added_mass(model: DiscState) -> np.ndarray:
-    """Horizontal added mass (n,) of the discs over their mass."""
+    """Return the horizontal added mass (n,) of the discs over their mass."""
     x, z = right_of(model.gravity)
     return np.asarray(x * model.added_mass_x + z * model.added_mass_z)

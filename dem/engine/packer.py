@@ -123,7 +123,7 @@ def _far(lanes: np.ndarray) -> np.ndarray:
 
 
 def _added_mass(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
-    """Fields of the layout for discs with added mass."""
+    """Return the fields of the layout for discs with added mass."""
     order = model.order
     carries = (model.added_mass_x != 0.0) | (model.added_mass_z != 0.0)
     there = np.flatnonzero(carries[order]) if carries.any() else np.zeros(0, np.int64)
@@ -136,7 +136,7 @@ def _added_mass(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
 
 
 def _liquefied(model: DiscModel, number: np.ndarray, slices: int) -> Liquefied:
-    """Liquefied discs and their pairs; number: number of each disc in spatial order."""
+    """Return the liquefied discs and their pairs; number: number of each disc in spatial order."""
     slots = slices * LANES
     first, second = number[model.liquefied_i], number[model.liquefied_j]
     lane, start = place_pairs(first, slices)
@@ -157,7 +157,7 @@ def _liquefied(model: DiscModel, number: np.ndarray, slices: int) -> Liquefied:
 
 
 def _bonds(layout: Layout, model: DiscModel) -> np.ndarray:
-    """Memory of the bonds (pairs, MEMORY), read back from their lanes."""
+    """Return the memory of the bonds (pairs, MEMORY), read back from their lanes."""
     number = np.empty(len(model), np.int32)
     number[model.order] = np.arange(len(model), dtype=np.int32)
     lane, start = place_pairs(number[model.liquefied_i], len(layout.chunk_start) - 1)

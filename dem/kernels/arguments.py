@@ -14,7 +14,7 @@ ENERGY_COLUMNS = 10
 
 
 class Springs(NamedTuple):
-    """Constants of all contacts.
+    """Holds the constants of all contacts.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Springs(NamedTuple):
 
 
 class State(NamedTuple):
-    """The arrays of `Layout` that the contact law reads and writes.
+    """Holds the arrays of `Layout` that the contact law reads and writes.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class State(NamedTuple):
 
 
 class Law(NamedTuple):
-    """The contact law of a model.
+    """Holds the contact law of a model.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class Loads(NamedTuple):
 
 
 class Clock(NamedTuple):
-    """Time steps of one call of the kernel.
+    """Holds the time steps of one call of the kernel.
 
     Attributes
     ----------
@@ -134,7 +134,7 @@ class Team(NamedTuple):
 
 
 class Entries(NamedTuple):
-    """Sums of the energy balance.
+    """Holds the sums of the energy balance.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ class Entries(NamedTuple):
 
 
 class Step(NamedTuple):
-    """One time step of all discs.
+    """Holds one time step of all discs.
 
     Attributes
     ----------

@@ -215,7 +215,8 @@ def find_fresh(where: np.ndarray, nobody: int, kind: np.ndarray) -> tuple[np.nda
 def place_incoming(
     where: np.ndarray, chunk_start: np.ndarray, line_disc: np.ndarray, discs: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return, for every disc, the places of the forces of contacts that it does not own: partners first, then lines.
+    """For every disc, return the places of the forces of contacts that the disc does not own: partners first, then
+    lines.
 
     where: partner in every lane; chunk_start, line_disc: as in `Layout`; discs: number of discs. The places are in the
     order of the lanes, so that a sum of these forces depends only on the layout, and not on the order of the contact

@@ -66,7 +66,7 @@ def measured_shear(
 def _sums(
     discs: np.ndarray, way: np.ndarray, pairs: np.ndarray, memory: np.ndarray, reach: float, period: Period
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Stress and gradient of every disc (n, 13), and W (pairs,) of every pair (1/m2)."""
+    """Return the stress and gradient of every disc (n, 13), and W (pairs,) of every pair (1/m2)."""
     n = len(discs)
     sums = np.zeros((n, 13))
     width = np.zeros(pairs.shape[1])
@@ -124,7 +124,7 @@ def _sums(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _shear_of(mean: np.ndarray) -> tuple[float, float]:
-    """Measured shear stress (Pa) and shear strain, from a stress and a displacement gradient.
+    """Return the measured shear stress (Pa) and shear strain, from a stress and a displacement gradient.
 
     Work on rotation is included, since bonds resist rotation as well.
     """
@@ -138,7 +138,8 @@ def _shear_of(mean: np.ndarray) -> tuple[float, float]:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _means(discs: np.ndarray, pairs: np.ndarray, width: np.ndarray, reach: float, values: np.ndarray) -> np.ndarray:
-    """Means of values (n, k) over liquefied discs of one stratum within reach, by the kernel (width) and their areas.
+    """Return the means of values (n, k) over liquefied discs of one stratum within reach, by the kernel (width) and
+    their areas.
 
     Means are computed one value after the other, since loops over rows would take seconds more to compile.
     """

@@ -46,7 +46,7 @@ def _join(builder: Any, parts: list[Any]) -> Any:
 
 
 def _all(builder: Any, value: Any) -> Any:
-    """A vector of eight equal entries."""
+    """Return a vector of eight equal entries."""
     single = builder.insert_element(
         ir.Constant(ir.VectorType(value.type, EIGHT), ir.Undefined), value, ir.IntType(32)(0)
     )

@@ -83,7 +83,7 @@ class ContactNumbers(NamedTuple):
 
 
 def _step(value: float, doublings: float) -> float:
-    """The nearest number of a geometric series that contains 1; ``doublings``: ratio of neighbours as a logarithm to
-    base 2.
+    """Return the nearest number of a geometric series that contains 1; ``doublings``: ratio of neighbours as a
+    logarithm to base 2.
     """
     return float(2.0 ** (doublings * round(float(np.log2(value)) / doublings)))

@@ -40,7 +40,7 @@ def middle_stresses(section: Section) -> np.ndarray:
 
 
 def _pore_pressure(section: Section, x: float, z: float, stratum: int) -> float:
-    """Pore pressure at a place (m) of a stratum less the weight of the water on the ground above it (Pa)."""
+    """Return the pore pressure at a place (m) of a stratum less the weight of the water on the ground above it (Pa)."""
     water = section.water_pressure
     if not water.present:
         return 0.0
@@ -77,7 +77,7 @@ def element_tests(
 
 
 def _tested(task: tuple[Stratum, PatchSample, list[float]], _: Tell) -> dict[str, Any]:
-    """The result of one element test."""
+    """Return the result of one element test."""
     stratum, sample, pressures = task
     try:
         return element_test(sample, pressures).as_json(stratum)

@@ -74,7 +74,7 @@ def compressed(task: Task, _: Tell) -> TestOutcome:
 
 
 def _scaled(patch: TestOutcome, numbers: ContactNumbers, pressure: float, seed: int) -> TestOutcome:
-    """The result of a patch, converted to other dimensionless numbers and another pressure (Pa)."""
+    """Return the result of a patch, converted to other dimensionless numbers and another pressure (Pa)."""
     if isinstance(patch, str):
         return f"{pressure / 1e3:.3g} kPa, seed {seed}, scaled to {PRESSURE / 1e3:.3g} kPa: {patch}"
     near = numbers.nearest
@@ -125,5 +125,5 @@ def _check(layer: SoilLayer, spring: LayerSprings, patches: Sequence[PatchStreng
 
 
 def _known(value: float) -> float | None:
-    """The number, or None if it is NaN."""
+    """Return the number, or None if it is NaN."""
     return float(value) if np.isfinite(value) else None

@@ -192,7 +192,7 @@ def load(
 
 
 def _is_over(rows: list[np.ndarray], kind: LoadingKind) -> bool:
-    """Whether the last record is well past the peak."""
+    """Return whether the last record is well past the peak."""
     if len(rows) % AVERAGE or len(rows) < INTERVALS // 4:
         return False
     means = np.array(rows).reshape(-1, AVERAGE, len(rows[0])).mean(axis=1)

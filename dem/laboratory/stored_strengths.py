@@ -69,14 +69,14 @@ def is_stored(numbers: ContactNumbers, seed: int) -> bool:
 
 
 def _file(numbers: ContactNumbers, seed: int) -> Path:
-    """File of the result for the numbers, with all digits, and the seed."""
+    """Return the file of the result for the numbers, with all digits, and the seed."""
     values = "_".join(f"{value:.17g}" for value in (numbers.friction, numbers.cohesion, numbers.kappa))
     return _folder() / f"{'turning' if numbers.turns else 'fixed'}_{values}_{seed}.json"
 
 
 @cache
 def _folder() -> Path:
-    """Folder of the results of this version of the sources."""
+    """Return the folder of the results of this version of the sources."""
     package = Path(__file__).parents[1]
     sources = (path for room in ROOMS for path in sorted((package / room).glob("*.py")))
     machine = platform.machine(), get_host_cpu_name(), numba.__version__, np.__version__

@@ -123,7 +123,7 @@ class StrengthMap:
         return np.asarray(dry * dilating + (1.0 - dry) * (1.0 + (SOFT / kappa) ** SOFTER))
 
     def _at(self, table: np.ndarray, friction: float, number: np.ndarray) -> np.ndarray:
-        """A table (m, k), interpolated at one friction and some cohesion numbers."""
+        """Return a table (m, k), interpolated at one friction and some cohesion numbers."""
         where = np.column_stack([np.broadcast_to(friction, number.shape), np.log(number + EARLY)])
         between = RegularGridInterpolator(
             (self.friction, np.log(self.cohesion + EARLY)), np.log(table), bounds_error=False, fill_value=None
@@ -139,8 +139,8 @@ class StrengthMap:
 
     @property
     def _sand(self) -> tuple[np.ndarray, np.ndarray]:
-        """Friction mu (from 0 on) of contacts without cohesion, and half the deviator stress over the pressure of
-        patches with it.
+        """Return the friction mu (from 0 on) of contacts without cohesion, and half the deviator stress over the
+        pressure of patches with it.
         """
         has_any = self.friction >= 0.0
         return self.friction[has_any], self.after[has_any, 0]

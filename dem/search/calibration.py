@@ -158,7 +158,7 @@ class Calibrator:
         self.on_trial, self.on_search, self.executor = on_trial, on_search, executor
 
     def __getstate__(self) -> dict[str, Any]:
-        """State that is pickled for another process: all attributes but the listeners and the known searches."""
+        """Return the state to pickle for another process, without listeners and known searches."""
         nothing: dict[str, Any] = {"searches": {}, "displaced": {}, "rested": {}}
         return self.__dict__ | nothing | {"on_trial": None, "on_search": None, "executor": SERIAL, "threads": 1}
 
@@ -223,7 +223,7 @@ class Calibrator:
 
 
 def _searched(task: tuple[Calibrator, str, float, bool], _: Tell) -> Search:
-    """One search, as a task of the executor."""
+    """Return the result of one search for the critical Kh, as a task of the executor."""
     calibrator, parameter, factor, fine = task
     return calibrator.search(parameter, factor, fine=fine)
 
@@ -348,8 +348,8 @@ def calibrate(
 
 
 def _between(tried: dict[float, Search], target: float, low: float, high: float) -> float:
-    """Factor of the next trial: linear interpolation of Kh over the logarithm of the factor, not too near to either
-    trial.
+    """Return the factor of the next trial: linear interpolation of Kh over the logarithm of the factor, not too near to
+    either trial.
     """
     below, above = middle(tried[low]) - target, middle(tried[high]) - target
     share = float(np.clip(below / (below - above), SHORTEST, 1.0 - SHORTEST))
@@ -359,7 +359,7 @@ def _between(tried: dict[float, Search], target: float, low: float, high: float)
 def _out_of_reach(
     settings: DemSettings, parameter: str, tried: dict[float, Search], value: float, target: float
 ) -> str:
-    """Why no factor reaches the target, in words."""
+    """Return why no factor reaches the target, in words."""
     reach = [middle(search) for search in tried.values()]
     message = (
         f"with {parameter} times {min(tried):.3g} to {max(tried):.3g} the discs fail at Kh = {min(reach):.3f} to "
@@ -369,7 +369,7 @@ def _out_of_reach(
 
 
 def _outwards(base: Search | None, target: float, settings: DemSettings) -> Iterator[list[float]]:
-    """Factors of the trials, from 1 towards the end of the range that the target requires.
+    """Yield the factors of the trials, from 1 towards the end of the range that the target requires.
 
     Halves, quarters, ... or doubles, two at a time for any number of workers. For soil discs, whose range is short, the
     first factor is the target over the uncalibrated critical Kh.
@@ -394,7 +394,7 @@ def _met(search: Search, target: float, tolerance: float) -> bool:
 
 
 def _bracket(tried: dict[float, Search], target: float) -> tuple[float, float] | None:
-    """The narrowest pair of neighbouring factors with the target between their critical Kh."""
+    """Return the narrowest pair of neighbouring factors with the target between their critical Kh."""
     factors = sorted(tried)
     pairs = [(a, b) for a, b in pairwise(factors) if (middle(tried[a]) - target) * (middle(tried[b]) - target) < 0.0]
     return min(pairs, key=lambda p: p[1] / p[0]) if pairs else None

@@ -163,13 +163,13 @@ def cut(section: Section, settled: DiscModel, ground: Ground) -> Packing:
 
 
 def _packing_of(section: Section, settled: DiscModel) -> Packing:
-    """A packing of the discs in their present positions, for periodic ground moved into the section."""
+    """Return a packing of the discs in their present positions, for periodic ground moved into the section."""
     x, z = brought_back(settled.x, settled.z, section.extent[0], settled.repeats)
     return Packing(x, z, settled.radius, settled.layer, settled.lines, settled.period)
 
 
 def _in_strata(section: Section, packing: Packing) -> Packing:
-    """The packing with every free disc assigned to the stratum in which it lies."""
+    """Return the packing with every free disc assigned to the stratum in which it lies."""
     layer, inside = packing.layer.copy(), packing.free
     layer[inside] = in_stratum(section, packing.x[inside], packing.z[inside])
     return replace(packing, layer=layer)
@@ -183,7 +183,7 @@ def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) 
 
 
 def _filled(section: Section, settings: DemSettings, radius: float, periodic: bool) -> Ground:
-    """A random packing that reaches above the surface, with strata stretched in proportion."""
+    """Return a random packing that reaches above the surface, with strata stretched in proportion."""
     outline = section.outline()
     lift = SINKS * float(np.ptp(outline[:, 1])) + MARGIN * radius
     surface = section.ground
@@ -217,7 +217,7 @@ def _filled(section: Section, settings: DemSettings, radius: float, periodic: bo
 
 
 def _raised(outline: np.ndarray, on_top: np.ndarray, lift: float, rim: float) -> np.ndarray:
-    """The outline of a box that extends above the surface, and beyond base and sides of the section (m).
+    """Return the outline of a box that extends above the surface, and beyond base and sides of the section (m).
 
     on_top: mask (n,) of its corners that are on the surface; lift, rim: how far above and beyond (m).
     """
@@ -228,8 +228,8 @@ def _raised(outline: np.ndarray, on_top: np.ndarray, lift: float, rim: float) ->
 
 
 def _fixed_in_box(packing: Packing, base: np.ndarray, left: float, right: float) -> Packing:
-    """The packing with all discs fixed whose centres are beyond the base or the sides: a rough box, like the fixed
-    nodes of the continuum.
+    """Return the packing with all discs fixed whose centres are beyond the base or the sides: a rough box, like the
+    fixed nodes of the continuum.
     """
     beyond = (packing.x < left) | (packing.x > right) | (packing.z < np.interp(packing.x, *base.T))
     return replace(packing, layer=np.where(beyond, -1, packing.layer).astype(packing.layer.dtype))

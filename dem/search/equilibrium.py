@@ -57,7 +57,7 @@ class Rest:
 
 
 class Rise(NamedTuple):
-    """Rise of Kh in a trial.
+    """Holds the rise of Kh in a trial.
 
     Attributes
     ----------
@@ -135,7 +135,7 @@ class Displacement:
         self.total = self.mass.sum()
 
     def __call__(self, model: DiscModel) -> float:
-        """Mean displacement of the discs since `before` (m)."""
+        """Return the mean displacement of the discs since `before` (m)."""
         before, free = self.before, self.free
         dx, _ = self.ground.to_section_axes(model.x[free] - before.x[free], model.z[free] - before.z[free])
         return float(self.ground.downhill * ((dx * self.mass).sum() / self.total))

@@ -57,7 +57,7 @@ def levelled(section: Section, packing: Packing, radius: float, spread: float) -
 
 
 def _images(discs: np.ndarray, period: tuple[float, float], extent: tuple[float, float], radius: float) -> np.ndarray:
-    """Images (n, 3) of the discs of periodic ground: discs near one side are repeated beyond the other."""
+    """Return images (n, 3) of the discs of periodic ground: discs near one side are repeated beyond the other."""
     shift = np.array([*period, 0.0])
     near_left, near_right = discs[:, 0] < extent[0] + DEEP * radius, discs[:, 0] > extent[1] - DEEP * radius
     return np.vstack([discs[near_left] + shift, discs[near_right] - shift])
@@ -101,7 +101,8 @@ def _exchanged(
 
 
 def _columns(section: Section, discs: np.ndarray, radius: float) -> np.ndarray:
-    """Height (m) of the discs (x, z, radius) of each column above the surface, minus infinity in empty columns."""
+    """Return the height (m) of the discs (x, z, radius) of each column above the surface, minus infinity in empty
+    columns."""
     left, right = section.extent
     count = max(1, int(np.ceil((right - left) / (4.0 * radius))))
     column = np.floor((discs[:, 0] - left) / (right - left) * count).astype(int)
@@ -113,7 +114,8 @@ def _columns(section: Section, discs: np.ndarray, radius: float) -> np.ndarray:
 def _fillings(
     section: Section, discs: np.ndarray, ends: tuple[float, float], radius: float, spread: float
 ) -> np.ndarray:
-    """New discs (n, 3: centre and radius) that rest on two others each, those with tops nearest to the surface first.
+    """Return the new discs (n, 3: centre and radius) that rest on two others each, those with tops nearest to the
+    surface first.
 
     The centres of the new discs are between two ends (m).
     """
@@ -136,8 +138,8 @@ def _fillings(
 
 
 def _places(discs: np.ndarray, of: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """Positions of new discs of given radii that rest on one of the discs `of` and on another disc, one on either
-    side.
+    """Return the positions of new discs of given radii that rest on one of the discs `of` and on another disc, one on
+    either side.
     """
     tree = cKDTree(discs[:, :2])
     reach = 2.0 * sizes.max() + 2.0 * discs[:, 2].max()
@@ -167,14 +169,15 @@ def _places(discs: np.ndarray, of: np.ndarray, sizes: np.ndarray) -> np.ndarray:
 
 
 def _fits(places: np.ndarray, discs: np.ndarray, radius: float) -> np.ndarray:
-    """Mask of new discs that overlap no other disc."""
+    """Return the mask of new discs that overlap no other disc."""
     apart, near = cKDTree(discs[:, :2]).query(places[:, :2], k=range(1, min(NEAREST, len(discs)) + 1))
     gap = apart - places[:, 2:] - discs[near, 2]
     return np.asarray(gap.min(axis=1) >= -TOUCHES * radius)
 
 
 def _above(section: Section, discs: np.ndarray) -> np.ndarray:
-    """Height (m) of the tops of discs (x, z, radius) above the surface vertically below them, negative below it."""
+    """Return the height (m) of the tops of discs (x, z, radius) above the surface vertically below them, negative below
+    it."""
     return np.asarray(discs[:, 1] + discs[:, 2] - _level(section, discs[:, 0]))
 
 

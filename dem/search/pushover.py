@@ -65,7 +65,7 @@ class Continuum(NamedTuple):
 
 
 class DisplacementControl(NamedTuple):
-    """Displacement control: a spring and a parallel dashpot that move the discs.
+    """Holds the displacement control: a spring and a parallel dashpot that move the discs.
 
     Attributes
     ----------
@@ -206,7 +206,7 @@ def _points(
 
 
 def _failed(model: DiscModel, before: DiscModel, ground: Ground, machine: DisplacementControl, moved: float) -> str:
-    """Why the test ends at this mean displacement (m), in words; empty while it continues."""
+    """Return why the test ends at this mean displacement (m), in words; empty while it continues."""
     way = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
     most = np.percentile(way, GROUND)
     if most >= FORMED * ground.radius:
@@ -217,7 +217,7 @@ def _failed(model: DiscModel, before: DiscModel, ground: Ground, machine: Displa
 
 
 def _point(model: DiscModel, moved: float, kh: float, most: float, seconds: float) -> Trial:
-    """A point of the load-displacement curve, with the largest Kh so far."""
+    """Return a point of the load-displacement curve, with the largest Kh so far."""
     more = kh > most
     reason = "more than the largest Kh so far" if more else "a larger Kh was reached before"
     ratios = unbalanced_ratio(model), kinetic_ratio(model)

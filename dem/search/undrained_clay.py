@@ -120,7 +120,7 @@ def _largest_overburden(section: Section) -> float:
 
 
 def _state_of_clay(model: DiscModel, discs: np.ndarray, strength: np.ndarray) -> Onset:
-    """What bears clay afterwards: its overburden as pore pressure, s_u, and the strain s_u/G at which s_u is reached.
+    """Return the pore pressure (overburden), the undrained strength s_u and the strain s_u/G at which clay reaches s_u.
 
     discs: mask (n,) of those of clay; strength: their s_u (n,).
     """

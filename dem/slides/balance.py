@@ -201,7 +201,7 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
 
 
 def _columns(x: np.ndarray, radius: float) -> np.ndarray:
-    """Numbers of the columns, two discs wide, of discs at x (n,)."""
+    """Return the numbers of the columns, two discs wide, of discs at x (n,)."""
     return np.asarray((x - x.min()) / (4.0 * radius)).astype(int)
 
 

@@ -153,7 +153,7 @@ def _packed(
 
 
 def _rough_floor(rng: np.random.Generator, radius: float, left: float, right: float, spread: float) -> np.ndarray:
-    """A row of adjacent discs whose tops are at or below z = 0: x, z, radius (3, n)."""
+    """Return a row of adjacent discs whose tops are at or below z = 0: x, z, radius (3, n)."""
     discs, x = [], left
     while x < right:
         r = radius * rng.uniform(1.0 - spread, 1.0 + spread)

@@ -188,7 +188,7 @@ class Slider:
             set_share(model, np.array([shares.get(k, 1.0) for k in range(len(wanted))] + [0.0])[model.layer])
 
     def _drained(self) -> dict[int, float]:
-        """Share of the volume of strata lost by drainage so far."""
+        """Return the share of the volume of strata lost by drainage so far."""
         since = self.model.time - self.start.time
         if self.case is None or since < self.motion.first - SAME:
             return {}
@@ -223,7 +223,7 @@ class Slider:
         model.pore_acceleration_z = start.pore_acceleration_z + change[1]
 
     def _until(self) -> float:
-        """Time to the next record or change of springs (s)."""
+        """Return the time to the next record or change of springs (s)."""
         return self.motion.wait(self.model.time - self.start.time, LOOK)
 
     def _look(self) -> Row:
@@ -246,7 +246,7 @@ class Slider:
         return row
 
     def _at_rest(self) -> bool:
-        """Whether the surface is at rest after the end of the onset and, if Kh ends, after the end of Kh."""
+        """Return whether the surface is at rest after the end of the onset and, if Kh ends, after the end of Kh."""
         rows = [row for row in self.slide.rows if row.time_s >= self.motion.rest_from - 1e-9]
         watched = [
             (row.slide_uphill_m, row.slide_middle_m, row.slide_downhill_m, row.settlement_uphill_m,
@@ -278,7 +278,7 @@ class Slider:
         return slide
 
     def _notes(self) -> list[str]:
-        """Notes on this slide; its loss of area, and the side that stopped it, are computed here."""
+        """Return notes on this slide; its loss of area, and the side that stopped it, are computed here."""
         slide, model, start = self.slide, self.model, self.start
         height = float(np.ptp(start.z[~start.fixed]))
         far = max((row.slide_max_m for row in slide.rows), default=0.0)
@@ -302,7 +302,7 @@ class Slider:
         return notes
 
     def _lost(self) -> list[str]:
-        """A sentence on lost ground; empty if there is none."""
+        """Return a sentence on lost ground; empty if there is none."""
         slide, model, start = self.slide, self.model, self.start
         before, after = ground_area(start, self.ground), ground_area(model, self.ground)
         softer = [] if start.law == "soil" else self.strata
@@ -319,7 +319,7 @@ class Slider:
         ]
 
     def _flow(self) -> list[str]:
-        """A sentence if the case slides without Kh as well (flow failure), else empty.
+        """Return a sentence if the case slides without Kh as well (flow failure), else empty.
 
         Ground that is stable under its weight moves only by centimetres; ground without equilibrium moves until its
         face is flatter. So the displacement without Kh is compared with the height of the face. The slide under Kh is

@@ -117,7 +117,7 @@ def weaken_clay(model: DiscModel, start: DiscModel, ground: Ground, shares: Mapp
 
 
 def _not_consolidated(model: DiscModel, ground: Ground) -> np.ndarray:
-    """The part (n,) in Pa of the surcharges above discs under which the ground has not consolidated."""
+    """Return the part (n,) in Pa of the surcharges above discs under which the ground has not consolidated."""
     if ground.section is None:
         return np.zeros(len(model))
     loads, x = ground.section.surface_loads, ground.to_section(model.x, model.z)[0]

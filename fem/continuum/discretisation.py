@@ -143,7 +143,7 @@ def tied(d: Discretisation, masters: np.ndarray, slaves: np.ndarray) -> Discreti
 
 
 def _gauss(order: int) -> tuple[np.ndarray, np.ndarray]:
-    """The order x order Gauss points of the reference square [0, 1]² and their weights."""
+    """Return the order x order Gauss points of the reference square [0, 1]² and their weights."""
     x, w = np.polynomial.legendre.leggauss(order)
     x, w = 0.5 * (x + 1.0), 0.5 * w
     return np.array([(a, b) for b in x for a in x]), np.array([a * b for b in w for a in w])
@@ -152,7 +152,8 @@ def _gauss(order: int) -> tuple[np.ndarray, np.ndarray]:
 def _strain_matrix(
     degree: int, gauss: np.ndarray, weight: np.ndarray, points: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """B (nc, nq, 4, nd) and the areas (nc, nq) of quadrature points of cells with corners ``points`` (nc, 4, 2)."""
+    """Return B (nc, nq, 4, nd) and the areas (nc, nq) of quadrature points of cells with corners ``points`` (nc,
+    4, 2)."""
     _, gradients = api.tabulate(degree, gauss)
     _, corner_gradients = api.tabulate(1, gauss)
     jacobian = np.einsum("qad,cai->cqid", corner_gradients, points)
@@ -167,7 +168,8 @@ def _strain_matrix(
 
 
 def _modes(element: Element, gauss: np.ndarray, points: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Polynomials to which the volumetric strain is fitted, at the points (nc, nq, k): 1, and x and y if quadratic."""
+    """Return polynomials to which the volumetric strain is fitted, at the points (nc, nq, k): 1, and x and y if
+    quadratic."""
     modes = [np.ones_like(weights)]
     if element == "quadratic":
         place = np.einsum("qa,cai->cqi", api.tabulate(1, gauss)[0], points)
@@ -190,7 +192,8 @@ def _project_volumetric_strain(matrix: np.ndarray, weights: np.ndarray, modes: n
 
 
 def _hourglass_stiffness(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Stiffness (nc, nd, nd) against hourglass strain, the part of the strain that is zero at the 2 x 2 points.
+    """Return the stiffness (nc, nd, nd) against hourglass strain, the part of the strain that is zero at the 2 x 2
+    points.
 
     The hourglass strain is the strain at 3 x 3 points less the bilinear field through its values at the 2 x 2 points,
     so that a displacement whose strain is linear over the cell is not resisted.
@@ -207,7 +210,7 @@ def _hourglass_stiffness(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def _node_points(comm: Any, part: api.RankDistribution, corners: np.ndarray, degree: int) -> np.ndarray:
-    """Coordinates (total, 2) of all nodes by their global numbers, on every rank."""
+    """Return coordinates (total, 2) of all nodes by their global numbers, on every rank."""
     reference = api.REFERENCE_CORNERS
     if degree == 2:
         middles = [(reference[a] + reference[b]) / 2.0 for a, b in api.REFERENCE_EDGES]
@@ -221,7 +224,7 @@ def _node_points(comm: Any, part: api.RankDistribution, corners: np.ndarray, deg
 
 
 def _side_nodes(comm: Any, part: api.RankDistribution, edges: np.ndarray, degree: int) -> np.ndarray:
-    """Global numbers of the nodes on boundary edges (k, 2), sorted, on every rank."""
+    """Return the global numbers of the nodes on boundary edges (k, 2), sorted, on every rank."""
     span = int(edges.max(initial=0)) + 1 if len(edges) else 1
     span = max(span, int(part.corners.max(initial=0)) + 1)
     wanted = np.sort(edges, axis=1).astype(np.int64)

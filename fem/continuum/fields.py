@@ -95,7 +95,7 @@ def state_of(problem: "PlaneStrain", mesh: QuadMesh, label: str, kh: float) -> F
 
 
 def _shear(strain: np.ndarray) -> np.ndarray:
-    """Largest engineering shear strain in the plane (n,) of strains (n, 4)."""
+    """Return the largest engineering shear strain in the plane (n,) of strains (n, 4)."""
     return np.hypot(strain[:, 0] - strain[:, 1], strain[:, 3])
 
 

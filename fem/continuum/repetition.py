@@ -63,8 +63,8 @@ def refuse_other_water(section: Section) -> None:
 
 
 def _along_side(section: Section, side: int, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Two arrays (n,) in Pa on the left (0) or right (1) side: the pore pressure at both ends of each interval between
-    ``depths`` (m), with the pressure of free water on the ground as last entry; and the excess pore pressure by
+    """Return two arrays (n,) in Pa on the left (0) or right (1) side: the pore pressure at both ends of each interval
+    between ``depths`` (m), with the pressure of free water on the ground as last entry; and the excess pore pressure by
     shaking.
     """
     water, layers = section.water_pressure, section.layering

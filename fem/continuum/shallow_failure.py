@@ -39,8 +39,8 @@ ALIKE = 5e-4
 
 @dataclass(frozen=True)
 class ShallowFailure:
-    """A straight piece of the surface of a cohesionless stratum, inclined in the direction of the seismic force, with a
-    constant pore pressure gradient.
+    """Holds a straight piece of the surface of a cohesionless stratum, inclined in the direction of the seismic force,
+    with a constant pore pressure gradient.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class ShallowFailure:
 
 
 class _Piece(NamedTuple):
-    """A piece of the ground surface from ``start`` to ``end`` (m) in one ``interval`` between breakpoints of the
+    """Holds a piece of the ground surface from ``start`` to ``end`` (m) in one ``interval`` between breakpoints of the
     layers. Its stratum is ``number``; ``strata`` are the strata of this soil, two where the water table cuts it.
     """
 
@@ -205,7 +205,7 @@ def least_rolling_factor(
 
 
 def _pieces(section: Section, depth: float) -> Iterator[_Piece]:
-    """The ground from left to right, cut where slope, stratum or water change within a ``depth`` (m)."""
+    """Yield the ground from left to right, cut where slope, stratum or water change within a ``depth`` (m)."""
     layers = section.layering
     names = [stratum.name for stratum in section.strata]
     surface = np.where(layers.present().any(axis=1), layers.present().argmax(axis=1), -1).tolist()
@@ -225,7 +225,7 @@ def _pieces(section: Section, depth: float) -> Iterator[_Piece]:
 
 
 def _is_stable_anyway(section: Section, piece: _Piece, excess_pressure: bool) -> bool:
-    """Whether a surcharge, or free water above the water table, prevents the shallow failure of a piece of the
+    """Return whether a surcharge, or free water above the water table, prevents the shallow failure of a piece of the
     surface.
     """
     water, at = section.water_pressure, np.array([piece.middle])
@@ -239,9 +239,9 @@ def _is_stable_anyway(section: Section, piece: _Piece, excess_pressure: bool) ->
 def _forces(
     section: Section, piece: _Piece, settings: FemSettings, excess_pressure: bool
 ) -> Iterator[tuple[float, float]]:
-    """Two forces over the seismic weight: weight less Kv and uplift, and the seepage force to the right. Both forces
-    are given for the soil just below a piece of ground, and for the layer down to the least depth where this layer
-    reaches into water.
+    """Yield two forces over the seismic weight: weight less Kv and uplift, and the seepage force to the right. Both
+    forces are given for the soil just below a piece of ground, and for the layer down to the least depth where this
+    layer reaches into water.
 
     Between the two depths the forces vary linearly, so that no layer of a depth in between slides before one of these
     two.
@@ -264,8 +264,8 @@ def _forces(
 def _sheets(
     section: Section, piece: _Piece, bounds: np.ndarray, least_depth: float
 ) -> Iterator[tuple[int, float, float]]:
-    """Stratum, top (m) and thickness (m) of the layers below a piece, down to the least depth. Where the part above or
-    below the water table is too thin for the section to divide the stratum, the layer is divided here.
+    """Yield the stratum, top (m) and thickness (m) of the layers below a piece, down to the least depth. Where the part
+    above or below the water table is too thin for the section to divide the stratum, the layer is divided here.
     """
     for k in range(piece.number, piece.number + piece.strata):
         top, lowest = float(bounds[k]), float(max(bounds[k + 1], bounds[0] - least_depth))
@@ -278,8 +278,8 @@ def _sheets(
 
 
 def _level(section: Section, piece: _Piece, k: int, top: float, lowest: float) -> float:
-    """Elevation (m) between ``lowest`` and ``top`` above which the pore pressure at rest in stratum k is zero; ``top``
-    where the stratum is all wet or all dry. Below this elevation the pressure is linear.
+    """Return the elevation (m) between ``lowest`` and ``top`` above which the pore pressure at rest in stratum k is
+    zero; ``top`` where the stratum is all wet or all dry. Below this elevation the pressure is linear.
     """
     x, water = piece.middle, section.water_pressure
     ends = np.array([[x, top], [x, lowest + 0.1 * (top - lowest)], [x, lowest]])
@@ -290,7 +290,7 @@ def _level(section: Section, piece: _Piece, k: int, top: float, lowest: float) -
 
 
 def _steepness(layers: Layering, piece: _Piece) -> float:
-    """The largest slope (-) of any interface in the interval of a piece, or 1."""
+    """Return the largest slope (-) of any interface in the interval of a piece, or 1."""
     slopes = np.abs(layers.right[piece.interval] - layers.left[piece.interval]) / layers.width[piece.interval]
     return max(1.0, float(slopes.max()))
 
@@ -327,8 +327,8 @@ def _number(section: Section, face: ShallowFailure) -> int:
 
 
 def _strip(section: Section, face: ShallowFailure, k: int, of_face: int, settings: FemSettings) -> Iterator[Stratum]:
-    """The ground of stratum k below a face, down to the least depth or to the bottom of the stratum; none where there
-    is no such ground."""
+    """Yield the ground of stratum k below a face, down to the least depth or to the bottom of the stratum; none where
+    there is no such ground."""
     soil, face_soil = section.strata[k], section.strata[of_face]
     points = strip_bottom(section.layering, face.start, face.end, k, settings.least_depth)
     weight = GRAVITY * face.ratio * face_soil.density_seismic

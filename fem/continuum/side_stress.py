@@ -76,7 +76,8 @@ def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndar
 
 
 def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.ndarray:
-    """Vertical effective stress (strata, 2) in Pa at top and bottom of every stratum on a side, pressure positive.
+    """Return the vertical effective stress (strata, 2) in Pa at top and bottom of every stratum on a side, pressure
+    positive.
 
     ``elevation`` (interfaces,) is that of the layers there. Loads on the ground count as if the ground continued level.
     """
@@ -100,7 +101,8 @@ def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.n
 
 
 def _ends(section: Section, side: str, elevation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Top and bottom (strata, 2, 2) of every stratum on a side, and points just inside the section next to them (m)."""
+    """Return the top and bottom (strata, 2, 2) of every stratum on a side, and points just inside the section next to
+    them (m)."""
     x, layers = section.layering.x, len(elevation) - 1
     at, inside = (x[0], x[:2].mean()) if side == "left" else (x[-1], x[-2:].mean())
     ends = np.repeat(elevation, 2)[1:-1]

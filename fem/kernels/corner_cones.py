@@ -40,7 +40,7 @@ def scalings(s: np.ndarray, z: np.ndarray, axis: np.ndarray, size: np.ndarray, s
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _scaled(w: np.ndarray, size: float, v0: float, v1: float, v2: float, sign: float) -> tuple[float, float, float]:
-    """W v for a ``sign`` of 1, W⁻¹ v for -1."""
+    """Return W v for a ``sign`` of 1, W⁻¹ v for -1."""
     along = w[1] * v1 + w[2] * v2
     more = sign * v0 + along / (1.0 + w[0])
     much = size if sign > 0.0 else 1.0 / size
@@ -49,7 +49,7 @@ def _scaled(w: np.ndarray, size: float, v0: float, v1: float, v2: float, sign: f
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _divided(l0: float, l1: float, l2: float, d0: float, d1: float, d2: float) -> tuple[float, float, float]:
-    """λ \\ d."""
+    r"""Return λ \ d."""
     far = math.sqrt(l1 * l1 + l2 * l2)
     along = l1 * d1 + l2 * d2
     determinant = (l0 - far) * (l0 + far)

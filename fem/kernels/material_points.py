@@ -69,13 +69,14 @@ FREE, FIXED, WALL = range(3)  # of a node: free; at rest; at rest horizontally
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _weights(f: float) -> tuple[float, float, float]:
-    """Quadratic B-spline weights of three nodes; f is the place of the point from the first one, 0.5 to 1.5."""
+    """Return the quadratic B-spline weights of three nodes; f is the place of the point from the first one, 0.5
+    to 1.5."""
     return 0.5 * (1.5 - f) ** 2, 0.75 - (f - 1.0) ** 2, 0.5 * (f - 0.5) ** 2
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _flows(state: Floats, properties: Floats, p: int) -> bool:
-    """Whether the mean stress of a point is relaxed to that of its knot span: φ = 0, able to yield, not cracked
+    """Return whether the mean stress of a point is relaxed to that of its knot span: φ = 0, able to yield, not cracked
     open.
     """
     return properties[p, SIN_PHI] == 0.0 and properties[p, STRENGTH] < properties[p, BULK] and state[p, OPENED] <= 0.0
@@ -177,20 +178,20 @@ def move_grid(
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _strain_of(radius: float, shear: float, soft: float, knee: float) -> float:
-    """Elastic shear strain at a radius of Mohr's circle (Pa)."""
+    """Return the elastic shear strain at a radius of Mohr's circle (Pa)."""
     return radius / soft if radius < knee else (knee / soft if knee > 0.0 else 0.0) + (radius - knee) / shear
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _radius_of(strain: float, shear: float, soft: float, knee: float) -> float:
-    """Radius of Mohr's circle (Pa) at an elastic shear strain; the inverse of `_strain_of`."""
+    """Return the radius of Mohr's circle (Pa) at an elastic shear strain; the inverse of `_strain_of`."""
     knee_strain = knee / soft if knee > 0.0 else 0.0
     return soft * strain if strain < knee_strain else knee + shear * (strain - knee_strain)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _shear_energy(radius: float, shear: float, soft: float, knee: float) -> float:
-    """Elastic energy of shear in a unit of volume (J/m³)."""
+    """Return the elastic energy of shear in a unit of volume (J/m³)."""
     below = min(radius, knee)
     return (0.5 * below * below / soft if knee > 0.0 else 0.0) + 0.5 * (radius * radius - below * below) / shear
 
@@ -200,7 +201,8 @@ def _update_stress(
     stress: Floats, state: Floats, properties: Floats, p: int, xx: float, zz: float, xz: float, spin: float,
     relaxed: float, drained: float, dt: float,
 ) -> float:  # fmt: skip
-    """Stress of a point after a strain increment (tensor components) and a rotation; the energy dissipated (J/m)."""
+    """Return the stress of a point after a strain increment (tensor components) and a rotation; the energy dissipated
+    (J/m)."""
     bulk, shear, soft, knee = properties[p, BULK], properties[p, SHEAR], properties[p, SOFT], properties[p, KNEE]
     mean, half, cross = 0.5 * (stress[p, 0] + stress[p, 1]), 0.5 * (stress[p, 0] - stress[p, 1]), stress[p, 2]
     # dissipated (slip, viscosity, opening, drainage, softening): work at the mean of both stresses less elastic energy

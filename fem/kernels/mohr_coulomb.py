@@ -206,7 +206,7 @@ if hasattr(os, "register_at_fork"):
 
 
 def _circle(stress: Floats) -> tuple[Floats, Floats]:
-    """Centre and radius of the largest Mohr circle, zz included."""
+    """Return the centre and radius of the largest Mohr circle, zz included."""
     centre = 0.5 * (stress[:, 0] + stress[:, 1])
     radius = np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 3])
     major = np.maximum(centre + radius, stress[:, 2])

@@ -58,7 +58,7 @@ COLUMNS = RANK_ONE + 6 * SHEAR_TENSION
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _shear_return(x1: float, x2: float, x3: float, f: float, rounding: float, table: Floats, m: int) -> Returned:
-    """Principal stresses on the Mohr-Coulomb surface without cut-off, and the region."""
+    """Return the principal stresses on the Mohr-Coulomb surface without cut-off, and the region."""
     sin, strength = table[m, SIN_PHI], table[m, STRENGTH]
     s1 = x1 - f * table[m, FLOW_1]
     s2 = x2 - f * table[m, FLOW_2]
@@ -86,7 +86,7 @@ def _shear_return(x1: float, x2: float, x3: float, f: float, rounding: float, ta
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _tension_return(x1: float, x2: float, x3: float, rounding: float, table: Floats, m: int) -> Returned:
-    """Principal stresses on the Rankine surface, and the region."""
+    """Return the principal stresses on the Rankine surface, and the region."""
     T = table[m, TENSION]
     lateral = table[m, LATERAL] * (x1 - T)
     if x2 - lateral <= T + rounding:
@@ -99,7 +99,7 @@ def _tension_return(x1: float, x2: float, x3: float, rounding: float, table: Flo
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _shear_tension_return(x1: float, x2: float, x3: float, rounding: float, table: Floats, m: int) -> Returned:
-    """Principal stresses where both surfaces meet, and the region."""
+    """Return the principal stresses where both surfaces meet, and the region."""
     T, minor = table[m, TENSION], table[m, MINOR_AT_TENSION]
     s2 = x2 - table[m, POISSON] * (x1 + x3 - T - minor)
     if s2 > T + rounding:
@@ -111,7 +111,7 @@ def _shear_tension_return(x1: float, x2: float, x3: float, rounding: float, tabl
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _principal_return(x1: float, x2: float, x3: float, table: Floats, m: int) -> Returned:
-    """Admissible principal stresses for the trial x1 >= x2 >= x3, and the region.
+    """Return the admissible principal stresses for the trial x1 >= x2 >= x3, and the region.
 
     The multipliers of both surfaces solve a complementarity problem whose matrix has positive minors: its
     determinant is 4 G (lame + G) (1 - sin phi) (1 - sin psi). So there is one solution, and a return to one
@@ -134,7 +134,7 @@ def _principal_return(x1: float, x2: float, x3: float, table: Floats, m: int) ->
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _from_order(v1: float, v2: float, v3: float, place: int) -> tuple[float, float, float]:
-    """In-plane major, in-plane minor and zz of ordered values of which zz is number `place` (1, 2 or 3)."""
+    """Return the in-plane major, in-plane minor and zz of ordered values of which zz is number `place` (1, 2 or 3)."""
     if place == 3:
         return v1, v2, v3
     if place == 2:

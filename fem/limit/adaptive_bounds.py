@@ -97,7 +97,7 @@ class BoundSearch:
         )
 
     def _finer(self, problem: LimitProblem, low: LowerBound, high: UpperBound) -> TriMesh:
-        """The mesh refined where the bounds on the last mesh differ."""
+        """Return the mesh refined where the bounds on the last mesh differ."""
         indicator = refinement_indicator(problem, low, high)
         growth = self._limits.growth(self.bracket, len(indicator))
         mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
@@ -179,7 +179,7 @@ def _first_checked(
     most_work: float,
     attempts: int = ATTEMPTS,
 ) -> tuple[F, C | None, list[str]]:
-    """The first of a few attempts that passes its check; None for the check if none passes.
+    """Return the first of a few attempts that passes its check; None for the check if none passes.
 
     The solver fulfils equations and margins only approximately, and the correction of the equations may lead beyond the
     yield surface or violate the flow rule. At every corner, the next attempt has a margin of a few times the shortfall

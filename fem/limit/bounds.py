@@ -217,8 +217,8 @@ def directions_of(fem: FemSettings) -> tuple[Direction, ...]:
 
 
 def _unstable(section: Section, upper: float) -> UnstableError:
-    """The error for ground whose critical Kh is below zero. A number below -1 has no meaning and is left out of the
-    message.
+    """Return the error for ground whose critical Kh is below zero. A number below -1 has no meaning and is left out of
+    the message.
     """
     if section.uplift is not None:
         return lifted(section.uplift, "the section fails under its own weight")
@@ -238,7 +238,8 @@ def as_analysed(section: Section, fem: FemSettings) -> Section:
 
 
 def _coarse_upper_bound(section: Section, fem: FemSettings) -> tuple[float, float]:
-    """An upper bound of Kh on one coarse mesh, inf if there is none, and its work (s of the reference machine)."""
+    """Return an upper bound of Kh on one coarse mesh, inf if there is none, and its work (s of the reference
+    machine)."""
     ground = as_analysed(section, fem)
     mesh = first_mesh(ground, COARSE_CELLS, fem.sides)
     body = body_of(ground, mesh, fem)
@@ -341,7 +342,7 @@ def _pore_pressure(water: WaterPressure, excess_pressure: bool) -> Pressure:
 
 
 def _varying(section: Section, davis: bool) -> CornerCohesion:
-    """The cohesion at corners of triangles, reduced by Davis's factor if ``davis``."""
+    """Return the cohesion at corners of triangles, reduced by Davis's factor if ``davis``."""
     field = section.cohesion_field
     factor = davis_factors(section.strata) if davis else np.ones(len(section.strata))
 
@@ -353,7 +354,7 @@ def _varying(section: Section, davis: bool) -> CornerCohesion:
 
 
 def _ground(section: Section, sign: int) -> Side:
-    """The section as a rigid-plastic body: soils, pore pressures and loads."""
+    """Return the section as a rigid-plastic body: soils, pore pressures and loads."""
     water, loads = section.water_pressure, section.surface_loads
     if not (water.present or loads.present):
         return Side()

@@ -213,13 +213,13 @@ class Limits:
 
 
 def _fails(meshes: Sequence[MeshBounds]) -> bool:
-    """Whether the solver ended early at the same bound on each of the last few meshes."""
+    """Return whether the solver ended early at the same bound on each of the last few meshes."""
     last = [set(mesh.failed) for mesh in meshes[-FAILED_MESHES:]]
     return len(last) == FAILED_MESHES and bool(set.intersection(*last))
 
 
 def _stalled(meshes: Sequence[MeshBounds]) -> bool:
-    """Whether the last two refinements hardly reduced the gap, or did not prove a bound."""
+    """Return whether the last two refinements hardly reduced the gap, or did not prove a bound."""
     if len(meshes) < 3 + STALLED_MESHES:
         return False
     best = []

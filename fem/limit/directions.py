@@ -159,5 +159,5 @@ def _work_of_others(search: DirectionSearch, searches: Sequence[DirectionSearch]
 
 
 def _values(bracket: Bracket) -> dict[str, Any]:
-    """The attributes of a bracket by their names."""
+    """Return the attributes of a bracket by their names."""
     return {field.name: getattr(bracket, field.name) for field in fields(Bracket)}

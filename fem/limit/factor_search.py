@@ -159,7 +159,8 @@ class FactorSearch:
 
     @property
     def work_of_both(self) -> float:
-        """Work of both bounds at one factor on the present triangles; a trial of one bound takes a part of it."""
+        """Return the work of both bounds at one factor on the present triangles; a trial of one bound takes a part of
+        it."""
         return max(trial.work for trial in self.here)
 
     def problem(self, factor: float) -> LimitProblem:
@@ -381,7 +382,7 @@ class FactorSearch:
 
 
 def _root(points: Sequence[tuple[float, float]], slope: float | None) -> float:
-    """The factor at which a function that falls with the logarithm of the factor is zero.
+    """Return the factor at which a function that falls with the logarithm of the factor is zero.
 
     From the nearest points, or from one point and its ``slope``; NaN if neither is known.
     """

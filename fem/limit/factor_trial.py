@@ -54,7 +54,7 @@ class FactorWork:
         return max(self.allowed - self.spent, 0.0)
 
     def part(self, share: float) -> "FactorWork":
-        """A ``share`` of the work left, which is counted by itself."""
+        """Return a ``share`` of the work left, which is counted by itself."""
         return FactorWork(share * self.left)
 
     def allows(self, more: float) -> bool:
@@ -72,7 +72,7 @@ def gap_of_factors(lower: float, upper: float) -> float:
 
 
 def inside(factor: float, safe: float, unsafe: float) -> float:
-    """The factor if it lies well between a stable and an unstable one, else the middle of these two.
+    """Return the factor if it lies well between a stable and an unstable one, else the middle of these two.
 
     ``factor``: the one wanted; ``safe``, ``unsafe``: factors at which the ground stands and fails.
     """

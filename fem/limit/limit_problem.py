@@ -279,7 +279,8 @@ def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitP
 
 
 def _tension(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
-    """The tension cut-off (m,) of every cell in Pa, inf if it lies beyond the apex of the cone and never acts."""
+    """Return the tension cut-off (m,) of every cell in Pa, inf if it lies beyond the apex of the cone and never
+    acts."""
     if body.tension is None:
         return np.full(len(mesh.cells), np.inf)
     tension, friction = body.tension[mesh.stratum], body.friction[mesh.stratum]
@@ -317,7 +318,7 @@ def bare_corners(problem: LimitProblem) -> np.ndarray:
 
 
 def _on_skeleton(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
-    """Body force (m, 2) in N/m³ on the skeleton: the dead force less the gradient of the pore pressure."""
+    """Return the body force (m, 2) in N/m³ on the skeleton: the dead force less the gradient of the pore pressure."""
     force = body.dead_force[mesh.stratum]
     if body.pore_pressure is None:
         return force

@@ -124,7 +124,8 @@ def lower_bound(
 
 
 def _all_round(stresses: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Stresses (n, 3), made exactly isotropic at the masked ``corners``, where the solver leaves rounding errors."""
+    """Return stresses (n, 3), made exactly isotropic at the masked ``corners``, where the solver leaves rounding
+    errors."""
     pressure = 0.5 * (stresses[:, 0] + stresses[:, 1])
     return np.where(corners[:, None], np.column_stack([pressure, pressure, np.zeros(len(pressure))]), stresses)
 
@@ -199,7 +200,8 @@ def independent_equations(
 
 
 def _orthonormal(matrix: sparse.csr_matrix, groups: np.ndarray) -> list[np.ndarray]:
-    """Orthonormal combinations (r, k) of k equations with the same solutions, r their rank, for ``groups`` (g, k)."""
+    """Return the orthonormal combinations (r, k) of k equations with the same solutions, r their rank, for ``groups``
+    (g, k)."""
     groups_count, k = groups.shape
     if groups_count == 0:
         return []
@@ -238,8 +240,8 @@ def _balance(problem: LimitProblem) -> Equations:
 
 
 def _continuity(problem: LimitProblem) -> Equations:
-    """Tractions at both ends of inner edges, equal on both sides except for the ``EdgeJumps``, times half the length of
-    the edge.
+    """Return tractions at both ends of inner edges, equal on both sides except for the ``EdgeJumps``, times half the
+    length of the edge.
     """
     mesh = problem.mesh
     interior = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
@@ -255,8 +257,8 @@ def _continuity(problem: LimitProblem) -> Equations:
 
 
 def _boundary(problem: LimitProblem) -> Equations:
-    """The prescribed traction at both ends of the edges of the outline, in components that are not fixed, times half
-    their length.
+    """Return the prescribed traction at both ends of the edges of the outline, in components that are not fixed, times
+    half their length.
     """
     outline = problem.outline
     normal = _normals(problem, outline.cells, outline.ends)
@@ -268,7 +270,7 @@ def _boundary(problem: LimitProblem) -> Equations:
 
 
 def _repetition(problem: LimitProblem) -> Equations:
-    """Tractions on periodic sides, opposite at both ends of edges that are joined, times half their length."""
+    """Return tractions on periodic sides, opposite at both ends of edges that are joined, times half their length."""
     mesh = problem.mesh
     parts = []
     for ends in mesh.matched:
@@ -279,7 +281,7 @@ def _repetition(problem: LimitProblem) -> Equations:
 
 
 def _normals(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Outward normals (k, 2) of edges of cells, each with half the length of its edge."""
+    """Return the outward normals (k, 2) of edges of cells, each with half the length of its edge."""
     points = problem.mesh.points
     along = points[ends[:, 1]] - points[ends[:, 0]]
     normal = 0.5 * np.column_stack([along[:, 1], -along[:, 0]])
@@ -288,7 +290,7 @@ def _normals(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray) -> np.n
 
 
 def _tractions(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray, normal: np.ndarray) -> sparse.csr_matrix:
-    """The matrix from the stresses to the tractions of cells on edges; rows edge by edge: both ends, x and y."""
+    """Return the matrix from the stresses to the tractions of cells on edges; rows edge by edge: both ends, x and y."""
     corner = np.argmax(problem.mesh.cells[cells][:, None, :] == ends[:, :, None], axis=2)
     first = 9 * cells[:, None] + 3 * corner
     rows = 4 * np.arange(len(cells))[:, None] + [0, 2]

@@ -35,7 +35,7 @@ UNSTRAINED = 0.01
 
 
 def fans(problem: LimitProblem, points: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Yield, for every point, the cells that meet there, and the number of the point among the corners of each cell."""
+    """For every point, yield the cells that meet there, and the number of the point among the corners of each cell."""
     cells = problem.mesh.cells
     wanted = np.zeros(len(problem.mesh.points), dtype=bool)
     wanted[points] = True
@@ -93,8 +93,8 @@ def pressed_all_round(problem: LimitProblem) -> np.ndarray:
 
 
 def _crests(problem: LimitProblem) -> np.ndarray:
-    """Corners (m, 3), as a mask, of cells without tensile strength at points where bare surfaces meet at less than
-    180°.
+    """Return corners (m, 3), as a mask, of cells without tensile strength at points where bare surfaces meet at less
+    than 180°.
 
     A compression there would push the point out, since neither face carries traction.
     """
@@ -109,8 +109,8 @@ def _crests(problem: LimitProblem) -> np.ndarray:
 def _traction_equations(
     problem: LimitProblem, point: int, cells: np.ndarray, place: np.ndarray, known: np.ndarray
 ) -> np.ndarray:
-    """Equations of the tractions at a point from the stresses of its cells: continuity across inner edges, and zeros
-    that are prescribed.
+    """Return the equations of the tractions at a point from the stresses of its cells: continuity across inner edges,
+    and zeros that are prescribed.
     """
     mesh, outline = problem.mesh, problem.outline
     rows = []
@@ -138,7 +138,7 @@ def _null_space(matrix: np.ndarray) -> np.ndarray:
 
 
 def _outside_cone(stresses: np.ndarray, friction: float) -> bool:
-    """Whether no combination of stresses (3, d) lies inside the cone of ground without cohesion."""
+    """Return whether no combination of stresses (3, d) lies inside the cone of ground without cohesion."""
     mean, half = 0.5 * (stresses[0] + stresses[1]), 0.5 * (stresses[0] - stresses[1])
     inside = np.sin(friction) ** 2 * np.outer(mean, mean) - np.outer(half, half) - np.outer(stresses[2], stresses[2])
     return stresses.shape[1] == 0 or float(np.linalg.eigvalsh(inside)[-1]) <= OUTSIDE
@@ -170,7 +170,7 @@ def unstrained_points(problem: LimitProblem) -> np.ndarray:
 
 
 def _parallel(problem: LimitProblem, edges: np.ndarray) -> bool:
-    """Whether all of the edges lie on one straight line."""
+    """Return whether all of the edges lie on one straight line."""
     ends = problem.mesh.points[problem.mesh.edges[edges]]
     along = ends[:, 1] - ends[:, 0]
     along /= np.hypot(*along.T)[:, None]
@@ -178,8 +178,8 @@ def _parallel(problem: LimitProblem, edges: np.ndarray) -> bool:
 
 
 def _largest_slack(problem: LimitProblem, point: int, cells: np.ndarray, edges: np.ndarray, fixed: np.ndarray) -> float:
-    """The largest s with volumetric rate - sin φ shear rate >= s in all cells at a point (0 = volume where φ = 0), over
-    velocity derivatives of at most 1 along the ``edges`` (k, 2) of these cells that meet there."""
+    """Return the largest s with volumetric rate - sin φ shear rate >= s in all cells at a point (0 = volume where φ =
+    0), over velocity derivatives of at most 1 along the ``edges`` (k, 2) of these cells that meet there."""
     mesh, friction = problem.mesh, problem.friction[cells]
     different, place = np.unique(edges, return_inverse=True)
     place = place.reshape(edges.shape)
@@ -195,7 +195,8 @@ def _largest_slack(problem: LimitProblem, point: int, cells: np.ndarray, edges: 
 
 
 def _most_dilation(rates: np.ndarray, sin: np.ndarray) -> float:
-    """The largest s of ``_largest_slack``, for strain rates (k, [xx, yy, xy], n) of n unknowns and sin φ (k,)."""
+    """Return the largest s of ``_largest_slack``, for strain rates (k, [xx, yy, xy], n) of n unknowns and sin φ
+    (k,)."""
     clay, sand = rates[sin == 0.0], rates[sin > 0.0]
     sin, size = sin[sin > 0.0, None], rates.shape[-1]
     cone = np.stack([sand[:, 0] + sand[:, 1], sin * (sand[:, 0] - sand[:, 1]), sin * sand[:, 2]], axis=1)

@@ -116,7 +116,7 @@ def _with_given_ground(
     start: TrialStart,
     work: FactorWork,
 ) -> SafetyBounds:
-    """The bounds of a section whose strengthened faces meet: those of the ground as given if it bears what the
+    """Return the bounds of a section whose strengthened faces meet: those of the ground as given if it bears what the
     strengthened ground bears (``deeper``), else ``deeper`` with the factor at which shallow ground slips.
     """
     if deeper.lower > 0.0:
@@ -137,7 +137,7 @@ def _with_given_ground(
 
 @dataclass(frozen=True)
 class _Coarse:
-    """Upper bounds of a section on coarse triangles, with the seismic force to either side."""
+    """Holds the upper bounds of a section on coarse triangles, with the seismic force to either side."""
 
     searches: tuple[FactorSearch, FactorSearch]
 
@@ -174,7 +174,7 @@ def _coarse(
 def _bounds_of(
     section: Section, fem: FemSettings, settings: BoundsSettings, start: TrialStart, work: FactorWork
 ) -> SafetyBounds:
-    """The bounds of a section whose faces are already strengthened, if any have to be."""
+    """Return the bounds of a section whose faces are already strengthened, if any have to be."""
     section = as_analysed(section, fem)
 
     def search(mesh: TriMesh, sign: int, start: TrialStart) -> FactorSearch:

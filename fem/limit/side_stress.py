@@ -29,7 +29,7 @@ def side_stresses(section: Section, mesh: TriMesh) -> dict[str, SideStress]:
 
 
 def _resultants(mesh: TriMesh, stress: np.ndarray, side: str, strata: int) -> np.ndarray:
-    """Force (N/m), tension positive, of the horizontal stress (m, 3 corners) in every stratum on a side."""
+    """Return the force (N/m), tension positive, of the horizontal stress (m, 3 corners) in every stratum on a side."""
     ends = mesh.boundaries[side]
     cells = mesh.edge_cells[mesh.edge_numbers(ends), 0]
     mean = np.zeros(len(ends))
@@ -40,8 +40,8 @@ def _resultants(mesh: TriMesh, stress: np.ndarray, side: str, strata: int) -> np
 
 
 def _elastic_stress(section: Section, mesh: TriMesh) -> np.ndarray:
-    """Horizontal effective stress (Pa) at rest at the corners (m, 3), by elastic quadratic triangles with sides held
-    horizontally.
+    """Return the horizontal effective stress (Pa) at rest at the corners (m, 3), by elastic quadratic triangles with
+    sides held horizontally.
     """
     nodes = mesh.six_nodes
     count = int(nodes.max()) + 1
@@ -79,7 +79,7 @@ def _elastic_stress(section: Section, mesh: TriMesh) -> np.ndarray:
 
 
 def _water_and_surcharges(section: Section, mesh: TriMesh, strain: sparse.csr_matrix) -> np.ndarray:
-    """Nodal forces (n, 2) in N/m of pore pressure, of water on the ground and of surcharges at rest."""
+    """Return the nodal forces (n, 2) in N/m of pore pressure, of water on the ground and of surcharges at rest."""
     water, surface = section.water_pressure, section.surface_loads
     pressure = corner_pressure(mesh, water.at_rest)
     mass = (np.ones((3, 3)) + np.eye(3)) / 12.0

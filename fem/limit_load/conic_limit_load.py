@@ -62,8 +62,8 @@ class ConicLimitLoad:
 
 @dataclass(frozen=True, eq=False)
 class _Cells:
-    """The elements of all ranks: B (nc, nq, [xx, yy, xy], nd), weights (nc, nq), global components (nc, nd), the cells'
-    numbers and corners in the mesh, and the numbers of the soils of the points (nc, nq)."""
+    """Holds the elements of all ranks: B (nc, nq, [xx, yy, xy], nd), weights (nc, nq), global components (nc, nd), the
+    cells' numbers and corners in the mesh, and the numbers of the soils of the points (nc, nq)."""
 
     matrix: np.ndarray
     weights: np.ndarray
@@ -232,7 +232,7 @@ def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Dis
 def _limit(
     problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised, solution: cone_program.Solution, ratio: float
 ) -> ConicLimitLoad | NoAnswerError:
-    """The limit load by a ``solution`` whose multiplier is that of the live load over ``ratio``, or why there is
+    """Return the limit load by a ``solution`` whose multiplier is that of the live load over ``ratio``, or why there is
     none.
     """
     if not solution.sure:
@@ -247,7 +247,7 @@ def _limit(
 
 
 def _strain_matrix(cells: _Cells, factor: np.ndarray, size: int) -> sparse.csr_matrix:
-    """B of all points, each times its ``factor`` (nc, nq), on the displacement components of all nodes."""
+    """Return B of all points, each times its ``factor`` (nc, nq), on the displacement components of all nodes."""
     values = cells.matrix * factor[..., None, None]
     rows = np.arange(values[..., 0].size).reshape(values.shape[:3])[..., None]
     columns = cells.dofs[:, None, None, :]
@@ -257,8 +257,8 @@ def _strain_matrix(cells: _Cells, factor: np.ndarray, size: int) -> sparse.csr_m
 
 @dataclass(frozen=True, eq=False)
 class _Fields:
-    """Velocities (all components,), and at the points strain rates (nc, nq, 3), stresses (nc, nq, 4) in Pa and the
-    mobilised shares of strength (nc, nq)."""
+    """Holds velocities (all components,), and at the points strain rates (nc, nq, 3), stresses (nc, nq, 4) in Pa and
+    the mobilised shares of strength (nc, nq)."""
 
     velocity: np.ndarray
     rates: np.ndarray
@@ -267,8 +267,8 @@ class _Fields:
 
 
 def _state(mesh: QuadMesh, cells: _Cells, kh: float, fields: _Fields) -> FieldState:
-    """The mechanism as fields of the mesh; limit analysis does not determine the out-of-plane stress: it is set to the
-    mean stress.
+    """Return the mechanism as fields of the mesh; limit analysis does not determine the out-of-plane stress: it is set
+    to the mean stress.
     """
     share = cells.weights / cells.weights.sum(axis=1, keepdims=True)
     shear = np.hypot(fields.rates[..., 0] - fields.rates[..., 1], fields.rates[..., 2])

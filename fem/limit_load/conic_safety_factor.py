@@ -144,7 +144,7 @@ def too_weak(kh: float, moving: np.ndarray | None = None) -> UnstableError:
 
 
 def _elastic_mean(problem: "PlaneStrain", forces: np.ndarray) -> np.ndarray:
-    """The mean stress in the plane (points,) of elastic ground under nodal forces, in Pa, tension positive."""
+    """Return the mean stress in the plane (points,) of elastic ground under nodal forces, in Pa, tension positive."""
     grid, laws = problem.grid, problem.elastic_stiffness()
     problem.use_elastic_tangent()
     problem.factorise()
@@ -232,7 +232,8 @@ class _FactorSearch:
         return at
 
     def softening(self, at: float, mean: np.ndarray) -> np.ndarray:
-        """Decrease of the strength R (points,) at ``mean`` stresses in Pa per unit of the logarithm of the factor."""
+        """Return the decrease of the strength R (points,) at ``mean`` stresses in Pa per unit of the logarithm of the
+        factor."""
         ends = [self.resistance(log, mean) for log in (at - DIFFERENCE, at + DIFFERENCE)]
         return (ends[0] - ends[1]) / (2.0 * DIFFERENCE)
 

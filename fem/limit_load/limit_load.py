@@ -155,7 +155,7 @@ def in_order(weak: LimitLoadResult, strong: LimitLoadResult) -> tuple[LimitLoadR
 
 
 def _between(result: LimitLoadResult, lower: float, upper: float) -> LimitLoadResult:
-    """The limit load as the mean of a bracket; unchanged where the bracket is that of the solver."""
+    """Return the limit load as the mean of a bracket; unchanged where the bracket is that of the solver."""
     limit = result.ground.limit
     if limit is None or limit.bracket == (lower, upper) or result.verdict != "plateau":
         return result
@@ -165,7 +165,7 @@ def _between(result: LimitLoadResult, lower: float, upper: float) -> LimitLoadRe
 
 
 def _limit_load_of(section: Section, mesh: QuadMesh, settings: FemSettings, ground: LoadedGround) -> LimitLoadResult:
-    """A limit load as a result."""
+    """Return a limit load as a result."""
     assert ground.limit is not None
     kc, cells = min(ground.limit.multiplier, settings.kh_limit), len(mesh.cells)
     verdict: PathVerdict = "plateau" if kc == ground.limit.multiplier else "no failure"

@@ -38,7 +38,7 @@ LEAST_STRENGTH = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class NonassociatedLimitLoad:
-    """The limit load of one mesh.
+    """Holds the limit load of one mesh.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class _Step:
 
     @property
     def work(self) -> float:
-        """Work in seconds of the reference machine."""
+        """Return the work in seconds of the reference machine."""
         return self._spent + (self._program.work if self._program else 0.0)
 
     def bring_to_rest(self) -> None:
@@ -146,7 +146,7 @@ class _Step:
         self.at_rest = self._pressure(solution[1])
 
     def settled(self, pressure: np.ndarray, most_work: float) -> float | None:
-        """The Kh at which the ``pressure`` (cells,) no longer changes; None where it does not settle."""
+        """Return the Kh at which the ``pressure`` (cells,) no longer changes; None where it does not settle."""
         assert self._program is not None
         off = np.inf
         for number in range(PROGRAMS):
@@ -169,6 +169,6 @@ class _Step:
         return None
 
     def _pressure(self, stress: np.ndarray) -> np.ndarray:
-        """The mean pressure of every cell (cells,) of a weighted ``stress`` (points, 3)."""
+        """Return the mean pressure of every cell (cells,) of a weighted ``stress`` (points, 3)."""
         points = -0.5 * stress[:, :2].sum(axis=1) / self._weight
         return np.einsum("cq,cq->c", self._share, points.reshape(self._share.shape))

@@ -271,7 +271,7 @@ class MaterialPointEngine:
 
 
 def _shared(stripes: np.ndarray, counts: np.ndarray, threads: int) -> list[np.ndarray]:
-    """Consecutive stripes for each thread, with about equal numbers of points."""
+    """Return the consecutive stripes for each thread, with about equal numbers of points."""
     done = np.cumsum(counts[stripes])
     total = done[-1] if len(done) else 0
     return [stripes[(done > total * k / threads) & (done <= total * (k + 1) / threads)] for k in range(threads)]

@@ -9,7 +9,7 @@ from fem.kernels import material_points as kernel
 
 @dataclass(frozen=True, eq=False)
 class BackgroundGrid:
-    """The background grid, which begins at x = 0, z = 0; its cells are squares unless rows of nodes are inclined.
+    """Holds the background grid, which begins at x = 0, z = 0; its cells are squares unless rows of nodes are inclined.
 
     Attributes
     ----------

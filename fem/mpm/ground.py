@@ -170,7 +170,8 @@ def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
 
 
 def _dip(section: Section) -> float:
-    """Median slope dz/dx over the length of the lower edges of strata that liquefy, up to `STEEPEST`; 0 without any."""
+    """Return the median slope dz/dx over the length of the lower edges of strata that liquefy, up to `STEEPEST`; 0
+    without any."""
     layering = section.layering
     liquefies = np.array([bool(stratum.liquefies_in) for stratum in section.strata])
     there = layering.present() & liquefies
@@ -183,7 +184,8 @@ def _dip(section: Section) -> float:
 
 
 def _columns(section: Section, spacing: float, margin: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Columns of points: x (m), and tops (m), bottoms (m) and strata (columns, layers) of the layers in each.
+    """Return the columns of points: x (m), and tops (m), bottoms (m) and strata (columns, layers) of the layers in
+    each.
 
     The last layer is the rigid ground below the base (stratum -1). The rigid ground continues for ``margin`` cells
     beyond the sides, the layers above for ``BORDER`` cells.
@@ -204,8 +206,8 @@ def _columns(section: Section, spacing: float, margin: int) -> tuple[np.ndarray,
 def _fill(
     x: np.ndarray, top: np.ndarray, bottom: np.ndarray, owner: np.ndarray, spacing: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Places (n, 2), areas (n,) and strata (n,) of the points of columns, and the numbers of the highest point of each
-    column.
+    """Return places (n, 2), areas (n,) and strata (n,) of the points of columns, and the numbers of the highest point
+    of each column.
     """
     places, volumes, owners, is_top = [], [], [], []
     for column, at in enumerate(x):
@@ -224,8 +226,8 @@ def _fill(
 
 
 def _effective(section: Section, places: np.ndarray, owners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Vertical effective stress (n,) of the column above each point (Pa): with all of the surcharges, and with the
-    share to which the ground has consolidated. Points below the base have the stresses at the base.
+    """Return the vertical effective stress (n,) of the column above each point (Pa): with all of the surcharges, and
+    with the share to which the ground has consolidated. Points below the base have the stresses at the base.
     """
     left, right = section.extent
     tiny = 1e-9 * (right - left)
@@ -251,7 +253,8 @@ def _load(section: Section, points: MaterialPoints, places: np.ndarray, surface:
 def _soil(
     section: Section, places: np.ndarray, owners: np.ndarray, inside: np.ndarray
 ) -> tuple[PointSoil, tuple[str, ...]]:
-    """Soil of the points; rigid ground has stiffness and weight of the adjacent stratum, or of the lowest one."""
+    """Return the soil of the points; rigid ground has stiffness and weight of the adjacent stratum, or of the lowest
+    one."""
     strata = section.strata
     k = np.where(owners < 0, len(strata) - 1, owners)
 
@@ -276,7 +279,8 @@ def _soil(
 def _grid(
     section: Section, cell: float, slope: float, shape: tuple[int, int], offset: np.ndarray, sides: Sides
 ) -> BackgroundGrid:
-    """The grid of a section: nodes well inside the rigid ground are held; pore water acts by its pressure gradient."""
+    """Return the grid of a section: nodes well inside the rigid ground are held; pore water acts by its pressure
+    gradient."""
     left, right = section.extent
     x = offset[0] + cell * np.arange(shape[0])
     z = offset[1] + cell * np.arange(shape[1]) + slope * (x - offset[0])[:, None]
@@ -318,7 +322,8 @@ def _uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray) -> np.n
 
 
 def _pressure(section: Section, points: np.ndarray) -> np.ndarray:
-    """Water pressure (n,) in the ground and above it (Pa); beyond sides and base it is that at the side or the base."""
+    """Return the water pressure (n,) in the ground and above it (Pa); beyond sides and base it is that at the side or
+    the base."""
     left, right = section.extent
     water, tiny = section.water_pressure, 1e-9 * (right - left)
     at = np.column_stack([np.clip(points[:, 0], left + tiny, right - tiny), points[:, 1]])

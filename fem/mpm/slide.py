@@ -280,14 +280,14 @@ class PointSlider:
         before[strains, SOFT] = hard
 
     def _columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Places on the grid (n, 2) of the points in the order in which they were made, their heights (m) in columns
-        half a cell wide, and their masses (kg/m)."""
+        """Return places on the grid (n, 2) of the points in the order in which they were made, their heights (m) in
+        columns half a cell wide, and their masses (kg/m)."""
         original, points, grid = self.engine.original, self.ground.points, self.ground.grid
         height = original(points.state[:, kernel.VOLUME]) / (0.5 * grid.cell)
         return grid.level(original(points.x)), height, original(points.mass)
 
     def _under_way(self, programme: SlideProgramme, time: float) -> bool:
-        """Whether a stratum is liquefying at this time."""
+        """Return whether a stratum is liquefying at this time."""
         return any(-1e-9 <= time - start < programme.onset for start in programme.starts.values())
 
     def _liquefy(self, programme: SlideProgramme, shares: dict[int, float]) -> None:
@@ -323,21 +323,21 @@ class PointSlider:
         slide.settlement.append(self._smoothed(-moved[:, 1]))
 
     def _smoothed(self, values: np.ndarray) -> np.ndarray:
-        """Running median over a length of ``SMOOTH`` along the surface: single points that roll ahead do not count as a
-        slide.
+        """Return the running median over a length of ``SMOOTH`` along the surface: single points that roll ahead do not
+        count as a slide.
         """
         half = max(1, round(0.5 * SMOOTH / (0.5 * self.ground.grid.cell)))
         padded = np.pad(values, half, mode="edge")
         return np.median(np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1), axis=1)
 
     def _surface(self) -> np.ndarray:
-        """Tops (k, 2) of the points that are the surface, from left to right, in the section (m)."""
+        """Return tops (k, 2) of the points that are the surface, from left to right, in the section (m)."""
         top = np.array([0.0, 0.25 * self.ground.grid.cell])
         return self.engine.original(self.ground.points.x)[self.ground.surface] + self.ground.offset + top
 
     def _side_reached(self) -> str | None:
-        """The side at which the slide is stopped: ground that moved lies within two cells of this side, or of the end
-        of the floor beyond it.
+        """Return the side at which the slide is stopped: ground that moved lies within two cells of this side, or of
+        the end of the floor beyond it.
         """
         points, grid = self.ground.points, self.ground.grid
         if grid.periodic:
@@ -352,12 +352,12 @@ class PointSlider:
 
 
 def _share(since: float, onset: float) -> float:
-    """The degree of liquefaction (0 to 1), rounded to steps, at a time ``since`` its onset (s)."""
+    """Return the degree of liquefaction (0 to 1), rounded to steps, at a time ``since`` its onset (s)."""
     if since < -1e-9:
         return 0.0
     return 1.0 if onset == 0.0 else min(1.0, (since + onset / ONSET_STEPS) / onset)
 
 
 def _of(arrays: Mapping[str, np.ndarray], begin: str) -> dict[str, np.ndarray]:
-    """The arrays whose names have this beginning, without it."""
+    """Return the arrays whose names have this beginning, without it."""
     return {name.removeprefix(begin): array for name, array in arrays.items() if name.startswith(begin)}

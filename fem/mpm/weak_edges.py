@@ -33,7 +33,8 @@ STEEPEST = 1.0  # slope up to which edges in neighbouring columns are one edge
 
 @dataclass(frozen=True)
 class _Edge:
-    """An edge of a weak layer in a column of points: its height (m), and the ``donor``, the last point of the layer."""
+    """Holds an edge of a weak layer in a column of points: its height (m), and the ``donor``, the last point of the
+    layer."""
 
     column: int
     z: float
@@ -163,8 +164,8 @@ def thickness_over_width(
 
 
 def _equilibrium(z: np.ndarray, height: np.ndarray, above: np.ndarray, weak: np.ndarray) -> tuple[np.ndarray, float]:
-    """Shear strain (n,) of the points of a column, in units of the strain of freely shearing ground, and the width that
-    shears (cells).
+    """Return the shear strain (n,) of the points of a column, in units of the strain of freely shearing ground, and the
+    width that shears (cells).
 
     ``z``, ``height`` (n,): places and heights (cells); ``above`` (n,): mass above; ``weak`` (n,): mask of the points
     that shear.
@@ -181,13 +182,13 @@ def _equilibrium(z: np.ndarray, height: np.ndarray, above: np.ndarray, weak: np.
 
 
 def _in_columns(x: np.ndarray, column: np.ndarray) -> list[np.ndarray]:
-    """Numbers of the points of each column, from the surface down."""
+    """Return the numbers of the points of each column, from the surface down."""
     order = np.lexsort((-x[:, 1], column))
     return np.split(order, np.flatnonzero(np.diff(column[order])) + 1)
 
 
 def _places(x: np.ndarray, cell: float) -> tuple[np.ndarray, np.ndarray]:
-    """Column of points, and row of nodes in whose knot span each of them lies."""
+    """Return the column of points, and row of nodes in whose knot span each of them lies."""
     return np.floor(2.0 * x[:, 0] / cell).astype(int), np.round(x[:, 1] / cell).astype(int)
 
 
@@ -195,7 +196,8 @@ def _edges(
     points_of_column: np.ndarray, column: int, x: np.ndarray, height: np.ndarray, mass: np.ndarray, above: np.ndarray,
     layer: np.ndarray, strength: np.ndarray,
 ) -> list[_Edge]:  # fmt: skip
-    """The edges of weak layers in a column of points; ``points_of_column`` numbers its points from the surface down."""
+    """Return the edges of weak layers in a column of points; ``points_of_column`` numbers its points from the surface
+    down."""
     edges = []
     for k in np.flatnonzero(np.diff(layer[points_of_column])):
         for at, after, inwards in ((k, k + 1, -1), (k + 1, k, 1)):
@@ -214,7 +216,7 @@ def _edges(
 
 
 def _rows(edge: _Edge, edges: dict[int, list[_Edge]], layer: np.ndarray, cell: float) -> tuple[int, int]:
-    """First and last row of nodes in whose knot spans the ground at an edge has the strength of the layer.
+    """Return the first and last row of nodes in whose knot spans the ground at an edge has the strength of the layer.
 
     For an inclined edge they follow from its highest and lowest place over the three nearest columns of nodes.
     """

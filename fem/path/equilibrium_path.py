@@ -187,12 +187,12 @@ class EquilibriumPath:
         return False
 
     def _unbalanced_without_overstress(self) -> float:
-        """The residual that the accepted state would have if its stress returned to the yield surface."""
+        """Return the residual that the accepted state would have if its stress returned to the yield surface."""
         self.problem.overstress = 0.0
         return residual_of(self.problem, self.loading, np.zeros_like(self.control), self.factor, self.scale)[1]
 
     def _length_of(self, result: NewtonResult) -> float:
-        """The arc length of a step."""
+        """Return the arc length of a step."""
         moved = self.problem.exchange.dot(self.control, result.increment) / self.reference
         return moved + self.beta * (result.multiplier - self.factor)
 
@@ -209,7 +209,7 @@ class EquilibriumPath:
         del self.steps[steps:]
 
     def _overstress(self, step: float) -> float:
-        """Weight b of the elastic stress in a step, Simo & Hughes 1998, eq. 2.7.16."""
+        """Return the weight b of the elastic stress in a step, Simo & Hughes 1998, eq. 2.7.16."""
         relaxation = self.settings.relaxation
         return relaxation / (relaxation + step) if relaxation > 0.0 else 0.0
 
@@ -223,7 +223,7 @@ class EquilibriumPath:
         return self._newton(self.factor + change, first, Constraint(self.control / self.reference, self.beta, step))
 
     def _elastic_guess(self, step: float) -> tuple[np.ndarray, float]:
-        """Increment and change of the multiplier of an elastic step."""
+        """Return the increment and change of the multiplier of an elastic step."""
         if self._elastic is None:
             zero = np.zeros_like(self.control)
             self.problem.use_elastic_tangent()

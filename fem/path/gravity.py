@@ -204,7 +204,7 @@ def _lay(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> No
 
 
 def levels(section: Section, mesh: QuadMesh) -> list[Stratum]:
-    """Return, for every stratum whose cohesion varies, ``LEVELS`` soils of constant cohesion from the least to the
+    """For every stratum whose cohesion varies, return ``LEVELS`` soils of constant cohesion from the least to the
     largest."""
     field, strata = section.cohesion_field, []
     corners = mesh.points[mesh.cells]

@@ -57,7 +57,7 @@ class Loading(Protocol):
 
 @dataclass(frozen=True)
 class ProportionalLoad:
-    """Nodal forces ``constant`` + λ ``variable``, both (dofs,) in N/m, of a proportional load."""
+    """Holds the nodal forces ``constant`` + λ ``variable``, both (dofs,) in N/m, of a proportional load."""
 
     constant: np.ndarray
     variable: np.ndarray
@@ -71,7 +71,8 @@ class ProportionalLoad:
 
 @dataclass(frozen=True)
 class StrengthReduction:
-    """Strength reduction: constant nodal forces (dofs,) in N/m on ground whose cohesion and tan φ are divided by λ.
+    """Holds the strength reduction: constant nodal forces (dofs,) in N/m on ground whose cohesion and tan φ are divided
+    by λ.
 
     The derivative with respect to λ is taken by a finite ``difference`` of λ.
     """

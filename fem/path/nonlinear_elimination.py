@@ -87,7 +87,7 @@ class LocalSubproblem:
 
 
 def _response(part: PartialProblem, moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Nodal forces (components,) of the stress after a displacement, and its tangent (points, 4, 4)."""
+    """Return the nodal forces (components,) of the stress after a displacement, and its tangent (points, 4, 4)."""
     points = len(part.stress)
     strain, stress, plastic = (np.zeros((points, 4)) for _ in range(3))
     tangent, forces = np.zeros((points, 4, 4)), np.zeros(len(moved))
@@ -102,14 +102,15 @@ def _response(part: PartialProblem, moved: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def _elements(part: PartialProblem, tangent: np.ndarray, moves: np.ndarray) -> np.ndarray:
-    """Stiffness matrices (nc, nd, nd) of the cells, zero for components that ``moves`` (components,) leaves out."""
+    """Return the stiffness matrices (nc, nd, nd) of the cells, zero for components that ``moves`` (components,) leaves
+    out."""
     elements = part.hourglass.copy()
     assembly.element_stiffness(part.matrix, part.weights, tangent + part.least, moves, part.dofs, elements)
     return elements
 
 
 def _factors(part: PartialProblem, elements: np.ndarray, number: np.ndarray) -> SuperLU:
-    """Factors of the stiffness of the free components: those whose ``number`` (components,) is not negative.
+    """Return the factors of the stiffness of the free components: those whose ``number`` (components,) is not negative.
 
     Raises RuntimeError if it is singular.
     """

@@ -14,7 +14,7 @@ PathListener = Callable[[EquilibriumPath], None]
 
 
 class StopReason(NamedTuple):
-    """Why a path has ended: verdict, reason and remedy."""
+    """Holds why a path has ended: verdict, reason and remedy."""
 
     verdict: PathVerdict
     reason: str
@@ -23,7 +23,8 @@ class StopReason(NamedTuple):
 
 @dataclass(frozen=True)
 class PlateauRule:
-    """Rule that ends a path once the load multiplier has grown by less than ``growth`` while the displacement doubled.
+    """Holds the rule that ends a path once the load multiplier has grown by less than ``growth`` while the displacement
+    doubled.
 
     Displacements enter as ductility: the control displacement over the one that elastic ground would have at the same
     load (-).
@@ -128,8 +129,8 @@ def find_limit_load(
 
 
 def _equilibrium_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) -> float:
-    """The multiplier in equilibrium without overstress at the peak of a path or a little below it; the path is not
-    changed. The relaxed states along the path are too far apart to find this multiplier, and beyond a peak their
+    """Return the multiplier in equilibrium without overstress at the peak of a path or a little below it; the path is
+    not changed. The relaxed states along the path are too far apart to find this multiplier, and beyond a peak their
     multipliers are lower.
     """
     end, steps, in_equilibrium = path.mark(), list(path.steps), -np.inf
@@ -144,7 +145,7 @@ def _equilibrium_below(path: EquilibriumPath, highest: float, summit: tuple[Any,
 
 
 def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], float], rule: PlateauRule) -> StopReason:
-    """Why a path ended where no further step converged: a plateau if its load hardly rose any more."""
+    """Return why a path ended where no further step converged: a plateau if its load hardly rose any more."""
     growth = growth_per_doubling(path)
     if path.steps and ductility(path) >= rule.earliest and 0.0 <= growth < rule.growth:
         reason = f"it changed by {100 * growth:.1f} % while the displacement doubled, after which {path.reason}"
@@ -153,7 +154,7 @@ def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], fl
 
 
 def _stop_reason(path: EquilibriumPath, ductility: float, limit: float, rule: PlateauRule) -> StopReason | None:
-    """Verdict, reason and remedy if the path has ended; None if it continues."""
+    """Return the verdict, reason and remedy if the path has ended; None if it continues."""
     growth = growth_per_doubling(path)
     moving = [step.factor for step in path.steps if not step.at_rest]  # relaxed states lie below these, peak or not
     highest, last = max(moving), moving[-1]

@@ -159,13 +159,13 @@ class AdaptiveSearch:
     def _next(
         self, mesh: QuadMesh, strain: np.ndarray, cells: int, faces: Sequence[ShallowFailure], settings: FemSettings
     ) -> QuadMesh:
-        """`next_mesh`, for ground that is strengthened below ``faces``."""
+        """Return `next_mesh`, for ground that is strengthened below ``faces``."""
         strong = strong_below(self.section, faces, settings)
         repeats = settings.sides == "periodic"
         return next_mesh(self.section, self.meshing, mesh, strain, cells, strong, repeats)
 
     def _most_cells(self, settings: FemSettings) -> int:
-        """Largest number of cells; 0 where meshes are not adapted."""
+        """Return the largest number of cells; 0 where meshes are not adapted."""
         return settings.max_cells if is_adapted(self.section, self.meshing, self.first, settings) else 0
 
     def by_other_rule(
@@ -276,8 +276,8 @@ class AdaptiveSearch:
         return (max if other.flow == "associated" else min)(factor, base.result.factor)
 
     def _rough_faces(self, first: QuadMesh, settings: FemSettings) -> list[ShallowFailure] | None:
-        """The cohesionless faces to strengthen on a ``first`` mesh of many cells, determined on a coarse mesh; None if
-        they have to be determined on the first mesh, by one more limit load.
+        """Return the cohesionless faces to strengthen on a ``first`` mesh of many cells, determined on a coarse mesh;
+        None if they have to be determined on the first mesh, by one more limit load.
         """
         rough = self._rough_mesh(first)
         try:
@@ -286,7 +286,8 @@ class AdaptiveSearch:
             return None
 
     def _rough_safety(self, settings: FemSettings, kh: float) -> float:
-        """Initial guess of the factor of safety: 1, or the factor on a coarse mesh if the first mesh is a fine one."""
+        """Return the initial guess of the factor of safety: 1, or the factor on a coarse mesh if the first mesh is a
+        fine one."""
         rough = self._rough_mesh(self.first)
         try:
             return limit_load_safety_factor(self.section, rough, settings, kh, self.comm).factor if rough else 1.0
@@ -294,7 +295,7 @@ class AdaptiveSearch:
             return 1.0
 
     def _rough_mesh(self, first: QuadMesh) -> QuadMesh | None:
-        """A coarse mesh; None if the ``first`` mesh is coarse itself."""
+        """Return a coarse mesh; None if the ``first`` mesh is coarse itself."""
         if len(first.cells) <= MANY_TIMES * FEWEST_CELLS:
             return None
         size = math.sqrt(float(areas(first.points, first.cells).sum()) / FEWEST_CELLS)
@@ -314,7 +315,7 @@ def ordered(
 
 
 def _with_last(base: AdaptiveResult[LimitLoadResult], result: LimitLoadResult) -> AdaptiveResult[LimitLoadResult]:
-    """The answer with the result on its last mesh replaced by ``result``."""
+    """Return the answer with the result on its last mesh replaced by ``result``."""
     return replace(base, result=result, rounds=[*base.rounds[:-1], replace(base.rounds[-1], value=result.kc)])
 
 

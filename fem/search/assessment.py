@@ -151,13 +151,13 @@ def _together(
 
 
 def _fails(factor: float | None) -> bool:
-    """Whether a factor of safety shows that the ground does not stand."""
+    """Return whether a factor of safety shows that the ground does not stand."""
     return factor is not None and factor < 1.0 - SAME_MESH
 
 
 @dataclass(frozen=True)
 class _Search:
-    """The searches of an assessment, with the section, mesh and settings that they share."""
+    """Holds the searches of an assessment, with the section, mesh and settings that they share."""
 
     section: Section
     meshing: MeshSettings
@@ -261,8 +261,8 @@ class _Search:
         other: AdaptiveResult[LimitLoadResult] | None,
         settings: FemSettings,
     ) -> OwnDilation | None:
-        """The critical Kh for the ψ of the strata where it differs from ``adapted`` and from the limit load by the
-        ``other`` flow rule; None where these two are near each other.
+        """Return the critical Kh for the ψ of the strata where it differs from ``adapted`` and from the limit load by
+        the ``other`` flow rule; None where these two are near each other.
         """
         if other is None or self.comm.size > 1:
             return None

@@ -176,7 +176,7 @@ def _towards(
     listener: PathListener | None,
     ground: LoadedGround | None,
 ) -> CriticalResult:
-    """The critical seismic coefficient in the one direction of the ``settings``."""
+    """Return the critical seismic coefficient in the one direction of the ``settings``."""
     sign = seismic_sign(section, settings)
     ground = ground or loaded_ground(section, mesh, settings, comm)
     while True:
@@ -241,7 +241,7 @@ def _followed(
 
 
 def _wanted(settings: FemSettings, kc: float) -> list[float]:
-    """The Kh up to ``kc`` whose fields are stored."""
+    """Return the Kh up to ``kc`` whose fields are stored."""
     return [kh for kh in settings.kh or tuple(float(f"{share * kc:.3g}") for share in FRACTIONS) if kh <= kc]
 
 
@@ -251,7 +251,7 @@ def _label_of_last(limit: LimitLoad, kh: float, relaxed: bool) -> str:
 
 
 def _ductility(path: EquilibriumPath) -> float:
-    """The control displacement over the elastic one at this Kh (-)."""
+    """Return the control displacement over the elastic one at this Kh (-)."""
     return path.displacement / (max(path.factor, 1e-9) / REFERENCE_KH * path.reference)
 
 

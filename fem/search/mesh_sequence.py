@@ -129,7 +129,7 @@ class AdaptiveResult(Generic[F]):
         return len(self.rounds) < 2 or (mechanism is not None and self._band(other) <= ALIKE * self._band(mechanism))
 
     def _band(self, mechanism: FieldState) -> float:
-        """Mean size (m) of the cells, weighted by the shear displacement of a mechanism across them."""
+        """Return the mean size (m) of the cells, weighted by the shear displacement of a mechanism across them."""
         area = areas(self.mesh.points, self.mesh.cells)
         shear = area * mechanism.plastic_shear_strain
         return float(shear @ np.sqrt(area)) / max(float(shear.sum()), 1e-300)
@@ -236,7 +236,7 @@ class MeshSequence(Generic[F]):
         self._reason = f"there is no answer on the next mesh: {error}"
 
     def _round(self, value: float, cells: int) -> MeshRound:
-        """A mesh of the sequence, compared with the one before."""
+        """Return a mesh of the sequence, compared with the one before."""
         if not self._rounds:
             return MeshRound(cells, value, math.inf, math.inf)
         before, size = self._rounds[-1], max(abs(value), SMALLEST_KH)
@@ -247,7 +247,7 @@ class MeshSequence(Generic[F]):
 
 
 def _reason_to_stop(rounds: list[MeshRound], result: MeshResult, wanted: int, wish: Wish) -> str:
-    """Why no further mesh of ``wanted`` cells is made; empty if one is made."""
+    """Return why no further mesh of ``wanted`` cells is made; empty if one is made."""
     last = rounds[-1]
     if wish.is_met(last):
         return (

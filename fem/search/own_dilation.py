@@ -31,7 +31,7 @@ SPREAD = 0.15
 
 @dataclass(frozen=True)
 class OwnDilation:
-    """The critical Kh for the dilation angles of the strata.
+    """Holds the critical Kh for the dilation angles of the strata.
 
     Attributes
     ----------
@@ -53,8 +53,8 @@ class OwnDilation:
 
 
 def is_far_apart(settings: FemSettings, section: Section, associated: float, davis: float) -> bool:
-    """Whether the settings, or the distance between the critical Kh with ψ = φ (``associated``) and Davis's estimate,
-    require the third number.
+    """Return whether the settings, or the distance between the critical Kh with ψ = φ (``associated``) and Davis's
+    estimate, require the third number.
     """
     if settings.own_dilation != "auto":
         return settings.own_dilation and not is_dilating_fully(section.strata)
@@ -62,8 +62,8 @@ def is_far_apart(settings: FemSettings, section: Section, associated: float, dav
 
 
 def own_dilation(section: Section, settings: FemSettings, known: LimitLoadResult, comm: Any) -> OwnDilation:
-    """The critical Kh of a section for the dilation angles of its strata, in the direction of the limit load ``known``,
-    whose cohesionless faces are strengthened here, too.
+    """Return the critical Kh of a section for the dilation angles of its strata, in the direction of the limit load
+    ``known``, whose cohesionless faces are strengthened here, too.
 
     ``settings``: settings of the finite elements; ``comm``: MPI communicator of one rank.
     """

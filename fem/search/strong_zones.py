@@ -18,7 +18,7 @@ ALL = 1e6  # m: a depth below the base
 
 @dataclass(frozen=True)
 class StrongZone:
-    """A zone along the ground in which nothing fails.
+    """Holds a zone along the ground in which nothing fails.
 
     Attributes
     ----------

@@ -146,7 +146,7 @@ def available() -> bool:
 
 @cache
 def _library() -> ctypes.CDLL:
-    """The library, with the types of its functions; raises OSError if it is missing or its version is unknown."""
+    """Return the library, with the types of its functions; raise OSError if it is missing or its version is unknown."""
     for name in (*NAMES, *(str(Path(sys.prefix) / "lib" / name) for name in NAMES)):
         try:
             library = ctypes.CDLL(name)
@@ -182,8 +182,8 @@ def _library() -> ctypes.CDLL:
 
 
 def _new_settings(library: ctypes.CDLL) -> ctypes.Array:
-    """Settings that print nothing and end at the first pivot that is not positive; raises OSError if their layout is
-    unknown."""
+    """Return settings that print nothing and end at the first pivot that is not positive; raise OSError if their layout
+    is unknown."""
     settings = (ctypes.c_byte * SETTINGS_SIZE)()
     library.cholmod_start(settings)
     content = bytes(settings)

@@ -111,8 +111,8 @@ def assembled(program: ConeProgram, clay: np.ndarray) -> Assembled:
 
 
 def _shear_of(program: ConeProgram, across: sparse.csr_matrix, clay: np.ndarray) -> sparse.csr_matrix:
-    """The matrix from the unknowns to the weighted shear rates (k,): volumetric rate over sin φ, or the unknown of a
-    corner of φ = 0.
+    """Return the matrix from the unknowns to the weighted shear rates (k,): volumetric rate over sin φ, or the unknown
+    of a corner of φ = 0.
     """
     corners, sin = len(program.cohesion), np.sin(program.friction)
     of_volume = sparse.diags(np.divide(program.weight, sin, out=np.zeros(corners), where=sin > 0.0)) @ across
@@ -121,7 +121,7 @@ def _shear_of(program: ConeProgram, across: sparse.csr_matrix, clay: np.ndarray)
 
 
 def _tension_of(program: ConeProgram) -> np.ndarray:
-    """Dissipation of a corner (k,) per volume of opening: weight times T; 0 for no cut-off.
+    """Return the dissipation of a corner (k,) per volume of opening: weight times T; 0 for no cut-off.
 
     On a bare surface it is half of this: there T limits the whole trace, which is twice the mean stress.
     """
@@ -133,8 +133,8 @@ def _tension_of(program: ConeProgram) -> np.ndarray:
 
 
 def _opening(program: ConeProgram) -> tuple[sparse.csr_matrix, sparse.csr_matrix, np.ndarray, list]:
-    """Opening of torn corners: strain rates (3 k, p) of p unknowns, and the matrix, offset and cones that constrain
-    these unknowns.
+    """Return the opening of torn corners: strain rates (3 k, p) of p unknowns, and the matrix, offset and cones that
+    constrain these unknowns.
 
     Each corner has three unknowns, a strain rate whose volumetric part is at least its shear part; on a bare surface it
     has one, half of the volumetric part.
@@ -160,15 +160,15 @@ def _opening(program: ConeProgram) -> tuple[sparse.csr_matrix, sparse.csr_matrix
 
 
 def _volumetric(corners: int) -> sparse.csr_matrix:
-    """The matrix from strain rates (3 k,) to their volumetric part (k,)."""
+    """Return the matrix from strain rates (3 k,) to their volumetric part (k,)."""
     rows = np.repeat(np.arange(corners), 2)
     columns = (3 * np.arange(corners)[:, None] + [0, 1]).ravel()
     return sparse.csr_matrix((np.ones(2 * corners), (rows, columns)), shape=(corners, 3 * corners))
 
 
 def _cone_map(sin: np.ndarray) -> sparse.csr_matrix:
-    """The matrix from strain rates (3 k,) to vectors in cones: [volume, sin φ (xx - yy), sin φ xy], or [0, xx - yy,
-    xy].
+    """Return the matrix from strain rates (3 k,) to vectors in cones: [volume, sin φ (xx - yy), sin φ xy], or [0, xx -
+    yy, xy].
     """
     corners = len(sin)
     first = 3 * np.arange(corners)
@@ -228,7 +228,7 @@ def standard(program: ConeProgram, data: Assembled, magnified: float) -> tuple[S
 
 
 def _numbers(corners: int, selected: np.ndarray) -> np.ndarray:
-    """The index of every corner (k,) within ``selected``, -1 for corners that are not among them."""
+    """Return the index of every corner (k,) within ``selected``, -1 for corners that are not among them."""
     numbers = np.full(corners, -1)
     numbers[selected] = np.arange(len(selected))
     return numbers

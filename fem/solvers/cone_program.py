@@ -207,7 +207,7 @@ def _solve(
     in_the_middle: bool = False,
     start: Warm | None = None,
 ) -> Solution:
-    """The solution by the built-in interior-point method, or by Clarabel where this method finds none."""
+    """Return the solution by the built-in interior-point method, or by Clarabel where this method finds none."""
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)
     data = assembled(program, clay)
@@ -250,7 +250,7 @@ def _solve(
 
 @dataclass(frozen=True, eq=False)
 class _End:
-    """State at the end of a solver: status, unknowns and multipliers, whether it is certain, and work."""
+    """Holds the state at the end of a solver: status, unknowns and multipliers, whether it is certain, and work."""
 
     status: str
     x: np.ndarray
@@ -334,8 +334,8 @@ def _by_clarabel(
 def _solved(
     data: Assembled, magnified: float, settings: clarabel.DefaultSettings, most_work: float
 ) -> tuple[clarabel.DefaultSolution, float]:
-    """Result of Clarabel within a limit of work, and the work of one iteration. The limit is set before the call, since
-    a callback would hold Python's global lock.
+    """Return the result of Clarabel within a limit of work, and the work of one iteration. The limit is set before the
+    call, since a callback would hold Python's global lock.
     """
     none = sparse.csc_matrix((len(data.cost), len(data.cost)))
     data_of_solver = none, magnified * data.cost, data.matrix.tocsc(), data.offset, data.cones
@@ -347,7 +347,7 @@ def _solved(
 
 
 def _poorness(solution: clarabel.DefaultSolution) -> int:
-    """Rank of a solution by its status: 0 within the tolerances, 3 without a solution.
+    """Return the rank of a solution by its status: 0 within the tolerances, 3 without a solution.
 
     0: tolerances met (or almost, with well-met equations), or infeasibility proven; 1: tolerances almost met; 2:
     infeasibility almost proven; 3: anything else.

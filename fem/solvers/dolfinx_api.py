@@ -108,7 +108,7 @@ def distribute(comm: Any, points: np.ndarray, cells: np.ndarray, degree: int) ->
 
 
 def _grid_and_space(comm: Any, cells: np.ndarray, x: np.ndarray, degree: int) -> tuple[Any, Any]:
-    """The distributed mesh and the scalar space on it."""
+    """Return the distributed mesh and the scalar space on it."""
     with _symbols_to_themselves():
         from dolfinx import fem, mesh
 
@@ -143,7 +143,7 @@ def _element(degree: int, create: Any) -> Any:
 
 
 def _rows(table: Any) -> np.ndarray:
-    """The table of a dofmap as an array (cells, entries); up to version 0.6 dolfinx had adjacency lists."""
+    """Return the table of a dofmap as an array (cells, entries); up to version 0.6 dolfinx had adjacency lists."""
     if hasattr(table, "array"):
         return np.asarray(table.array).reshape(table.num_nodes, -1)
     return np.asarray(table)

@@ -68,7 +68,8 @@ class ElasticConeProgram:
         self._cost = COST_SECONDS * (nonzeros / COST_NONZEROS) ** COST_EXPONENT
 
     def solve(self, strength: np.ndarray) -> tuple[float, np.ndarray] | None:
-        """Multiplier and stress (k, 3) for the ``strength`` w k (k,); None where the solver ends without an answer."""
+        """Return the multiplier and stress (k, 3) for the ``strength`` w k (k,); None where the solver ends without an
+        answer."""
         self._solver.update(b=self._offset(strength))
         end = interruptible(partial(self._solver.solve))
         self.work += self._cost * end.iterations
@@ -83,7 +84,7 @@ class ElasticConeProgram:
         return np.concatenate([self._dead, np.zeros(self._equations - len(self._dead)), offset.ravel()])
 
     def _cones(self, sine: np.ndarray) -> sparse.csr_matrix:
-        """The rows of the yield conditions on the unknowns."""
+        """Return the rows of the yield conditions on the unknowns."""
         first = 3 * np.arange(self._corners)
         half = np.full(self._corners, 0.5)
         rows = np.concatenate([first, first, first + 1, first + 1, first + 2])

@@ -347,7 +347,7 @@ class _Method:
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """A direction: the residuals that it corrects, its changes, and its longest steps (at most 1)."""
+    """Holds a direction: the residuals that it corrects, its changes, and its longest steps (at most 1)."""
 
     d: np.ndarray
     dy: np.ndarray

@@ -46,8 +46,8 @@ def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.nda
 def _refined(
     scaled: sparse.csr_matrix, left: np.ndarray, correction: np.ndarray, shortest: Callable[[np.ndarray], np.ndarray]
 ) -> np.ndarray:
-    """The correction, refined: the ``shortest`` solution for the remaining residual is added until this residual no
-    longer falls.
+    """Return the correction, refined: the ``shortest`` solution for the remaining residual is added until this residual
+    no longer falls.
     """
     missed = np.inf
     for _ in range(MOST_CORRECTIONS):
@@ -60,8 +60,8 @@ def _refined(
 
 
 def _normal_equations(scaled: sparse.csr_matrix) -> Callable[[np.ndarray], np.ndarray] | None:
-    """A function for the shortest d with ``scaled`` d = a right-hand side, regularised by SHIFT, by Cholesky factors;
-    None without factors.
+    """Return a function for the shortest d with ``scaled`` d = a right-hand side, regularised by SHIFT, by Cholesky
+    factors; None without factors.
     """
     if not cholmod.available():
         return None
@@ -76,7 +76,7 @@ def _normal_equations(scaled: sparse.csr_matrix) -> Callable[[np.ndarray], np.nd
 
 
 def _shortest(matrix: sparse.csc_matrix, right: np.ndarray) -> np.ndarray:
-    """The shortest d with ``matrix`` d = ``right``, except for the regularisation of the factors."""
+    """Return the shortest d with ``matrix`` d = ``right``, except for the regularisation of the factors."""
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.static_regularization_constant = 1e-10

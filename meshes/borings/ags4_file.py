@@ -60,7 +60,8 @@ def cones_of(name: str, groups: Groups) -> tuple[Cone, ...]:
 
 
 def _cone(row: Row, groups: Groups, ratio: str) -> Cone | None:
-    """One reading; None at the ground itself, or where the cone met nothing. Raises ValueError that names the key."""
+    """Return one reading; None at the ground itself, or where the cone met nothing. Raises ValueError that names the
+    key."""
     if row.get("SCPT_QT"):
         resistance = _value(row, "SCPT_QT", groups)
     else:
@@ -194,7 +195,7 @@ def _log(row: Row, axes: tuple[str, str], naming: tuple[str, ...], groups: Group
 
 
 def _samples(name: str, groups: Groups) -> tuple[Sample, ...]:
-    """The blow counts of a boring from the top down; of two at one depth the smaller one."""
+    """Return the blow counts of a boring from the top down; of two at one depth the smaller one."""
     samples: dict[float, Sample] = {}
     for row in groups.of("ISPT", name):
         count, report = ("" if row.get(key, "").lower() in NOT_MEASURED else row[key] for key in COUNTS)
@@ -220,13 +221,13 @@ def _samples(name: str, groups: Groups) -> tuple[Sample, ...]:
 
 
 def _driven(row: Row) -> str:
-    """The blows of the main drive, ISPT_MAIN, for their penetration, ISPT_NPEN (mm); empty if one is missing."""
+    """Return the blows of the main drive, ISPT_MAIN, for their penetration, ISPT_NPEN (mm); empty if one is missing."""
     blows, depth = row.get("ISPT_MAIN", ""), row.get("ISPT_NPEN", "")
     return f"{blows} for {depth} mm" if blows.isdecimal() and depth.isdecimal() and float(depth) > 0.0 else ""
 
 
 def _count_of(count: str, report: str, driven: str) -> str:
-    """The text of the blow count: ISPT_NVAL, unless the report or the drive says refusal, or there is none.
+    """Return the text of the blow count: ISPT_NVAL, unless the report or the drive says refusal, or there is none.
 
     ``count``: ISPT_NVAL; ``report``: ISPT_REP; ``driven``: blows for a penetration.
     """

@@ -102,7 +102,8 @@ def read_groups(path: Path) -> Groups:
 def _rows(
     tables: Mapping[str, Mapping[str, Sequence[Any]]], numbers: Sequence[int]
 ) -> tuple[dict[str, list[dict[str, str]]], dict[str, str]]:
-    """The rows of data by group, and the units by heading, of what python-ags4 reads from lines of these numbers."""
+    """Return the rows of data by group, and the units by heading, of what python-ags4 reads from lines of these
+    numbers."""
     rows: dict[str, list[dict[str, str]]] = {}
     units: dict[str, str] = {}
     for group, columns in tables.items():
@@ -130,7 +131,7 @@ def _python_ags4(path: Path) -> Any:
 
 
 def _reason(error: Exception, numbers: Sequence[int]) -> str:
-    """What python-ags4 says against a file, with the numbers that its lines have there."""
+    """Return the errors that python-ags4 finds in a file, with line numbers of this file."""
     if isinstance(error, IndexError | KeyError):
         return "a row stands outside of a group"
     return re.sub(r"(?<=Line )\d+", lambda line: str(numbers[int(line[0]) - 1]), str(error)).rstrip(". ")
@@ -145,7 +146,8 @@ def _unit_problem(kind: Kind, unit: str) -> str:
 
 
 def _departures(ags4: Any, path: Path, lines: str) -> list[str]:
-    """A sentence with what python-ags4 finds against the rules of AGS4; nothing of that keeps a file from being read.
+    """Return a sentence with what python-ags4 finds against the rules of AGS4; nothing of that keeps a file from being
+    read.
 
     Whether a file ends its lines with CR LF, and which groups it may not lack, is of no account here.
     """

@@ -86,7 +86,7 @@ def _plain(written: str | float) -> str | float:
 
 
 def _counted(text: str) -> tuple[float, bool]:
-    """The count of a text, not a number if it says none, and whether the sampler was refused."""
+    """Return the count of a text, not a number if it says none, and whether the sampler was refused."""
     try:
         return float(text), False
     except ValueError:
@@ -104,7 +104,8 @@ def _counted(text: str) -> tuple[float, bool]:
 
 
 def _of_drives(text: str) -> tuple[float, bool]:
-    """The count of a text that says how far the sampler was driven, and whether it was refused; see `_counted`."""
+    """Return the count of a text that says how far the sampler was driven, and whether it was refused; see
+    `_counted`."""
     recorded, driven = WITH_COUNT.fullmatch(text), list(DRIVEN.finditer(text))
     count = float(recorded[1] or recorded[3]) if recorded else math.nan
     if driven and driven[0].start() == 0 and text[driven[0].end() :].lstrip().startswith("("):  # "50/75mm (20,5,50)"
@@ -126,12 +127,13 @@ def _of_drives(text: str) -> tuple[float, bool]:
 
 
 def _depth(drive: re.Match[str]) -> float:
-    """The penetration (mm) of a drive."""
+    """Return the penetration (mm) of a drive."""
     return float(drive[2] or 1.0) * MILLIMETRES[drive[3].lower()]
 
 
 def _without_unit(blows: float, depth: float) -> tuple[float, bool]:
-    """The count of "12/30", "50/75" or "47/0.29", whose penetration is in cm, as Japanese logs have it, in mm or in m.
+    """Return the count of "12/30", "50/75" or "47/0.29", whose penetration is in cm, as Japanese logs have it, in mm or
+    in m.
 
     Not a number where cm and mm make a difference.
     """
@@ -143,7 +145,8 @@ def _without_unit(blows: float, depth: float) -> tuple[float, bool]:
 
 
 def _driven(blows: float, depth: float) -> tuple[float, bool]:
-    """The count of ``blows`` for a ``depth`` (mm) of the drive, which may have ended early, and whether it did."""
+    """Return the count of ``blows`` for a ``depth`` (mm) of the drive, which may have ended early, and whether it
+    did."""
     if depth >= 0.98 * DRIVE:  # 30 cm or a foot: it went in
         return blows, False
     if blows >= REFUSAL:

@@ -11,7 +11,7 @@ from meshes.section.section import Model
 
 
 class Sample(Model):
-    """One standard penetration test, and the properties of its sample."""
+    """Holds one standard penetration test, and the properties of its sample."""
 
     depth: Length = Field(description='the depth below the ground in the middle of the test, such as "3.3 m"')
     N: Blows = Field(
@@ -31,7 +31,7 @@ class Sample(Model):
 
 
 class Cone(Model):
-    """Readings of a cone penetration test at one depth."""
+    """Holds the readings of a cone penetration test at one depth."""
 
     depth: Length = Field(description='the depth below the ground, such as "3.3 m"')
     qc: Strength = Field(description='the cone resistance, corrected for pore pressure (qt), such as "4.2 MPa"')
@@ -42,7 +42,7 @@ class Cone(Model):
 
 
 class Boring(Model):
-    """A boring with its name, its place along the section, and its tests from the top down."""
+    """Holds a boring with its name, its place along the section, and its tests from the top down."""
 
     name: str = Field(min_length=1, description="the name of the boring, such as B-1")
     x: Coordinate = Field(description="the position along the section, a coordinate in m")

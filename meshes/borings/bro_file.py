@@ -67,7 +67,7 @@ def read_bro(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
 
 
 def _name(node: Element) -> str:
-    """The name of an element without its namespace."""
+    """Return the name of an element without its namespace."""
     return node.tag.rpartition("}")[2]
 
 
@@ -76,7 +76,7 @@ def _named(node: Element, name: str) -> Iterator[Element]:
 
 
 def _text(node: Element, name: str, default: str | None = None) -> str:
-    """What the first element of a name says; raises StopIteration without one and without a default."""
+    """Return the text of the first element with a name; raise StopIteration without one and without a default."""
     text = next(((child.text or "").strip() for child in _named(node, name)), default)
     if text is None:
         raise StopIteration
@@ -84,7 +84,7 @@ def _text(node: Element, name: str, default: str | None = None) -> str:
 
 
 def _readings(test: Element) -> Iterator[dict[int, float]]:
-    """The quantities of every reading; raises ValueError if one has another count of numbers."""
+    """Yield the quantities of every reading; raise ValueError if one has another count of numbers."""
     for row in filter(None, map(str.strip, _text(next(_named(test, "cptResult")), "values").split(";"))):
         numbers = [float(cell) for cell in row.split(",")]
         if len(numbers) != NUMBERS:

@@ -122,7 +122,7 @@ def _piece(log: Log, layer: LogLayer) -> Piece:
 
 
 def _numbered(borings: Sequence[Placed]) -> tuple[tuple[Placed, ...], Stack]:
-    """The borings with numbers at the names of layers that lie above and below others, and the strata."""
+    """Return the borings with numbers at the names of layers that lie above and below others, and the strata."""
     stack = stacked([[_piece(boring.log, layer) for layer in boring.log.layers] for boring in borings])
     numbered = []
     for boring, numbers in zip(borings, stack.numbers, strict=True):
@@ -169,7 +169,8 @@ def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
 
 
 def _spelled_alike(logs: Sequence[Log]) -> tuple[list[Log], list[str]]:
-    """The borings with one name for layers whose names differ in capitals and blanks alone, and a sentence for each."""
+    """Return the borings with one name for layers whose names differ in capitals and blanks alone, and a sentence for
+    each."""
     first: dict[str, str] = {}
     spellings: dict[str, list[str]] = {}
     for name in (layer.name for log in logs for layer in log.layers):
@@ -187,7 +188,7 @@ def _spelled_alike(logs: Sequence[Log]) -> tuple[list[Log], list[str]]:
 
 
 def _water_above(borings: Sequence[Placed]) -> list[str]:
-    """A sentence for each boring whose water stands above its ground: open water, a head, or a slip."""
+    """Return a sentence for each boring whose water stands above its ground: open water, a head, or a slip."""
     above = [(at.log, at.log.water_level - at.log.ground_level) for at in borings if at.log.water_level is not None]
     return [f"boring {log.name}: the water level, {log.water_level:.4g} m, is {height:.3g} m above its ground: "
             "expected the elevation of a water table, or of a river or pond that stands there"
@@ -195,7 +196,7 @@ def _water_above(borings: Sequence[Placed]) -> list[str]:
 
 
 def _end_at_the_ground(bottom: float, ground: float, half_way: float) -> float:
-    """The bottom, half-way to a boring that lacks it, of a layer at the ground: at the surface, as a rule.
+    """Return the bottom, half-way to a boring that lacks it, of a layer at the ground: at the surface, as a rule.
 
     Where that is a hump, higher than both the ``bottom`` in the one boring and the ``ground`` at the other, as under an
     embankment whose fill the next boring lacks, the bottom goes straight to the ground at the other.
@@ -207,7 +208,8 @@ UNKNOWN = math.nan  # below the end of a boring
 
 
 def _bottom(log: Log, name: str, names: Sequence[str]) -> float | None:
-    """Elevation of the bottom of a stratum in a boring; None if it is not met, `UNKNOWN` below the boring's end."""
+    """Return the elevation of the bottom of a stratum in a boring; None if it is not met, `UNKNOWN` below the boring's
+    end."""
     met = [layer.name for layer in log.layers]
     if name in met[:-1]:
         return log.ground_level - next(layer.bottom for layer in log.layers if layer.name == name)
@@ -215,7 +217,7 @@ def _bottom(log: Log, name: str, names: Sequence[str]) -> float | None:
 
 
 def _filled(known: Sequence[Sequence[float | None]], k: int, i: int, at: np.ndarray, log: Log) -> float | None:
-    """The bottom of stratum k in boring i; where it is unknown, that of the nearest boring with one.
+    """Return the bottom of stratum k in boring i; where it is unknown, that of the nearest boring with one.
 
     It does not lie above the end of the boring, which went as deep in its last layer.
     """

@@ -63,7 +63,7 @@ def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
 
 
 def _unit_meant(weight: str) -> str:
-    """The heading that a unit weight without a unit asks for; empty if its size names no unit."""
+    """Return the heading that a unit weight without a unit asks for; empty if its size names no unit."""
     number = float(weight) if re.fullmatch(r"\d+(?:\.\d+)?", weight) else math.nan
     for unit, (least, most) in {"kN/m3": (10.0, 30.0), "t/m3": (1.0, 3.0)}.items():
         if least <= number < most:
@@ -110,7 +110,7 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Borin
 
 
 def _contradictions(name: str, lines: Sequence[tuple[int, Mapping[str, str]]]) -> list[str]:
-    """Lines that give a boring another place, ground level or water level than its first line does."""
+    """Return lines that give a boring another place, ground level or water level than its first line does."""
     number, first = lines[0]
     return [f"line {other}, {key} = {cells[key]!r}: line {number} says {first[key]!r} of the same boring {name}"
             for other, cells in lines[1:] for key in OF_A_BORING

@@ -63,7 +63,8 @@ def read_gef(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
 
 
 def _log(path: Path, header: Header, data: str) -> Log:
-    """The sounding; raises ValueError or IndexError for a header that is not understood, InputError with problems."""
+    """Return the sounding; raise ValueError or IndexError for a header that is not understood, InputError with
+    problems."""
     columns = {int(line[3]): (int(line[0]) - 1, line[1]) for line in header["COLUMNINFO"]}
     if RESISTANCE not in columns or not {FRICTION, RATIO} & columns.keys() or not {LENGTH, DEPTH} & columns.keys():
         wish = "depth (quantity 1 or 11), cone resistance (2) and sleeve friction (3) or friction ratio (4)"
@@ -124,7 +125,7 @@ def sounding_file(path: Path, log: Log, notices: Sequence[str]) -> BoringFile:
 
 
 def _factor(number: int, column: int, unit: str) -> float:
-    """What a quantity in its unit is in m or Pa; raises ValueError that names the column.
+    """Return the factor from the unit of a quantity to m or Pa; raise ValueError that names the column.
 
     The national registry writes the unit's name after its symbol, "MPa (megaPascal)": that is not read.
     """
@@ -135,7 +136,7 @@ def _factor(number: int, column: int, unit: str) -> float:
 
 
 def _readings(path: Path, header: Header, data: str) -> Iterator[list[float | None]]:
-    """The numbers of every line, None if there is none."""
+    """Yield the numbers of every line, None if there is none."""
     void = {int(line[0]) - 1: float(line[1]) for line in header.get("COLUMNVOID", [])}
     separator, end = (header.get(key, [[""]])[0][0] for key in ("COLUMNSEPARATOR", "RECORDSEPARATOR"))
     last = max(int(line[0]) for line in header["COLUMNINFO"])
@@ -151,7 +152,7 @@ def _readings(path: Path, header: Header, data: str) -> Iterator[list[float | No
 
 
 def _reading(values: Mapping[int, float], area: float) -> dict[str, float] | None:
-    """Depth (m), resistance and friction (Pa) of quantities by their numbers; None if the cone met nothing.
+    """Return the depth (m), resistance and friction (Pa) of quantities by their numbers; None if the cone met nothing.
 
     ``area``: net area ratio of the cone.
     """

@@ -19,7 +19,7 @@ DEPTHS_EXPECTED = "expected depths below the ground, from 0 downwards without a 
 
 @dataclass(frozen=True)
 class LogLayer:
-    """A layer that a boring met: name, depths of top and bottom (m), and unit weight as written in the file."""
+    """Holds a layer that a boring met: name, depths of top and bottom (m), and unit weight as written in the file."""
 
     name: str
     top: float
@@ -30,7 +30,7 @@ class LogLayer:
 
 @dataclass(frozen=True)
 class Log:
-    """The log of one boring.
+    """Holds the log of one boring.
 
     Attributes
     ----------

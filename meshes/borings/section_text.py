@@ -76,7 +76,7 @@ def _strata(connected: Connected) -> Iterator[str]:
 
 
 def _soil(counts: list[Sample]) -> Iterator[str]:
-    """Stiffness and strength guessed from the mean blow count, each with the guess beside it."""
+    """Yield the stiffness and strength guessed from the mean blow count, each with the guess beside it."""
     if not counts:
         for key, value in (("youngs_modulus", '"20 MPa"'), ("poissons_ratio", "0.33"), ("cohesion", '"0 kPa"'),
                            ("friction_angle", '"30 deg"')):  # fmt: skip
@@ -145,7 +145,7 @@ def _tests(log: Log) -> Iterator[str]:
 
 
 def _points(x: np.ndarray, z: np.ndarray) -> str:
-    """Points without those that lie on a straight line between their neighbours."""
+    """Return points without those that lie on a straight line between their neighbours."""
     keep = [0]
     for i in range(1, len(x) - 1):
         a = keep[-1]

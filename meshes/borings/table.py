@@ -59,7 +59,7 @@ class BoringTable:
 
 @dataclass(frozen=True)
 class _Sheet:
-    """The cells of a file, the heading first, each row with the number of its line; columns under our names."""
+    """Holds the cells of a file, the heading first, each row with the number of its line; columns under our names."""
 
     rows: list[tuple[int, list[str]]]
     heads: list[tuple[str, str]]
@@ -113,7 +113,7 @@ def read_table(path: Path, needed: Sequence[str], known: Sequence[str], columns:
 
 
 def _unknown(sheet: _Sheet, columns: Mapping[str, str], known: Sequence[str], needed: Sequence[str]) -> list[str]:
-    """Columns that are missing, not known, or not there though they were named."""
+    """Return columns that are missing, not known, or not there though they were named."""
     names = [name for name, _ in sheet.heads]
     written = [_split(cell)[0] for cell in sheet.rows[0][1]]
     problems = [f"--columns {key}={name}: expected our name of a column, one of {', '.join(known)}"
@@ -138,7 +138,7 @@ def _unknown(sheet: _Sheet, columns: Mapping[str, str], known: Sequence[str], ne
 
 
 def _unit_problem(name: str, unit: str) -> str:
-    """What is wrong with the unit in the heading of a column; empty if nothing is."""
+    """Return what is wrong with the unit in the heading of a column; empty if nothing is."""
     if name in PLAIN and re.sub(r"\s|_", "", unit.lower()).replace("per", "/") not in PLAIN[name]:
         expected = "blows for 30 cm or for a foot" if name == "N" else "percent"
         return f"column {name} ({unit}): expected {expected}"
@@ -183,7 +183,8 @@ def _sheet(path: Path, columns: Mapping[str, str], known: Sequence[str]) -> _She
 
 
 def _heading_line(lines: Sequence[str], names: set[str]) -> int:
-    """Index of the line with the heading: of the first ones that with most of the ``names``, or else the first."""
+    """Return the index of the line with the heading: of the first ones that with most of the ``names``, or else the
+    first."""
     filled = [k for k, line in enumerate(lines) if line.strip(" \t\r\n,;")][:FIRST_LINES]
     met = {k: sum(not names.isdisjoint({_plain(cell), _plain(_split(cell)[0])})
                   for cell in (cell.strip(' "\r\n') for cell in re.split(r"[;\t,]", lines[k])))
@@ -192,7 +193,7 @@ def _heading_line(lines: Sequence[str], names: set[str]) -> int:
 
 
 def _are_units(heads: Sequence[tuple[str, str]], row: Sequence[str]) -> bool:
-    """Whether a row below the heading has the units of the columns: these alone, and one at least."""
+    """Return whether a row below the heading has the units of the columns: these alone, and one at least."""
     cells = [(name, cell) for (name, _), cell in zip(heads, row, strict=False) if cell]
     return any(name in KINDS for name, _ in cells) and not any(
         name not in (*KINDS, *PLAIN) or re.search(r"^[-+.]?\d", cell) or _unit_problem(name, cell)
@@ -205,7 +206,7 @@ def _plain(name: str) -> str:
 
 
 def _decimal(cell: str, separator: str) -> str:
-    """A cell with a decimal point where it has a decimal comma."""
+    """Return a cell with a decimal point where it has a decimal comma."""
     return DECIMAL_COMMA.sub(r"\1.\2\3", cell) if separator != "," and DECIMAL_COMMA.fullmatch(cell) else cell
 
 

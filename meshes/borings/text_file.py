@@ -67,8 +67,8 @@ def _is_japanese(data: bytes) -> bool:
 
 @cache
 def _japanese() -> re.Pattern[str]:
-    """A run of Japanese: kana, kanji of JIS level 1 with that for gravel, and signs of full width, not within a Western
-    word; kana of half width, two or more.
+    """Return a run of Japanese: kana, kanji of JIS level 1 with that for gravel, and signs of full width, not within a
+    Western word; kana of half width, two or more.
     """
     common = "礫" + "".join(
         char for lead in (*range(0x81, 0x84), *range(0x88, 0x98)) for trail in range(0x40, 0xFD)

@@ -56,7 +56,8 @@ def drawn_section(shapes: Shapes, path: Path, name: str) -> Drawn:
 
 
 def _without_water(shapes: Shapes) -> tuple[list[Shape], list[Shape], list[str]]:
-    """Outlines that are ground; the upper edges of those that are free water; and a sentence for each of these."""
+    """Return outlines that are ground; the upper edges of those that are free water; and a sentence for each of
+    these."""
     ponds = [outline for outline in shapes.outlines if is_pond(outline) and outline.layer not in shapes.strata]
     notices = [f'the outline on layer "{pond.layer}", {pond.span}, is water: its upper edge is a water table'
                for pond in ponds]  # fmt: skip
@@ -65,7 +66,8 @@ def _without_water(shapes: Shapes) -> tuple[list[Shape], list[Shape], list[str]]
 
 
 def _go_past(lines: Sequence[Shape], outlines: Sequence[Shape]) -> bool:
-    """Whether two lines or more are wider than all outlines together: ground and bottoms, with lenses between them."""
+    """Return whether two lines or more are wider than all outlines together: ground and bottoms, with lenses between
+    them."""
     x = np.concatenate([outline.points[:, 0] for outline in outlines])
     beyond = [line for line in lines if line.points[:, 0].min() < x.min() - JOINED
               and line.points[:, 0].max() > x.max() + JOINED]  # fmt: skip
@@ -73,7 +75,7 @@ def _go_past(lines: Sequence[Shape], outlines: Sequence[Shape]) -> bool:
 
 
 def _with_one_side(outlines: Sequence[np.ndarray]) -> tuple[list[np.ndarray], list[str]]:
-    """Outlines (n, 2) cut where the first of those that reach a side ends, and a sentence where that is told.
+    """Return outlines (n, 2) cut where the first of those that reach a side ends, and a sentence where that is told.
 
     Corners within a centimetre of a side are moved to the side. Otherwise the ground would have a slit there, as deep
     as the outline that ends short of the side.
@@ -98,7 +100,7 @@ def _with_one_side(outlines: Sequence[np.ndarray]) -> tuple[list[np.ndarray], li
 
 
 def _questions(outlines: Sequence[Shape]) -> list[str]:
-    """Warnings of doubtful outlines: all on one layer, or one round all others as the frame of a sheet."""
+    """Return the warnings of doubtful outlines: all on one layer, or one round all others as the frame of a sheet."""
     layers = {outline.layer for outline in outlines}
     questions = []
     if len(layers) == 1 < len(outlines):
@@ -113,7 +115,7 @@ def _questions(outlines: Sequence[Shape]) -> list[str]:
 
 
 def _unused(lines: Sequence[Shape]) -> list[str]:
-    """A sentence for each line that is neither ground nor water, and one for all of a layer that has many."""
+    """Return a sentence for each line that is neither ground nor water, and one for all of a layer that has many."""
     sentences = []
     for layer in dict.fromkeys(line.layer for line in lines):
         of_layer = [line for line in lines if line.layer == layer]
@@ -164,7 +166,8 @@ def _of_lines(
 
 
 def _from_the_ground_down(lines: Sequence[Shape], notices: list[str]) -> list[tuple[str, np.ndarray]]:
-    """Layers and points of lines, from the left to the right: the ground, the highest line, and what lies below it.
+    """Return layers and points of lines, from the left to the right: the ground, the highest line, and what lies below
+    it.
 
     Lines that continue beyond the ground are cut off at its ends. Lines that end inside continue level, and a notice
     says so.
@@ -193,7 +196,7 @@ def _from_the_ground_down(lines: Sequence[Shape], notices: list[str]) -> list[tu
 
 
 def _is_above(line: np.ndarray, other: np.ndarray) -> bool:
-    """Whether a line is higher than another on the mean, over the x that both have, or each over its own."""
+    """Return whether a line is higher than another on the mean, over the x that both have, or each over its own."""
     start, end = max(line[0, 0], other[0, 0]), min(line[-1, 0], other[-1, 0])
     spans = [(start, end)] * 2 if end > start else [(points[0, 0], points[-1, 0]) for points in (line, other)]
     first, second = (np.interp(np.linspace(*span, 201), *points.T).mean()

@@ -104,7 +104,7 @@ def read_dxf(path: Path, name: str, unit: float | None = None) -> Drawn:
 
 
 def _names(drawing: Any) -> dict[str, str]:
-    """Names of the strata by the layers of the drawing that the program had to name otherwise."""
+    """Return the names of the strata by the layers of the drawing that the program had to name otherwise."""
     named = {}
     for layer in drawing.layers:
         if layer.has_xdata(APPLICATION):

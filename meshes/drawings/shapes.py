@@ -26,7 +26,7 @@ METRE, UNITS = 6, {
 
 @dataclass(frozen=True)
 class Shape:
-    """One outline or line of a drawing.
+    """Holds one outline or line of a drawing.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class Shapes:
 
 @dataclass(frozen=True)
 class _DrawnShape:
-    """A shape in the drawing's own space: points (n, 3)."""
+    """Holds a shape in the drawing's own space: points (n, 3)."""
 
     layer: str
     points: np.ndarray
@@ -125,14 +125,14 @@ def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes
 
 
 def _in_paper_space(drawing: Any) -> list[str]:
-    """A sentence for each sheet of a drawing that has entities: they are not read."""
+    """Return a sentence for each sheet of a drawing that has entities: they are not read."""
     sheets = [(layout.name, len(layout)) for layout in drawing.layouts if not layout.is_modelspace]
     return [f'not used: {counted(count, "entity", "entities")} on the sheet "{name}": '
             "expected the section in model space" for name, count in sheets if count]  # fmt: skip
 
 
 def _unit(drawing: Any, notices: list[str]) -> float:
-    """Length (m) of one unit of a drawing by its $INSUNITS, and a sentence where that is not metres."""
+    """Return the length (m) of one unit of a drawing by its $INSUNITS, and a sentence where that is not metres."""
     number = int(drawing.header.get("$INSUNITS", 0))
     if number not in UNITS:
         notices.append("the drawing does not say its unit ($INSUNITS): 1 unit is taken for 1 m; --unit says another")
@@ -144,7 +144,7 @@ def _unit(drawing: Any, notices: list[str]) -> float:
 
 
 def _flattened(drawing: Any, sagitta: float, unused: Counter[str]) -> Iterator[_DrawnShape]:
-    """All shapes of the model space, those of blocks too; counts by kind and layer what is none."""
+    """Yield all shapes of the model space, those of blocks too; counts by kind and layer what is none."""
     from ezdxf import path
 
     hidden = {layer.dxf.name.casefold() for layer in drawing.layers if layer.is_off() or layer.is_frozen()}
@@ -173,7 +173,8 @@ def _flattened(drawing: Any, sagitta: float, unused: Counter[str]) -> Iterator[_
 
 
 def _unclamped(spline: Any) -> tuple[np.ndarray, bool]:
-    """Points (n, 3) of a spline whose knots are not repeated at its ends, as those of closed ones, and if it is closed.
+    """Return points (n, 3) of a spline whose knots are not repeated at its ends, as those of closed ones, and if it is
+    closed.
 
     It is defined between the knots t_p and t_n of n points and degree p; ezdxf's own chords go on outside of these.
     """
@@ -184,7 +185,8 @@ def _unclamped(spline: Any) -> tuple[np.ndarray, bool]:
 
 
 def _entities(space: Any, unused: Counter[str]) -> Iterator[Any]:
-    """The entities of a space, those of blocks in their places; what lies on layer 0 of a block is on the block's."""
+    """Yield the entities of a space, those of blocks in their places; what lies on layer 0 of a block is on the
+    block's."""
     for entity in space:
         if entity.dxftype() != "INSERT":
             yield entity
@@ -201,7 +203,7 @@ def _entities(space: Any, unused: Counter[str]) -> Iterator[Any]:
 
 
 def _in_plane(drawn: Sequence[_DrawnShape], unused: Counter[str]) -> list[Shape]:
-    """Shapes in x and elevation.
+    """Return shapes in x and elevation.
 
     The drawing is its xy plane; where its shapes stand upright in one plane instead, elevations are z.
     """
@@ -231,7 +233,8 @@ def _in_plane(drawn: Sequence[_DrawnShape], unused: Counter[str]) -> list[Shape]
 
 
 def _upright(points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Origin and direction (2,) in plan of a vertical plane in which all points (n, 3) lie; None if there is none."""
+    """Return the origin and direction (2,) in plan of a vertical plane in which all points (n, 3) lie; None if there is
+    none."""
     if np.ptp(points[:, 2]) <= JOINED:
         return None
     plan = points[:, :2]
@@ -246,7 +249,8 @@ def _upright(points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 def _once(shapes: Sequence[Shape], unused: Counter[str]) -> list[Shape]:
-    """Shapes without lines that lie on one of their layer: such a pair would meet at both ends and make an outline."""
+    """Return shapes without lines that lie on one of their layer: such a pair would meet at both ends and make an
+    outline."""
     seen: set[tuple[str, bytes]] = set()
     joined = []
     for shape in shapes:
@@ -260,7 +264,7 @@ def _once(shapes: Sequence[Shape], unused: Counter[str]) -> list[Shape]:
 
 
 def _joined(shapes: Sequence[Shape]) -> list[Shape]:
-    """Shapes of one layer, where two open shapes that meet end to end become one."""
+    """Return the shapes of one layer, where two open shapes that meet end to end become one."""
     done = [shape for shape in shapes if shape.closed]
     waiting = [shape for shape in shapes if not shape.closed]
     while waiting:
@@ -279,15 +283,15 @@ def _joined(shapes: Sequence[Shape]) -> list[Shape]:
 
 
 def _end_to_end(chain: np.ndarray, next_chain: np.ndarray) -> np.ndarray:
-    """Two lines (n, 2) that meet as one."""
+    """Return two lines (n, 2) that meet as one."""
     ways = [(a, b) for a in (chain, chain[::-1]) for b in (next_chain, next_chain[::-1])]
     first, second = min(ways, key=lambda way: float(np.hypot(*(way[0][-1] - way[1][0]))))
     return np.vstack([first, second[1:]])
 
 
 def _without_holes(shapes: Sequence[Shape], notices: list[str]) -> list[Shape]:
-    """Shapes without the outlines of holes in hatches: the ground there is that of other shapes drawn in it, or that of
-    the hatch.
+    """Return shapes without the outlines of holes in hatches: the ground there is that of other shapes drawn in it, or
+    that of the hatch.
     """
     filled = [shape for shape in shapes if shape.kind in FILLED]
     holes = [
@@ -304,7 +308,8 @@ def _without_holes(shapes: Sequence[Shape], notices: list[str]) -> list[Shape]:
 
 
 def _lies_in(point: np.ndarray, outline: np.ndarray) -> bool:
-    """Whether a point (2,) lies in an outline (n, 2) by the edges above it; no corner of an outline lies in itself."""
+    """Return whether a point (2,) lies in an outline (n, 2) by the edges above it; no corner of an outline lies in
+    itself."""
     start, end = outline, np.roll(outline, -1, axis=0)
     if np.any(np.all(np.abs(outline - point) <= JOINED, axis=1)):
         return False
@@ -314,6 +319,6 @@ def _lies_in(point: np.ndarray, outline: np.ndarray) -> bool:
 
 
 def _across(points: np.ndarray) -> bool:
-    """Whether a line goes from the left to the right, or back, without turning; steps may be vertical."""
+    """Return whether a line goes from the left to the right, or back, without turning; steps may be vertical."""
     runs = [b - a for a, b in pairwise(points[:, 0])]
     return all(run >= -JOINED for run in runs) or all(run <= JOINED for run in runs)

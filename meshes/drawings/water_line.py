@@ -74,5 +74,5 @@ def is_water(line: Shape) -> bool:
 
 
 def _level(points: np.ndarray, x: float) -> float:
-    """Elevation (m) of a line at x, level beyond its ends."""
+    """Return the elevation (m) of a line at x, level beyond its ends."""
     return float(np.interp(x, points[:, 0], points[:, 1]))

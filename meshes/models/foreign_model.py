@@ -27,7 +27,7 @@ LARGEST = 200e6  # bytes of the documents of a model
 
 
 class YieldStress(NamedTuple):
-    """A preconsolidation stress (Pa) at a point (m)."""
+    """Holds a preconsolidation stress (Pa) at a point (m)."""
 
     x: float
     z: float
@@ -35,7 +35,7 @@ class YieldStress(NamedTuple):
 
 
 class ForeignLayer(NamedTuple):
-    """A layer of a model of another program.
+    """Holds a layer of a model of another program.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class ForeignLayer(NamedTuple):
 
 @dataclass(frozen=True)
 class ForeignModel:
-    """A model of another program.
+    """Holds a model of another program.
 
     Attributes
     ----------
@@ -183,8 +183,8 @@ def layer_names(layers: Sequence[ForeignLayer]) -> list[str]:
 def _parted(
     ground: np.ndarray, bottoms: Sequence[np.ndarray], layers: Sequence[ForeignLayer], water: Mapping[str, Any]
 ) -> list[tuple[int, np.ndarray, bool]]:
-    """The number of the layer, the bottom (n, 2) and whether it is below water, of every stratum from the top down:
-    layers that are other soils below water are two where its table crosses them."""
+    """Return the number of the layer, the bottom (n, 2) and whether it is below water, of every stratum from the top
+    down: layers that are other soils below water are two where its table crosses them."""
     if not water:
         return [(k, bottom, False) for k, bottom in enumerate(bottoms)]
     lines = [Line(elevation=_points(bottom)) for bottom in bottoms]

@@ -61,7 +61,7 @@ def read_gsz(path: Path, name: str, analysis: str | None = None) -> ImportedSect
 
 
 def _document(path: Path) -> Element:
-    """The document at the top of the zip; one with entities of its own is refused."""
+    """Return the document at the top of the zip; one with entities of its own is refused."""
     with zipfile.ZipFile(path) as archive:
         inside = [file for file in archive.infolist() if "/" not in file.filename and file.filename.endswith(".xml")]
         if not inside:
@@ -123,7 +123,7 @@ def _model(root: Element, path: Path, wanted: str | None) -> ForeignModel:
 
 
 def _of_analysis(root: Element, items: str, number: str) -> Element:
-    """The one of the ``items`` that belongs to an analysis; raises LookupError if none does."""
+    """Return the one of the ``items`` that belongs to an analysis; raise LookupError if none does."""
     analysis = next((node for node in root.iterfind(items) if _text(node, "AnalysisID") == number), None)
     if analysis is None:
         raise LookupError(f"no {items.rsplit('/', 1)[-1]} of analysis {number}")
@@ -133,7 +133,8 @@ def _of_analysis(root: Element, items: str, number: str) -> Element:
 def _regions(
     root: Element, geometry: Element, number: str, units: GeoStudioUnits, notices: list[str]
 ) -> Iterator[tuple[str, np.ndarray]]:
-    """The number of the material and the outline (n, 2) in m of every region that has a material; others are told."""
+    """Yield the number of the material and the outline (n, 2) in m of every region that has a material; others are
+    told."""
     points = {node.get("ID"): _place(node, units) for node in geometry.iterfind("./Points/Point") if node.get("X")}
     context = _of_analysis(root, "./Contexts/Context", number)
     pairs = context.iterfind("./GeometryUsesMaterials/GeometryUsesMaterial")
@@ -146,7 +147,7 @@ def _regions(
 
 
 def _strength(material: Element, units: GeoStudioUnits, notices: list[str]) -> dict[str, Any]:
-    """Strength of a material as keys of a stratum."""
+    """Return the strength of a material as keys of a stratum."""
     model, name = _text(material, "SlopeModel"), _text(material, "Name")
     cohesion, friction = (_number(material, f"StressStrain/{key}") for key in ("CohesionPrime", "PhiPrime"))
     if model == "Bedrock":
@@ -164,7 +165,7 @@ def _strength(material: Element, units: GeoStudioUnits, notices: list[str]) -> d
 
 
 def _not_taken(entry: Element, water: Element | None) -> Iterator[str]:
-    """One sentence for each kind of thing that a section has not."""
+    """Yield one sentence for each kind of thing that a section has not."""
     for what, items in (
         ("surcharges", "./Surcharges/Surcharge"),
         ("line loads", "./LineLoadPoints/LineLoadPoint"),
@@ -187,7 +188,7 @@ def _place(point: Element, units: GeoStudioUnits) -> tuple[float, float]:
 
 
 def _text(node: Element, tag: str) -> str:
-    """The text of a child; nothing if it is missing, or marked so."""
+    """Return the text of a child; nothing if it is missing, or marked so."""
     child = node.find(tag)
     return "" if child is None or child.get("Missing") == "true" else (child.text or "").strip()
 

@@ -50,7 +50,7 @@ def read_stix(path: Path, name: str, scenario: str | None = None) -> ImportedSec
 
 
 def _read(path: Path) -> list[tuple[str, Json]]:
-    """The JSON files in it by their folders, in the order of their names."""
+    """Return the JSON files in it by their folders, in the order of their names."""
     with zipfile.ZipFile(path) as archive:
         entries = [
             item for item in archive.infolist() if item.filename.endswith(".json") and "result" not in item.filename
@@ -135,13 +135,13 @@ def _kPa(value: float) -> str:
 
 
 def _table(water: Json) -> np.ndarray | None:
-    """The phreatic line (n, 2) in m, if there is one."""
+    """Return the phreatic line (n, 2) in m, if there is one."""
     line = next((line for line in water["HeadLines"] if line["Id"] == water["PhreaticLineId"]), None)
     return None if line is None else line_of(_pairs(line["Points"]))
 
 
 def _middle(points: np.ndarray) -> np.ndarray:
-    """A point in the middle of a layer: half-way between its edges at the x in the middle of its corners."""
+    """Return a point in the middle of a layer: half-way between its edges at the x in the middle of its corners."""
     x = float(0.5 * (points[:, 0].min() + points[:, 0].max())) + 1e-6
     start, end = points, np.roll(points, -1, axis=0)
     cut = (start[:, 0] < x) != (end[:, 0] < x)
@@ -151,7 +151,7 @@ def _middle(points: np.ndarray) -> np.ndarray:
 
 
 def _strength(soil: Json, model: str, notices: list[str]) -> dict[str, Any]:
-    """A strength model of a soil as keys of a stratum; what is not taken is added to ``notices``."""
+    """Return a strength model of a soil as keys of a stratum; what is not taken is added to ``notices``."""
     keys: dict[str, Any] = {}
     if f"{model}".startswith("MohrCoulomb"):
         parameters = soil[f"{model}ShearStrengthModel"]
@@ -170,8 +170,8 @@ def _strength(soil: Json, model: str, notices: list[str]) -> dict[str, Any]:
 
 
 def _head(water: Json, points: np.ndarray, table: np.ndarray | None) -> tuple[dict[str, Any], list[str]]:
-    """The piezometric level of a layer where it is not the phreatic line: that of the reference line above it, or else
-    of the one below."""
+    """Return the piezometric level of a layer where it is not the phreatic line: that of the reference line above it,
+    or else of the one below."""
     x, z = _middle(points)
     heads = {line["Id"]: line_of(_pairs(line["Points"])) for line in water["HeadLines"]}
     lines = [(float(np.interp(x, *line_of(_pairs(line["Points"])).T)), line) for line in water["ReferenceLines"]]
@@ -194,7 +194,7 @@ def _head(water: Json, points: np.ndarray, table: np.ndarray | None) -> tuple[di
 def _latest_state(
     states: Sequence[tuple[str, Json, Sequence[Json]]], points: np.ndarray, soil: str, notices: list[str]
 ) -> dict[str, Any]:
-    """The preconsolidation of a layer in the last stage that tells it, of stages with the last one first.
+    """Return the preconsolidation of a layer in the last stage that tells it, of stages with the last one first.
 
     D-Stability keeps the yield stress of a stage in later stages; a layer is identified by the place of its middle.
     """
@@ -212,7 +212,7 @@ def _latest_state(
 
 
 def _holds(outline: np.ndarray, point: np.ndarray) -> bool:
-    """Whether a point is inside an outline (n, 2): lines to its left are crossed an odd number of times."""
+    """Return whether a point is inside an outline (n, 2): lines to its left are crossed an odd number of times."""
     start, end = outline, np.roll(outline, -1, axis=0)
     cut = (start[:, 1] < point[1]) != (end[:, 1] < point[1])
     share = (point[1] - start[cut, 1]) / (end[cut, 1] - start[cut, 1])
@@ -220,7 +220,8 @@ def _holds(outline: np.ndarray, point: np.ndarray) -> bool:
 
 
 def _state(states: Json, layer: str, points: np.ndarray, soil: str, notices: list[str]) -> dict[str, Any]:
-    """The preconsolidation of a layer: of a state point in it, or of a state line along its edge; others are told."""
+    """Return the preconsolidation of a layer: of a state point in it, or of a state line along its edge; others are
+    told."""
     more = f'not taken: preconsolidation that changes within "{soil}"; it has that of one point'
     if inside := [point for point in states["StatePoints"] if point["LayerId"] == layer]:
         notices += [more] if len(inside) > 1 else []
@@ -239,7 +240,7 @@ def _state(states: Json, layer: str, points: np.ndarray, soil: str, notices: lis
 
 
 def _lies_along(line: np.ndarray, points: np.ndarray) -> bool:
-    """Whether most corners of a line are corners of a layer."""
+    """Return whether most corners of a line are corners of a layer."""
     near = np.hypot(*(line[:, None] - points[None]).transpose(2, 0, 1)).min(axis=1) < ON_LINE
     return bool(near.mean() > 0.5)
 
@@ -256,7 +257,8 @@ def _preconsolidation(state: Json) -> dict[str, Any]:
 
 
 def _consolidated(load: Json, layers: Collection[str], notices: list[str]) -> float:
-    """The share of a load under which these layers have consolidated, the least where they differ; 0 without any."""
+    """Return the share of a load under which these layers have consolidated, the least where they differ; 0 without
+    any."""
     degrees = [float(pair["Degree"]) for pair in load["Consolidations"] if pair["LayerId"] in layers]
     if len(set(degrees)) > 1:
         notices.append(
@@ -266,7 +268,7 @@ def _consolidated(load: Json, layers: Collection[str], notices: list[str]) -> fl
 
 
 def _not_taken(loads: Json, reinforcements: Json) -> Iterator[str]:
-    """One sentence for each kind of thing that a section has not."""
+    """Yield one sentence for each kind of thing that a section has not."""
     for what, items in (("line loads", loads["LineLoads"]), ("trees", loads["Trees"])):
         if items:
             yield f"not taken: {what}, {len(items)}"

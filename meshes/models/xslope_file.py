@@ -69,7 +69,7 @@ def read_xslope(path: Path, name: str, part: str | None = None) -> ImportedSecti
 
 
 def _whole(rows: Rows) -> Rows:
-    """Rows of equal length."""
+    """Return the rows of equal length."""
     width = max((len(row) for row in rows), default=0)
     return [row + (None,) * (width - len(row)) for row in rows]
 
@@ -97,7 +97,7 @@ def _model(sheets: dict[str, Rows]) -> ForeignModel:
 
 
 def _cell_after(rows: Rows, words: str) -> float:
-    """The number in the cell to the right of one with ``words``; raises LookupError without."""
+    """Return the number in the cell to the right of one with ``words``; raise LookupError without."""
     for row in rows:
         for cell, value in pairwise(row):
             if isinstance(cell, str) and words in cell.lower():
@@ -106,7 +106,8 @@ def _cell_after(rows: Rows, words: str) -> float:
 
 
 def _tables(rows: Rows, title: str, *heads: str) -> Iterator[Points]:
-    """The numbers below every row of ``heads`` with a ``title`` above it, a list of tuples each; none without any."""
+    """Yield the numbers below every row of ``heads`` with a ``title`` above it, a list of tuples each; none without
+    any."""
     for i, j in ((i, j) for i, row in enumerate(rows[1:], start=1) for j in range(len(row) - len(heads) + 1)):
         here = tuple(str(cell or "").strip().lower() for cell in rows[i][j : j + len(heads)])
         if here != heads or title not in str(rows[i - 1][j] or "").lower():
@@ -122,7 +123,7 @@ def _tables(rows: Rows, title: str, *heads: str) -> Iterator[Points]:
 
 
 def _materials(rows: Rows) -> list[dict[str, Any]]:
-    """The materials by the heads of their columns."""
+    """Return the materials by the heads of their columns."""
     top = next(i for i, row in enumerate(rows) if "option" in row)
     heads = [str(cell or "").strip() for cell in rows[top]]
     filled = [row for row in rows[top + 1 :] if isinstance(row[0], int | float) and row[heads.index("g")] is not None]
@@ -130,7 +131,7 @@ def _materials(rows: Rows) -> list[dict[str, Any]]:
 
 
 def _soil(row: dict[str, Any], units: XslopeUnits, water: bool, notices: list[str]) -> dict[str, Any]:
-    """The keys of a stratum; what a material has that they have not is told."""
+    """Return the keys of a stratum; what a material has that they have not is told."""
     name, option = row.get("name"), str(row.get("option") or "").strip().lower()
     if option not in OPTIONS:
         raise ValueError(f'material "{name}" has the strength option "{option}", of {", ".join(OPTIONS)}')
@@ -156,7 +157,8 @@ def _soil(row: dict[str, Any], units: XslopeUnits, water: bool, notices: list[st
 
 
 def _outlines(lines: Sequence[np.ndarray], k: int, base: float) -> Iterator[np.ndarray]:
-    """The outlines (n, 2) in m of the ground below profile line k: down to the next line below it, or to the base."""
+    """Yield the outlines (n, 2) in m of the ground below profile line k: down to the next line below it, or to the
+    base."""
     line = lines[k]
     near = NEAR * (max(each[-1, 0] for each in lines) - min(each[0, 0] for each in lines))
     tops: Points = []
@@ -189,13 +191,13 @@ def _inside(start: float, end: float) -> np.ndarray:
 
 
 def _to_ends(values: np.ndarray) -> np.ndarray:
-    """Values (2,) of a straight line at the ends of an interval, from those at `_inside`."""
+    """Return values (2,) of a straight line at the ends of an interval, from those at `_inside`."""
     rise = INSIDE * (values[1] - values[0]) / (1.0 - 2.0 * INSIDE)
     return values + rise * np.array([-1.0, 1.0])
 
 
 def _breaks(lines: Sequence[np.ndarray], k: int) -> np.ndarray:
-    """The x (n,) in m of profile line k between which no line has a corner or crosses another."""
+    """Return the x (n,) in m of profile line k between which no line has a corner or crosses another."""
     left, right = lines[k][[0, -1], 0]
     x = np.unique(np.concatenate([line[:, 0] for line in lines]).clip(left, right))
     crossings = []
@@ -211,7 +213,8 @@ def _breaks(lines: Sequence[np.ndarray], k: int) -> np.ndarray:
 def _loads(
     rows: Rows, units: XslopeUnits, tables: Sequence[np.ndarray], notices: list[str]
 ) -> Iterator[dict[str, Any]]:
-    """Distributed loads as surcharges; those of free water are the water's, and those after drawdown are told."""
+    """Yield the distributed loads as surcharges; those of free water are the water's, and those after drawdown are
+    told."""
     for title, taken in (("a", True), ("b", False)):
         for points in _tables_of_loads(rows, title):
             x, z, normal = points.T * np.array([units.length, units.length, units.stress])[:, None]
@@ -228,7 +231,7 @@ def _loads(
 
 
 def _tables_of_loads(rows: Rows, case: str) -> Iterator[np.ndarray]:
-    """Loads (n, 3) of set "a", in use, or "b", after drawdown: x, y and normal stress."""
+    """Yield loads (n, 3) of set "a", in use, or "b", after drawdown: x, y and normal stress."""
     titles = [str(cell or "").strip().lower() for row in rows for cell in row]
     for title in titles:
         if title.startswith("distributed load #") and title.endswith(case):

@@ -87,13 +87,13 @@ class CohesionField:
 
     @cached_property
     def _verticals(self) -> tuple[np.ndarray, np.ndarray]:
-        """x (m) of vertical lines over the section, and the elevations (n, k + 1) of its interfaces on them."""
+        """Return x (m) of vertical lines over the section, and the elevations (n, k + 1) of its interfaces on them."""
         layers = self.water.layers
         x = middles(layers.x[0], layers.x[-1], COLUMNS)
         return x, layers.interfaces(x)
 
     def _columns(self, stratum: int) -> tuple[np.ndarray, np.ndarray]:
-        """Thickness (m) and middle (n, 2) of a stratum on the vertical lines that cross it."""
+        """Return the thickness (m) and middle (n, 2) of a stratum on the vertical lines that cross it."""
         x, levels = self._verticals
         top, bottom = levels[:, stratum : stratum + 2].T
         there = top > bottom
@@ -106,7 +106,7 @@ class CohesionField:
         return varying + [(k, words) for k, _ in varying if (words := self._without_strength(k))]
 
     def _without_strength(self, stratum: int) -> str:
-        """Words on a ground without friction whose strength goes to zero at its top; empty if it has some."""
+        """Return words on a ground without friction whose strength goes to zero at its top; empty if it has some."""
         soil, layers = self.water.strata[stratum], self.water.layers
         if not soil.strength_ratio or soil.friction_angle > 0.0 or soil.pre_overburden_pressure is not None:
             return ""
@@ -144,7 +144,8 @@ class CohesionField:
         return at[(at > ends[0]) & (at < ends[-1])]
 
     def _passes(self, line: np.ndarray) -> np.ndarray:
-        """The x (n,) in m where a line above which nothing counts goes through the ground, a layer or the water."""
+        """Return the x (n,) in m where a line above which nothing counts goes through the ground, a layer or the
+        water."""
         layers, table = self.water.layers, self.water.after
         x = np.unique(np.concatenate([layers.x, line[:, 0], *([] if table is None else [table[:, 0]])]))
         x = x[(x >= layers.x[0]) & (x <= layers.x[-1])]
@@ -225,7 +226,8 @@ class CohesionField:
         stratum: np.ndarray,
         pressure: np.ndarray | None = None,
     ) -> np.ndarray:
-        """What a ``law`` of a soil, depths (m) below its line and stresses (Pa) says at points (n, 2)."""
+        """Return the values (n,) of a ``law`` at points (n, 2); the law takes the soil, depths (m) below its line and
+        stresses (Pa)."""
         cohesion = np.empty(len(points))
         for k in np.unique(stratum):
             here, soil = stratum == k, self.water.strata[k]
@@ -243,12 +245,13 @@ class CohesionField:
 
 
 def _grown(soil: Stratum, depth: np.ndarray, stress: np.ndarray) -> np.ndarray:
-    """The cohesion (Pa) at depths (m) below its line and vertical effective stresses (Pa), without its least value."""
+    """Return the cohesion (Pa) at depths (m) below its line and vertical effective stresses (Pa), without its least
+    value."""
     return soil.cohesion + soil.cohesion_increase * np.maximum(depth, 0.0) + _shansep(soil, stress)
 
 
 def _shansep(soil: Stratum, stress: np.ndarray) -> np.ndarray:
-    """S σ'v OCR^m (Pa) at vertical effective stresses (Pa)."""
+    """Return S σ'v OCR^m (Pa) at vertical effective stresses (Pa)."""
     ratio, power = soil.strength_ratio or 0.0, soil.exponent
     if soil.pre_overburden_pressure is None:
         return np.asarray(ratio * (soil.ocr or 1.0) ** power * stress)
@@ -256,7 +259,8 @@ def _shansep(soil: Stratum, stress: np.ndarray) -> np.ndarray:
 
 
 def _tangent(soil: Stratum, stress: np.ndarray) -> np.ndarray:
-    """The tangent (m, 3) of S σ'v OCR^m at the mean of the stresses (m, 3) of each triangle, at its corners (Pa)."""
+    """Return the tangent (m, 3) of S σ'v OCR^m at the mean of the stresses (m, 3) of each triangle, at its corners
+    (Pa)."""
     mean = stress.mean(axis=1, keepdims=True)
     value, past = _shansep(soil, mean), soil.pre_overburden_pressure
     if past is None or not soil.strength_ratio:

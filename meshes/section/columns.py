@@ -148,7 +148,7 @@ def polygon_area(points: np.ndarray) -> float:
 
 
 def _breakpoints(outlines: Sequence[np.ndarray]) -> np.ndarray:
-    """x (m) of all corners, and of where edges cross, those within SNAP of each other once."""
+    """Return x (m) of all corners, and of where edges cross, those within SNAP of each other once."""
     starts = np.vstack(outlines)
     ends = np.vstack([np.roll(points, -1, axis=0) for points in outlines])
     swap = starts[:, 0] > ends[:, 0]
@@ -159,7 +159,7 @@ def _breakpoints(outlines: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def _crossings(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """x (m) where edges, from left (n, 2) to right (n, 2), cross by more than SNAP."""
+    """Return x (m) where edges, from left (n, 2) to right (n, 2), cross by more than SNAP."""
     order = np.argsort(left[:, 0])
     left, right = left[order], right[order]
     slope = (right[:, 1] - left[:, 1]) / (right[:, 0] - left[:, 0])
@@ -177,7 +177,8 @@ def _crossings(left: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class _Edges:
-    """Edges of all outlines: whose they are, and the breakpoints, by number, and elevations (m) of their ends."""
+    """Holds the edges of all outlines: whose they are, and the breakpoints, by number, and elevations (m) of their
+    ends."""
 
     outline: np.ndarray
     first: np.ndarray
@@ -200,7 +201,8 @@ def _edges(outlines: Sequence[np.ndarray], x: np.ndarray) -> _Edges:
 
 @dataclass(frozen=True)
 class _Cell:
-    """What lies between two edges of a column: whose it is, -1 if nobody's; (left, right) of top and bottom (m)."""
+    """Holds what lies between two edges of a column: whose it is, -1 if nobody's; (left, right) of top and bottom
+    (m)."""
 
     owner: int
     top: np.ndarray
@@ -208,7 +210,7 @@ class _Cell:
 
 
 def _cells(edges: _Edges, x: np.ndarray, column: int, rank: Sequence[float], tally: Tally) -> list[_Cell]:
-    """The cells of a column, from the top down."""
+    """Return the cells of a column, from the top down."""
     here = np.flatnonzero((edges.first <= column) & (edges.last > column))
     start, end = x[edges.first[here]], x[edges.last[here]]
     share = (x[[column, column + 1]][:, None] - start) / (end - start)
@@ -231,7 +233,7 @@ def _cells(edges: _Edges, x: np.ndarray, column: int, rank: Sequence[float], tal
 
 
 def _pieces(cells: Sequence[_Cell], tally: Tally, column: int) -> list[Piece]:
-    """The cells of a column as pieces of layers: neighbours of one name are one, gaps go to what is below."""
+    """Return the cells of a column as pieces of layers: neighbours of one name are one, gaps go to what is below."""
     pieces: list[Piece] = []
     gap: _Cell | None = None
     for cell in cells:

@@ -140,8 +140,9 @@ def divided_by_water(layers: Layering, k: int, water: np.ndarray) -> DividedStra
 
 
 def _reach(gap: np.ndarray, x: np.ndarray, tolerance: float) -> np.ndarray:
-    """The gap (m) between two lines, at both ends of intervals, up to which they meet there: where they are as far
-    apart as what makes two points one, or pass through each other as near as that to either side of a breakpoint."""
+    """Return the gap (m) between two lines, at both ends of intervals, up to which they meet there: where they are as
+    far apart as what makes two points one, or pass through each other as near as that to either side of a breakpoint.
+    """
     reach = tolerance * np.maximum(1.0, np.abs(gap[:, 1] - gap[:, 0]) / np.diff(x))
     ends = np.concatenate([reach[:1], np.maximum(reach[1:], reach[:-1]), reach[-1:]])
     return np.column_stack([ends[:-1], ends[1:]])
@@ -168,7 +169,8 @@ def without_pockets(parts: DividedStratum, cell: float) -> DividedStratum:
 
 
 def _runs(thick: np.ndarray) -> list[tuple[int, int]]:
-    """First interval, and that after the last, of every run of intervals (n, 2) with a thickness that hang together."""
+    """Return the first interval, and that after the last, of every run of intervals (n, 2) with a thickness that hang
+    together."""
     runs: list[tuple[int, int]] = []
     for i in np.flatnonzero(thick.max(axis=1) > 0.0):
         joined = runs and runs[-1][1] == i and min(thick[i - 1, 1], thick[i, 0]) > 0.0
@@ -177,7 +179,8 @@ def _runs(thick: np.ndarray) -> list[tuple[int, int]]:
 
 
 def _at_ends(layers: Layering, k: int, water: np.ndarray, x: np.ndarray) -> list[np.ndarray]:
-    """Top and bottom of stratum k and the water level, each (intervals, 2), at both ends of the intervals."""
+    """Return the top and bottom of stratum k and the water level, each (intervals, 2), at both ends of the
+    intervals."""
     middle = 0.5 * (x[1:] + x[:-1])
     sides = [layers.interfaces(end, near=middle)[:, k : k + 2] for end in (x[:-1], x[1:])]
     before, after = limits(water, x)
@@ -236,7 +239,7 @@ def cut_strata(
 
 
 def _cell(layers: Layering) -> float:
-    """The size (m) of cells by default."""
+    """Return the size (m) of cells by default."""
     return CELL * float(layers.areas().sum() / (layers.x[-1] - layers.x[0]))
 
 

@@ -131,7 +131,8 @@ def mean_height(surface: Points, base: Line) -> float:
 
 
 def _reach(x: np.ndarray, hard: np.ndarray, half: float) -> np.ndarray:
-    """How many neighbours (n,) on either side lie within half a window (m), with none that is hard between or there."""
+    """Return how many neighbours (n,) on either side lie within half a window (m), with none that is hard between or
+    there."""
     number = np.arange(len(x))
     ends = np.flatnonzero(hard)
     before = ends[np.searchsorted(ends, number, side="right") - 1]
@@ -142,7 +143,8 @@ def _reach(x: np.ndarray, hard: np.ndarray, half: float) -> np.ndarray:
 
 
 def _median(values: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Running median of values (n,) over as many of them on either side: a rising or falling line stays what it is."""
+    """Return the running median of values (n,) over as many of them on either side: a rising or falling line stays what
+    it is."""
     medians = values.copy()
     for i in np.flatnonzero(reach > 0):
         medians[i] = np.median(values[i - reach[i] : i + reach[i] + 1])
@@ -150,7 +152,7 @@ def _median(values: np.ndarray, reach: np.ndarray) -> np.ndarray:
 
 
 def _sides(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values of a line just left and just right of each x; not a number if it is not."""
+    """Return the values of a line just left and just right of each x; not a number if it is not."""
     left, right = limits(points, x)
     start, end = points[0, 0], points[-1, 0]
     return np.where((x <= start) | (x > end), np.nan, left), np.where((x < start) | (x >= end), np.nan, right)
@@ -236,7 +238,7 @@ def with_walls_upright(
 
 
 def _between(x: np.ndarray, left: np.ndarray, right: np.ndarray, three: list[int], tolerance: float) -> bool:
-    """Whether all lines of values left and right of each x run straight past the middle one of three places."""
+    """Return whether all lines of values left and right of each x run straight past the middle one of three places."""
     first, middle, last = three
     share = (x[middle] - x[first]) / (x[last] - x[first])
     straight = (1.0 - share) * right[:, first] + share * left[:, last]
@@ -245,7 +247,7 @@ def _between(x: np.ndarray, left: np.ndarray, right: np.ndarray, three: list[int
 
 
 def _rebuilt(x: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """A line (n, 2) from its elevations left and right of each x, which are NaN beyond its ends."""
+    """Return a line (n, 2) from its elevations left and right of each x, which are NaN beyond its ends."""
     there = np.flatnonzero(np.isfinite(left) | np.isfinite(right))
     x, left, right = x[there], left[there], right[there]
     left[0], right[-1] = right[0], left[-1]

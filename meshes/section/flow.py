@@ -78,7 +78,7 @@ def _shores(layers: Layering, table: np.ndarray) -> list[float]:
 
 
 def _known_heads(grid: FlowGrid, still: WaterPressure, table: np.ndarray, tolerance: float) -> np.ndarray:
-    """Heads (n,) of the points below free water and, at the sides, below the table; elsewhere not numbers."""
+    """Return heads (n,) of the points below free water and, at the sides, below the table; elsewhere not numbers."""
     heads = np.full(len(grid.points), np.nan)
     places = np.unique(np.concatenate([grid.ground, *grid.sides]))
     points, middle = grid.points[places], grid.points[grid.cells].mean(axis=1)
@@ -92,7 +92,7 @@ def _known_heads(grid: FlowGrid, still: WaterPressure, table: np.ndarray, tolera
 
 
 def _without_islands(grid: FlowGrid, heads: np.ndarray) -> np.ndarray:
-    """The heads that are given, and in ground that no water reaches that of its lowest point: it is dry."""
+    """Return the heads that are given, and in ground that no water reaches that of its lowest point: it is dry."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

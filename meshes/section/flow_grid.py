@@ -20,7 +20,7 @@ CLOSE = 0.2
 
 
 class Wall(NamedTuple):
-    """A vertical line at ``x`` that no water crosses, from the ground down to the elevation ``bottom`` (m)."""
+    """Holds a vertical line at ``x`` that no water crosses, from the ground down to the elevation ``bottom`` (m)."""
 
     x: float
     bottom: float
@@ -169,7 +169,8 @@ def _lines(layers: Layering, size: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _heights(ends: np.ndarray, line: int, size: float, levels: list[float], tolerance: float) -> np.ndarray:
-    """Elevations (m) of the points of a line, rising: where interfaces of either side are, then not farther apart."""
+    """Return elevations (m) of the points of a line, rising: where interfaces of either side are, then not farther
+    apart."""
     sides = ([ends[line - 1, 1]] if line else []) + ([ends[line, 0]] if line < len(ends) else [])
     fixed = np.unique(np.concatenate(sides))
     for at in levels:
@@ -187,7 +188,7 @@ def _heights(ends: np.ndarray, line: int, size: float, levels: list[float], tole
 def _numbered(
     x: np.ndarray, z: list[np.ndarray], walls: Sequence[Wall], tolerance: float
 ) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
-    """Points (n, 2) of all lines, and their numbers as the strip to the left and that to the right of a line has
+    """Return points (n, 2) of all lines, and their numbers as the strip to the left and that to the right of a line has
     them: others above the foot of a wall, and all of them where it reaches the base."""
     points, to_left, to_right, count = [], [], [], 0
     for at, heights in zip(x, z, strict=True):
@@ -210,8 +211,8 @@ def _numbered(
 def _zipped(
     chains: list[list[int]], points: np.ndarray
 ) -> list[tuple[tuple[int, int, int], tuple[tuple[int, int], tuple[int, int]]]]:
-    """Triangles between two chains of points that rise side by side, counter-clockwise, each with the pair of points
-    below and that above it."""
+    """Return triangles between two chains of points that rise side by side, counter-clockwise, each with the pair of
+    points below and that above it."""
     left, right = chains
     i = j = 0
     triangles = []
@@ -235,7 +236,8 @@ def _zipped(
 def _on_ground(
     ends: np.ndarray, z: list[np.ndarray], to_left: list[np.ndarray], to_right: list[np.ndarray]
 ) -> list[int]:
-    """Grid points on the ground surface: tops of the strips, and points on a vertical step of the surface."""
+    """Return the grid points on the ground surface: tops of the strips, and points on a vertical step of the
+    surface."""
     points: list[int] = []
     for line, heights in enumerate(z):
         tops = ([ends[line - 1, 1, 0]] if line else []) + ([ends[line, 0, 0]] if line < len(ends) else [])

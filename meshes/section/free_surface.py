@@ -62,7 +62,7 @@ class FreeSurfaceFlow:
 
 @dataclass(frozen=True, eq=False)
 class _Falls:
-    """Edges (e,) along which water falls: upper and lower points, and area (m) and permeability of the fall."""
+    """Holds edges (e,) along which water falls: upper and lower points, and area (m) and permeability of the fall."""
 
     upper: np.ndarray
     lower: np.ndarray
@@ -147,7 +147,7 @@ def free_surface_flow(
 
 
 def _discretised(grid: FlowGrid, permeability: np.ndarray) -> tuple[csr_array, _Falls]:
-    """Conductances (n, n) without any below 0 between two points, and the edges along which water falls."""
+    """Return conductances (n, n) without any below 0 between two points, and the edges along which water falls."""
     size, cells, z = len(grid.points), grid.cells, grid.points[:, 1]
     blocks = element_conductances(grid, permeability)
     places = (np.repeat(cells, 3, axis=1).ravel(), np.tile(cells, 3).ravel())

@@ -113,7 +113,7 @@ class Layering:
         return along + float((top - base).sum() - 2.0 * np.maximum(common, 0.0).sum())
 
     def _joined(self, i: int, stratum: int) -> bool:
-        """Whether the stratum's parts left and right of breakpoint i share more than a point."""
+        """Return whether the stratum's parts left and right of breakpoint i share more than a point."""
         top = min(self.right[i - 1, stratum], self.left[i, stratum])
         bottom = max(self.right[i - 1, stratum + 1], self.left[i, stratum + 1])
         return bool(top > bottom)
@@ -241,7 +241,8 @@ def above_ground(surface: np.ndarray, line: Line, what: str) -> list[str]:
 
 
 def _snapped_x(lines: list[np.ndarray], snap: float) -> list[np.ndarray]:
-    """The lines with points whose x differ by no more than ``snap`` moved onto the first of them, or onto the end."""
+    """Return the lines with points whose x differ by no more than ``snap`` moved onto the first of them, or onto the
+    end."""
     values = np.unique(np.concatenate([points[:, 0] for points in lines]))
     first = values.copy()
     start = 0
@@ -262,7 +263,7 @@ def _snapped_x(lines: list[np.ndarray], snap: float) -> list[np.ndarray]:
 
 
 def _ends(points: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Values of a polyline at both ends of every interval between the x, (intervals, 2)."""
+    """Return the values of a polyline at both ends of every interval between the x, (intervals, 2)."""
     before, after = limits(points, x)
     return np.stack([after[:-1], before[1:]], axis=1)
 
@@ -275,7 +276,7 @@ def _elevations(
     base_is_depth: bool,
     x: np.ndarray,
 ) -> tuple[np.ndarray, list[np.ndarray], np.ndarray]:
-    """Elevations of the ground, of every bottom and of the base over the intervals between the x."""
+    """Return the elevations of the ground, of every bottom and of the base over the intervals between the x."""
     ground = _ends(surface, x)
 
     def elevation(points: np.ndarray, depth: bool) -> np.ndarray:
@@ -298,7 +299,8 @@ def _crossings(x: np.ndarray, ground: np.ndarray, lines: list[np.ndarray], snap:
 
 
 def _above(line: np.ndarray, other: np.ndarray, x: np.ndarray, snap: float, what: str) -> list[str]:
-    """A sentence if ``line`` is above ``other`` anywhere by more than a shift by ``snap`` lifts it, aside or up."""
+    """Return a sentence if ``line`` is above ``other`` anywhere by more than a shift by ``snap`` lifts it, aside
+    or up."""
     excess = line - other
     steep = np.maximum(*(np.abs(values[:, 1] - values[:, 0]) for values in (line, other))) / np.diff(x)
     too_much = excess > snap * (1.0 + steep[:, None])
@@ -319,7 +321,7 @@ def _where_it_ends(excess: np.ndarray, x: np.ndarray, end: int) -> float:
 
 
 def _apart(ground: np.ndarray, floor: np.ndarray, x: np.ndarray, snap: float) -> list[str]:
-    """A sentence if the section falls apart: where a step of the ground passes the base beside it.
+    """Return a sentence if the section falls apart: where a step of the ground passes the base beside it.
 
     The base may reach the surface, as rock does; but then both sides of that place meet there.
     """
@@ -334,7 +336,8 @@ def _apart(ground: np.ndarray, floor: np.ndarray, x: np.ndarray, snap: float) ->
 
 
 def _snapping_notices(exact: np.ndarray, stack: np.ndarray, x: np.ndarray, snap: float) -> list[str]:
-    """Notices on layers (intervals, 2, interfaces) that were thinner somewhere than the smallest distance of points."""
+    """Return notices on layers (intervals, 2, interfaces) that were thinner somewhere than the smallest distance of
+    points."""
     before, after = -np.diff(exact, axis=-1), -np.diff(stack, axis=-1)
     lost = np.where((after <= 0.0) & (before > ROUNDING * (x[-1] - x[0])), before, 0.0)
     notices = []
@@ -349,7 +352,7 @@ def _snapping_notices(exact: np.ndarray, stack: np.ndarray, x: np.ndarray, snap:
 
 
 def _snapped_z(stack: np.ndarray, snap: float) -> np.ndarray:
-    """Interfaces (intervals, 2, interfaces) with elevations that differ by no more than ``snap`` made equal.
+    """Return interfaces (intervals, 2, interfaces) with elevations that differ by no more than ``snap`` made equal.
 
     Both sides of a breakpoint are treated together, so that neighbours share their points exactly.
     """

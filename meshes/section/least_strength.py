@@ -40,7 +40,7 @@ def cut_at_least_strength(section: Section) -> Section:
 
 
 def _kink(field: CohesionField, k: int) -> np.ndarray:
-    """The line (n, 2) in m below which stratum k has more than its least cohesion, from side to side.
+    """Return the line (n, 2) in m below which stratum k has more than its least cohesion, from side to side.
 
     Along a vertical the cohesion grows with depth. Where it is more than the least one throughout, or less, the line
     continues above or below the stratum, as straight as strengths are there, so that it meets its top and bottom.
@@ -68,7 +68,7 @@ def _kink(field: CohesionField, k: int) -> np.ndarray:
 def _excess(
     field: CohesionField, k: int, x: np.ndarray, z: np.ndarray, inside: np.ndarray, level: np.ndarray, least: float
 ) -> np.ndarray:
-    """What the growing cohesion (n,) in Pa of stratum k exceeds its ``least`` value by, at x, z (n,) in m; negative
-    where it is less. ``inside``, ``level`` (n,): x and z of points inside the stratum beside them (m)."""
+    """Return the growing cohesion of stratum k less its ``least`` value (n,) in Pa, at x, z (n,) in m; negative where
+    it is less. ``inside``, ``level`` (n,): x and z of points inside the stratum beside them (m)."""
     points, near = np.column_stack([x, z]), np.column_stack([inside, level])
     return field.growing(points, near, np.full(len(x), k)) - least

@@ -67,7 +67,8 @@ def _reversed_lines(data: dict[str, Any]) -> list[str]:
 
 
 def _lines(data: dict[str, Any]) -> Iterator[tuple[Place, Any, np.ndarray]]:
-    """Every list of points: its place, the table that holds it, of which ``data`` has its own copy, and its points."""
+    """Yield every list of points: its place, the table that holds it, of which ``data`` has its own copy, and its
+    points."""
     for place in _written_lines(data):
         table: Any = data
         for step in place[:-1]:
@@ -81,12 +82,13 @@ def _lines(data: dict[str, Any]) -> Iterator[tuple[Place, Any, np.ndarray]]:
 
 
 def _key(place: Place) -> str:
-    """A place in words, strata counted from 1."""
+    """Return a place in words, strata counted from 1."""
     return ", ".join(str(step + 1) if isinstance(step, int) else step for step in place)
 
 
 def _ordered(points: np.ndarray, reach: float) -> tuple[np.ndarray, float] | None:
-    """Points (n, 2) in order and the farthest move (m); None if none is needed, or one would exceed the reach."""
+    """Return points (n, 2) in order and the farthest move (m); None if none is needed, or one would exceed the
+    reach."""
     count = len(points)
     points = points[np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])]
     if len(points) < 2:
@@ -113,7 +115,8 @@ def _ordered(points: np.ndarray, reach: float) -> tuple[np.ndarray, float] | Non
 
 
 def _step(heights: np.ndarray, before: float, after: float, reach: float) -> tuple[float, float] | None:
-    """Foot and top, or top and foot, of a wall on which points stand; None if they stand for more than one."""
+    """Return the foot and top, or top and foot, of a wall on which points stand; None if they stand for more than
+    one."""
     first, last = float(heights[0]), float(heights[-1])
     if heights.min() >= min(first, last) - reach and heights.max() <= max(first, last) + reach:
         return first, last
@@ -123,7 +126,7 @@ def _step(heights: np.ndarray, before: float, after: float, reach: float) -> tup
 
 
 def _written_lines(data: Mapping[str, Any]) -> list[Place]:
-    """The places of lists of points in what a file holds."""
+    """Return the places of lists of points in what a file holds."""
     tables: list[tuple[Place, Any]] = [(("surface",), data.get("surface"))]
     tables += [((key,), data.get(key)) for key in ("base", "water_table")]
     strata = data.get("strata")

@@ -8,7 +8,7 @@ MATCH = 1.0  # what it is worth to go on with a layer; overlapping it is worth l
 
 
 class Piece(NamedTuple):
-    """A piece of a layer in one column: its name, and elevations (m) of top and bottom at the left and the right
+    """Holds a piece of a layer in one column: its name, and elevations (m) of top and bottom at the left and the right
     end."""
 
     name: str
@@ -18,7 +18,7 @@ class Piece(NamedTuple):
 
 @dataclass
 class _Stratum:
-    """A stratum in the making: its name, and where it was met last."""
+    """Holds a stratum in the making: its name, and where it was met last."""
 
     name: str
     last: Piece

@@ -70,7 +70,7 @@ def overburden(section: Section, x: float, depth: float) -> Overburden:
 
 
 def _loads(section: Section, x: float, elevation: float) -> tuple[float, float]:
-    """What surcharges add to the total and to the effective stress (Pa) at a point: see `Overburden.loads`."""
+    """Return the increments of total and effective stress (Pa) at a point by surcharges, see `Overburden.loads`."""
     total = drained = 0.0
     for load in section.surcharges:
         stands_on = float(np.interp(min(max(x, load.start), load.end), *section.ground.T))

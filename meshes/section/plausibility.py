@@ -20,8 +20,8 @@ from meshes.section.water_pressure import WaterPressure
 
 
 class Range(NamedTuple):
-    """Range of possible values of a quantity in a unit that has ``si`` in SI units; ``slips`` are factors of common
-    errors.
+    """Holds the range of possible values of a quantity in a unit that has ``si`` in SI units; ``slips`` are factors of
+    common errors.
 
     With ``or_none`` the quantity may also be 0, below its range.
     """
@@ -63,8 +63,8 @@ def sentence(key: str, value: float, limits: Range, remedy: str = UNUSUAL) -> st
 
 
 def _is_meant(written: str | float, unit: str, otherwise: float, limits: Range) -> bool:
-    """Whether a number that was written with a unit is one of the range in another; ``otherwise`` what it would be (SI)
-    where it had none, or in a unit that has no size of its own here."""
+    """Return whether a number that was written with a unit is one of the range in another; ``otherwise`` what it would
+    be (SI) where it had none, or in a unit that has no size of its own here."""
     number = NUMBER_AND_UNIT.fullmatch(written) if isinstance(written, str) else None
     return within(SIZES[unit] * float(number[1]) if number and unit in SIZES else otherwise, limits)
 
@@ -202,7 +202,7 @@ def _away_from_the_ground(layers: Layering, level: np.ndarray) -> Iterator[str]:
 
 
 def _area(parts: DividedStratum, part: int) -> float:
-    """Area (m²) above (0) or below (1) the water."""
+    """Return the area (m²) above (0) or below (1) the water."""
     return float(0.5 * np.diff(parts.x) @ parts.thickness[part].sum(axis=1))
 
 

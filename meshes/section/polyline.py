@@ -81,7 +81,7 @@ PolylineOrLevel = Annotated[Any, PlainValidator(_read_points_or_level), PlainSer
 
 
 class Line(BaseModel):
-    """A line given as ``elevation`` or as ``depth`` below the ground surface (m, positive downwards).
+    """Holds a line given as ``elevation`` or as ``depth`` below the ground surface (m, positive downwards).
 
     Either is a list of points [[x, z], ...], or one number that applies across the section.
     """

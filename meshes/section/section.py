@@ -41,7 +41,7 @@ from meshes.section.zone import Zone, with_elevations, with_materials, without_d
 
 
 class Section(Model):
-    """The section of a layered slope; x to the right and elevation upwards, in metres.
+    """Holds the section of a layered slope; x to the right and elevation upwards, in metres.
 
     Strata are listed from the top down. A stratum lies between its bottom line and the stratum above: it ends where its
     bottom line ends, where that line meets the one above, or where it reaches the ground surface.
@@ -130,7 +130,7 @@ class Section(Model):
         return ground.problems
 
     def _water_lines(self) -> dict[str, Line | None]:
-        """The lines of water that go from side to side, by their keys."""
+        """Return the lines of water that go from side to side, by their keys."""
         water = self.water or Water()
         return {
             "water_table": self.water_table, "water, table": water.table, "water, after_drawdown": water.after_drawdown
@@ -248,7 +248,7 @@ class Section(Model):
         return self._with_flow(still) if water.flow else still
 
     def _with_flow(self, still: WaterPressure) -> WaterPressure:
-        """The same water where it flows; in the strata of the file, whether or not its phreatic line has cut them."""
+        """Return the water with its seepage, computed in the strata as written in the file."""
         if self._seepage is None:
             whole = uncut_strata(self.strata)
             walls = [] if self.water is None else [Wall(wall.x, wall.bottom) for wall in self.water.cutoffs]
@@ -330,14 +330,14 @@ class Section(Model):
         return section if has_area.all() else self.with_strata(list(compress(strata, has_area)))
 
     def _derived(self, strata: Sequence[Stratum]) -> "Section":
-        """The section with other strata, without any check that is meant for what a person writes."""
+        """Return the section with other strata, without any check that is meant for what a person writes."""
         section = Section.model_construct(**{**dict(self), "strata": tuple(strata)})
         for name in ("_line_notices", "_seepage", "_zone_notices"):
             setattr(section, name, getattr(self, name))
         return section
 
     def __getstate__(self) -> dict[Any, Any]:
-        """The state for another process: the fields alone; derived quantities are computed again there."""
+        """Return the state for another process: the fields alone; derived quantities are computed again there."""
         state = super().__getstate__()
         return {**state, "__dict__": {name: getattr(self, name) for name in type(self).model_fields}}
 

@@ -136,7 +136,7 @@ class Seepage:
 
 
 def _highest(z: np.ndarray, pressure: np.ndarray, tolerance: float) -> float:
-    """Elevation below which the highest water lies, of pressure heads at elevations that rise (m)."""
+    """Return the elevation below which the highest water lies, of pressure heads at elevations that rise (m)."""
     wet = np.flatnonzero(pressure >= -1e-3 * tolerance)
     if not len(wet):
         return float(z[0])
@@ -195,8 +195,8 @@ def steady_seepage(
 
 
 def _continued(grid: FlowGrid, flow: "FreeSurfaceFlow") -> np.ndarray:
-    """Heads (n,) where ground is wet, and where it is dry those of a pressure that continues below 0 from the next
-    water on the same vertical line, so that the phreatic line lies where it becomes 0."""
+    """Return heads (n,) where ground is wet, and where it is dry those of a pressure that continues below 0 from the
+    next water on the same vertical line, so that the phreatic line lies where it becomes 0."""
     z, wet = grid.points[:, 1], flow.full
     pressure = np.where(wet, flow.pressure, -np.inf)
     for _, _, chain in grid.chains():
@@ -213,7 +213,7 @@ def _continued(grid: FlowGrid, flow: "FreeSurfaceFlow") -> np.ndarray:
 
 
 def _fall(height: np.ndarray, pressure: np.ndarray, j: int) -> float:
-    """Fall of the pressure head with height below the highest wet point ``j`` of a vertical line (-)."""
+    """Return the fall of the pressure head with height below the highest wet point ``j`` of a vertical line (-)."""
     if j == 0:
         return 1.0
     return float(np.clip((pressure[j - 1] - pressure[j]) / (height[j] - height[j - 1]), *FALL))

@@ -50,7 +50,7 @@ def sentences(error: ValidationError, data: Any, model: type[BaseModel], other_k
 
 
 def _without_choices(location: Place, data: Any) -> tuple[Place, Place]:
-    """A location as it is in the data, and that of the key in it whose value can be one of several kinds, or ().
+    """Return a location as it is in the data, and that of the key in it whose value can be one of several kinds, or ().
 
     After such a key pydantic adds the type that it tried, such as "dict[str,float]", which is no key of the data.
     """
@@ -87,7 +87,7 @@ OTHER_WORDS = {
 
 
 def _nearest(field: Place, errors: list[ErrorDetails]) -> list[ErrorDetails]:
-    """The faults of the kind of value that the writer most likely meant, out of all kinds the value can be."""
+    """Return the faults of the kind of value that the writer most likely meant, out of all kinds the value can be."""
 
     def far(error: ErrorDetails) -> int:
         inside, table = len(error["loc"]) > len(field), isinstance(error["input"], Mapping | list | tuple)
@@ -101,7 +101,7 @@ def _nearest(field: Place, errors: list[ErrorDetails]) -> list[ErrorDetails]:
 
 
 def _sentences_of(error: ErrorDetails, data: Any, model: type[BaseModel], other_keys: Sequence[str]) -> Iterable[str]:
-    """One sentence for each problem in a pydantic error: the key, the value, what was expected."""
+    """Return one sentence for each problem in a pydantic error: the key, the value, what was expected."""
     key = _key(error["loc"], data)
     if error["type"] == "missing":
         expected = _description(error["loc"], model)
@@ -136,7 +136,7 @@ def shortened(text: str) -> str:
 
 
 def _key(location: tuple[int | str, ...], data: Any) -> str:
-    """A location as a person finds it: tables by number from 1, and by name where they have one."""
+    """Return a location as a person finds it: tables by number from 1, and by name where they have one."""
     parts: list[str] = []
     for step in location:
         inside = isinstance(data, Mapping | list | tuple)

@@ -48,7 +48,7 @@ OF_COHESION = (
 
 
 class Stratum(Model):
-    """A layer of one soil, with its parameters in SI units.
+    """Holds a layer of one soil, with its parameters in SI units.
 
     Its weight is given either as ``density``, with ``density_saturated`` below water, or as the two densities of the
     paper on S-13: ``density_ordinary``, on which gravity acts, buoyant below water, and ``density_seismic``, on which
@@ -227,8 +227,8 @@ class Stratum(Model):
 
     @model_serializer(mode="wrap")
     def _as_written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """The keys of a stratum; below water, a stratum with films of moist ground has both densities of the original
-        one.
+        """Return the keys of a stratum; below water, a stratum with films of moist ground has both densities of the
+        original one.
         """
         data: dict[str, Any] = handler(self)
         if self.density in (None, self.density_ordinary):
@@ -236,7 +236,7 @@ class Stratum(Model):
         return {key: value for key, value in data.items() if key not in PAPER_DENSITIES} | {"density": self.density}
 
     def _cohesion_problems(self) -> Iterator[str]:
-        """One sentence for each problem of the keys of a cohesion that varies."""
+        """Yield one sentence for each problem of the keys of a cohesion that varies."""
         if self.cohesion_increase > 0.0 and self.cohesion_from is None:
             yield "cohesion_increase without cohesion_from: expected the elevation or the line from which it grows"
         if not self.strength_ratio:
@@ -253,7 +253,7 @@ class Stratum(Model):
             yield f"ocr_exponent = {self.exponent:g}: expected an exponent from 0 to 1"
 
     def _residual_problems(self) -> Iterator[str]:
-        """One sentence for each problem of the strength of soil that has been sheared far."""
+        """Yield one sentence for each problem of the strength of soil that has been sheared far."""
         cohesion, friction = self.residual_cohesion, self.residual_friction_angle
         if (cohesion is None) != (friction is None):
             yield "residual_cohesion and residual_friction_angle: expected both of them, or none"

@@ -12,7 +12,7 @@ Kind = Literal["levee", "quay", "bank", "building", "other"]
 
 
 class Structure(Model):
-    """A structure, or ground that carries one, between two places of the section."""
+    """Holds a structure, or ground that carries one, between two places of the section."""
 
     model_config = ConfigDict(populate_by_name=True)
 

@@ -29,7 +29,7 @@ Pressures = Annotated[tuple[float, float], PlainValidator(_read_pressure), Plain
 
 
 class Surcharge(Model):
-    """A vertical load (Pa of horizontal area) on the ground, linear between its ends."""
+    """Holds a vertical load (Pa of horizontal area) on the ground, linear between its ends."""
 
     model_config = ConfigDict(populate_by_name=True)
 

@@ -33,7 +33,7 @@ def _read_water(value: Any) -> str | float:
 
 
 class TensionCrack(Model):
-    """A tension crack: slip circles end at its bottom, where the tensile strength ends; its water presses on the
+    """Holds a tension crack: slip circles end at its bottom, where the tensile strength ends; its water presses on the
     sliding ground."""
 
     bottom: ElevationOrLine | None = Field(
@@ -74,7 +74,8 @@ class TensionCrack(Model):
             )
 
     def _below_the_slope(self, section: Section, bottom: Line) -> Iterator[str]:
-        """A sentence where a crack is deeper than the highest slope of the section, whose toe then lies above it."""
+        """Yield a sentence where a crack is deeper than the highest slope of the section, whose toe then lies
+        above it."""
         line = section.ground
         x = np.unique(np.concatenate([line[:, 0], section.elevations_of(bottom)[:, 0]]))
         depth, height = self.depth(section, x[(x >= line[0, 0]) & (x <= line[-1, 0])]), np.ptp(line[:, 1])
@@ -127,7 +128,7 @@ class TensionCrack(Model):
         return section.with_strata(strata)
 
     def _water_level(self, section: Section, bottom: np.ndarray, ground_level: np.ndarray | None) -> np.ndarray:
-        """Level (n, 2) of the water in cracks, or the ``own`` one of the ground where that is higher.
+        """Return the level (n, 2) of the water in cracks, or the ``own`` one of the ground where that is higher.
 
         Water stands in a crack no higher than the lowest ground within the depth of the deepest crack to either side,
         where it would run out.
@@ -151,8 +152,8 @@ class TensionCrack(Model):
 
 
 def _without_faces(line: np.ndarray) -> np.ndarray:
-    """A line (n, 2) that steps where it is steeper than ``STEEP``, at the lower end: cracks beside a face that is
-    nearly upright reach down from the ground above it, not from the face."""
+    """Return a line (n, 2) that steps where it is steeper than ``STEEP``, at the lower end: cracks beside a face that
+    is nearly upright reach down from the ground above it, not from the face."""
     width, rise = np.diff(line, axis=0).T
     steep = np.flatnonzero((np.abs(rise) > STEEP * width) & (width > 0.0))
     lower = steep + (rise[steep] < 0.0)
@@ -161,8 +162,8 @@ def _without_faces(line: np.ndarray) -> np.ndarray:
 
 
 def _without_steps(level: np.ndarray) -> np.ndarray:
-    """The highest level (k, 2) nowhere above ``level`` (n, 2) and nowhere steeper than ``STEEP``: a level of water may
-    not step."""
+    """Return the highest level (k, 2) nowhere above ``level`` (n, 2) and nowhere steeper than ``STEEP``: a level of
+    water may not step."""
     width, rise = np.diff(level, axis=0).T
     steep = np.flatnonzero(np.abs(rise) > STEEP * width)
     foot = level[steep + (rise[steep] < 0.0), 0] + rise[steep] / STEEP

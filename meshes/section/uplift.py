@@ -105,8 +105,8 @@ def uplift(layers: Layering, strata: tuple[Stratum, ...], loads: SurfaceLoads) -
 def _along(
     layers: Layering, loads: SurfaceLoads, x: np.ndarray, k: int, share: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points (n, 2 ends, 2) at a share of the thickness of stratum k at both ends of the stretches between x (n + 1,),
-    and pore pressure and total vertical stress (n, 2) there; neither where the stratum has no thickness."""
+    """Return points (n, 2 ends, 2) at a share of the thickness of stratum k at both ends of the stretches between x (n
+    + 1,), and pore pressure and total vertical stress (n, 2) there; neither where the stratum has no thickness."""
     middle = np.repeat(0.5 * (x[1:] + x[:-1]), 2)
     ends = np.column_stack([x[:-1], x[1:]]).ravel()
     elevations = layers.interfaces(ends, near=middle)

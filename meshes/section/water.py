@@ -13,8 +13,8 @@ FRESH = 1000.0
 
 
 class Cutoff(Model):
-    """A wall, such as a sheet pile, that no water crosses, from the ground surface down; it has neither strength nor
-    weight."""
+    """Holds a wall, such as a sheet pile, that no water crosses, from the ground surface down; it has neither strength
+    nor weight."""
 
     x: Coordinate = Field(description="where it stands (m)")
     bottom: Coordinate = Field(description="the elevation (m) of its foot")

@@ -206,15 +206,15 @@ class WaterPressure:
         return self.hydrostatic(level, self._top(points, near), near)
 
     def _top(self, points: np.ndarray, near: np.ndarray, line: np.ndarray | None = None) -> np.ndarray:
-        """The ground (n, 2) above points, or a ``line`` (k, 2) where that is lower."""
+        """Return the ground (n, 2) above points, or a ``line`` (k, 2) where that is lower."""
         ground = self.layers.interfaces(points[:, 0], near=near[:, 0])[:, 0]
         if line is not None:
             ground = np.minimum(ground, level_at(line, points[:, 0], near[:, 0]))
         return np.column_stack([points[:, 0], ground])
 
     def _taken_off(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """Reduction of the pore pressure of ground that does not drain by a drawdown: the reduction of the water
-        pressure on the ground above.
+        """Return the reduction of the pore pressure of ground that does not drain by a drawdown: the reduction of the
+        water pressure on the ground above.
 
         Saturated ground that cannot drain bears no change of its mean stress (Skempton's B of 1), and the water above
         weighs the same on it as in it (Morgenstern 1963).

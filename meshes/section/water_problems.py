@@ -45,7 +45,7 @@ def water_problems(water: Water | None, drawn: Line | None, strata: Sequence[Str
 
 
 def _step(line: Line) -> float | None:
-    """x (m) of the first vertical step of a line."""
+    """Return x (m) of the first vertical step of a line."""
     x = line.points(0.0, 1.0)[:, 0]
     steps = np.flatnonzero(np.diff(x) == 0.0)
     return float(x[steps[0]]) if len(steps) else None

@@ -211,7 +211,7 @@ def with_elevations(ground: np.ndarray, model: AnyModel, keys: Sequence[str]) ->
 
 
 def _below(layers: Layering, zones: Sequence[Zone]) -> np.ndarray:
-    """The outline of what lies below the base, as far down as any zone."""
+    """Return the outline of what lies below the base, as far down as any zone."""
     x, floor = np.repeat(layers.x, 2)[1:-1], np.column_stack([layers.left[:, -1], layers.right[:, -1]]).ravel()
     deepest = min(float(floor.min()), *(z for zone in zones for _, z in zone.points)) - 1.0
     return np.vstack([np.column_stack([x, floor]), [[x[-1], deepest], [x[0], deepest]]])
@@ -220,7 +220,8 @@ def _below(layers: Layering, zones: Sequence[Zone]) -> np.ndarray:
 def _of_zones(
     zones: Sequence[Zone], inside: Sequence[np.ndarray], tally: Tally, tolerance: float
 ) -> tuple[list[str], list[str]]:
-    """Faults of zones, which are outlines 1 to n of the ``tally``, and notices on parts of them that are left out.
+    """Return the faults of zones, which are outlines 1 to n of the ``tally``, and notices on parts of them that are
+    left out.
 
     ``inside`` are their outlines between the sides.
     """
@@ -247,14 +248,14 @@ def _of_zones(
 
 
 def _ground_at(layers: Layering, x: np.ndarray) -> np.ndarray:
-    """The ground (columns, 2) at both ends of columns between the x, as it is without zones."""
+    """Return the ground (columns, 2) at both ends of columns between the x, as it is without zones."""
     middle = 0.5 * (x[1:] + x[:-1])
     return np.column_stack([layers.interfaces(end, near=middle)[:, 0] for end in (x[:-1], x[1:])])
 
 
 def _strata(columns: Columns, bottoms: np.ndarray, strata: Sequence[Stratum], zones: Sequence[Zone]) -> list[Stratum]:
-    """The strata of the columns, from the top down, with the ``bottoms`` (strata, columns, 2); all know their places in
-    the file."""
+    """Return the strata of the columns, from the top down, with the ``bottoms`` (strata, columns, 2); all know their
+    places in the file."""
     soils = {stratum.name: stratum.placed(f"strata {number}") for number, stratum in enumerate(strata, start=1)}
     soils |= {zone.name: zone.soil.placed(f"zones {number}") for number, zone in enumerate(zones, start=1)
               if zone.material is None}  # fmt: skip
@@ -267,7 +268,7 @@ def _strata(columns: Columns, bottoms: np.ndarray, strata: Sequence[Stratum], zo
 
 
 def _parted(columns: Columns, present: Sequence[Stratum], strata: Sequence[Stratum]) -> list[str]:
-    """Notices on soils that zones divide into several strata, and on strata of which nothing is left."""
+    """Return notices on soils that zones divide into several strata, and on strata of which nothing is left."""
     notices = []
     for name in dict.fromkeys(columns.stack.layers):
         parts = [
@@ -281,8 +282,8 @@ def _parted(columns: Columns, present: Sequence[Stratum], strata: Sequence[Strat
 
 
 def _thick(ground: np.ndarray, base: Line, parts: Sequence[Stratum]) -> tuple[Stratum, ...]:
-    """The strata that are thicker somewhere than the smallest distance of points; the lowest one reaches down to the
-    base.
+    """Return the strata that are thicker somewhere than the smallest distance of points; the lowest one reaches down to
+    the base.
     """
     areas = layering(ground, base, [stratum.bottom for stratum in parts]).layering.areas()
     present = [stratum for stratum, area in zip(parts, areas, strict=True) if area > 0.0]

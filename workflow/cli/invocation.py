@@ -144,7 +144,7 @@ def stored_job(folder: Path) -> Job:
 
 
 def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> Config:
-    """The config with the mesh options of the folder; an InputError names the folder."""
+    """Return the config with the mesh options of the folder; an InputError names the folder."""
     try:
         return load_config(section, merged(tables, {"mesh": mesh}))
     except InputError as error:

@@ -123,7 +123,7 @@ def converge(
 
 
 def _unread(settings: Mapping[str, Mapping[str, Any]], command: str, parts: Sequence[str]) -> list[str]:
-    """One sentence on each setting of the command line that no part of a study reads."""
+    """Return one sentence on each setting of the command line that no part of a study reads."""
     from workflow.cli.unread import in_words, is_read, keys_of
     from workflow.stages import NAMES, command_of
     from workflow.study.parts import read_by

@@ -50,7 +50,7 @@ def unread(settings: Sequence[str], job: Job, chosen: Sequence[str], without: Ca
 
 
 def _changes(stages: Sequence[Stage], job: Job, key: str, without: Callable[[str], Job]) -> bool:
-    """Whether leaving out a setting changes the inputs of any of the stages, or leaves no valid input."""
+    """Return whether leaving out a setting changes the inputs of any of the stages, or leaves no valid input."""
     try:
         other = without(key)
     except InputError:

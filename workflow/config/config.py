@@ -105,7 +105,8 @@ class Config(Tables):
         return reach_of(self._before_the_cut(), self.uncertain.numbers, (Section, Tables))
 
     def _before_the_cut(self) -> dict[str, Any]:
-        """The section as written in the file, before the water table divided its strata, with the settings in use."""
+        """Return the section as written in the file, before the water table divided its strata, with the settings in
+        use."""
         settings = set(self.tables()) - {"uncertain", "study"}
         used = self.model_dump(mode="python", exclude_none=True, by_alias=True, include=settings)
         unset = OPEN.keys() - self.slide.model_fields_set
@@ -216,7 +217,8 @@ class Config(Tables):
 
     @classmethod
     def _validated(cls, data: Mapping[str, Any], source: str) -> Self:
-        """The section and the tables, validated one by one, then together; raises InputError with every problem."""
+        """Return the section and the tables, validated one by one, then together; raise InputError with every
+        problem."""
         tables = {key: value for key, value in data.items() if key in cls.tables() or _is_unknown_table(key, value)}
         section, settings = None, None
         problems: list[str] = []
@@ -306,7 +308,7 @@ class Config(Tables):
 
 
 def _peak(settings: Tables) -> float | None:
-    """Peak acceleration of the ground over gravity; None if the earthquake does not determine it."""
+    """Return the peak acceleration of the ground over gravity; None if the earthquake does not determine it."""
     try:
         motion = settings.earthquake.motion()
     except InputError:
@@ -315,7 +317,8 @@ def _peak(settings: Tables) -> float | None:
 
 
 def _is_unknown_table(key: str, value: Any) -> bool:
-    """Whether it is no key of a section but a table, or a list of tables, so that names of tables are offered, too."""
+    """Return whether an unknown key is not a key of a section but a table, or a list of tables, so that names of tables
+    are offered, too."""
     several = isinstance(value, list) and bool(value) and all(isinstance(entry, Mapping) for entry in value)
     return (isinstance(value, Mapping) or several) and key not in Section.model_fields
 

@@ -14,7 +14,7 @@ from meshes.errors import InputError
 
 @dataclass(frozen=True)
 class Renamed:
-    """A setting that was renamed, or whose values were renamed.
+    """Holds a setting that was renamed, or whose values were renamed.
 
     Attributes
     ----------
@@ -114,7 +114,7 @@ def notices(data: Mapping[str, Any]) -> list[str]:
 
 
 def _old_words(rule: Renamed, value: Any) -> list[str]:
-    """The old words in a value."""
+    """Return the old words in a value."""
     if isinstance(value, str):
         return [value] if value in rule.values else []
     inside = value.values() if isinstance(value, Mapping) else value if isinstance(value, list | tuple) else ()
@@ -170,7 +170,7 @@ def rewritten(text: str, source: str) -> tuple[str, list[str]]:
 
 
 def _places(text: str) -> Iterator[tuple[int, int, str]]:
-    """Possible places of old keys and values in a text: start, end, and replacement."""
+    """Yield the possible places of old keys and values in a text: start, end, and replacement."""
     for rule in RENAMED:
         for old, new in rule.values.items():
             for place in re.finditer(f"([\"']){re.escape(old)}\\1", text):

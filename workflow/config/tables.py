@@ -23,7 +23,7 @@ Language = Literal["en", "ja"]
 
 
 class FigureSettings(Model):
-    """Settings of the pictures and of the report, a table [figures]."""
+    """Holds the settings of the pictures and of the report; they are the table [figures] of the input file."""
 
     report_width: int = Field(
         default=1280, ge=400, le=1600, description="pixels across of the pictures in the report, from 400 to 1600"
@@ -34,7 +34,7 @@ class FigureSettings(Model):
 
 
 class Observed(Model):
-    """A displacement that was measured, a table [[report.observed]]."""
+    """Holds a displacement that was measured, a table [[report.observed]]."""
 
     name: str = Field(min_length=1, description="where or how it was measured, such as inclinometer SI-5")
     displacement: Length = Field(description='measured displacement of the ground, such as "0.26 m"')
@@ -45,7 +45,7 @@ class Observed(Model):
 
 
 class ReportSettings(Model):
-    """Title block of the report, a table [report]; empty entries are left out."""
+    """Holds the title block of the report, a table [report]; empty entries are left out."""
 
     project: str = Field(default="", description="the name of the project")
     client: str = Field(default="", description="for whom the report is")
@@ -66,7 +66,7 @@ Variant = Literal["mesh", "element", "step", "dilation", "sides"]
 
 
 class VariantSettings(Model):
-    """Variants of the critical Kh, one assumption changed at a time, a table [variants]."""
+    """Holds the variants of the critical Kh, one assumption changed at a time, a table [variants]."""
 
     which: tuple[Variant, ...] = Field(
         default=("element", "step", "dilation", "sides"),
@@ -77,7 +77,7 @@ class VariantSettings(Model):
 
 
 class FaceSettings(Model):
-    """Finite elements and bounds of every face of the structures, a table [faces]."""
+    """Holds the finite elements and bounds of every face of the structures, a table [faces]."""
 
     run: StrictBool | Literal["auto"] = Field(
         default="auto",
@@ -91,7 +91,7 @@ class FaceSettings(Model):
 
 
 class SlidingBlockSettings(Model):
-    """The sliding block that slides are compared with, a table [sliding_block]."""
+    """Holds the sliding block that slides are compared with, a table [sliding_block]."""
 
     accelerogram: str = Field(
         default="", description="a file with a record of the ground: PEER, K-NET, COSMOS, CSMIP, ESM or .csv"
@@ -115,7 +115,7 @@ class SlidingBlockSettings(Model):
 
 
 class Tables(Model):
-    """The settings of all stages, one TOML table each."""
+    """Holds the settings of all stages, one TOML table each."""
 
     mesh: MeshSettings = Field(default=MeshSettings(), description="a table [mesh] of the settings of the mesh")
     fem: FemSettings = Field(default=FemSettings(), description="a table [fem] of the finite element analysis")

@@ -51,7 +51,7 @@ SOURCE = "source of the limit, such as the name of a guideline"
 
 
 class FactorCriterion(Model):
-    """A least factor of safety, a table [criteria.factor_of_safety]."""
+    """Holds a least factor of safety, a table [criteria.factor_of_safety]."""
 
     limit: float = Field(gt=0.0, le=100.0, description="the least factor of safety, such as 1.2")
     kh: float = Field(default=0.0, ge=0.0, le=2.0, description="Kh of this factor of safety")
@@ -59,21 +59,21 @@ class FactorCriterion(Model):
 
 
 class KhCriterion(Model):
-    """A least critical Kh, a table [criteria.critical_kh]."""
+    """Holds a least critical Kh, a table [criteria.critical_kh]."""
 
     limit: float = Field(gt=0.0, le=2.0, description="the least critical Kh, such as 0.15")
     source: str = Field(default="", description=SOURCE)
 
 
 class LengthCriterion(Model):
-    """A largest displacement or settlement, a table [criteria.displacement] or [criteria.crest_settlement]."""
+    """Holds a largest displacement or settlement, a table [criteria.displacement] or [criteria.crest_settlement]."""
 
     limit: Length = Field(description='the largest length that is allowed, such as "0.3 m"')
     source: str = Field(default="", description=SOURCE)
 
 
 class FreeboardCriterion(Model):
-    """A least freeboard after the earthquake, a table [criteria.freeboard]."""
+    """Holds a least freeboard after the earthquake, a table [criteria.freeboard]."""
 
     limit: Height = Field(description='the least height of the crest above the water, such as "0.5 m", or 0')
     water: Coordinate | None = Field(
@@ -84,7 +84,7 @@ class FreeboardCriterion(Model):
 
 
 class CriteriaSettings(Model):
-    """Limits, each with its source; quantities without a limit have no verdict."""
+    """Holds limits, each with its source; quantities without a limit have no verdict."""
 
     preset: Preset | None = Field(
         default=None,

@@ -24,7 +24,7 @@ STATED = 0.05  # by which the peak may differ from that of the heading
 
 @dataclass(frozen=True)
 class Accelerogram:
-    """A record of acceleration, linear between its times.
+    """Holds a record of acceleration, linear between its times.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ def read(path: Path, unit: str = "", component: str = "") -> Accelerogram:
 
 
 def _lines(path: Path) -> list[str]:
-    """The lines of a text file in any encoding."""
+    """Return the lines of a text file in any encoding."""
     if not path.exists():
         raise InputError(str(path), ["there is no such accelerogram"])
     text = read_text(path).text
@@ -99,7 +99,7 @@ def _lines(path: Path) -> list[str]:
 
 
 def _chosen(components: list[RecordedSeries], wanted: str) -> RecordedSeries:
-    """The chosen component; by default acceleration, not velocity or displacement. Raises ValueError without a
+    """Return the chosen component; by default acceleration, not velocity or displacement. Raises ValueError without a
     choice.
     """
     of_acceleration = [component for component in components if component.quantity.lower().startswith("accel")]
@@ -159,7 +159,7 @@ def _accelerogram(name: str, series: RecordedSeries, unit: str) -> Accelerogram:
 
 
 def _unit(series: RecordedSeries, setting: str) -> MotionUnit:
-    """Quantity and unit of the values. Raises ValueError if they are missing or contradictory."""
+    """Return the quantity and unit of the values. Raises ValueError if they are missing or contradictory."""
     named = motion_unit(series.unit) if series.unit else None
     if series.unit and named is None:
         raise ValueError(f'its heading gives the unit "{series.unit}", which is not understood; {EXPECTED}')
@@ -180,7 +180,8 @@ def _unit(series: RecordedSeries, setting: str) -> MotionUnit:
 
 
 def _differentiated(time: np.ndarray, values: np.ndarray, times: int) -> np.ndarray:
-    """Acceleration from velocity, or twice from displacement, by a spline of the fifth degree through the values."""
+    """Return the acceleration from velocity, or twice from displacement, by a spline of the fifth degree through the
+    values."""
     from scipy.interpolate import make_interp_spline
 
     if len(time) < 6 or np.any(np.diff(time) <= 0.0):
@@ -189,7 +190,7 @@ def _differentiated(time: np.ndarray, values: np.ndarray, times: int) -> np.ndar
 
 
 def _without_offset(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """Accelerations without a constant offset, and a remark where one was removed.
+    """Return accelerations without a constant offset, and a remark where one was removed.
 
     Ground that ends at rest has a mean acceleration of 0. If the median agrees with the mean, the whole record has an
     offset; if not, the record is a pulse, or cut off, and is not changed.
@@ -206,7 +207,7 @@ def _without_offset(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, l
 
 
 def _warnings(record: Accelerogram, stated: float | None) -> Iterator[str]:
-    """Warnings about a record: its size, its steps, and a peak that is not that of its heading (m/s²)."""
+    """Yield warnings about a record: its size, its steps, and a peak that is not that of its heading (m/s²)."""
     if text := _size(record.peak):
         yield text
     longest = float(np.diff(record.time).max())

@@ -23,7 +23,7 @@ ON_GROUND: Mapping[Site, float] = {"rock": 0.6, "average": 1.0, "soft": 1.4}  # 
 
 @dataclass(frozen=True)
 class ValidRange:
-    """Range of validity of a relation: ``low`` to ``high`` of the quantity ``name``, in ``unit``."""
+    """Holds the range of validity of a relation: ``low`` to ``high`` of the quantity ``name``, in ``unit``."""
 
     name: str
     low: float

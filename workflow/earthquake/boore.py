@@ -57,7 +57,8 @@ def boore(magnitude: float, distance: float, velocity: float, slip: Slip) -> Pea
 
 
 def _spread(magnitude: float, kilometres: float, velocity: float) -> float:
-    """Standard deviation of ln A: between earthquakes (τ) and within one (φ), less on soft ground, more far away."""
+    """Return the standard deviation of ln A: between earthquakes (τ) and within one (φ), less on soft ground, more far
+    away."""
     tau, phi = (float(np.interp(magnitude, (4.5, 5.5), ends)) for ends in (TAU, PHI))
     phi += PHI_FAR * float(np.interp(math.log(max(kilometres, 0.1)), np.log(FAR), (0.0, 1.0)))
     phi -= PHI_SOFT * float(np.interp(math.log(velocity), np.log(SOFT), (1.0, 0.0)))

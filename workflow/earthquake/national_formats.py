@@ -70,12 +70,12 @@ def geonet(lines: Lines) -> list[RecordedSeries]:
 
 
 def _row(lines: Lines, place: int) -> np.ndarray:
-    """Ten numbers of a heading, in columns of eight."""
+    """Return the ten numbers of a heading, in columns of eight."""
     return fixed_numbers(lines[: place + 1], place, 10, "10F8.1")[0]
 
 
 def _recorded(values: np.ndarray) -> np.ndarray:
-    """The values without missing samples at either end. Raises ValueError for missing samples in between."""
+    """Return the values without missing samples at either end. Raises ValueError for missing samples in between."""
     there = ~np.isin(values, NOT_RECORDED)
     known = np.flatnonzero(there)
     if not len(known) or not there[known[0] : known[-1] + 1].all():

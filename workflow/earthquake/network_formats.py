@@ -68,7 +68,7 @@ ESM_KEY = re.compile(r"^([A-Z][A-Z0-9_/^]*): ?(.*)$")
 
 @dataclass(frozen=True)
 class NetworkFormat:
-    """A file format of records: how it is recognised, and its reader."""
+    """Holds a file format of records: how it is recognised, and its reader."""
 
     name: str
     recognised: Callable[[Lines], bool]
@@ -213,7 +213,7 @@ def spectra(lines: Lines) -> list[RecordedSeries]:
 
 
 def _wrong_number(count: int, stated: int, where: str, what: str) -> str:
-    """Message that a file holds fewer or more values than its heading states."""
+    """Return the message that a file holds fewer or more values than its heading states."""
     of = f" ({what})" if what else ""
     if count < stated:
         return (

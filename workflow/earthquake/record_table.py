@@ -99,20 +99,20 @@ def _components(lines: Sequence[str]) -> list[RecordedSeries]:
 
 
 def _of_acceleration(components: list[RecordedSeries]) -> list[RecordedSeries]:
-    """The components in units of acceleration if there are any, since other columns are integrals of these."""
+    """Return the components in units of acceleration if there are any, since other columns are integrals of these."""
     known = [(component, motion_unit(component.unit)) for component in components]
     return [component for component, unit in known if unit is not None and unit.motion == "acceleration"] or components
 
 
 def _without_count(rows: list[list[float]]) -> list[list[float]]:
-    """The rows without the first row of a DEEPSOIL file, which holds the number of samples and the time step."""
+    """Return the rows without the first row of a DEEPSOIL file, which holds the number of samples and the time step."""
     if len(rows) < 3 or len(rows[0]) != 2 or rows[0][0] != len(rows) - 1 or rows[0][1] <= 0.0:
         return rows
     return rows[1:] if abs(rows[2][0] - rows[1][0] - rows[0][1]) <= 0.1 * rows[0][1] else rows
 
 
 def _split(lines: Sequence[str]) -> tuple[list[str], list[list[float]]]:
-    """The lines before the first row of numbers, and all rows; each row has as many numbers as the first.
+    """Return the lines before the first row of numbers, and all rows; each row has as many numbers as the first.
 
     The last row of a series that is written in rows may have fewer.
     """
@@ -145,7 +145,7 @@ def _numbers(count: int) -> str:
 
 
 def _row(text: str) -> list[float] | None:
-    """The numbers of a line; an empty list for a blank line, None for a line with other text."""
+    """Return the numbers of a line; an empty list for a blank line, None for a line with other text."""
     text = CLOCK.sub(_seconds, text.replace('"', "").strip())
     if APART_BY_BLANKS.fullmatch(text):
         text = text.replace(",", ".")
@@ -165,12 +165,12 @@ def _row(text: str) -> list[float] | None:
 
 
 def _seconds(clock: re.Match[str]) -> str:
-    """The time of day in s, with the date before it left out."""
+    """Return the time of day in s, with the date before it left out."""
     return f"{3600 * int(clock[1]) + 60 * int(clock[2]) + float(clock[3]):.9g}"
 
 
 def _columns(heading: list[str], count: int) -> list[TableColumn]:
-    """The names and units of the columns; units may stand in the line below the names."""
+    """Return the names and units of the columns; units may stand in the line below the names."""
     columns = _columns_in(heading, count)
     if not columns or not all(column.unit and column.name.strip("[]() ") == column.unit for column in columns):
         return columns
@@ -181,7 +181,7 @@ def _columns(heading: list[str], count: int) -> list[TableColumn]:
 
 
 def _columns_in(heading: list[str], count: int) -> list[TableColumn]:
-    """Names and units from the last line of the heading that has an entry for every column; none without such a
+    """Return names and units from the last line of the heading that has an entry for every column; none without such a
     line.
     """
     for above, line in enumerate(reversed(heading)):
@@ -204,7 +204,7 @@ def _column(cell: str) -> TableColumn:
 
 
 def _step(text: str) -> float | None:
-    """The time step (s) that a heading states, or one over its sampling rate; None if it states neither."""
+    """Return the time step (s) that a heading states, or one over its sampling rate; None if it states neither."""
     if match := STEP.search(text):
         second = time_unit(match[2]) if match[2] else 1.0
         return float(match[1]) * (second if second is not None else 1.0)
@@ -214,7 +214,8 @@ def _step(text: str) -> float | None:
 
 
 def _times(values: np.ndarray, column: TableColumn) -> np.ndarray:
-    """Times in s, converted from the unit of their heading. Raises ValueError if they fall, or cannot be seconds."""
+    """Return times in s, converted from the unit of their heading. Raises ValueError if they fall, or cannot be
+    seconds."""
     if not np.isfinite(values).all():
         raise ValueError("holds a time that is not finite")
     second = time_unit(column.unit) if column.unit else 1.0

@@ -77,7 +77,7 @@ def fixed_numbers(lines: Sequence[str], first: int, count: int, form: str) -> tu
 
 
 def _free(line: str) -> list[float] | None:
-    """The numbers of a line, separated by blanks or commas; None for a line with other text."""
+    """Return the numbers of a line, separated by blanks or commas; None for a line with other text."""
     try:
         return [float(cell.translate(EXPONENT)) for cell in re.split(r"[,;\s]+", line.strip(" \t\r\n,;")) if cell]
     except ValueError:

@@ -30,8 +30,8 @@ Relation = Literal["si_midorikawa", "fukushima_tanaka", "boore"]
 
 
 class EarthquakeSettings(Model):
-    """An earthquake, given by magnitude and distance, or by the peak or a record of the acceleration at the ground
-    surface.
+    """Holds an earthquake, given by magnitude and distance, or by the peak or a record of the acceleration at the
+    ground surface.
     """
 
     magnitude: float | None = Field(
@@ -83,7 +83,7 @@ class EarthquakeSettings(Model):
 
     @cached_property
     def _recorded(self) -> Accelerogram:
-        """The record, read once."""
+        """Return the record, read once."""
         try:
             return read_record(Path(self.record), self.unit, self.component).scaled(self.scale)
         except InputError as error:
@@ -131,7 +131,7 @@ class EarthquakeSettings(Model):
         return [text for text in notices if text]
 
     def _overruled(self, slide: SlideSettings) -> str:
-        """A notice that slides have another Kh or duration than that of the earthquake; else empty."""
+        """Return a notice that slides have another Kh or duration than that of the earthquake; else empty."""
         cycles = None if slide.accelerogram or slide.kh == 0.0 else self.equivalent()
         if cycles is None:
             return ""
@@ -143,7 +143,7 @@ class EarthquakeSettings(Model):
         )
 
     def _unlike_record(self) -> str:
-        """A notice that a record is not used because its peak differs from the given one; else empty."""
+        """Return a notice that a record is not used because its peak differs from the given one; else empty."""
         if self.peak_acceleration is None or not self.record:
             return ""
         try:
@@ -159,7 +159,8 @@ class EarthquakeSettings(Model):
         )
 
     def _unlikely_peak(self) -> str:
-        """A notice that a peak is above all recorded ones, or a plain number that may be meant in g; else empty."""
+        """Return a notice that a peak is above all recorded ones, or a plain number that may be meant in g; else
+        empty."""
         if self.peak_acceleration is None:
             return ""
         peak = float(self.peak_acceleration)
@@ -205,7 +206,8 @@ class EarthquakeSettings(Model):
 
 
 class SiteResponseSettings(Model):
-    """Site response: the layers under a point of the section and a record at their base, a table [site_response]."""
+    """Holds the site response: the layers under a point of the section and a record at their base, a table
+    [site_response]."""
 
     record: str = Field(
         default="",

@@ -188,7 +188,7 @@ def warning(strain: float) -> str:
 
 
 def _curves(layers: Sequence[ColumnLayer], strain: np.ndarray) -> tuple[ColumnLayer, ...]:
-    """The layers with stiffness and damping at 0.65 of their largest strains."""
+    """Return the layers with stiffness and damping at 0.65 of their largest strains."""
     pairs = [stiffness_and_damping(EFFECTIVE * g, layer.mean_stress, layer.plasticity)
              for g, layer in zip(strain, layers, strict=True)]  # fmt: skip
     return tuple(replace(layer, stiffness=r, damping=d) for layer, (r, d) in zip(layers, pairs, strict=True))
@@ -200,7 +200,7 @@ def _change(new: ColumnLayer, old: ColumnLayer) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
-    """The outcrop motion by frequency: angular frequencies, spectrum, and number of time steps."""
+    """Holds the outcrop motion by frequency: angular frequencies, spectrum, and number of time steps."""
 
     omega: np.ndarray
     spectrum: np.ndarray
@@ -231,7 +231,7 @@ def _strain(layers: Sequence[ColumnLayer], base: HalfSpace, motion: _Motion) -> 
 
 
 def _response(layers: Sequence[ColumnLayer], base: HalfSpace, motion: _Motion, rounds: int, change: float) -> Response:
-    """The response of the layers; the shear stress at a depth is the inertia of the mass above it."""
+    """Return the response of the layers; the shear stress at a depth is the inertia of the mass above it."""
     omega = motion.omega
     up, down, number = waves(layers, base, omega)
     per = 1.0 / (2.0 * up[-1])

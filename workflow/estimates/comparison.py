@@ -39,8 +39,8 @@ def constant_kh(settings: Tables) -> float:
 
 @dataclass(frozen=True)
 class BlockDrive:
-    """Loading of a sliding block without a record: Kh that is constant for ``seconds`` (possibly infinite), or cyclic
-    with ``cycles`` of a ``period`` (s).
+    """Holds the loading of a sliding block without a record: Kh that is constant for ``seconds`` (possibly infinite),
+    or cyclic with ``cycles`` of a ``period`` (s).
     """
 
     seconds: float

@@ -12,7 +12,7 @@ LEAST_SLOPE = 0.1  # mean rise over run of a face: hills are flatter
 
 @dataclass(frozen=True)
 class Crest:
-    """The top of a structure; x in m.
+    """Holds the top of a structure; x in m.
 
     Attributes
     ----------
@@ -103,7 +103,8 @@ def _standing_out(ground: np.ndarray) -> Iterator[Crest]:
 
 
 def _foot(points: np.ndarray, base: float, height: float) -> float:
-    """x at which the ground, followed from the top (the first of the ``points``), reaches the elevation ``base``."""
+    """Return x at which the ground, followed from the top (the first of the ``points``), reaches the elevation
+    ``base``."""
     k = int(np.argmax(points[:, 1] <= base + NEAR * height))
     (x0, z0), (x1, z1) = points[k - 1], points[k]
     return float(x1 if z1 >= base - NEAR * height else x0 + (x1 - x0) * (z0 - base) / (z0 - z1))

@@ -63,7 +63,7 @@ def ground_of_circles(
 
 
 def _slides_first(section: Section, faces: list[ShallowFailure], kh: float | None, circle: float) -> bool:
-    """Whether one of the faces has a smaller factor of safety, or critical Kh, than the ``circle``."""
+    """Return whether one of the faces has a smaller factor of safety, or critical Kh, than the ``circle``."""
     if kh is None:
         return any(face.kh < circle + SAME_KH for face in faces)
     friction = np.array([stratum.friction_angle for stratum in section.strata])

@@ -103,7 +103,7 @@ def empirical(section: Section, settings: Tables, kc: float | None, slip_surface
 
 
 def _blocks(kc: float, resisting: str, motion: PeakMotion, magnitude: float) -> Iterator[Estimate]:
-    """Bray & Travasarou (2007) and Bray & Macedo (2019), for a rigid mass (fundamental period 0).
+    """Yield the Bray & Travasarou (2007) and Bray & Macedo (2019), for a rigid mass (fundamental period 0).
 
     ``resisting`` names the flow rule of ``kc``.
     """
@@ -125,7 +125,7 @@ def _blocks(kc: float, resisting: str, motion: PeakMotion, magnitude: float) -> 
 
 
 def _block_under_average(section: Section, settings: Tables, kc: float, slip_surface: np.ndarray) -> Iterator[Estimate]:
-    """The block under the average acceleration of the mass above the slip surface (Makdisi & Seed 1978)."""
+    """Yield the block under the average acceleration of the mass above the slip surface (Makdisi & Seed 1978)."""
     try:
         column = column_of(section, settings.site_response)
     except InputError:
@@ -148,7 +148,7 @@ def _block_under_average(section: Section, settings: Tables, kc: float, slip_sur
 
 
 def _depth_of(slip_surface: np.ndarray, section: Section, x: float) -> float | None:
-    """Depth (m) of a slip surface below the ground at x, or its largest depth if it does not reach x."""
+    """Return the depth (m) of a slip surface below the ground at x, or its largest depth if it does not reach x."""
     if not len(slip_surface):
         return None
     depths = depth_below_ground(section, slip_surface)
@@ -198,7 +198,7 @@ def _spreading(section: Section, settings: Tables, tests: Sequence[Judged]) -> I
 
 
 def _slope(section: Section, settings: Tables) -> float:
-    """W = 100 H/L (%) where there is a free face, else the mean slope of the ground (%)."""
+    """Return W = 100 H/L (%) where there is a free face, else the mean slope of the ground (%)."""
     if settings.free_face:
         distance, height = settings.free_face.distance_and_height(section.ground)
         return 100.0 * height / distance
@@ -230,7 +230,7 @@ def _zhang(section: Section, settings: Tables, tests: Sequence[Judged]) -> Estim
 
 
 def _mean_of_borings(tests: Sequence[Judged], of_one: Callable[[Sequence[Judged]], float]) -> float:
-    """Mean over the borings, weighted by the length of the section that is nearest to each boring."""
+    """Return the mean over the borings, weighted by the length of the section that is nearest to each boring."""
     borings: dict[str, list[Judged]] = {}
     for test in tests:
         borings.setdefault(test.boring, []).append(test)

@@ -22,7 +22,7 @@ def is_of_face(structure: Standing, towards: int, surface: Surface) -> bool:
 
 
 def _slides(surface: Surface) -> int:
-    """The side to which a failure slides: that of its lower end, LEFT (-1) or RIGHT (1)."""
+    """Return the side to which a failure slides: that of its lower end, LEFT (-1) or RIGHT (1)."""
     return LEFT if surface[0][1] < surface[-1][1] else -LEFT
 
 
@@ -88,14 +88,15 @@ def zones_against(
 
 
 def _snapped(section: Section, x: float, near: float) -> float:
-    """A point of the ground (m) close to x, or x."""
+    """Return a point of the ground (m) close to x, or x."""
     points = section.ground[:, 0]
     closest = float(points[np.argmin(np.abs(points - x))])
     return closest if abs(closest - x) <= near else float(x)
 
 
 def _top_of_slope(ground: np.ndarray, towards: int, surface: Surface) -> float | None:
-    """x (m) of the top of the slope in which a failure lies; None if the ground does not fall towards the side."""
+    """Return x (m) of the top of the slope in which a failure lies; None if the ground does not fall towards the
+    side."""
     points = ground if towards == LEFT else ground[::-1]  # from the lower end upwards
     run, rise = np.abs(np.diff(points[:, 0])), np.diff(points[:, 1])
     low, high = sorted((surface[0][0], surface[-1][0]))

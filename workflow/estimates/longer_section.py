@@ -17,7 +17,7 @@ THICKNESSES = 3.0  # of the ground at the side, by which it is continued
 
 @dataclass(frozen=True)
 class LongerSectionCircle:
-    """The critical circle of a section that was lengthened beyond both sides.
+    """Holds the critical circle of a section that was lengthened beyond both sides.
 
     Attributes
     ----------

@@ -73,7 +73,8 @@ def bishop_critical_kh(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.
 
 
 def _moments(slices: Slices, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Moments (surfaces, 2) about the centres, counter-clockwise: of the known forces, and of the forces by Kh = 1."""
+    """Return moments (surfaces, 2) about the centres, counter-clockwise: of the known forces, and of the forces by Kh =
+    1."""
     right, up = slices.x - x[:, None], slices.z - z[:, None]
     still = slices.moment + right * slices.vertical - up * slices.horizontal
     added = slices.inertia_moment + right * slices.inertia_vertical - up * slices.inertia
@@ -81,7 +82,8 @@ def _moments(slices: Slices, x: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def _shear(slices: Slices, vertical: np.ndarray, factor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Shear forces at the bases times F (N/m), from the balance of vertical forces of each slice, and m_α."""
+    """Return the shear forces at the bases times F (N/m), from the balance of vertical forces of each slice, and
+    m_α."""
     tan = slices.friction / factor[:, None]
     sin, cos = np.sin(slices.angle), np.cos(slices.angle)
     bond = (slices.cohesion - slices.pressure * slices.friction) * slices.length
@@ -161,8 +163,8 @@ def spencer_critical_kh(slices: Slices) -> Balance | None:
 
 
 def _residuals(slices: Slices, factor: np.ndarray, kh: float, theta: float) -> tuple[np.ndarray, np.ndarray]:
-    """Sums over the slices of one surface of the side forces Q and of their moments, (factors,); NaN if the normal
-    force of a slice has no meaning.
+    """Return sums over the slices of one surface of the side forces Q and of their moments, (factors,); NaN if the
+    normal force of a slice has no meaning.
 
     Q is the resultant of both side forces of a slice, at the angle θ; its distance from the middle of the base follows
     from the moments of the known forces.
@@ -187,7 +189,7 @@ def _residuals(slices: Slices, factor: np.ndarray, kh: float, theta: float) -> t
 def _moment_balance(
     force_balance: Callable[[float], float], moment: Callable[[float, float], float]
 ) -> tuple[float, float] | None:
-    """The factor of safety, and the inclination θ of the side forces, at which forces and moments balance."""
+    """Return the factor of safety, and the inclination θ of the side forces, at which forces and moments balance."""
     angles = np.linspace(-STEEPEST_SIDE, STEEPEST_SIDE, 25)
     values = np.array([force_balance(theta) for theta in angles])
     turning = np.array([moment(value, theta) for value, theta in zip(values, angles, strict=True)])
@@ -200,7 +202,7 @@ def _moment_balance(
 
 
 def _root(function: Callable[[float], float], low: float, high: float, tolerance: float = 2e-12) -> float:
-    """Zero of a function of one variable between two ends, by Brent's method."""
+    """Return the zero of a function of one variable between two ends, by Brent's method."""
     from scipy.optimize import brentq  # what only reads answers of slices does without it
 
     return float(brentq(function, low, high, xtol=tolerance))

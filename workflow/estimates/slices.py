@@ -149,7 +149,7 @@ def loaded_by_crack(
 
 
 def _ground_forces(section: Section, x: np.ndarray, towards: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Loads on the ground above slices with corners at ``x``, per horizontal area, and their elevation (m).
+    """Return loads on the ground above slices with corners at ``x``, per horizontal area, and their elevation (m).
 
     The loads are still water and surcharges, and the changes of both by Kh = 1, each (surfaces, slices, 2) in Pa.
 
@@ -170,6 +170,6 @@ def _ground_forces(section: Section, x: np.ndarray, towards: int) -> tuple[np.nd
 
 
 def _stratum(levels: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """The stratum at each base: the deepest stratum of non-zero thickness whose top is not below the base."""
+    """Return the stratum at each base: the deepest stratum of non-zero thickness whose top is not below the base."""
     below_top = (z[:, None] <= levels[:, :-1]) & (levels[:, :-1] > levels[:, 1:])
     return below_top.shape[1] - 1 - np.argmax(below_top[:, ::-1], axis=1)

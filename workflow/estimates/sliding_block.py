@@ -107,7 +107,8 @@ def rectangular_pulse(kc: float, k: float, duration: float) -> float:
 
 @dataclass(frozen=True)
 class SmoothPlane:
-    """A block without friction on a plane, as in Sec. 5 of the paper: ``slope`` (rad), seismic coefficient ``kh``."""
+    """Holds a block without friction on a plane, as in Sec. 5 of the paper: ``slope`` (rad), seismic coefficient
+    ``kh``."""
 
     slope: float
     kh: float = 0.0

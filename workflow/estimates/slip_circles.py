@@ -139,14 +139,14 @@ def least_balance(section: Section, line: np.ndarray, kh: float | None = 0.0, ve
 
 
 def _by_spencer(slices: Slices, kh: float | None) -> float | None:
-    """Spencer's factor of safety of one surface at a Kh, or its critical Kh if ``kh`` is None."""
+    """Return Spencer's factor of safety of one surface at a Kh, or its critical Kh if ``kh`` is None."""
     if kh is None:
         return None if (balance := spencer_critical_kh(slices)) is None else balance.kh
     return None if (balance := spencer_factor(slices, kh)) is None else balance.factor
 
 
 def _to_the_ground(section: Section, line: np.ndarray, towards: int) -> np.ndarray:
-    """A slip surface whose ends are extended to the ground at the toe and at the crest."""
+    """Return a slip surface whose ends are extended to the ground at the toe and at the crest."""
     angles = (OUT, INTO) if towards == LEFT else (INTO, OUT)
     left, right = section.extent
     ground = section.layering.interfaces(line[[0, -1], 0])[:, 0]
@@ -191,7 +191,7 @@ class _CircleSearch:
         return np.stack([first[ordered], last[ordered], bulge[ordered]], axis=1)
 
     def _best(self, circles: np.ndarray, number: int) -> np.ndarray:
-        """The circles with the least values, each on ``number`` slices, the least first."""
+        """Return the circles with the least values, each on ``number`` slices, the least first."""
         batch = CHUNK * SLICES // number
         value = np.concatenate([self._values(circles[k : k + batch], number) for k in range(0, len(circles), batch)])
         order = np.argsort(np.where(np.isfinite(value), value, np.inf), kind="stable")
@@ -219,12 +219,12 @@ class _CircleSearch:
 
     @property
     def _head(self) -> int:
-        """Index of the upper end of a slip surface: the last point for a mass that slides to the left."""
+        """Return the index of the upper end of a slip surface: the last point for a mass that slides to the left."""
         return -1 if self.towards == LEFT else 0
 
     def _surfaces(self, circles: np.ndarray, number: int) -> tuple[np.ndarray, ...]:
-        """Corners x, z (circles, number + 1) of the slices, centres (circles, 2), radii, and which circles are valid. A
-        valid circle is everywhere below the ground and above the base of the section, deep enough, and nowhere
+        """Return corners x, z (circles, number + 1) of the slices, centres (circles, 2), radii, and which circles are
+        valid. A valid circle is everywhere below the ground and above the base of the section, deep enough, and nowhere
         vertical.
         """
         section = self.section

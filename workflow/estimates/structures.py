@@ -12,7 +12,7 @@ from workflow.estimates.slip_circles import NO_CRACK, SlipCircle, critical_circl
 
 @dataclass(frozen=True)
 class Standing:
-    """A structure of the section file, or an embankment found in the ground surface, with its crest."""
+    """Holds a structure of the section file, or an embankment found in the ground surface, with its crest."""
 
     name: str
     kind: Kind

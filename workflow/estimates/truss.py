@@ -16,7 +16,7 @@ COLUMNS = 400  # along the section
 
 @dataclass(frozen=True)
 class Truss:
-    """An elastic bar per metre of width, which represents the layer above liquefied ground.
+    """Holds an elastic bar per metre of width, which represents the layer above liquefied ground.
 
     Attributes
     ----------

@@ -54,14 +54,14 @@ def thin_weak_layers(section: Section) -> tuple[str, ...]:
 
 
 def _runs(names: list[str]) -> list[tuple[int, int]]:
-    """First and last place of every run of equal names."""
+    """Return the first and last place of every run of equal names."""
     starts = [i for i, name in enumerate(names) if i == 0 or names[i - 1] != name]
     return [(start, end - 1) for start, end in zip(starts, [*starts[1:], len(names)], strict=True)]
 
 
 def _strength(section: Section, x: float, z: float, weak: int, soil: int) -> float:
-    """Shear strength (Pa) on a level plane at x, z (m) in stratum ``own``, if this stratum had the strength of
-    ``soil``.
+    """Return the shear strength (Pa) on a level plane at x, z (m) in stratum ``own``, if this stratum had the strength
+    of ``soil``.
     """
     point, field = np.array([[x, z]]), section.cohesion_field
     stress = float(field.effective_stress(point, point, np.array([weak]))[0])

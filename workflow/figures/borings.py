@@ -53,7 +53,7 @@ def draw(connected: Connected, title: str, path: Path) -> None:
 
 
 def _signs(connected: Connected) -> Iterator[Line2D]:
-    """Legend entries for blow counts, water and cones, if there are any."""
+    """Yield the legend entries for blow counts, water and cones, if there are any."""
     logs = [boring.log for boring in connected.borings]
     if any(log.samples for log in logs):
         yield Line2D([], [], color=INK, linewidth=2.0, marker="o", markersize=3, label="boring, with blow counts N")

@@ -78,7 +78,7 @@ def soil_colours(names: Sequence[str]) -> list[str]:
 
 @dataclass(frozen=True)
 class Window:
-    """The part of the section that a picture shows (m)."""
+    """Holds the part of the section that a picture shows (m)."""
 
     left: float
     right: float

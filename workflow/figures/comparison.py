@@ -46,7 +46,7 @@ def _title(results: Results) -> str:
 
 
 def _curves(results: Results, name: str) -> bool:
-    """Kh over displacement, of the continuum and of the discs, on one sheet."""
+    """Return Kh over displacement, of the continuum and of the discs, on one sheet."""
     answer, discs = results.fem, results.dem
     if answer is None:
         return False
@@ -130,7 +130,7 @@ def _handle(colour: str, marker: str, label: str) -> Line2D:
 
 
 def _surfaces(results: Results, name: str) -> bool:
-    """The slip surfaces of the continuum and of the discs on the section."""
+    """Return the slip surfaces of the continuum and of the discs on the section."""
     lines = []
     both = results.dem.slip_surface if results.dem is not None else None
     if both is not None and both.fem:
@@ -159,7 +159,7 @@ def _surfaces(results: Results, name: str) -> bool:
 
 
 def _one_at_a_time(sheet: Sheet, answer: CalibrationAnswer, parameters: list[str]) -> list[Line2D]:
-    """The critical Kh over the factor on each parameter, in the first view."""
+    """Return the critical Kh over the factor on each parameter, in the first view."""
     axes = sheet.plot(0, "factor on the parameter (-)", "critical Kh (-)", "one parameter at a time")
     shades = (DISCS, CONTINUUM, "#2c7a3f", "#c77d11", INK, PALE)
     handles = []

@@ -27,7 +27,7 @@ BLANK = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
 
 @dataclass(frozen=True)
 class MethodRow:
-    """A method, its marker, and its displacement (m); None, with the reason, if it gives none."""
+    """Holds a method, its marker, and its displacement (m); None, with the reason, if it gives none."""
 
     words: str
     look: tuple[str, str]
@@ -105,7 +105,7 @@ def slides(results: Results) -> Iterator[MethodRow]:
 
 
 def _why_not(words: str) -> str:
-    """The reason why an estimate gives no displacement, taken from its text."""
+    """Return the reason why an estimate gives no displacement, taken from its text."""
     for sign in ("outside its range: ", "not computed: "):
         _, separator, reason = words.partition(sign)
         if separator:
@@ -116,7 +116,7 @@ def _why_not(words: str) -> str:
 def _of_cases(
     results: Results, cases: Mapping[int, CaseAnswer | PointCase], method: str, look: tuple[str, str]
 ) -> Iterator[MethodRow]:
-    """The slide of each case by a method: at every place of a measurement, and the largest one."""
+    """Yield the slide of each case by a method: at every place of a measurement, and the largest one."""
     observed = dict.fromkeys(row.x for row in results.config.report.observed if row.x is not None)
     places = [x for x in observed if all(case.slide_at(x) is not None for case in cases.values())]
     for numbers, case in alike(cases).items():

@@ -51,7 +51,7 @@ def draw_all(config: Config, results: FemResults, store: Store) -> None:
 
 
 def _slips(answer: FemAnswer) -> list[Overlay]:
-    """The slip surface of the ground with its strength divided by each factor of safety."""
+    """Return the slip surface of the ground with its strength divided by each factor of safety."""
     factors = [factor for factor in answer.safety_factors if factor.slip_surface]
     return [
         Overlay(np.array(result.slip_surface), CONTINUUM, DASHES[number % len(DASHES)], _named(result))
@@ -107,7 +107,7 @@ def _dilations(section: Section) -> str:
 
 
 class Views(NamedTuple):
-    """The rendered views of a state, the places of its arrows, and their scale."""
+    """Holds the rendered views of a state, the places of its arrows, and their scale."""
 
     outline: np.ndarray
     every: np.ndarray

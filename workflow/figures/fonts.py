@@ -76,7 +76,7 @@ def _characters(file: str) -> frozenset[int]:
 
 @cache
 def _others() -> tuple[str, ...]:
-    """All fonts of this machine, those preferred first and bold ones last."""
+    """Return all fonts of this machine, those preferred first and bold ones last."""
     files = set(font_manager.findSystemFonts())
 
     def order(file: str) -> tuple[int, bool, str]:

@@ -52,7 +52,7 @@ def front(results: Results, name: str) -> bool:
 
 
 def _of_structure(results: Results, kh: float) -> Iterator[Overlay]:
-    """The slip surface of the face that slides first with a crest, unless it is that of the section at ``kh``."""
+    """Yield the slip surface of the face that slides first with a crest, unless it is that of the section at ``kh``."""
     faces = results.faces.faces if results.faces is not None else ()
     values = [
         (face.critical.value, face) for face in faces if face.critical is not None and face.critical.reaches_crest
@@ -66,7 +66,7 @@ def _of_structure(results: Results, kh: float) -> Iterator[Overlay]:
 
 
 def _judged(results: Results) -> Iterator[tuple[str, float, float]]:
-    """Name, x (m) and deepest test (m) of every boring by which liquefaction was judged."""
+    """Yield the name, x (m) and deepest test (m) of every boring by which liquefaction was judged."""
     for boring in results.triggering.borings if results.triggering is not None else ():
         tests = [test for test in results.triggering.tests if test.boring == boring.name] if results.triggering else []
         yield boring.name, tests[0].x_m, max(test.depth_m for test in tests)

@@ -56,7 +56,7 @@ def foot(section: Section) -> str:
 
 
 class Overlay(NamedTuple):
-    """A line drawn over a section: its points (n, 2) in m, colour, dash pattern, and label."""
+    """Holds a line drawn over a section: its points (n, 2) in m, colour, dash pattern, and label."""
 
     points: np.ndarray
     colour: str
@@ -164,7 +164,7 @@ def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:
 
 
 def _sheet(section: Section, title: str, window: Window, handles: list[Artist]) -> Sheet:
-    """A sheet with a view for every exaggeration of the window, its legend and the note on a reconstruction."""
+    """Return a sheet with a view for every exaggeration of the window, its legend and the note on a reconstruction."""
     columns = legend_columns(handles)
     heights = [much * window.proportion for much in window.exaggerations()]
     sheet = Sheet(title, heights, foot(section), -(-len(handles) // columns))
@@ -267,12 +267,13 @@ def _heights(much: int) -> str:
 
 
 def _line_width(section: Section) -> float:
-    """Width (points) of the lines between strata, less where many lines would hide the colours."""
+    """Return the width (points) of the lines between strata, less where many lines would hide the colours."""
     return float(np.clip(30.0 / len(section.strata), 0.05, 0.6))
 
 
 def _legend_of(section: Section, water: bool = True) -> list[Artist]:
-    """Legend entries for the strata for which there is room, and for water unless the picture is one of a mesh."""
+    """Return the legend entries for the strata for which there is room, and for water unless the picture is one of a
+    mesh."""
     handles: list[Artist] = []
     numbers, colours = soil_numbers([stratum.name for stratum in section.strata]), _colours(section)
     for k in sorted({numbers.index(number) for number in numbers}):  # the first part of every soil

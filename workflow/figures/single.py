@@ -150,7 +150,7 @@ def no_screen() -> str:
 
 
 def _results(job: Job) -> FemResults:
-    """The FEM results of the folder; raises InputError if there are none of this input."""
+    """Return the FEM results of the folder; raise InputError if there are none of this input."""
     results = Results.of(job)
     if results.fem is None:
         why = results.missing.get("fem", "the stage fem ended without an answer")
@@ -182,7 +182,7 @@ def _grid(mesh: QuadMesh, state: FieldState, field: Field) -> pv.UnstructuredGri
 
 
 def _sheet(job: Job, mesh: QuadMesh, state: FieldState, field: Field) -> Sheet:
-    """The section in the colours of a field, in true proportions, with its scale."""
+    """Return the section in the colours of a field, in true proportions, with its scale."""
     view = Window.around(mesh.points)
     grid = _grid(mesh, state, field)
     low, high = float(grid["shown"].min()), float(grid["shown"].max())

@@ -105,7 +105,7 @@ def single(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], ti
 
 
 def _broken(path: str) -> str:
-    """A settings path in several lines, broken at its dots."""
+    """Return a settings path in several lines, broken at its dots."""
     return "\n".join(textwrap.wrap(path.replace(".", ". "), 26, break_long_words=False)).replace(". ", ".")
 
 

@@ -46,7 +46,7 @@ def draw_weights(section: Section, path: Path) -> None:
 
 
 def _window(section: Section) -> Window:
-    """Room for water and loads above the ground."""
+    """Return the room for water and loads above the ground."""
     water, outline = section.water_points(), section.outline()
     points = outline if water is None else np.vstack([outline, water])
     return Window.around(np.vstack([points, room_for_loads(section)]), 0.03)
@@ -90,7 +90,7 @@ def _show(sheet: Sheet, view: int, section: Section, window: Window, grid: pv.Po
 
 
 def _ticks(weights: np.ndarray, apart: float) -> list[float]:
-    """The unit weights of the layers (kN/m³) to one digit, the heaviest first, at least ``apart``."""
+    """Return the unit weights of the layers (kN/m³) to one digit, the heaviest first, at least ``apart``."""
     ticks: list[float] = []
     for weight in sorted({round(float(weight), 1) for weight in weights}, reverse=True):
         if not ticks or ticks[-1] - weight >= apart:
@@ -99,7 +99,7 @@ def _ticks(weights: np.ndarray, apart: float) -> list[float]:
 
 
 def _said(section: Section) -> str:
-    """The text of the note below the picture."""
+    """Return the text of the note below the picture."""
     phrases = []
     for load in section.surcharges:
         phrases.append(f"{pressure_of(load)} from x = {load.start:g} to {load.end:g} m")

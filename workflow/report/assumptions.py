@@ -76,13 +76,13 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
 
 
 def _onset(config: Config) -> str:
-    """A sentence on the duration of the onset of liquefaction."""
+    """Return a sentence on the duration of the onset of liquefaction."""
     seconds = config.slide.onset_of(config.dem.model)
     return f"over {seconds:g} s" if seconds > 0.0 else "at once"
 
 
 def _water(section: Section) -> str:
-    """How water enters the analysis."""
+    """Return how water enters the analysis."""
     if not section.water_pressure.present:
         return (
             "Water enters only by the given densities and strengths: there is no pore pressure, and none builds up "
@@ -109,13 +109,13 @@ def _water(section: Section) -> str:
 
 
 def _of_the_paper(config: Config) -> str:
-    """The loading of the paper's own discs, if they are computed in addition to soil discs."""
+    """Return the loading of the paper's own discs, if they are computed in addition to soil discs."""
     both_models = config.dem.model == "soil" and config.dem.paper
     return f"On the paper's own discs its Kh = {PAPER_LOADING['kh']:g} acts without end. " if both_models else ""
 
 
 def _driven(config: Config) -> str:
-    """The loading of slides, and how it differs from an earthquake."""
+    """Return the loading of slides, and how it differs from an earthquake."""
     words = config.slide.shaking
     if config.slide.accelerogram:
         return f"{words}, which moves the base and everything fixed to it as one; then there is no shaking"

@@ -19,7 +19,7 @@ QUALITY = 60  # of WebP, where shades are many: no difference can be seen at arm
 
 
 class Caption(NamedTuple):
-    """A pattern of file names, the section of the report for these pictures, and their caption.
+    """Holds a pattern of file names, the section of the report for these pictures, and their caption.
 
     Pictures that are not ``main`` are at the end of the page, and are not printed.
     """
@@ -138,7 +138,7 @@ def collect(names: Sequence[str], folder: Path, width: int, texts: Texts | None 
 
 
 def _captioned(names: Sequence[str], folder: Path, texts: Texts) -> Iterator[tuple[str, Caption, str]]:
-    """Every picture in the folder with the first caption whose pattern matches its name."""
+    """Yield every picture in the folder with the first caption whose pattern matches its name."""
     left = sorted((name for name in set(names) if name.endswith(".png") and (folder / name).is_file()), key=_by_number)
     for caption in CAPTIONS:
         for name in list(left):
@@ -149,7 +149,7 @@ def _captioned(names: Sequence[str], folder: Path, texts: Texts) -> Iterator[tup
 
 
 def _by_number(name: str) -> list[tuple[int, float, str]]:
-    """A sort key by the numbers in a name: case 2 before case 10, Kh = 0.2 before 0.25."""
+    """Return a sort key by the numbers in a name: case 2 before case 10, Kh = 0.2 before 0.25."""
     parts = re.split(r"(\d+(?:\.\d+)?)", name)
     return [(0, float(part), "") if number else (1, 0.0, part) for part, number in zip(parts, cycle((False, True)))]
 

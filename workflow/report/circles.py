@@ -93,15 +93,16 @@ def against_elements(results: Results) -> Iterator[str]:
 
 
 def _contradicted(value: float, lower: float | None, upper: float | None) -> bool:
-    """Whether a factor of safety or critical Kh of circles is so far outside strict bounds that `of_circles` reports
-    it.
+    """Return whether a factor of safety or critical Kh of circles is so far outside strict bounds that `of_circles`
+    reports it.
     """
     above = upper is not None and value > NO_CIRCLE * upper + ABOVE
     return above or (lower is not None and value < min(NO_BALANCE * lower, lower - BELOW))
 
 
 def _why_far(results: Results, circle: CirclePart, elements: float, line: np.ndarray, kh: float | None) -> str:
-    """Why a circle is far from the number of the ``elements``, which slip along a ``line`` (m), and what to do."""
+    """Return why a circle is far from the number of the ``elements``, which slip along a ``line`` (m), and what
+    to do."""
     section, fem = results.config.section, results.fem
     where = ""
     if len(line):
@@ -149,7 +150,7 @@ def _value(circle: CirclePart) -> float:
 
 
 def _slides_out(bounds: BoundsAnswer) -> str:
-    """What to do where the mechanism of the bounds leaves the section at a side; empty if it does not."""
+    """Return what to do where the mechanism of the bounds leaves the section at a side; empty if it does not."""
     sides = bounds.directions[0].leaves if bounds.directions else ()
     if not sides or bounds.sides != "free-field":
         return ""
@@ -160,7 +161,7 @@ def _slides_out(bounds: BoundsAnswer) -> str:
 
 
 def _assumed(section: Section, circle: CirclePart) -> str:
-    """Why a circle may fail at a smaller Kh than the ground resists in equilibrium, and what to do."""
+    """Return why a circle may fail at a smaller Kh than the ground resists in equilibrium, and what to do."""
     strata = [shown_name(name) for name in _cut_steeply(section, circle)]
     if not strata:
         return (
@@ -172,7 +173,7 @@ def _assumed(section: Section, circle: CirclePart) -> str:
 
 
 def _cut_steeply(section: Section, circle: CirclePart) -> list[str]:
-    """The strata with friction that a circle cuts steeply, by name from the top down."""
+    """Return the strata with friction that a circle cuts steeply, by name from the top down."""
     line = np.array(circle.surface_m)
     middle, step = 0.5 * (line[1:] + line[:-1]), np.diff(line, axis=0)
     steep = middle[np.abs(step[:, 1]) > STEEP * np.abs(step[:, 0])]

@@ -158,7 +158,7 @@ def edge_sentence(stratum: str, start: float, end: float, kh: float) -> str:
 
 
 def _out_at(sides: tuple[str, ...]) -> str:
-    """A clause on the sides of the section through which the failing ground slides out; empty without any."""
+    """Return a clause on the sides of the section through which the failing ground slides out; empty without any."""
     return f", where the ground slides out at the {' and the '.join(sides)} side" if sides else ""
 
 
@@ -233,15 +233,15 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
 
 
 def _tried(answer: CalibrationAnswer, target: float) -> str:
-    """The target of the calibration in words: a range if the critical Kh of the continuum is one and the discs are
-    within it.
+    """Return the target of the calibration in words: a range if the critical Kh of the continuum is one and the discs
+    are within it.
     """
     low, high = answer.continuum_kc or (target, target)
     return f"a target of {between([low, high] if low < target < high else [target])}"
 
 
 def _bracket(kc: float, answer: CalibrationAnswer) -> str:
-    """The critical Kh of the discs with its bracket."""
+    """Return the critical Kh of the discs with its bracket."""
     upper = kc if answer.kc_upper is None else answer.kc_upper
     return f"{coefficient(kc)} ({between([answer.kc_lower, upper])})"
 
@@ -311,7 +311,7 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
 
 
 def _slides(config: Config, store: Store) -> Iterator[str]:
-    """The slides of the discs, compared with those of material points of the same section."""
+    """Yield the slides of the discs, compared with those of material points of the same section."""
     answer, label = CasesAnswer.read(store), SectionLabel.of(config.section)
     yield from slide_sentences(config, answer)
     if "mpm" in config.slide.methods and (store.folder / PointSlidesAnswer.FILE).is_file():

@@ -132,7 +132,7 @@ def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
 
 
 def _uphill_end(case: PointCase) -> int:
-    """The place of the uphill end in the lists of a surface."""
+    """Return the place of the uphill end in the lists of a surface."""
     return 0 if case.surface_before[0][1] >= case.surface_before[-1][1] else -1
 
 
@@ -220,7 +220,7 @@ def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "di
 
 
 def _side(surface: MovedSurface, x: float) -> str:
-    """The side of the model that a place (m) on a surface is close to; empty if it is close to none."""
+    """Return the side of the model that a place (m) on a surface is close to; empty if it is close to none."""
     along = [point[0] for point in surface.surface_before]
     near = NEAR_SIDE * (max(along) - min(along))
     return "left" if x < min(along) + near else "right" if x > max(along) - near else ""
@@ -232,7 +232,7 @@ def _ends(places: Sequence[float]) -> str:
 
 
 def _largest_slides(cases: Mapping[int, CaseAnswer], random: RandomPackings | None) -> dict[int, float]:
-    """The largest slide (m) of each case: its mean over random packings where there are several."""
+    """Return the largest slide (m) of each case: its mean over random packings where there are several."""
     slides = {number: case.slide_max_m for number, case in cases.items()}
     for number, case in (random.cases if random is not None else {}).items():
         if number in slides and len(case.slide_max_m.values) > 1 and case.slide_max_m.mean is not None:

@@ -37,7 +37,7 @@ def of_section(config: Config, picture: Path) -> dict[str, Any]:
 
 
 def _seepage(flow: Seepage) -> dict[str, Any]:
-    """The flow of water as data."""
+    """Return the flow of water as data."""
     gradient, x = flow.exit_gradient
     return {
         "discharge_m2_per_s": flow.discharge,
@@ -48,7 +48,7 @@ def _seepage(flow: Seepage) -> dict[str, Any]:
 
 
 def _parameters(stratum: Stratum) -> dict[str, Any]:
-    """Parameters of a stratum without its position; quantities as plain SI numbers."""
+    """Return the parameters of a stratum without its position; quantities as plain SI numbers."""
     values = {key: value for key, value in stratum if key not in ("name", "bottom")}
     return {key: float(value) if isinstance(value, float) else value for key, value in values.items()}
 

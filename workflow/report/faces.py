@@ -113,7 +113,7 @@ def _line(results: Results, row: FaceRow) -> FaceLine:
 
 
 def _blocks(config: Config, row: FaceRow) -> str:
-    """The slides of rigid blocks with the critical Kh of both circles as a text."""
+    """Return the slides of rigid blocks with the critical Kh of both circles as a text."""
     if row.block is None:
         return ""
     davis = row.face.davis_critical
@@ -140,7 +140,7 @@ def _ends(value: FaceValue | None) -> tuple[float | None, float | None]:
 
 
 def _of_section(results: Results, towards: Side) -> tuple[float | None, float | None]:
-    """Strict bounds of the critical Kh of the section with the seismic force to one side."""
+    """Return the strict bounds of the critical Kh of the section with the seismic force to one side."""
     bounds = results.bounds
     if bounds is None:
         return None, None
@@ -155,7 +155,7 @@ def _of_safety(results: Results) -> tuple[float | None, float | None]:
 
 
 def _moved(results: Results) -> Iterator[tuple[str, list[MovedSurface]]]:
-    """The slides of every method, over all cases."""
+    """Yield the slides of every method, over all cases."""
     cases, points = results.case_set()[1], results.mpm.cases if results.mpm is not None else {}
     if cases:
         yield "discs", [cases[number] for number in sorted(cases)]
@@ -164,7 +164,7 @@ def _moved(results: Results) -> Iterator[tuple[str, list[MovedSurface]]]:
 
 
 def _slides(results: Results, row: FaceRow) -> Iterator[str]:
-    """The largest slide of a face towards its side, over the cases of every method."""
+    """Yield the largest slide of a face towards its side, over the cases of every method."""
     face = row.face
     start, end = (face.start_m, face.crest_m[0]) if face.towards == "left" else (face.crest_m[1], face.end_m)
     sign = 1.0 if _downhill(results, face.towards) else -1.0
@@ -183,7 +183,7 @@ def _downhill(results: Results, towards: Side) -> bool:
 
 
 def _settlements(results: Results, row: FaceRow) -> Iterator[str]:
-    """The settlement of the half of the crest beside a face, over the cases of every method."""
+    """Yield the settlement of the half of the crest beside a face, over the cases of every method."""
     left, right = row.face.crest_m
     middle = 0.5 * (left + right)
     x = np.linspace(left, middle, HALF) if row.face.towards == "left" else np.linspace(middle, right, HALF)
@@ -207,7 +207,7 @@ def _spread(values: list[float]) -> str:
 
 
 def _elsewhere(results: Results) -> Iterator[FaceLine]:
-    """The failure of the section by finite elements where no crest is part of this failure."""
+    """Yield the failure of the section by finite elements where no crest is part of this failure."""
     fem, slices, config = results.fem, results.slices, results.config
     surface = [(float(x), float(z)) for x, z in results.slip_surface]
     if fem is None or slices is None or results.kc is None or not surface:
@@ -239,7 +239,8 @@ def _elsewhere(results: Results) -> Iterator[FaceLine]:
 def _by_both_rules(
     flow: str, value: float | None, davis: float | None, associated: float | None
 ) -> tuple[float | None, float | None]:
-    """An answer with ψ = φ and with Davis's strength; ``value`` is the one by the flow rule of the finite elements."""
+    """Return an answer with ψ = φ and with Davis's strength; ``value`` is the one by the flow rule of the finite
+    elements."""
     if flow == "associated":
         return value, davis
     return value if associated is None else associated, value
@@ -250,7 +251,7 @@ def _meets(circle: CirclePart, surface: list[tuple[float, float]]) -> bool:
 
 
 def _overlap(line: tuple[tuple[float, float], ...], surface: list[tuple[float, float]]) -> bool:
-    """Whether two slip surfaces lie over each other by more than half of the shorter one."""
+    """Return whether two slip surfaces lie over each other by more than half of the shorter one."""
     if not line:
         return False
     shared = min(line[-1][0], surface[-1][0]) - max(line[0][0], surface[0][0])

@@ -89,7 +89,7 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
 
 
 def _surface_at_rest(results: Results) -> Sequence[Sequence[float]]:
-    """The slip surface of the factor of safety without shaking; empty without any."""
+    """Return the slip surface of the factor of safety without shaking; empty without any."""
     factors = results.fem.safety_factors if results.fem is not None else ()
     return next((factor.slip_surface for factor in factors if factor.kh == 0.0), ())
 
@@ -101,7 +101,8 @@ def _with_crests(
     quantity: Literal["critical", "safety"],
     _: Texts,
 ) -> HeadlinePart:
-    """A headline of ground with which no crest slides, and the smallest value of the faces of structures beside it."""
+    """Return a headline of ground with which no crest slides, and the smallest value of the faces of structures beside
+    it."""
     names = spared(results, surface)
     if not names or headline.value == "–":
         return headline
@@ -126,7 +127,8 @@ def _with_crests(
 
 
 def _first_face(results: Results, _: Texts) -> str:
-    """The face of a structure that fails first by finite elements, as a sentence after a blank; empty without any."""
+    """Return the face of a structure that fails first by finite elements, as a sentence after a blank; empty without
+    any."""
     lines = [(line.critical.elements, line) for line in face_lines(results) if line.of_structure]
     known = [(kc, line) for kc, line in lines if kc is not None]
     if not known:
@@ -146,15 +148,15 @@ def _first_face(results: Results, _: Texts) -> str:
 
 
 def _way(results: Results, fem: FemAnswer, _: Texts) -> str:
-    """The direction of failure: downslope or upslope, or the side for ground that falls to both sides."""
+    """Return the direction of failure: downslope or upslope, or the side for ground that falls to both sides."""
     if structures_of(results.config.section):
         return _("to the {side}", side=_(fem.towards))
     return _("{direction}, to the {side},", direction=_(FORCE[fem.direction]), side=_(fem.towards))
 
 
 def _contradicted(results: Results, fem: FemAnswer, kh: GoverningKh, conditions: str, _: Texts) -> HeadlinePart:
-    """The sentence on the critical Kh if strict bounds are below the finite elements: the upper end of the interval
-    counts, as the critical Kh if the bounds are close, else as a limit; the elements are a second opinion.
+    """Return the sentence on the critical Kh if strict bounds are below the finite elements: the upper end of the
+    interval counts, as the critical Kh if the bounds are close, else as a limit; the elements are a second opinion.
     """
     word = (
         "The section fails {way} at Kh = {kc} ({conditions}). The finite elements give {excess} % more; no mechanism "
@@ -182,7 +184,7 @@ def _interval(error: Accuracy | None, _: Texts) -> str:
 
 
 def _from_to(low: str, high: str, method: str, _: Texts) -> str:
-    """An interval and its method; one number where both ends are the same."""
+    """Return an interval and its method; one number where both ends are the same."""
     both = _("{low} to {high}", low=low, high=high) if low != high else low
     return _("{interval} {method}", interval=both, method=_(method))
 
@@ -217,8 +219,8 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
 
 
 def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Texts) -> str:
-    """The interval of a factor of safety: strict bounds of the same conditions, else the error of its mesh, else the
-    distance of the critical Kh of the same mesh from its strict bounds. The interval is empty if none of these is
+    """Return the interval of a factor of safety: strict bounds of the same conditions, else the error of its mesh, else
+    the distance of the critical Kh of the same mesh from its strict bounds. The interval is empty if none of these is
     known.
     """
     bounds = results.bounds
@@ -264,7 +266,7 @@ def conclusions(results: Results, _: Texts) -> Iterator[str]:
 
 
 def _without_shaking(results: Results, _: Texts) -> Iterator[str]:
-    """A sentence on whether the continuum still stands after liquefaction, without shaking."""
+    """Yield a sentence on whether the continuum still stands after liquefaction, without shaking."""
     cases = results.liquefied.cases if results.liquefied is not None else ()
     flows = [number for case in cases if case.stands == "flows" for number in case.cases]
     stands = [number for case in cases if case.stands == "stands" for number in case.cases]
@@ -277,7 +279,7 @@ def _without_shaking(results: Results, _: Texts) -> Iterator[str]:
 
 
 def _why_kh(results: Results, _: Texts) -> Iterator[str]:
-    """A comparison of the constant Kh of the slides with the limit load after liquefaction."""
+    """Yield a comparison of the constant Kh of the slides with the limit load after liquefaction."""
     slide = results.config.slide
     if results.liquefied is None or not results.case_set()[1] or slide.accelerogram or slide.kh_cycles or not slide.kh:
         return

@@ -61,7 +61,7 @@ def with_flow(value: float, flow: Flow, compared: float | None, estimate: str, s
 
 
 def _low(value: float, shown: Callable[[float], str]) -> str:
-    """Davis's estimate in words; if the ground with this strength fails under its weight, no Kh is given."""
+    """Return Davis's estimate in words; if the ground with this strength fails under its weight, no Kh is given."""
     return shown(value) if value > 0.0 else "0, it fails under its own weight"
 
 

@@ -8,8 +8,8 @@ from workflow.report.texts import Texts
 
 @dataclass
 class Labels:
-    """Numbers sections, tables and figures in their order on a page. A page is rendered twice: ``known`` contains the
-    numbers of the first time.
+    """Holds numbers sections, tables and figures in their order on a page. A page is rendered twice: ``known`` contains
+    the numbers of the first time.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Labels:
         return number
 
     def __contains__(self, name: str) -> bool:
-        """Whether the page has an item with this name."""
+        """Return whether the page has an item with this name."""
         return name in self.known
 
     def see(self, name: str) -> str:
@@ -72,6 +72,6 @@ class Notes:
 
 
 def _letter(place: int) -> str:
-    """a to z, then aa, ab and so on."""
+    """Return a to z, then aa, ab and so on."""
     again, rest = divmod(place, 26)
     return (_letter(again - 1) if again else "") + chr(ord("a") + rest)

@@ -79,7 +79,7 @@ def page(results: Results, summary: Summary) -> str:
 
 
 def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]:
-    """Content of the template."""
+    """Return the content of the template."""
     config, uncertainty_rows = results.config, list(sources_of_uncertainty(results))
     faces = face_rows(config, results.slices)
     room = MOST_WARNINGS - TABLE * (bool(faces) + bool(summary.crests))
@@ -146,12 +146,13 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
 
 
 def _is_checked(warning: WarningPart, checks: Sequence[tuple[str, str]]) -> bool:
-    """Whether one of the checks tells a warning already."""
+    """Return whether one of the checks tells a warning already."""
     return any(warning.what in words for _, words in checks)
 
 
 def _thirds(section: Section, texts: Texts) -> tuple[str, str, str]:
-    """Names of the thirds of the surface, from the higher end: by side where an embankment has two slopes."""
+    """Return the names of the thirds of the surface, from the higher end: by side where an embankment has two
+    slopes."""
     if not structures_of(section):
         return texts("upslope third"), texts("middle third"), texts("downslope third")
     left, right = texts("left third"), texts("right third")
@@ -160,21 +161,21 @@ def _thirds(section: Section, texts: Texts) -> tuple[str, str, str]:
 
 
 def _css_text(text: str) -> Markup:
-    """A text within quotes in a style sheet."""
+    """Return a text within quotes in a style sheet."""
     return Markup(
         "".join(letter if letter.isalnum() or letter in " .,-_" else f"\\{ord(letter):x} " for letter in text)
     )
 
 
 def _head(report: ReportSettings) -> list[tuple[str, str]]:
-    """The title block of the report: pairs of a word and a text."""
+    """Return the title block of the report: pairs of a word and a text."""
     return [
         (name, text) for name, text in report if name not in ("logo", "language") and isinstance(text, str) and text
     ]
 
 
 def _logo(file: str) -> str:
-    """The logo as a URI of data; empty without one. Raises InputError if it cannot be read."""
+    """Return the logo as a URI of data; empty without one. Raises InputError if it cannot be read."""
     if not file:
         return ""
     kind = LOGOS.get(Path(file).suffix.lower())
@@ -188,7 +189,7 @@ def _logo(file: str) -> str:
 
 
 def _pictures(results: Results, texts: Texts) -> dict[str, list[Any]]:
-    """The pictures of this run, by the section of the report."""
+    """Return the pictures of this run, by the section of the report."""
     names = [name for entry in results.ends.values() for name in entry.pictures]
     names += [name for name in PICTURES if results.store.has(name)]
     by_part: dict[str, list[Any]] = {}

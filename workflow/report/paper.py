@@ -122,14 +122,14 @@ def _has_soil_discs(results: Results) -> bool:
 
 
 def _disc_sets(results: Results) -> tuple[SetOfSprings, ...]:
-    """The sets of discs that are compared with those of the paper."""
+    """Return the sets of discs that are compared with those of the paper."""
     if not _has_soil_discs(results):
         return "before", "after"
     return ("paper", "after") if results.dem is not None and results.dem.paper is not None else ("after",)
 
 
 def _dem(results: Results, which: SetOfSprings) -> Iterator[PaperRow]:
-    """States at the paper's two Kh: of its own discs, "before" calibration or "after" it."""
+    """Yield states at the paper's two Kh: of its own discs, "before" calibration or "after" it."""
     springs, result = CALLED[which], _absent(results, "calibrate")
     stands = PaperRow(f"DEM: stands at Kh = 0.2{springs}", "yes", "Fig. 12", result)
     broken = PaperRow(f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}", "yes", "Fig. 13", result)
@@ -145,7 +145,7 @@ def _dem(results: Results, which: SetOfSprings) -> Iterator[PaperRow]:
 
 
 def _broken(row: PaperRow, cracked: dict[str, float]) -> PaperRow:
-    """Whether pore springs crack in the Asd layers, and in no other layer more."""
+    """Return whether pore springs crack in the Asd layers, and in no other layer more."""
     shares = {name: cracked.get(name, 0.0) for name in ASD}
     most = max(shares.values())
     others = {name: share for name, share in cracked.items() if name not in ASD and share > most}

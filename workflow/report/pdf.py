@@ -46,7 +46,7 @@ def write_pdf(store: Store) -> Path:
 
 
 def _by_browser(program: str, page: Path, profile: str, printed: Path) -> list[str]:
-    """The command with which a browser prints, without a screen and with a temporary profile."""
+    """Return the command with which a browser prints, without a screen and with a temporary profile."""
     line = [
         program, "--headless=new", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
         "--disable-background-networking", "--disable-component-update", f"--user-data-dir={profile}",

@@ -66,14 +66,15 @@ def _slides(results: Results) -> Iterator[Film]:
 
 
 def _thinned(files: list[str], results: Results) -> list[str]:
-    """A subset of the files, including the last one, so that the size of a film is limited."""
+    """Return a subset of the files, including the last one, so that the size of a film is limited."""
     discs = len(Frame.read(results.store.folder / files[0]).x)
     every = max(1, -(-discs * len(files) // MOST))
     return [*files[:-1][::every], files[-1]]
 
 
 def _slide(results: Results, title: str, states: list[Frame], history: SlideHistory | None) -> Film:
-    """A film of one slide: radius, stratum and position of every disc, then its displacement from frame to frame."""
+    """Return a film of one slide: radius, stratum and position of every disc, then its displacement from frame to
+    frame."""
     first, last = states[0], states[-1]
     reach = first.radius.max()
     left, right = float(first.x.min() - reach), float(first.x.max() + reach)
@@ -102,7 +103,7 @@ def _slide(results: Results, title: str, states: list[Frame], history: SlideHist
 
 
 def _surface(frame: Frame) -> np.ndarray:
-    """The topmost disc of every column of discs, from left to right."""
+    """Return the topmost disc of every column of discs, from left to right."""
     free = np.flatnonzero(frame.free)
     column = ((frame.x[free] - frame.x[free].min()) / (2.0 * frame.radius.mean())).astype(int)
     order = np.lexsort((frame.z[free], column))
@@ -110,7 +111,8 @@ def _surface(frame: Frame) -> np.ndarray:
 
 
 def _path(results: Results) -> Iterator[Film]:
-    """A film of the path of Kh: the mesh, and displacement and mobilised strength of every state in equilibrium."""
+    """Yield a film of the path of Kh: the mesh, and displacement and mobilised strength of every state in
+    equilibrium."""
     if results.kc is None or not results.store.has(COLLECTION):
         return
     fields_of_fem = FemResults.load(results.config.section, results.store)
@@ -145,7 +147,7 @@ def _path(results: Results) -> Iterator[Film]:
 
 
 def _step(path: Sequence[Any], kh: float, label: str) -> int:
-    """The step of the path of a stored state: the one that reached its Kh, or the last one."""
+    """Return the step of the path of a stored state: the one that reached its Kh, or the last one."""
     if not label.startswith("Kh = "):
         return len(path) - 1
     return next((place for place, step in enumerate(path) if step.factor >= kh - 1e-4), len(path) - 1)

@@ -41,7 +41,8 @@ def outcome(case: LiquefiedCase) -> str:
 
 
 def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
-    """A sentence on the slide of the discs by their weight alone, if the continuum fails and the discs do not flow."""
+    """Yield a sentence on the slide of the discs by their weight alone, if the continuum fails and the discs do not
+    flow."""
     _, cases = results.case_set()
     discs = {number: cases[number] for number in case.cases if number in cases and not cases[number].flows}
     far = {number: slide for number, each in discs.items() if (slide := each.slide_by_weight_m) is not None}
@@ -55,7 +56,7 @@ def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
 
 
 def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[str]:
-    """The contradiction that discs slide by their weight alone although the continuum stands."""
+    """Yield the contradiction that discs slide by their weight alone although the continuum stands."""
     _, cases = results.case_set()
     far = max((cases[number].slide_max_m for number in case.cases if number in cases), default=0.0)
     slide = results.config.slide
@@ -68,7 +69,7 @@ def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[
 
 
 def _relief(results: Results) -> float:
-    """Height of the ground (m), from its lowest point to its highest."""
+    """Return the height of the ground (m), from its lowest point to its highest."""
     return float(results.config.section.ground[:, 1].max() - results.config.section.ground[:, 1].min())
 
 
@@ -79,7 +80,7 @@ def _which(case: LiquefiedCase) -> str:
 
 @dataclass(frozen=True)
 class Enough:
-    """The residual strength (kPa) of each stratum for a factor of safety of 1, and whether it is a bound."""
+    """Holds the residual strength (kPa) of each stratum for a factor of safety of 1, and whether it is a bound."""
 
     how: str
     strata: Strata
@@ -123,14 +124,15 @@ def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
 
 
 def _alike(weaker: LiquefiedCase, stronger: LiquefiedCase) -> bool:
-    """Whether two cases have the same strata, and the case with the larger factor of safety has more strength."""
+    """Return whether two cases have the same strata, and the case with the larger factor of safety has more
+    strength."""
     names = [stratum.name for stratum in weaker.strata] == [stratum.name for stratum in stronger.strata]
     pairs = [(a.cohesion_kPa, b.cohesion_kPa) for a, b in zip(weaker.strata, stronger.strata, strict=False)]
     return names and all(0.0 < a <= b for a, b in pairs) and any(a < b for a, b in pairs)
 
 
 def _on_the_line(weaker: tuple[float, LiquefiedCase], stronger: tuple[float, LiquefiedCase]) -> Strata:
-    """The strata with the strength for a factor of safety of 1, linear between two cases."""
+    """Return the strata with the strength for a factor of safety of 1, linear between two cases."""
     part = (1.0 - weaker[0]) / (stronger[0] - weaker[0])
     pairs = zip(weaker[1].strata, stronger[1].strata, strict=True)
     return tuple(_scaled(a, 1.0 + part * (b.cohesion_kPa / a.cohesion_kPa - 1.0)) for a, b in pairs)
@@ -146,7 +148,8 @@ def _scaled(stratum: LiquefiedStratum, by: float) -> LiquefiedStratum:
 
 
 def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
-    """Whether a measured displacement contradicts a case: a flow failure does not stop after a small displacement."""
+    """Yield whether a measured displacement contradicts a case: a flow failure does not stop after a small
+    displacement."""
     measured = [float(case.displacement) for case in results.config.report.observed]
     relief = _relief(results)
     if not measured or max(measured) >= FLOWS * relief:

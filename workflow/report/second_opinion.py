@@ -57,7 +57,7 @@ class SecondOpinion:
         return f"{both}, further apart than their intervals of {intervals}{self._nearer()}"
 
     def _nearer(self) -> str:
-        """A clause on which method predicted known slides of this kind better."""
+        """Return a clause on which method predicted known slides of this kind better."""
         discs, points = slide_error(self.flows), slide_error(self.flows, "mpm")
         if discs is None or points is None:
             return ""
@@ -95,7 +95,8 @@ def _opinion(case: CaseAnswer, packings: Span, other: PointCase) -> SecondOpinio
 
 
 def _with_error(low: float, high: float, flows: bool | None, method: SlideMethod) -> Span:
-    """An interval with the error on known slides, unless this error is so large that any two slides would agree."""
+    """Return an interval with the error on known slides, unless this error is so large that any two slides would
+    agree."""
     error = slide_error(flows, method)
     return (low, high) if error is None or not error.bounds_slides else error.interval(max(low, 0.0), high)
 

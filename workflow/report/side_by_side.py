@@ -55,7 +55,7 @@ def differences(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
 
 
 def _leaves(data: Any, name: str) -> Iterator[tuple[str, Any]]:
-    """The values of nested tables by their dotted names; strata by the names of strata."""
+    """Yield the values of nested tables by their dotted names; strata by the names of strata."""
     if isinstance(data, dict):
         for key, value in data.items():
             yield from _leaves(value, f"{name}.{key}" if name else key)

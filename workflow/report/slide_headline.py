@@ -54,7 +54,7 @@ def slide_headline(results: Results, _: Texts) -> HeadlinePart:
 
 
 def _second_opinion(first: MethodSlides, other: MethodSlides, _: Texts) -> str:
-    """Why the first method counts, and the slide with its interval by the other one."""
+    """Return why the first method counts, and the slide with its interval by the other one."""
     values = {
         "first": _(NAMES[first.method]),
         "other": _(NAMES[other.method]),
@@ -74,7 +74,7 @@ def _second_opinion(first: MethodSlides, other: MethodSlides, _: Texts) -> str:
 
 
 def _spread(slides: MethodSlides, _: Texts) -> str:
-    """The interval of a second opinion, in few words."""
+    """Return the interval of a second opinion, in few words."""
     if slides.error is None or slides.interval is None:
         return _("the error on known slides is not known")
     if 2 * slides.error.within < slides.error.cases:
@@ -83,7 +83,7 @@ def _spread(slides: MethodSlides, _: Texts) -> str:
 
 
 def _block(results: Results, _: Texts) -> HeadlinePart:
-    """The displacement of a rigid block in the earthquake, if nothing liquefies."""
+    """Return the displacement of a rigid block in the earthquake, if nothing liquefies."""
     config = results.config
     has_shaking = config.earthquake != EarthquakeSettings() or bool(config.sliding_block.accelerogram)
     slides = {
@@ -105,7 +105,7 @@ def _block(results: Results, _: Texts) -> HeadlinePart:
 
 
 def _span(slides: MethodSlides) -> str:
-    """The largest slides of all cases as a range."""
+    """Return the largest slides of all cases as a range."""
     return f"< {LEAST_SLIDE:g} m" if max(slides.largest) < LEAST_SLIDE else span(slides.largest)
 
 
@@ -120,7 +120,7 @@ def _end(cases: Sequence[CaseAnswer | PointCase], _: Texts) -> str:
 
 
 def _of_slides(slides: MethodSlides, _: Texts) -> str:
-    """The interval of the largest slide of a method by its error on known slides."""
+    """Return the interval of the largest slide of a method by its error on known slides."""
     error, method = slides.error, _(NAMES[slides.method])
     if error is None or slides.interval is None:
         return _("the error on known slides is not known")
@@ -139,7 +139,7 @@ def _of_slides(slides: MethodSlides, _: Texts) -> str:
 
 
 def _uncertain(error: SlideError, method: str, _: Texts) -> str:
-    """The error of a method that is too large for an interval."""
+    """Return the error of a method that is too large for an interval."""
     return _(
         "uncertain by a factor of {factor}: {within} of {cases} known slides were predicted within it by {method}, "
         "half of them within a factor of {middle}",

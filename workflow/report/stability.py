@@ -21,7 +21,7 @@ from workflow.results.slices import CirclePart
 
 @dataclass(frozen=True)
 class StabilityRow:
-    """A row of the table: quantity, value, interval, and conditions."""
+    """Holds a row of the table: quantity, value, interval, and conditions."""
 
     quantity: str
     value: str
@@ -77,7 +77,7 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
 
 
 def _shallow_by_davis(results: Results, fem: FemAnswer, name: str, _: Texts) -> Iterator[StabilityRow]:
-    """Shallow failures of cohesionless faces with Davis reduced strength, in closed form, that come first."""
+    """Yield the shallow failures of cohesionless faces with Davis reduced strength, in closed form, that come first."""
     section, settings = results.config.section, fem.settings.changed(direction=fem.direction)
     if fem.davis is None:
         return

@@ -103,7 +103,7 @@ def _numbers(cases: dict[int, CaseAnswer]) -> dict[int, CaseNumbers]:
 
 
 def _summaries(results: Results, cases: dict[int, CaseAnswer]) -> dict[int, CaseSummary]:
-    """The numbers of every case, with the mean and interval of its largest slide over several packings."""
+    """Return the numbers of every case, with the mean and interval of its largest slide over several packings."""
     random = results.cases.random if results.cases is not None else None
     summaries = {}
     for number, numbers in _numbers(cases).items():
@@ -124,7 +124,7 @@ def _mesh(results: Results) -> MeshCount | None:
 
 
 def _fem(results: Results) -> FemSummary | None:
-    """The summary of the finite elements. Without a verdict there is no critical Kh, only the largest Kh in
+    """Return the summary of the finite elements. Without a verdict there is no critical Kh, only the largest Kh in
     equilibrium.
     """
     answer = results.fem
@@ -150,8 +150,8 @@ def _variants(results: Results) -> dict[str, VariantSummary] | None:
 
 
 def _dem(results: Results) -> DemSummary | None:
-    """The summary of the discs. The verdict is that of the calibration if there was one, else that of the search for
-    the critical Kh.
+    """Return the summary of the discs. The verdict is that of the calibration if there was one, else that of the search
+    for the critical Kh.
     """
     discs, calibration = results.dem, results.calibration
     if discs is None:

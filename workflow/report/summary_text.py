@@ -73,7 +73,7 @@ def _cases(results: Results) -> Iterator[str]:
 
 
 def _failure(results: Results) -> Iterator[str]:
-    """Sentences on the error of the critical Kh of the continuum, and on the influence of assumptions."""
+    """Yield sentences on the error of the critical Kh of the continuum, and on the influence of assumptions."""
     fem = results.fem
     if results.kc is None or fem is None:
         return
@@ -86,7 +86,7 @@ def _failure(results: Results) -> Iterator[str]:
 
 
 def _assumed(results: Results, fem: FemAnswer, error: Accuracy | None) -> Iterator[str]:
-    """A sentence on the critical Kh with other assumptions, and on whether they matter more than the numerical
+    """Yield a sentence on the critical Kh with other assumptions, and on whether they matter more than the numerical
     error.
     """
     most, variants = _most(results, fem), results.variants.variants if results.variants is not None else ()
@@ -104,8 +104,8 @@ def _assumed(results: Results, fem: FemAnswer, error: Accuracy | None) -> Iterat
 
 
 def _most(results: Results, fem: FemAnswer) -> float:
-    """The largest possible critical Kh for any flow rule: by strict bounds with the same sides, or with ψ = φ. A path
-    of smaller ψ with a larger critical Kh had too coarse a mesh, and is disregarded.
+    """Return the largest possible critical Kh for any flow rule: by strict bounds with the same sides, or with ψ = φ. A
+    path of smaller ψ with a larger critical Kh had too coarse a mesh, and is disregarded.
     """
     bounds, full = results.bounds, fem.kc if fem.flow == "associated" else math.inf
     if fem.associated is not None:
@@ -116,7 +116,7 @@ def _most(results: Results, fem: FemAnswer) -> float:
 
 
 def _shallow(results: Results, fem: FemAnswer) -> Iterator[str]:
-    """Shallow failures of cohesionless faces, and whether the mechanism leaves the section at a side."""
+    """Yield the shallow failures of cohesionless faces, and whether the mechanism leaves the section at a side."""
     for face in fem.shallow_failures:
         if face.is_edge(fem.settings.least_depth):
             continue
@@ -131,7 +131,7 @@ def _shallow(results: Results, fem: FemAnswer) -> Iterator[str]:
 
 
 def _slides(results: Results) -> Iterator[str]:
-    """Sentences on the slide of each case and on its end, the governing set of discs first."""
+    """Yield sentences on the slide of each case and on its end, the governing set of discs first."""
     first, cases = results.case_set()
     if not cases:
         return
@@ -158,7 +158,8 @@ def _prediction(results: Results) -> Iterator[str]:
 
 
 def _alike(results: Results) -> str:
-    """Boundary conditions and flow rule of the FEM model that the discs are compared with, and its critical Kh."""
+    """Return the boundary conditions and flow rule of the FEM model that the discs are compared with, and its critical
+    Kh."""
     like = results.dem_counterpart
     if like is None:
         return ""
@@ -168,7 +169,8 @@ def _alike(results: Results) -> str:
 
 
 def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
-    """Sentences on the cases that come to rest, on those still moving, and on those that a side of the box stopped."""
+    """Yield sentences on the cases that come to rest, on those still moving, and on those that a side of the box
+    stopped."""
     stays = [number for number, case in cases.items() if case.settled and case.slide_max_m < STAYS]
     if stays:
         yield f"In {of_cases(stays)} the surface moves less than {STAYS:g} m."
@@ -230,7 +232,7 @@ APART = {
 
 
 def _cases_are(config: Config) -> Iterator[str]:
-    """Strength and stiffness of the layers that liquefy in each case, for the first sentence on cases."""
+    """Yield the strength and stiffness of the layers that liquefy in each case, for the first sentence on cases."""
     numbers = sorted({number for stratum in config.section.strata for number in stratum.liquefies_in})
     cases = [{**dict(assumed := config.cases[number - 1]), "damping": assumed.damping_left} for number in numbers]
     liquefied = [stratum.name for stratum in config.section.strata if stratum.liquefies_in]
@@ -254,7 +256,7 @@ def _cases_are(config: Config) -> Iterator[str]:
 
 
 def _shown(name: str, values: Sequence[Any]) -> str:
-    """The remaining share of one property in each case; by stratum if these differ."""
+    """Return the remaining share of one property in each case; by stratum if these differ."""
     strata = list(dict.fromkeys(stratum for value in values if isinstance(value, dict) for stratum in value))
     each = []
     for stratum in strata or [""]:
@@ -286,7 +288,7 @@ def _interval(results: Results) -> str:
 
 
 def _spread(mean: float, values: Sequence[float], interval: Sequence[float] | None) -> str:
-    """A slide on several packings: its mean, and the range of packings if it is larger than the digits shown."""
+    """Return a slide on several packings: its mean, and the range of packings if it is larger than the digits shown."""
     phrases = [span(values)] if span(values) != about([mean]) else []
     if interval is not None and span(interval) != about([mean]):
         phrases.append(f"mean of all packings {span(interval)} with 95 %")
@@ -294,7 +296,7 @@ def _spread(mean: float, values: Sequence[float], interval: Sequence[float] | No
 
 
 def _disagreement(results: Results) -> Iterator[str]:
-    """A sentence if methods disagree by more than a factor of three."""
+    """Yield a sentence if methods disagree by more than a factor of three."""
     _, cases = results.case_set()
     discs = [max(case.slide_max_m, 0.0) for case in cases.values()]
     observed, blocks = _displacements(results, "regression"), _displacements(results, "block")
@@ -322,8 +324,8 @@ def _disagreement(results: Results) -> Iterator[str]:
 
 
 def _measured(results: Results) -> Iterator[str]:
-    """A comparison of measured displacements with the discs: at the same place if it is given, else with their largest
-    slide.
+    """Yield a comparison of measured displacements with the discs: at the same place if it is given, else with their
+    largest slide.
     """
     _, cases = results.case_set()
     for observation in results.config.report.observed if cases else ():

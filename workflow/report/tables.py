@@ -39,7 +39,7 @@ WRITTEN_OF_SOME = (
 
 
 def _dilation(stratum: Stratum) -> str:
-    """The dilation angle in degrees; a dash where the section gives none, and the flow rule decides."""
+    """Return the dilation angle in degrees; a dash where the section gives none, and the flow rule decides."""
     return "–" if stratum.dilation_angle is None else f"{math.degrees(stratum.dilation_angle):.3g}"
 
 
@@ -67,7 +67,7 @@ def strata_rows(section: Section) -> Iterator[list[str]]:
 
 
 def _cohesion(stratum: Stratum) -> str:
-    """The cohesion (kPa) of a stratum as a formula: z the depth (m) below its line, σ'v in kPa."""
+    """Return the cohesion (kPa) of a stratum as a formula: z the depth (m) below its line, σ'v in kPa."""
     terms = [f"{stratum.cohesion / 1e3:.4g}"] if stratum.cohesion or not stratum.cohesion_varies else []
     terms += [f"{stratum.cohesion_increase / 1e3:.3g} z"] if stratum.cohesion_increase else []
     if stratum.strength_ratio:
@@ -108,7 +108,7 @@ def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
 
 
 def _of_earthquake(earthquake: EarthquakeSettings) -> list[str]:
-    """Magnitude, distance and peak acceleration, as far as they are known."""
+    """Return the magnitude, distance and peak acceleration, as far as they are known."""
     facts = [] if earthquake.magnitude is None else [f"M {earthquake.magnitude:g}"]
     facts += [] if earthquake.distance is None else [f"at {earthquake.distance / 1e3:.3g} km"]
     if earthquake.peak_acceleration is not None:
@@ -135,7 +135,7 @@ def case_heads(config: Config) -> list[tuple[str, str]]:
 
 
 def _changed(config: Config) -> list[str]:
-    """The fields of a case that the tables show."""
+    """Return the fields of a case that the tables show."""
     return [name for name in Case.model_fields if name not in OPTIONAL or any(getattr(c, name) for c in config.cases)]
 
 
@@ -150,7 +150,7 @@ def case_rows(config: Config) -> Iterator[list[str]]:
 
 
 def _of_one(value: Any, names: list[str]) -> Any:
-    """The value without the name of the stratum if only one stratum liquefies."""
+    """Return the value without the name of the stratum if only one stratum liquefies."""
     return value[names[0]] if isinstance(value, dict) and list(value) == names[:1] == names else value
 
 
@@ -214,7 +214,7 @@ def _line(line: Line) -> tuple[str, str]:
 
 
 def _points(points: Any) -> str:
-    """Points as pairs; one number for a constant line."""
+    """Return points as pairs; one number for a constant line."""
     if isinstance(points, float):
         return f"{points:g}"
     return "  ".join(f"({x:g}, {z:g})" for x, z in points)

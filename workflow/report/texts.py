@@ -45,7 +45,8 @@ def sentences(language: Language) -> dict[str, str]:
 
 @cache
 def _patterns(language: Language) -> tuple[tuple[re.Pattern[str], str], ...]:
-    """Regular expressions of the sentences, those with the most fixed words first, and their translations."""
+    """Return the regular expressions of the sentences, those with the most fixed words first, and their
+    translations."""
     by_words = sorted(sentences(language).items(), key=lambda pair: len(pair[0].replace("{}", "")), reverse=True)
     return tuple((re.compile(VALUE.join(map(re.escape, text.split("{}")))), to) for text, to in by_words)
 
@@ -94,7 +95,7 @@ class Texts:
         return "".join(part if index % 2 else self._paragraph(part) for index, part in enumerate(parts))
 
     def _paragraph(self, text: str) -> str:
-        """The sentences between two tags of a page."""
+        """Return the sentences between two tags of a page."""
         before, words, after = EDGES.fullmatch(text).groups()  # type: ignore[union-attr]
         for code, letter in QUOTES:
             words = words.replace(code, letter)
@@ -108,7 +109,7 @@ class Texts:
         return before + translation + after if translation != words else text
 
     def _on_page(self, text: str, translation: str) -> str:
-        """The translation of a text, or the English sentence if only a part of it would be translated."""
+        """Return the translation of a text, or the English sentence if only a part of it would be translated."""
         return text if text.endswith(".") and not translation.endswith("。") else self._plain(translation)
 
     def _value(self, text: str) -> str:

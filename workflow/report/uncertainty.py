@@ -50,13 +50,13 @@ def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
 
 
 def _meshes(fem: FemAnswer) -> Iterator[str]:
-    """Sentences on the dependence of the critical Kh on the mesh."""
+    """Yield sentences on the dependence of the critical Kh on the mesh."""
     phrases = list(meshes_sentences(fem))
     yield from phrases or ["A finer mesh gives a smaller Kh. To see the difference: --set 'variants.which=[\"mesh\"]'."]
 
 
 def _seen(variant: Variant, kc: float | None) -> str:
-    """The result of a variant, in words."""
+    """Return the result of a variant, in words."""
     if variant.kc is None or kc is None:
         return f"In this run, with {variant.change}: {variant.verdict}, {variant.reason}."
     without = variant.kc_without or kc
@@ -67,7 +67,7 @@ def _seen(variant: Variant, kc: float | None) -> str:
 
 
 def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str]]:
-    """Heading and sentences of every source, with the name of its variant."""
+    """Yield the heading and sentences of every source, with the name of its variant."""
     settings, mesh = fem.settings, fem.mesh
     yield (
         "Bracket",
@@ -93,7 +93,7 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
 
 
 def _dilation(fem: FemAnswer) -> str:
-    """The assumed flow rule, and the critical Kh by the other one."""
+    """Return the assumed flow rule, and the critical Kh by the other one."""
     how = FLOWS[fem.flow]
     if fem.associated is None and fem.davis is None:
         return how
@@ -101,8 +101,8 @@ def _dilation(fem: FemAnswer) -> str:
 
 
 def _bounds(results: Results, bounds: BoundsAnswer) -> str:
-    """Sentences on the strict bounds, and whether the critical Kh of the FEM lies within them if the conditions are
-    the same.
+    """Return sentences on the strict bounds, and whether the critical Kh of the FEM lies within them if the conditions
+    are the same.
     """
     phrase = f"{bounds.words} ({bounds.sides} sides; {bounds.flow.rstrip('.')})."
     contradictions = [f"{warning.what} To do: {warning.remedy}." for warning in results.warnings_by_bounds()]
@@ -110,7 +110,7 @@ def _bounds(results: Results, bounds: BoundsAnswer) -> str:
 
 
 def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
-    """Sentences on the packing of the discs; ``several``: whether several packings were computed."""
+    """Yield sentences on the packing of the discs; ``several``: whether several packings were computed."""
     model, surfaces = dem.model, dem.slip_surface
     phrase = f"Packing: {model.packing}, {model.elements} discs of {model.radius_m:.3g} m radius."
     if model.surface_off_mean_m is not None and model.surface_off_worst_m is not None:

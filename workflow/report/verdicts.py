@@ -78,8 +78,8 @@ def _critical(results: Results) -> Iterator[Interval]:
 
 
 def _is_of_section(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) -> bool:
-    """Whether a mechanism of the finite elements counts: in a section with structures only if a crest slides with
-    it.
+    """Return whether a mechanism of the finite elements counts: in a section with structures only if a crest slides
+    with it.
     """
     return not any(isinstance(face, FacePart) for _, face in _sliding(results)) or not spared(results, surface)
 
@@ -94,7 +94,7 @@ def spared(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) ->
 
 
 def _sliding(results: Results) -> list[tuple[str, FacePart | SlicesAnswer]]:
-    """The faces that have slip circles, by name, or the section without structures; empty without slices."""
+    """Return the faces that have slip circles, by name, or the section without structures; empty without slices."""
     if results.slices is None:
         return []
     faces: list[tuple[str, FacePart | SlicesAnswer]] = [
@@ -104,7 +104,7 @@ def _sliding(results: Results) -> list[tuple[str, FacePart | SlicesAnswer]]:
 
 
 def _by_slices(of: str, circles: Sequence[CirclePart]) -> Iterator[Interval]:
-    """The interval of Bishop's and Spencer's results on the circle with the smallest one."""
+    """Yield the interval of Bishop's and Spencer's results on the circle with the smallest one."""
     if not circles:
         yield f"{of}, by slices", None, None, "no circle slides"
         return
@@ -144,7 +144,7 @@ def _displacements(results: Results) -> Iterator[Interval]:
 
 
 def _share(results: Results, case: int) -> tuple[float, float]:
-    """Ratios of the 5 and 95 % quantiles of the largest slide over packings to the slide of this packing."""
+    """Return the ratios of the 5 and 95 % quantiles of the largest slide over packings to the slide of this packing."""
     random = results.cases.random.cases.get(case) if results.cases is not None and results.cases.random else None
     largest = results.case_set()[1][case].slide_max_m
     if random is None or random.slide_max_m.low is None or random.slide_max_m.high is None or largest < TINY:
@@ -180,7 +180,7 @@ def _why(at_rest: bool) -> str:
 
 
 def _not_computed(results: Results) -> Iterator[Interval]:
-    """Cases of liquefaction of which no slide was computed."""
+    """Yield the cases of liquefaction of which no slide was computed."""
     computed = {*results.case_set()[1], *(results.mpm.cases if results.mpm is not None else ())}
     expected = {number for stratum in results.config.section.strata for number in stratum.liquefies_in}
     for number in sorted(expected - computed):

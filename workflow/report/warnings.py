@@ -45,7 +45,7 @@ def _sentence(text: str) -> str:
 
 
 def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
-    """Weight and text of every warning: the observation, a colon, and the remedy."""
+    """Yield the weight and text of every warning: the observation, a colon, and the remedy."""
     fem = results.fem
     if fem is not None and fem.verdict == "undecided":
         yield 1, f"the path of the finite elements ended undecided ({fem.reason}): {fem.remedy or 'refine the mesh'}"
@@ -72,7 +72,7 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
 
 
 def _assumed_input(results: Results) -> Iterator[str]:
-    """Warnings of the input on the slides, such as a residual strength that was assumed."""
+    """Yield the warnings of the input on the slides, such as a residual strength that was assumed."""
     for line in notice_lines(results.config.notices_of_slides):
         if line.startswith("Warning: "):
             text = line.removeprefix("Warning: ").rstrip(".")
@@ -80,7 +80,7 @@ def _assumed_input(results: Results) -> Iterator[str]:
 
 
 def _of_cases(results: Results) -> Iterator[str]:
-    """Warnings of discs that left the section, and notes of cases."""
+    """Yield the warnings of discs that left the section, and notes of cases."""
     _, cases = results.case_set()
     escaped = [number for number, case in cases.items() if case.escaped]
     if escaped:
@@ -96,7 +96,7 @@ def _of_cases(results: Results) -> Iterator[str]:
 
 
 def _residual_strength(results: Results) -> Iterator[str]:
-    """A warning of liquefying layers without residual strength, or of sand without a strain potential."""
+    """Yield a warning of liquefying layers without residual strength, or of sand without a strain potential."""
     if results.config.dem.paper or not (results.liquefied or results.mpm or results.case_set()[1]):
         return
     liquefies = [stratum for stratum in results.config.section.strata if stratum.liquefies_in]
@@ -124,7 +124,7 @@ def _residual_strength(results: Results) -> Iterator[str]:
 
 
 def _at_the_limit(results: Results) -> Iterator[str]:
-    """A warning that the constant Kh is close to the limit load of liquefied ground, so that the slide is
+    """Yield a warning that the constant Kh is close to the limit load of liquefied ground, so that the slide is
     undetermined.
     """
     slide = results.config.slide
@@ -141,7 +141,7 @@ def _at_the_limit(results: Results) -> Iterator[str]:
 
 
 def _target_range(results: Results) -> Iterator[str]:
-    """A warning that the critical Kh of the calibration is only known as a range."""
+    """Yield a warning that the critical Kh of the calibration is only known as a range."""
     like = results.dem_counterpart
     if like is not None and results.dem is not None and like.kc_upper > OPEN * like.kc:
         yield (
@@ -180,7 +180,7 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
 
 
 def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:
-    """A warning that the slip surfaces of discs and continuum differ, in a section of this ``height`` (m)."""
+    """Yield a warning that the slip surfaces of discs and continuum differ, in a section of this ``height`` (m)."""
     apart, lines = surfaces.mean_distance_m, (surfaces.dem, surfaces.fem)
     if apart is not None and apart > SURFACES_APART * height:
         yield (
@@ -196,7 +196,8 @@ def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:
 
 
 def _fails_between_fixed_sides(results: Results) -> Iterator[str]:
-    """A warning that discs fail under a constant Kh below the critical Kh of their displacement-controlled test."""
+    """Yield a warning that discs fail under a constant Kh below the critical Kh of their displacement-controlled
+    test."""
     discs = results.dem
     if discs is None or discs.after.kc is None:
         return
@@ -227,7 +228,7 @@ def joined(notes: Mapping[int, Sequence[str]]) -> Iterator[str]:
 
 
 def _range(numbers: Sequence[str]) -> str:
-    """The range of numbers, each of which may be a range itself."""
+    """Return the range of numbers, each of which may be a range itself."""
     ends = [end for number in numbers for end in number.split(" to ")]
     low, high = min(ends, key=float), max(ends, key=float)
     return low if float(low) == float(high) else f"{low} to {high}"

@@ -20,7 +20,7 @@ METHODS = (
 
 @dataclass(frozen=True)
 class Accuracy:
-    """The interval of the critical Kh, for fixed assumptions, by numerical error.
+    """Holds the interval of the critical Kh, for fixed assumptions, by numerical error.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ def of_meshes(fem: FemAnswer, halved: float | None = None) -> Accuracy | None:
 
 
 def _converges(values: Sequence[float]) -> bool:
-    """Whether answers on ever finer meshes fall by ever smaller amounts; two answers must be close."""
+    """Return whether answers on ever finer meshes fall by ever smaller amounts; two answers must be close."""
     last = values[-2] - values[-1]
     if last < 0.0:
         return False
@@ -97,13 +97,13 @@ def _converges(values: Sequence[float]) -> bool:
 
 
 def _halved(results: Results) -> float | None:
-    """The critical Kh on cells of half the size, if it was computed."""
+    """Return the critical Kh on cells of half the size, if it was computed."""
     variants = results.variants.variants if results.variants is not None else ()
     return next((variant.kc for variant in variants if variant.name == "mesh" and variant.kc_without is None), None)
 
 
 def _strict(results: Results, fem: FemAnswer) -> tuple[float, float] | None:
-    """Strict lower and upper bound of the same sides, direction and flow rule."""
+    """Return the strict lower and upper bound of the same sides, direction and flow rule."""
     bounds = results.bounds
     if bounds is None or bounds.sides != fem.settings.sides:
         return None

@@ -39,8 +39,8 @@ Known = Annotated[float | None, BeforeValidator(_finite)]
 
 
 class Part(BaseModel):
-    """A part of an answer. A part is immutable, refuses unknown keys, and can be made from any object with attributes
-    of the same names (``model_validate``).
+    """Holds a part of an answer. A part is immutable, refuses unknown keys, and can be made from any object with
+    attributes of the same names (``model_validate``).
 
     A field without a default is always in the file, as null if there is no value. A field with the default None is only
     in the file if it has a value.
@@ -71,7 +71,7 @@ class Part(BaseModel):
 
 
 class Answer(Part):
-    """The content of the JSON file of a stage.
+    """Holds the content of the JSON file of a stage.
 
     ``FILE`` is the name of the file within the folder of a run. ``VERSION`` has to be increased when the meaning of a
     key changes but not its name. A new key without a default needs no new version, since a file without this key is
@@ -107,7 +107,7 @@ class Answer(Part):
 
 
 class SectionLabel(Part):
-    """Which section an answer belongs to."""
+    """Holds which section an answer belongs to."""
 
     name: str
     sha256: str = Field(description="fingerprint of the section without its title and the settings")
@@ -125,6 +125,6 @@ def line(points: np.ndarray) -> Line:
 
 
 def _problems(error: ValidationError) -> list[str]:
-    """The first three keys that do not fit, each with the expected value."""
+    """Return the first three keys that do not fit, each with the expected value."""
     phrases = [f"{'.'.join(map(str, fault['loc'])) or 'the file'}: {fault['msg']}" for fault in error.errors()]
     return [*phrases[:3], "it was written by another version of the program; run the stage that writes it again"]

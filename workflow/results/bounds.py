@@ -12,7 +12,7 @@ BoundsVerdict = Literal["bracketed", "wide", "no bracket", "unstable"]
 
 
 class StressResiduals(Part):
-    """Residuals of the lower bound: imbalance of the stress, and its distance to the yield surface."""
+    """Holds the residuals of the lower bound: imbalance of the stress, and its distance to the yield surface."""
 
     imbalance: float = Field(description="largest body force left over in a cell times its size, over the stress")
     traction_jump: float = Field(description="largest difference of traction across an edge, over the stress")
@@ -20,7 +20,7 @@ class StressResiduals(Part):
 
 
 class VelocityResiduals(Part):
-    """Residuals of the upper bound: how far the velocities violate flow rule and boundary conditions."""
+    """Holds the residuals of the upper bound: how far the velocities violate flow rule and boundary conditions."""
 
     multiplier: float = Field(description="the bound, computed from the velocities alone")
     flow_slack: float = Field(description="smallest volume rate beyond what the flow rule asks for, where φ > 0")
@@ -30,14 +30,14 @@ class VelocityResiduals(Part):
 
 
 class Residuals(Part):
-    """Residuals of both bounds; None for a missing bound."""
+    """Holds the residuals of both bounds; None for a missing bound."""
 
     lower: StressResiduals | None
     upper: VelocityResiduals | None
 
 
 class BoundsRound(Part):
-    """The bounds on one of the meshes, each finer than the one before."""
+    """Holds the bounds on one of the meshes, each finer than the one before."""
 
     cells: int
     lower: float | None
@@ -50,7 +50,7 @@ class BoundsRound(Part):
 
 
 class DirectionPart(Part):
-    """The bounds of Kh in one direction of the seismic force."""
+    """Holds the bounds of Kh in one direction of the seismic force."""
 
     direction: Direction
     towards: Literal["left", "right"] = Field(description="the side of the section towards which it acts")
@@ -83,7 +83,7 @@ class DirectionPart(Part):
 
 
 class BracketPart(Part):
-    """Both bounds for one flow rule, with their residuals and the bounds on every mesh."""
+    """Holds both bounds for one flow rule, with their residuals and the bounds on every mesh."""
 
     lower: float | None = Field(description="the section stands at every Kh below this one, in every direction")
     upper: float | None = Field(description="the section fails at every Kh above this one, in one direction")
@@ -105,7 +105,7 @@ class BracketPart(Part):
 
 
 class ShallowBoundPart(Part):
-    """A cohesionless face that fails at a smaller Kh than the whole slope."""
+    """Holds a cohesionless face that fails at a smaller Kh than the whole slope."""
 
     stratum: str
     start: float = Field(description="x of its left end (m)")
@@ -119,7 +119,7 @@ class ShallowBoundPart(Part):
 
 
 class SafetyPart(Part):
-    """Strict bounds of the factor of safety at one Kh, ψ = φ."""
+    """Holds the strict bounds of the factor of safety at one Kh, ψ = φ."""
 
     kh: float
     lower: float | None = Field(description="the section stands with its strength divided by this")
@@ -149,7 +149,7 @@ class SafetyPart(Part):
 
 
 class BoundsAnswer(BracketPart, Answer):
-    """The bounds of Kh with ψ = φ, whose upper one also holds for every smaller ψ, and the bounds of factors of
+    """Holds the bounds of Kh with ψ = φ, whose upper one also holds for every smaller ψ, and the bounds of factors of
     safety.
     """
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class SearchBracket(Part):
-    """The final bracket of one search for the critical Kh."""
+    """Holds the final bracket of one search for the critical Kh."""
 
     kc: float | None
     kc_lower: float
@@ -27,7 +27,7 @@ class SearchBracket(Part):
 
 
 class FactorTrial(SearchBracket):
-    """The critical Kh with one value of the factor."""
+    """Holds the critical Kh with one value of the factor."""
 
     value: float
 
@@ -39,7 +39,7 @@ class Sensitivity(FactorTrial):
 
 
 class SoilProperties(Part):
-    """The parameters of a stratum in the section file."""
+    """Holds the parameters of a stratum in the section file."""
 
     E_Pa: float
     nu: float
@@ -48,7 +48,7 @@ class SoilProperties(Part):
 
 
 class AssemblyProperties(Part):
-    """Results of element tests on a patch of discs; None for missing results."""
+    """Holds the results of element tests on a patch of discs; None for missing results."""
 
     E_Pa: Known
     nu: Known
@@ -65,7 +65,7 @@ class AssemblyProperties(Part):
 
 
 class Biaxial(Part):
-    """The strength in biaxial compression at one pressure."""
+    """Holds the strength in biaxial compression at one pressure."""
 
     verdict: str
     strain: Known
@@ -74,7 +74,7 @@ class Biaxial(Part):
 
 
 class SimpleShear(Part):
-    """The strength in simple shear at one pressure."""
+    """Holds the strength in simple shear at one pressure."""
 
     verdict: str
     strain: Known
@@ -83,7 +83,7 @@ class SimpleShear(Part):
 
 
 class PressureAnswer(Part):
-    """Both tests at one confining pressure."""
+    """Holds both tests at one confining pressure."""
 
     pressure_Pa: Known
     biaxial: Biaxial
@@ -91,7 +91,7 @@ class PressureAnswer(Part):
 
 
 class ElementTestQuality(Part):
-    """How quasi-static the tests were up to their peaks."""
+    """Holds how quasi-static the tests were up to their peaks."""
 
     unbalanced_largest: Known
     unbalanced_median: Known
@@ -101,7 +101,7 @@ class ElementTestQuality(Part):
 
 
 class LayerTest(Part):
-    """The discs of one stratum in one packing, compared with the soil; without numbers if the test failed."""
+    """Holds the discs of one stratum in one packing, compared with the soil; without numbers if the test failed."""
 
     stratum: str
     packing: str
@@ -114,7 +114,7 @@ class LayerTest(Part):
 
 
 class CalibrationAnswer(Answer):
-    """The factor with which the discs have the critical Kh of the continuum, or the closest one."""
+    """Holds the factor with which the discs have the critical Kh of the continuum, or the closest one."""
 
     FILE: ClassVar[str] = "dem/calibration.json"
 

@@ -19,14 +19,14 @@ FEWEST = 3  # values with a confidence interval: that of two is a dozen times as
 
 
 def _student(freedoms: int) -> float:
-    """The 97.5 % quantile of Student's distribution."""
+    """Return the 97.5 % quantile of Student's distribution."""
     from scipy.special import stdtrit  # loaded for random packings only
 
     return float(stdtrit(freedoms, 0.975))
 
 
 class CaseNumbers(Part):
-    """One case of liquefaction in numbers. Lengths in m, downhill and down positive."""
+    """Holds one case of liquefaction in numbers. Lengths in m, downhill and down positive."""
 
     stiffness: float = Field(description="factor on the stiffness of the layers that liquefied")
     settlement_uphill_m: float = Field(description="mean over the uphill third of the surface")
@@ -62,7 +62,8 @@ class CaseNumbers(Part):
 
 
 class CaseSummary(CaseNumbers):
-    """The numbers of a case, and the interval of its largest slide over random packings if several were computed."""
+    """Holds the numbers of a case, and the interval of its largest slide over random packings if several were
+    computed."""
 
     seeds: int = Field(default=1, description="packings that were computed")
     slide_max_m_mean: float | None = None
@@ -70,7 +71,7 @@ class CaseSummary(CaseNumbers):
 
 
 class MovedSurface(Part):
-    """The surface of the ground before and after a slide."""
+    """Holds the surface of the ground before and after a slide."""
 
     surface_before: Line = Field(description="points [x, elevation] (m)")
     surface_after: Line = Field(description="points [x, elevation] (m)")
@@ -107,7 +108,7 @@ class MovedSurface(Part):
 
 
 class CaseAnswer(MovedSurface, CaseNumbers):
-    """One case of liquefaction: the numbers, and the surface of the ground."""
+    """Holds one case of liquefaction: the numbers, and the surface of the ground."""
 
     @classmethod
     def of(cls, slide: "Slide", alone: "Slide", stiffness: float) -> Self:
@@ -130,8 +131,8 @@ class CaseAnswer(MovedSurface, CaseNumbers):
 
 
 class Spread(Part):
-    """A number on several random packings: mean, standard deviation and confidence interval; None if there are too
-    few; the confidence interval takes at least three values.
+    """Holds a number on several random packings: mean, standard deviation and confidence interval; None if there are
+    too few; the confidence interval takes at least three values.
     """
 
     mean: float | None
@@ -172,7 +173,7 @@ class Spread(Part):
 
 
 class Profile(Part):
-    """The surface over all packings, before and after; x from left to right and elevations (m)."""
+    """Holds the surface over all packings, before and after; x from left to right and elevations (m)."""
 
     x: tuple[float, ...]
     before: tuple[float, ...] = Field(description="median of all packings, as all that follow")
@@ -192,7 +193,7 @@ class Profile(Part):
 
 
 class RandomCase(Part):
-    """One case on random packings that fail at the same Kh; slides and settlements by thirds of the surface."""
+    """Holds one case on random packings that fail at the same Kh; slides and settlements by thirds of the surface."""
 
     slide_max_m: Spread
     settlement_uphill_m: Spread
@@ -225,7 +226,7 @@ LENGTHS = ("slide_max_m", "crack_opening_m")
 
 
 class Seed(Part):
-    """The calibration of one random packing."""
+    """Holds the calibration of one random packing."""
 
     seed: int
     kc_before: float | None
@@ -237,7 +238,7 @@ class Seed(Part):
 
 
 class RandomPackings(Part):
-    """The cases on random packings; a seed that could not be calibrated is named, and not counted."""
+    """Holds the cases on random packings; a seed that could not be calibrated is named, and not counted."""
 
     seeds: tuple[Seed, ...]
     cases: dict[int, RandomCase]
@@ -275,7 +276,7 @@ def alike(cases: Mapping[int, Answered], of: Iterable[int] | None = None) -> dic
 
 
 class CasesAnswer(Answer):
-    """All cases by number, for each set of springs; "calibrated" governs if it exists."""
+    """Holds all cases by number, for each set of springs; "calibrated" governs if it exists."""
 
     FILE: ClassVar[str] = "dem/cases.json"
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class MeshCount(Part):
-    """The size of the mesh of an answer."""
+    """Holds the size of the mesh of an answer."""
 
     quadrilaterals: int
     nodes: int
@@ -31,14 +31,14 @@ class MeshCount(Part):
 
 
 class Gravity(Part):
-    """The path under gravity, before Kh."""
+    """Holds the path under gravity, before Kh."""
 
     iterations: int = Field(description="Newton iterations")
     plastic_share: float = Field(description="share of the points that yield under the weight alone, 0 to 1")
 
 
 class StoredState(Part):
-    """The continuum at one Kh whose fields are stored."""
+    """Holds the continuum at one Kh whose fields are stored."""
 
     label: str
     kh: float
@@ -49,7 +49,7 @@ class StoredState(Part):
 
 
 class FactorOfSafety(Part):
-    """The factor of safety at one Kh: the divisor of c and tan φ at which the section fails."""
+    """Holds the factor of safety at one Kh: the divisor of c and tan φ at which the section fails."""
 
     kh: float
     factor: float = Field(description="the largest divisor at which an equilibrium was found")
@@ -69,7 +69,7 @@ class FactorOfSafety(Part):
 
 
 class OtherWay(Part):
-    """The critical Kh for the opposite direction, or with another flow rule."""
+    """Holds the critical Kh for the opposite direction, or with another flow rule."""
 
     kc: float
     kc_upper: float
@@ -90,7 +90,7 @@ class OwnDilationPart(Part):
 
 
 class ShallowFailurePart(Part):
-    """A cohesionless face that fails before the slope as a whole fails."""
+    """Holds a cohesionless face that fails before the slope as a whole fails."""
 
     stratum: str
     start_x_m: float
@@ -105,7 +105,7 @@ class ShallowFailurePart(Part):
 
 
 class MeshStep(Part):
-    """One mesh of the sequence that was adapted to the mechanism."""
+    """Holds one mesh of the sequence that was adapted to the mechanism."""
 
     cells: int
     kc: float
@@ -130,7 +130,7 @@ def displacement_at(path: Sequence[PathStep], kc: float, share: float) -> float:
 
 
 class FemAnswer(Answer):
-    """The critical Kh, with its bracket, verdict and path."""
+    """Holds the critical Kh, with its bracket, verdict and path."""
 
     FILE: ClassVar[str] = "fem/critical.json"
     VERSION: ClassVar[int] = 5
@@ -181,7 +181,7 @@ class FemAnswer(Answer):
 
     @property
     def own_angles(self) -> str:
-        """The dilation angles of the strata in words."""
+        """Return the dilation angles of the strata in words."""
         return "ψ as given" if any(self.dilation_deg.values()) else "ψ = 0"
 
     @property
@@ -207,7 +207,7 @@ class FemAnswer(Answer):
 
 
 class Variant(Part):
-    """One change of the assumptions, and the critical Kh with it (None without an answer)."""
+    """Holds one change of the assumptions, and the critical Kh with it (None without an answer)."""
 
     name: str
     change: str = Field(description="what is changed, in words")

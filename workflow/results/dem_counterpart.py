@@ -15,7 +15,8 @@ FLOWS: Mapping[Flow, str] = {"davis": "Davis's estimate", "associated": "ψ = φ
 
 
 class DemCounterpart(Answer):
-    """Critical Kh with the sides of the DEM box and the dilation of the soil, for failures at least two discs deep."""
+    """Holds the critical Kh with the sides of the DEM box and the dilation of the soil, for failures at least two discs
+    deep."""
 
     FILE: ClassVar[str] = "dem/continuum.json"
 

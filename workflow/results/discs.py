@@ -13,7 +13,7 @@ SETS: dict[SetOfSprings, str] = {"before": "before calibration", "after": "calib
 
 
 class DiscModelAnswer(Part):
-    """The discs at rest under their weight."""
+    """Holds the discs at rest under their weight."""
 
     discs: DiscModelName = Field(description="soil discs, or the paper's own")
     packing: str
@@ -36,7 +36,7 @@ class DiscModelAnswer(Part):
 
 
 class Parameters(Part):
-    """The springs of the discs, and the factor of the calibration on one of their parameters."""
+    """Holds the springs of the discs, and the factor of the calibration on one of their parameters."""
 
     springs: Literal["soil", "table2", "element tests"]
     stiffness_scale: float
@@ -49,7 +49,7 @@ class Parameters(Part):
 
 
 class KhTrial(Part):
-    """Whether the discs stand at one Kh, and the numbers behind the verdict; None for unknown numbers."""
+    """Holds whether the discs stand at one Kh, and the numbers behind the verdict; None for unknown numbers."""
 
     kh: float
     verdict: TrialVerdict
@@ -62,7 +62,7 @@ class KhTrial(Part):
 
 
 class DiscSearch(Part):
-    """The bracket of the critical Kh of the discs, and all trials of the search."""
+    """Holds the bracket of the critical Kh of the discs, and all trials of the search."""
 
     parameters: Parameters | None = Field(default=None, description="the springs it was found with")
     kc: float | None = Field(description="the middle of the bracket; None without one")
@@ -86,7 +86,7 @@ class RecordedDiscs(KhTrial):
 
 
 class SlipSurfaces(Part):
-    """The slip surfaces at the upper end of each bracket, points [x, elevation] in m, and their distance."""
+    """Holds the slip surfaces at the upper end of each bracket, points [x, elevation] in m, and their distance."""
 
     dem: Line = Field(description="calibrated discs")
     dem_before: Line = Field(description="discs before calibration")
@@ -102,14 +102,14 @@ class SlipSurfaces(Part):
 
 
 class PaperDiscs(Part):
-    """The paper's own discs, computed in addition to soil discs: their packing and critical Kh."""
+    """Holds the paper's own discs, computed in addition to soil discs: their packing and critical Kh."""
 
     model: DiscModelAnswer
     search: DiscSearch
 
 
 class DiscsAnswer(Answer):
-    """The discs, their critical Kh with both sets of springs, and the states that are drawn."""
+    """Holds the discs, their critical Kh with both sets of springs, and the states that are drawn."""
 
     FILE: ClassVar[str] = "dem/critical.json"
 

@@ -8,7 +8,7 @@ from workflow.results.answer import Answer, Known, Line, Part, SectionLabel
 
 
 class StrongZonePart(Part):
-    """A zone along the ground in which nothing fails, so that an earlier failure elsewhere is excluded."""
+    """Holds a zone along the ground in which nothing fails, so that an earlier failure elsewhere is excluded."""
 
     start: float = Field(description="x of its left end (m)")
     end: float = Field(description="x of its right end (m)")
@@ -16,7 +16,7 @@ class StrongZonePart(Part):
 
 
 class FaceValue(Part):
-    """A critical Kh or factor of safety of one face."""
+    """Holds a critical Kh or factor of safety of one face."""
 
     value: float = Field(description="by finite elements with ψ = φ")
     davis: float | None = Field(default=None, description="Davis's estimate, a low one and no bound; null without any")
@@ -28,7 +28,7 @@ class FaceValue(Part):
 
 
 class FaceStrength(Part):
-    """One face of a structure by finite elements."""
+    """Holds one face of a structure by finite elements."""
 
     structure: str
     towards: Literal["left", "right"] = Field(description="the side to which the face slides")
@@ -38,7 +38,7 @@ class FaceStrength(Part):
 
 
 class FacesAnswer(Answer):
-    """The faces of all structures."""
+    """Holds the faces of all structures."""
 
     FILE: ClassVar[str] = "fem/faces.json"
 

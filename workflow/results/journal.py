@@ -15,7 +15,7 @@ from workflow.run.store import Store
 
 
 class JournalEntry(Part):
-    """One search: factor, parameter and result."""
+    """Holds one search: factor, parameter and result."""
 
     parameter: str
     factor: float
@@ -30,7 +30,7 @@ class JournalEntry(Part):
 
 
 def _trial(stored: KhTrial) -> Trial:
-    """The stored trial, with infinity for unknown numbers."""
+    """Return the stored trial, with infinity for unknown numbers."""
     values: dict[str, Any] = {name: math.inf if value is None else value for name, value in stored}
     return Trial(**values)
 

@@ -39,7 +39,7 @@ class PointCase(MovedSurface):
 
 
 class PointSlidesAnswer(Answer):
-    """All cases by number, and the discretisation of the ground by points."""
+    """Holds all cases by number, and the discretisation of the ground by points."""
 
     FILE: ClassVar[str] = "mpm/slides.json"
 

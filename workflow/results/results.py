@@ -138,7 +138,8 @@ class Results:
 
     @property
     def _bracketed(self) -> bool:
-        """Whether the strict bounds with the same sides and flow rule are close enough to check the finite elements."""
+        """Return whether the strict bounds with the same sides and flow rule are close enough to check the finite
+        elements."""
         fem, bounds = self.fem, self.bounds
         if fem is None or bounds is None or bounds.sides != fem.settings.sides:
             return False
@@ -163,7 +164,7 @@ class Results:
         ]
 
     def _judged_by(self, bounds: BoundsAnswer) -> Iterator[Judged]:
-        """The critical Kh of every direction and flow rule with strict bounds, and these bounds."""
+        """Yield the critical Kh of every direction and flow rule with strict bounds, and these bounds."""
         fem = self.fem
         assert fem is not None
         for part in bounds.directions:
@@ -183,7 +184,7 @@ class Results:
             yield f"critical Kh by {fem.estimate}", low, substitute.lower, substitute.upper, True
 
     def _safety_judged_by(self, bounds: BoundsAnswer) -> Iterator[Judged]:
-        """The factors of safety with ψ = φ for which there are bounds."""
+        """Yield the factors of safety with ψ = φ for which there are bounds."""
         strict = {part.kh: part for part in bounds.safety}
         for factor in self.fem.safety_factors if self.fem is not None else ():
             full = factor.factor if self.fem is not None and self.fem.flow == "associated" else factor.associated

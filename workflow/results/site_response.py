@@ -8,7 +8,7 @@ from workflow.results.answer import Answer, Part, SectionLabel
 
 
 class ResponseLayer(Part):
-    """A layer, and the peak values in it."""
+    """Holds a layer, and the peak values in it."""
 
     stratum: str
     top_m: float
@@ -23,7 +23,7 @@ class ResponseLayer(Part):
 
 
 class SiteResponseAnswer(Answer):
-    """One-dimensional site response, equivalent linear."""
+    """Holds the one-dimensional site response, equivalent linear."""
 
     FILE: ClassVar[str] = "site_response.json"
 

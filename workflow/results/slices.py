@@ -9,7 +9,7 @@ from workflow.results.answer import Answer, Line, Part, Point, SectionLabel
 
 
 class LongerCircle(Part):
-    """The critical slip circle of a section whose ground continues level past both sides."""
+    """Holds the critical slip circle of a section whose ground continues level past both sides."""
 
     side: Literal["left", "right"] = Field(description="the side of the section at which the shorter circle ends")
     past_m: float = Field(description="how far past that side the circle reaches")
@@ -18,7 +18,7 @@ class LongerCircle(Part):
 
 
 class CirclePart(Part):
-    """A critical slip circle."""
+    """Holds a critical slip circle."""
 
     towards: Literal["left", "right"] = Field(description="the side of the section to which it slides")
     centre_m: Point
@@ -35,14 +35,14 @@ class CirclePart(Part):
 
 
 class FactorCircles(Part):
-    """The circles with the least factors of safety at one Kh, towards either side, the least first."""
+    """Holds the circles with the least factors of safety at one Kh, towards either side, the least first."""
 
     kh: float
     circles: tuple[CirclePart, ...]
 
 
 class FacePart(Part):
-    """One face of a structure, and the circles with which a part of its crest slides."""
+    """Holds one face of a structure, and the circles with which a part of its crest slides."""
 
     structure: str = Field(description="its name")
     kind: Kind
@@ -67,7 +67,7 @@ class FacePart(Part):
 
 
 class SlicesAnswer(Answer):
-    """Limit equilibrium of slices on slip circles."""
+    """Holds the limit equilibrium of slices on slip circles."""
 
     FILE: ClassVar[str] = "fem/slices.json"
 

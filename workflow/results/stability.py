@@ -14,7 +14,7 @@ Stands = Literal["stands", "flows"]
 
 
 class Bearing(Part):
-    """Whether ground stands, its factor of safety and its critical Kh."""
+    """Holds whether ground stands, its factor of safety and its critical Kh."""
 
     stands: Stands = Field(description="without shaking: by strict bounds where they decide, else by the elements")
     reason: str
@@ -34,7 +34,7 @@ ResidualVerdict = Literal["stands", "would continue", "fails", "undecided"]
 
 
 class SoftenedStratum(Part):
-    """A stratum and its strength after large shear strains."""
+    """Holds a stratum and its strength after large shear strains."""
 
     name: str
     cohesion_kPa: float  # noqa: N815
@@ -42,7 +42,7 @@ class SoftenedStratum(Part):
 
 
 class AlongSurface(Part):
-    """Factors of safety by Spencer's method, on the slip surface of the ground with peak strength."""
+    """Holds the factors of safety by Spencer's method, on the slip surface of the ground with peak strength."""
 
     surface_m: Line = Field(description="points [x, elevation] of the slip surface (m)")
     peak: float | None = Field(description="with peak strength; None where forces and moments do not balance")
@@ -50,7 +50,7 @@ class AlongSurface(Part):
 
 
 class TwoSteps(Part):
-    """The verdict of two steps: peak strength first, then residual strength."""
+    """Holds the verdict of two steps: peak strength first, then residual strength."""
 
     strata: tuple[SoftenedStratum, ...]
     verdict: ResidualVerdict = Field(
@@ -64,7 +64,7 @@ class TwoSteps(Part):
 
 
 class ResidualAnswer(Answer):
-    """Stability with residual strength."""
+    """Holds the stability with residual strength."""
 
     FILE: ClassVar[str] = "fem/residual.json"
 
@@ -74,7 +74,7 @@ class ResidualAnswer(Answer):
 
 
 class LiquefiedStratum(Part):
-    """A liquefied stratum and its residual strength."""
+    """Holds a liquefied stratum and its residual strength."""
 
     name: str
     cohesion_kPa: float  # noqa: N815
@@ -83,7 +83,7 @@ class LiquefiedStratum(Part):
 
 
 class LiquefiedCase(Bearing):
-    """Cases with equal residual strengths: their numbers, and the stability of the ground."""
+    """Holds cases with equal residual strengths: their numbers, and the stability of the ground."""
 
     cases: tuple[int, ...]
     names: tuple[str, ...] = Field(description="what these cases are called; empty for those without a name")
@@ -91,7 +91,7 @@ class LiquefiedCase(Bearing):
 
 
 class LiquefiedAnswer(Answer):
-    """Stability after liquefaction, before any slide."""
+    """Holds the stability after liquefaction, before any slide."""
 
     FILE: ClassVar[str] = "fem/liquefied.json"
 

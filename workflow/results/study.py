@@ -21,7 +21,7 @@ Z95 = 1.959963984540054  # of the standard normal distribution: 95 % lie within
 
 
 class Effect(Part):
-    """Effect of one uncertain number on a result."""
+    """Holds the effect of one uncertain number on a result."""
 
     path: str
     correlation: float | None = Field(
@@ -36,7 +36,7 @@ class Effect(Part):
 
 
 class ProbabilityCurve(Part):
-    """A probability over a coefficient, with its 95 % interval for the number of samples."""
+    """Holds a probability over a coefficient, with its 95 % interval for the number of samples."""
 
     name: str
     over: tuple[float, ...]
@@ -48,7 +48,7 @@ class ProbabilityCurve(Part):
 
 
 class Group(Part):
-    """The samples in which an uncertain word has one of its values."""
+    """Holds the samples in which an uncertain word has one of its values."""
 
     path: str
     value: str
@@ -57,7 +57,7 @@ class Group(Part):
 
 
 class Result(Part):
-    """One column of results over all samples with a value."""
+    """Holds one column of results over all samples with a value."""
 
     name: str
     samples: int = Field(description="that have it")
@@ -90,14 +90,14 @@ class Result(Part):
 
 
 class Failure(Part):
-    """A reason why samples have no answer, in the words of the first of them, and their number."""
+    """Holds a reason why samples have no answer, in the words of the first of them, and their number."""
 
     reason: str
     samples: int
 
 
 class StudyAnswer(Answer):
-    """Distributions of all results, effects of the uncertain numbers on them, and fragility curves."""
+    """Holds the distributions of all results, effects of the uncertain numbers on them, and fragility curves."""
 
     FILE: ClassVar[str] = "study.json"
 
@@ -118,7 +118,7 @@ class StudyAnswer(Answer):
 
 
 class Series(Part):
-    """One number over ever smaller discs or steps."""
+    """Holds one number over ever smaller discs or steps."""
 
     name: str
     over: Literal["radius", "step"]
@@ -133,7 +133,7 @@ class Series(Part):
 
 
 class ConvergenceAnswer(Answer):
-    """All series, and whether all of them have converged."""
+    """Holds all series, and whether all of them have converged."""
 
     FILE: ClassVar[str] = "converge.json"
 

@@ -21,7 +21,7 @@ from workflow.results.verdicts import CrestPart, HeadlinePart, VerdictPart, Warn
 
 
 class SafetySummary(Part):
-    """The factor of safety at one Kh, and by the other flow rule."""
+    """Holds the factor of safety at one Kh, and by the other flow rule."""
 
     kh: float
     factor: float
@@ -30,7 +30,7 @@ class SafetySummary(Part):
 
 
 class FemSummary(Part):
-    """The continuum. Without a critical Kh there is only ``kc_lower``, the largest Kh in equilibrium."""
+    """Holds the continuum. Without a critical Kh there is only ``kc_lower``, the largest Kh in equilibrium."""
 
     kc: float | None
     kc_lower: float
@@ -49,8 +49,8 @@ class FemSummary(Part):
 
 
 class VariantSummary(Part):
-    """The critical Kh of the continuum with one assumption changed, and without the change if both were computed on
-    another mesh.
+    """Holds the critical Kh of the continuum with one assumption changed, and without the change if both were computed
+    on another mesh.
     """
 
     change: str
@@ -61,14 +61,15 @@ class VariantSummary(Part):
 
 
 class BoundsSummary(Part):
-    """Strict bounds of the critical Kh."""
+    """Holds the strict bounds of the critical Kh."""
 
     lower: float | None
     upper: float | None
 
 
 class CircleSummary(Part):
-    """Limit equilibrium of slices on a critical slip circle: a factor of safety at ``kh``, or a critical Kh."""
+    """Holds the limit equilibrium of slices on a critical slip circle: a factor of safety at ``kh``, or a
+    critical Kh."""
 
     kh: float | None = Field(description="of a factor of safety; null where both numbers are critical Kh")
     towards: Literal["left", "right"]
@@ -83,7 +84,8 @@ class CircleSummary(Part):
 
 
 class FaceSummary(Part):
-    """One face of a structure by limit equilibrium of slices, and the slide of a rigid block that resists its kc."""
+    """Holds one face of a structure by limit equilibrium of slices, and the slide of a rigid block that resists
+    its kc."""
 
     structure: str
     kind: Kind
@@ -95,14 +97,14 @@ class FaceSummary(Part):
 
 
 class Factor(Part):
-    """The parameter of the calibration, and its factor."""
+    """Holds the parameter of the calibration, and its factor."""
 
     parameter: str
     value: float
 
 
 class DemSummary(Part):
-    """The discs."""
+    """Holds the discs."""
 
     model: str = Field(description='"soil" or "paper"')
     elements: int
@@ -124,7 +126,8 @@ class DemSummary(Part):
 
 
 class EstimateSummary(Part):
-    """An estimate holds the displacement (m) by a simple method, which is compared with the slide of the discs."""
+    """Holds an estimate holds the displacement (m) by a simple method, which is compared with the slide of the
+    discs."""
 
     method: str
     displacement_m: float | None
@@ -148,14 +151,14 @@ class PaperRow:
 
 
 class NoAnswer(Part):
-    """Why a stage ended without an answer, and what the user can change."""
+    """Holds why a stage ended without an answer, and what the user can change."""
 
     reason: str
     remedy: str
 
 
 class MadeWith(Part):
-    """Machine, and versions of the program and its libraries."""
+    """Holds the machine, and versions of the program and its libraries."""
 
     versions: dict[str, str]
     host: str
@@ -164,14 +167,14 @@ class MadeWith(Part):
 
 
 class PaperModel(Part):
-    """The paper's own discs, unchanged."""
+    """Holds the paper's own discs, unchanged."""
 
     kc: float | None
     cases: dict[int, CaseNumbers]
 
 
 class Summary(Answer):
-    """The results of all stages; a stage without an answer is listed in ``no_answer``."""
+    """Holds the results of all stages; a stage without an answer is listed in ``no_answer``."""
 
     FILE: ClassVar[str] = "summary.json"
 

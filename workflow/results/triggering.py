@@ -21,7 +21,7 @@ from workflow.results.answer import Answer, Known, Part, SectionLabel
 
 
 class MotionPart(Part):
-    """The peak acceleration of the factors: median, and one standard deviation above and below."""
+    """Holds the peak acceleration of the factors: median, and one standard deviation above and below."""
 
     median_gal: float
     low_gal: float
@@ -33,7 +33,7 @@ class MotionPart(Part):
 
 
 class TestPart(Part):
-    """One test: place, stresses, and F_L; None, with the reason, if it was not assessed."""
+    """Holds one test: place, stresses, and F_L; None, with the reason, if it was not assessed."""
 
     __test__ = False  # no test of pytest's
 
@@ -78,7 +78,7 @@ class TestPart(Part):
 
 
 class StratumPart(Part):
-    """Share of a stratum that liquefies; None if no boring has a blow count in it."""
+    """Holds the share of a stratum that liquefies; None if no boring has a blow count in it."""
 
     name: str
     tests: int
@@ -99,7 +99,7 @@ class StratumPart(Part):
 
 
 class BoringPart(Part):
-    """The liquefaction potential of a boring (Iwasaki et al. 1978), and the risk in words (1982)."""
+    """Holds the liquefaction potential of a boring (Iwasaki et al. 1978), and the risk in words (1982)."""
 
     name: str
     potential: float = Field(description="P_L, from 0 to 100")
@@ -107,7 +107,7 @@ class BoringPart(Part):
 
 
 class LeftPart(Part):
-    """Residual strength of a stratum from its blow counts with F_L below 1."""
+    """Holds the residual strength of a stratum from its blow counts with F_L below 1."""
 
     stratum: str
     residual: dict[str, float] = Field(description="residual strength over the vertical effective stress, by relation")
@@ -117,7 +117,7 @@ class LeftPart(Part):
 
 
 class RelationPart(Part):
-    """A relation that was used: name, publication, and range of validity."""
+    """Holds a relation that was used: name, publication, and range of validity."""
 
     title: str
     source: str
@@ -125,7 +125,7 @@ class RelationPart(Part):
 
 
 class TriggeringAnswer(Answer):
-    """Liquefaction triggering at the borings."""
+    """Holds the liquefaction triggering at the borings."""
 
     FILE: ClassVar[str] = "triggering.json"
 

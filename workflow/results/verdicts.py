@@ -12,7 +12,7 @@ Weight = Literal[1, 2, 3]
 
 
 class WarningPart(Part):
-    """A warning, and its remedy."""
+    """Holds a warning, and its remedy."""
 
     weight: Weight = Field(description="1: contradicts an answer, 2: changes an answer, 3: a note")
     what: str
@@ -20,7 +20,7 @@ class WarningPart(Part):
 
 
 class HeadlinePart(Part):
-    """One of the numbers of the first page, as text."""
+    """Holds one of the numbers of the first page, as text."""
 
     name: str
     value: str
@@ -29,7 +29,8 @@ class HeadlinePart(Part):
 
 
 class CrestPart(Part):
-    """The crest of a structure after a slide, or after reconsolidation alone. Lengths in m, settlements down positive.
+    """Holds the crest of a structure after a slide, or after reconsolidation alone. Lengths in m, settlements down
+    positive.
 
     The settlement of slides with drainage includes reconsolidation; to others it is added.
     """
@@ -48,7 +49,7 @@ class CrestPart(Part):
 
 
 class VerdictPart(Part):
-    """The verdict on one quantity and its limit."""
+    """Holds the verdict on one quantity and its limit."""
 
     criterion: Criterion
     of: str = Field(description="the structure or face, and what computed it")

@@ -66,7 +66,7 @@ def section_data(section: Section) -> dict[str, Any]:
 
 
 def _settings(name: str, config: Config, ignored: frozenset[str]) -> dict[str, Any]:
-    """The settings of a "table", or one "table.key", without those that are ignored."""
+    """Return the settings of a "table", or one "table.key", without those that are ignored."""
     table, _, key = name.partition(".")
     data: dict[str, Any] = getattr(config, table).model_dump(mode="json", include={key} if key else None)
     return {key: value for key, value in data.items() if f"{table}.{key}" not in ignored}

@@ -28,7 +28,7 @@ class Listener(Protocol):
     """Follows the progress of a run (interface)."""
 
     def begin(self, decision: Decision) -> Progress:
-        """Note that a stage begins; return the callback for its progress."""
+        """Return the note that a stage begins; return the callback for its progress."""
 
     def end(self, decision: Decision, entry: Entry) -> None:
         """Note that a stage has ended, with or without an answer, or is reused."""
@@ -110,7 +110,7 @@ class Run:
             future.result()
 
     def _can_run_concurrently(self, decision: Decision, waiting: Sequence[Decision]) -> bool:
-        """Whether a stage can run now in another process, while this process has other work."""
+        """Return whether a stage can run now in another process, while this process has other work."""
         stage = decision.stage
         if self.executor.count < 2 or stage.concurrent_after is None or decision.action != "run":
             return False
@@ -170,7 +170,7 @@ class Run:
         self.pending.append(then(self.executor.submit(draw, self._for_others()), keep))
 
     def _for_others(self) -> Job:
-        """The job in the form that other processes receive."""
+        """Return the job in the form that other processes receive."""
         return replace(self.job, stages=(), progress=silent, executor=SERIAL, ranks=None)
 
     def _keep_pictures(self, stage: Stage, before: Mapping[str, tuple[int, int]]) -> None:
@@ -248,13 +248,13 @@ class Run:
         self.listener.end(decision, self.record.entries[stage.name])
 
     def _drawn(self, stage: Stage, before: Mapping[str, object]) -> list[str]:
-        """The pictures that a stage has drawn; pictures of other inputs are removed."""
+        """Return the pictures that a stage has drawn; pictures of other inputs are removed."""
         pictures = self.job.store.written(stage.pictures, before)
         self.job.store.remove(sorted(set(self.job.store.matching(stage.pictures)) - set(pictures)))
         return pictures
 
     def _logged(self, stage: Stage, progress: Progress) -> Progress:
-        """A progress callback that also writes a line to the log every 30 s."""
+        """Return a progress callback that also writes a line to the log every 30 s."""
         last = time.monotonic()
 
         def tell(line: str, share: float | None) -> None:

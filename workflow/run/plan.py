@@ -18,7 +18,7 @@ OTHER_VERSION = "computed by another version of noshiro"
 
 @dataclass(frozen=True)
 class Choice:
-    """Which stages may run.
+    """Holds which stages may run.
 
     Attributes
     ----------

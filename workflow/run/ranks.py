@@ -35,7 +35,7 @@ class Ranks:
         self._tell_others(True)
 
     def called(self) -> bool:
-        """Wait, on the other ranks, for the first rank; return whether it called them (False: released them)."""
+        """On the other ranks, wait for the first rank; return whether it called them (False: released them)."""
         while not self.comm.iprobe(source=0):
             time.sleep(PAUSE)
         return bool(self.comm.recv(source=0))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def _finite(data: Any) -> Any:
-    """Data with null for numbers that are not finite."""
+    """Return the data with null for numbers that are not finite."""
     if isinstance(data, float):
         return data if math.isfinite(data) else None
     if isinstance(data, dict):
@@ -28,7 +28,7 @@ def _finite(data: Any) -> Any:
 
 
 def _by_numbers(name: str) -> list[str | int]:
-    """A sort key by the numbers in a name: case2 before case10."""
+    """Return a sort key by the numbers in a name: case2 before case10."""
     return [int(part) if part.isdigit() else part for part in re.split(r"([0-9]+)", name)]
 
 

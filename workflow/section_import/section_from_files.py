@@ -131,7 +131,7 @@ def make_section(files: Sequence[Path], out: Path, reading: Reading) -> list[str
 
 
 def _wanted(logs: Sequence[Log], names: Sequence[str]) -> list[Log]:
-    """The named borings, or all. Raises InputError for an unknown name."""
+    """Return the named borings, or all. Raises InputError for an unknown name."""
     unknown = [name for name in names if name not in {log.name for log in logs}]
     if unknown:
         there = ", ".join(log.name for log in logs)
@@ -170,7 +170,7 @@ def to_be_given(path: Path, sound: str = GUESSED) -> list[str]:
 
 
 def _by_stratum(problems: Sequence[str]) -> list[str]:
-    """The problems, of missing keys one line for each stratum, and one for each key with what is expected."""
+    """Return the problems, of missing keys one line for each stratum, and one for each key with what is expected."""
     missing: dict[int, tuple[str, list[str]]] = {}
     expected, others = dict[str, str](), list[str]()
     for text in problems:

@@ -132,8 +132,8 @@ def _critical(
 
 
 def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float:
-    """The multiple of its weight that the ground resists by finite elements. The multiple is infinite if it is not
-    found, or where the flow is not associated: a path would search for an equilibrium for minutes, and ground that
+    """Return the multiple of its weight that the ground resists by finite elements. The multiple is infinite if it is
+    not found, or where the flow is not associated: a path would search for an equilibrium for minutes, and ground that
     flows has none.
 
     ``section``: section with changed strength; ``mesh``: mesh of the section; ``fem``: settings.
@@ -152,8 +152,8 @@ def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float
 def _factors(
     section: Section, mesh: "QuadMesh", fem: FemSettings, bounds_settings: BoundsSettings, notes: list[str]
 ) -> "tuple[float | None, SafetyBounds | None]":
-    """Factor of safety at Kh = 0 between held sides by finite elements, and its strict bounds; closer bounds if the
-    first ones do not decide whether the ground stands. None, with a note, without an answer.
+    """Return the factor of safety at Kh = 0 between held sides by finite elements, and its strict bounds; closer bounds
+    if the first ones do not decide whether the ground stands. None, with a note, without an answer.
 
     ``section``: section with changed strength; ``mesh``: mesh of the section; ``fem``, ``bounds_settings``: settings
     of both methods; ``notes``: list to which notes are added.
@@ -181,8 +181,8 @@ def _factors(
 def _between_own_sides(
     section: Section, fem: FemSettings, bounds_settings: BoundsSettings, notes: list[str]
 ) -> "tuple[SmallerKhBounds | None, str]":
-    """Strict bounds of the critical Kh with the sides of the section, or the reason why the ground fails under its
-    weight with them.
+    """Return the strict bounds of the critical Kh with the sides of the section, or the reason why the ground fails
+    under its weight with them.
 
     ``section``: section with changed strength; ``fem``, ``bounds_settings``: settings; ``notes``: list to which a note
     is added if there is no answer.
@@ -208,12 +208,12 @@ def tried(what: str, notes: list[str], find: Callable[[], Result]) -> Result | N
 
 
 def _note(what: str, error: NoAnswerError | InputError) -> str:
-    """A note on why an analysis has no answer."""
+    """Return a note on why an analysis has no answer."""
     return f"{what}: {'; '.join(error.problems) if isinstance(error, InputError) else error}"
 
 
 def _stands(kc: float | None, lower: float | None, upper: float | None) -> tuple[Stands, str]:
-    """Whether the ground stands without shaking: by strict bounds if they decide it, else by finite elements."""
+    """Return whether the ground stands without shaking: by strict bounds if they decide it, else by finite elements."""
     if upper is not None and upper < 1.0:
         return "flows", f"an upper bound proves a factor of safety below {upper:.2f}"
     if lower is not None and lower > 1.0:

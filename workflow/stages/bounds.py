@@ -69,7 +69,7 @@ def _draw(config: Config, bounds: "KhBounds", store: Store) -> None:
 
 
 def _factors(job: Job, config: Config, settings: BoundsSettings) -> Iterator[SafetyPart]:
-    """Factors of safety at every Kh of the settings; without shaking, sides that are not fixed are held
+    """Yield the factors of safety at every Kh of the settings; without shaking, sides that are not fixed are held
     horizontally, as in the finite elements.
     """
     from fem.limit.safety_bounds import safety_bounds
@@ -92,7 +92,7 @@ def _factors(job: Job, config: Config, settings: BoundsSettings) -> Iterator[Saf
 
 
 def _reason(bounds: "SafetyBounds", settings: BoundsSettings) -> str:
-    """Why the bounds of a factor of safety are not closer; empty if the gap is small enough."""
+    """Return why the bounds of a factor of safety are not closer; empty if the gap is small enough."""
     match bounds.ended:
         case "gap":
             return ""
@@ -184,7 +184,7 @@ def _verdict(bracket: "Bracket", settings: BoundsSettings) -> tuple[BoundsVerdic
 
 
 def _bracketed_directions(bracket: "Bracket") -> Iterator[str]:
-    """The directions that have both bounds where the smaller Kh of all has not, a sentence each after a blank."""
+    """Yield the directions that have both bounds where the smaller Kh of all has not, a sentence each after a blank."""
     for direction in getattr(bracket, "directions", ()):
         if direction.stress is not None and direction.mechanism is not None:
             yield (
@@ -194,8 +194,8 @@ def _bracketed_directions(bracket: "Bracket") -> Iterator[str]:
 
 
 def _gap(bracket: "Bracket") -> str:
-    """The gap of the bounds as a share of their mean; as a difference of Kh if the mean is small or zero is between
-    them.
+    """Return the gap of the bounds as a share of their mean; as a difference of Kh if the mean is small or zero is
+    between them.
     """
     difference = f"{bracket.upper - bracket.lower:.4f} in Kh"
     if bracket.lower * bracket.upper <= 0.0:
@@ -205,13 +205,13 @@ def _gap(bracket: "Bracket") -> str:
 
 
 def _wanted(bracket: "Bracket", settings: BoundsSettings) -> str:
-    """The required gap: a share of Kh, or for small Kh a difference of Kh."""
+    """Return the required gap: a share of Kh, or for small Kh a difference of Kh."""
     small = 0.5 * (abs(bracket.upper) + abs(bracket.lower)) < LEAST_KH
     return f"{settings.gap * LEAST_KH:.4f} in Kh" if small else f"{100 * settings.gap:g} %"
 
 
 def _why(ended: "OpenEnd | None", cells: int, settings: BoundsSettings) -> str:
-    """Why there is no finer mesh although the gap is larger than required."""
+    """Return why there is no finer mesh although the gap is larger than required."""
     from fem.limit.bracket import FAILED_MESHES
 
     match ended:
@@ -229,7 +229,7 @@ def _why(ended: "OpenEnd | None", cells: int, settings: BoundsSettings) -> str:
 
 
 def _remedy(ended: "EndReason | None") -> str:
-    """What may help where a bound is missing."""
+    """Return what may help where a bound is missing."""
     match ended:
         case "time":
             return "allow more: seconds in the table [bounds]"

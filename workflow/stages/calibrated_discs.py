@@ -134,9 +134,10 @@ class Searched:
 def _searched(
     config: Config, store: Store, progress: Progress, executor: Executor
 ) -> tuple[Searched, Search | None, tuple[LayerCheck, ...]]:
-    """The searches of the discs, and concurrently that of the paper's own discs if the settings request them, and
-    element tests of the discs of every layer. The FEM counterpart is computed first, while the discs settle. Threads of
-    one search wait for each other at every step, and so a search has several only while nothing else is computed.
+    """Return the searches of the discs, and concurrently that of the paper's own discs if the settings request them,
+    and element tests of the discs of every layer. The FEM counterpart is computed first, while the discs settle.
+    Threads of one search wait for each other at every step, and so a search has several only while nothing else is
+    computed.
     """
     if config.dem.model != "soil":
         alone = _calibrated(config, store, config.dem.workers, lambda message: progress(*message), executor)
@@ -189,7 +190,7 @@ def _at_rest(config: Config, store: Store, tell: Tell) -> None:
 
 
 def _calibrated(config: Config, store: Store, threads: int, tell: Tell, executor: Executor = SERIAL) -> Searched:
-    """The discs of the section at rest, their critical Kh, and the factor with which it is equal to that of the
+    """Return the discs of the section at rest, their critical Kh, and the factor with which it is equal to that of the
     continuum; a search has so many ``threads``.
     """
     discs = discs_at_rest(config, store, config.dem, SETTLED, lambda what: tell((what, None)))
@@ -230,7 +231,7 @@ def calibration_answer(
 
 
 def _paper(config: Config, store: Store, threads: int, tell: Tell) -> Search:
-    """The paper's own discs, as the paper used them, and the Kh at which they fail; with so many ``threads``."""
+    """Return the paper's own discs, as the paper used them, and the Kh at which they fail; with so many ``threads``."""
     dem = config.dem.as_paper()
     discs = discs_at_rest(config, store, dem, PAPER, lambda what: tell((f"the paper's discs: {what}", None)))
 
@@ -242,7 +243,7 @@ def _paper(config: Config, store: Store, threads: int, tell: Tell) -> Search:
 
 
 def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDiscs, DiscsAtRest]:
-    """The answer on the paper's own discs, and their state at rest."""
+    """Return the answer on the paper's own discs, and their state at rest."""
     dem = config.dem.as_paper()
     discs = discs_at_rest(config, store, dem, PAPER, lambda _: None)
     answer = PaperDiscs(
@@ -255,7 +256,7 @@ def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDi
 def _layer_tests(
     config: Config, discs: Discs, searched: Searched, progress: Progress, executor: Executor
 ) -> tuple[LayerTest, ...]:
-    """Element tests of the paper's discs of every layer after calibration, if the settings request them."""
+    """Return the element tests of the paper's discs of every layer after calibration, if the settings request them."""
     if config.dem.model == "soil" or not config.dem.element_tests or searched.calibration is None:
         return ()
     progress("element tests of the discs of every layer", None)
@@ -316,7 +317,7 @@ def _model_answer(config: Config, dem: DemSettings, discs: Discs, sliding: DiscM
 
 
 def _off(config: Config, ground: Ground, model: DiscModel) -> dict[str, float]:
-    """Distances of the surface of discs at rest from that of the section (m), as fields of the answer."""
+    """Return the distances of the surface of discs at rest from that of the section (m), as fields of the answer."""
     placed = copy(model)
     placed.x, placed.z = ground.to_section(model.x, model.z)
     off = np.abs(misfit(config.section, placed, ground.radius))
@@ -349,7 +350,8 @@ def slip_surfaces(config: Config, store: Store, before: np.ndarray, after: np.nd
 
 
 def _excess_above(config: Config, store: Store, line: np.ndarray, fem: FemAnswer) -> float | None:
-    """Relative increase of the critical Kh if the continuum can fail only above the line; None without an answer."""
+    """Return the relative increase of the critical Kh if the continuum can fail only above the line; None without an
+    answer."""
     from mpi4py import MPI
 
     from fem.search.prescribed_surface import critical_above

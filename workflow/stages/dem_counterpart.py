@@ -81,8 +81,8 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
 
 
 def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tell) -> DemCounterpart | None:
-    """The answer with the sides of the discs, for failures below cohesionless faces that are deep enough for discs to
-    resolve. None if this answer is not requested, is equal to that of the stage `fem`, or does not exist.
+    """Return the answer with the sides of the discs, for failures below cohesionless faces that are deep enough for
+    discs to resolve. None if this answer is not requested, is equal to that of the stage `fem`, or does not exist.
     """
     from mpi4py import MPI
 
@@ -125,7 +125,7 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
 def _with_own_psi(
     section: Section, mesh: QuadMesh, settings: FemSettings, davis: float, tell: Tell
 ) -> "NonAssociatedPath | str":
-    """The path, or the reason why Davis's estimate (critical Kh = ``davis``) has to replace it."""
+    """Return the path, or the reason why Davis's estimate (critical Kh = ``davis``) has to replace it."""
     from mpi4py import MPI
 
     from fem.search.dem_counterpart import non_associated_path

@@ -29,7 +29,7 @@ def state_file(which: SetOfSprings, label: str) -> str:
 
 @dataclass(frozen=True)
 class DiscsAtRest:
-    """Discs at rest, to be brought to the recorded Kh.
+    """Holds discs at rest, to be brought to the recorded Kh.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) ->
 
 @dataclass(frozen=True)
 class Goal:
-    """A Kh to which one set of discs is brought from rest, and the name of the state in the store."""
+    """Holds a Kh to which one set of discs is brought from rest, and the name of the state in the store."""
 
     which: SetOfSprings
     start: DiscsAtRest
@@ -90,7 +90,7 @@ class Goal:
 
 
 def _at_the_end(goal: Goal, continuum: Continuum, file: str) -> DiscModel:
-    """The discs at the end of the test for their critical Kh, from the test itself or from its repetition."""
+    """Return the discs at the end of the test for their critical Kh, from the test itself or from its repetition."""
     start = goal.start
     if goal.store.has(file):
         return DiscModel.load(goal.store.folder / file)

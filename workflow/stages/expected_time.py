@@ -19,7 +19,7 @@ POWER = 1.5  # by which these rise with the number: smaller ones need shorter st
 
 
 def _cases(config: Config) -> int:
-    """Cases of liquefaction that have to be computed: of cases with equal strength only the first one."""
+    """Return the cases of liquefaction that have to be computed: of cases with equal strength only the first one."""
     return len(set(alike_by_strength(config, list(liquefying(config))).values()))
 
 

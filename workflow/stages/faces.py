@@ -112,8 +112,8 @@ def work(job: Job) -> None:
 
 
 def _unchanged(job: Job, fem: FemAnswer, sides: Sequence[int]) -> dict[tuple[Quantity, int], ElementValue | str]:
-    """Both quantities of the section without strong zones towards ``sides``, each computed once: those of the finite
-    elements where they have them with ψ = φ.
+    """Return both quantities of the section without strong zones towards ``sides``, each computed once: those of the
+    finite elements where they have them with ψ = φ.
     """
     values: dict[tuple[Quantity, int], ElementValue | str] = dict(_of_elements(job.config, fem))
     wanted: list[tuple[Quantity, int]] = [("critical Kh", side) for side in dict.fromkeys(sides)]
@@ -130,7 +130,7 @@ def _unchanged(job: Job, fem: FemAnswer, sides: Sequence[int]) -> dict[tuple[Qua
 
 
 def _of_elements(config: Config, fem: FemAnswer) -> Iterator[tuple[tuple[Quantity, int], ElementValue]]:
-    """The quantities that the stage of the finite elements has with ψ = φ, by side."""
+    """Yield the quantities that the stage of the finite elements has with ψ = φ, by side."""
     from fem.continuum.loads import sign_of
 
     if fem.flow != "associated":
@@ -210,7 +210,7 @@ def _direction(config: Config, side: int) -> Direction:
 
 
 def _computed(config: Config, quantity: Quantity, side: int, zones: tuple[StrongZone, ...]) -> ElementValue:
-    """A quantity by finite elements, in ground with strong zones; raises InputError, NoAnswerError."""
+    """Return a quantity by finite elements, in ground with strong zones; raise InputError, NoAnswerError."""
     from mpi4py import MPI
 
     from fem.search.face_limits import FaceSearch
@@ -221,7 +221,8 @@ def _computed(config: Config, quantity: Quantity, side: int, zones: tuple[Strong
 
 
 def _bounded(task: FaceTask, zones: tuple[StrongZone, ...]) -> tuple[float | None, float | None]:
-    """Strict bounds with ψ = φ in ground with strong zones; those of the section are of faces that fail first."""
+    """Return the strict bounds with ψ = φ in ground with strong zones; those of the section are of faces that fail
+    first."""
     from fem.limit.bounds import kh_bounds
     from fem.limit.safety_bounds import safety_bounds
 

@@ -145,12 +145,12 @@ def _other_way(adapted: "AdaptiveResult[Any] | None") -> OtherWay | None:
 
 
 def _at_sides(adapted: "AdaptiveResult[Any]") -> tuple[str, ...]:
-    """The sides of the section through which the failing ground slides out; none if the ground does not fail."""
+    """Return the sides of the section through which the failing ground slides out; none if the ground does not fail."""
     return adapted.at_sides if adapted.result.verdict in ("plateau", "peak") else ()
 
 
 def _fails(state: "FieldState", result: "CriticalResult") -> bool:
-    """Whether the ground slips in a state; before failure it only deforms."""
+    """Return whether the ground slips in a state; before failure it only deforms."""
     return state.past_equilibrium or state.kh >= result.lower
 
 

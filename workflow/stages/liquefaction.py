@@ -13,7 +13,7 @@ LOST = ("cohesion", "friction", "residual", "residual_strength")  # of a case, w
 
 
 def liquefying(config: Config) -> dict[int, list[int]]:
-    """Return, for every case, the indices of the strata that liquefy in it; cases without any are left out."""
+    """For every case, return the indices of the strata that liquefy in it; cases without any are left out."""
     numbers = range(1, len(config.cases) + 1)
     numbers_of_strata = {
         n: [k for k, stratum in enumerate(config.section.strata) if n in stratum.liquefies_in] for n in numbers
@@ -22,7 +22,7 @@ def liquefying(config: Config) -> dict[int, list[int]]:
 
 
 def remaining(config: Config) -> dict[int, dict[int, Remains]]:
-    """Return, for every case, the remaining strength of the strata that liquefy in it, by their indices."""
+    """For every case, return the remaining strength of the strata that liquefy in it, by their indices."""
     return {
         n: {k: config.cases[n - 1].remains_of(config.section, k) for k in strata}
         for n, strata in liquefying(config).items()
@@ -30,7 +30,7 @@ def remaining(config: Config) -> dict[int, dict[int, Remains]]:
 
 
 def first_equal(keys: Mapping[Item, Hashable]) -> dict[Item, Item]:
-    """Return, for every item, the first item with the same key (possibly itself): only the first has to be computed."""
+    """For every item, return the first item with the same key (possibly itself): only the first has to be computed."""
     first: dict[Hashable, Item] = {}
     return {item: first.setdefault(key, item) for item, key in keys.items()}
 

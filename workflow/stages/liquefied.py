@@ -30,7 +30,7 @@ def work(job: Job) -> None:
 
 
 def _different(config: Config) -> dict[tuple[tuple[int, Remains], ...], list[int]]:
-    """The numbers of the cases, grouped by the residual strength of their liquefied strata."""
+    """Return the numbers of the cases, grouped by the residual strength of their liquefied strata."""
     groups: dict[tuple[tuple[int, Remains], ...], list[int]] = {}
     for number, remains in remaining(config).items():
         groups.setdefault(tuple(remains.items()), []).append(number)
@@ -38,7 +38,7 @@ def _different(config: Config) -> dict[tuple[tuple[int, Remains], ...], list[int
 
 
 def _case(config: Config, mesh: "QuadMesh", remains: dict[int, Remains], numbers: list[int]) -> LiquefiedCase:
-    """Stability of the ground in cases of equal residual strengths."""
+    """Return the stability of the ground in cases of equal residual strengths."""
     from fem.continuum.liquefied_ground import liquefied_section
 
     section = liquefied_section(config.section, remains)

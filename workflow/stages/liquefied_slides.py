@@ -66,17 +66,18 @@ def slide_stage(job: Job) -> None:
 
 
 def _computed(piece: SlideTask | PackingTask, tell: Tell) -> Any:
-    """A slide, or a random packing with all of its slides."""
+    """Return a slide, or a random packing with all of its slides."""
     return packed(piece, tell) if isinstance(piece, PackingTask) else slid(piece, tell)
 
 
 def _wanted(config: Config, cases: tuple[int, ...] | None) -> list[int]:
-    """The numbers of the cases to compute."""
+    """Return the numbers of the cases to compute."""
     return [number for number in liquefying(config) if cases is None or number in cases]
 
 
 def _starts(config: Config, store: Store) -> dict[str, tuple[DiscModel, Ground]]:
-    """Discs at rest to start from: the calibrated ones, and the paper's as printed if the settings request them."""
+    """Return discs at rest to start from: the calibrated ones, and the paper's as printed if the settings request
+    them."""
     calibrated = DiscModel.load(store.folder / "dem/calibrated.npz")
     starts = {"calibrated": (calibrated, ground_for(config.section, store, config.dem, calibrated))}
     paper = ""
@@ -91,13 +92,14 @@ def _starts(config: Config, store: Store) -> dict[str, tuple[DiscModel, Ground]]
 
 
 def _tasks(config: Config, starts: dict[str, tuple[DiscModel, Ground]], wanted: list[int]) -> list[PlannedSlide]:
-    """The slides of all cases, and of Kh alone, on every set of springs; the paper's discs, the slowest, first."""
+    """Return the slides of all cases, and of Kh alone, on every set of springs; the paper's discs, the slowest,
+    first."""
     numbers = sorted({ALONE, *wanted}, reverse=True) if wanted else []
     return [task(config, springs, number, *starts[springs]) for springs in reversed(starts) for number in numbers]
 
 
 def _cases(slides: dict[PlannedSlide, Slide], springs: str) -> dict[int, CaseAnswer]:
-    """The cases of one set of springs, in the order of their numbers."""
+    """Return the cases of one set of springs, in the order of their numbers."""
     of_springs = {each.number: (each, slide) for each, slide in slides.items() if each.springs == springs}
     return {
         number: CaseAnswer.of(slide, of_springs[ALONE][1], each.case.stiffness)
@@ -137,8 +139,8 @@ class Hearer:
 
 
 def _share(of_duration: float) -> float:
-    """Finished share of the work of a slide after a share of its longest duration: most slides come to rest long
-    before.
+    """Return the finished share of the work of a slide after a share of its longest duration: most slides come to rest
+    long before.
     """
     late = max(0.0, of_duration - USUAL) / (1.0 - USUAL)
     return min(1.0, ALMOST * min(of_duration / USUAL, 1.0) + (1.0 - ALMOST) * late)

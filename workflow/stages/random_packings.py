@@ -83,7 +83,7 @@ class RandomPackingsWanted:
 
 
 def _own_seed(config: Config, calibration: CalibrationAnswer) -> Seed | None:
-    """The packing of the run itself; None if it is a lattice, or could not be calibrated."""
+    """Return the packing of the run itself; None if it is a lattice, or could not be calibrated."""
     if config.dem.model == "paper" or calibration.verdict == "out of reach":
         return None
     before = calibration.predicted_kc if calibration.predicted_kc is not None else calibration.kc
@@ -137,7 +137,7 @@ def packed(packing: PackingTask, tell: Tell) -> Packed:
 
 
 def _untouched(seed: int) -> Seed:
-    """The result of a packing without calibration."""
+    """Return the result of a packing without calibration."""
     return Seed(
         seed=seed, kc_before=None, parameter="none", value=1.0, kc=None, verdict="not asked for",
         reason='dem.parameter = "none"',
@@ -157,7 +157,7 @@ def _seed(seed: int, calibrator: Calibrator, calibration: Calibration) -> Seed:
 
 
 def _case(slides: list[Slide]) -> RandomCase:
-    """One case over all packings that were calibrated."""
+    """Return one case over all packings that were calibrated."""
     last = [slide.rows[-1] for slide in slides]
     spreads = {name: Spread.of([getattr(row, name) for row in last]) for name in QUANTITIES}
     surfaces = [(as_line(slide.surface_before), as_line(slide.surface_after)) for slide in slides]

@@ -38,7 +38,7 @@ def shaking_of(config: Config, strata: Sequence[int]) -> Shaking | None:
 
 
 def _passed(config: Config, strata: Sequence[int]) -> dict[int, float]:
-    """Share of the cycles after which each stratum has liquefied in full.
+    """Return the share of the cycles after which each stratum has liquefied in full.
 
     Strength falls with the number of cycles as N^-0.34 (Idriss & Boulanger 2008), so that a layer liquefies after a
     share F_L^(1/0.34) of them: with F_L = 0.5 after an eighth. Layers without blow counts liquefy at the beginning.
@@ -51,13 +51,13 @@ def _passed(config: Config, strata: Sequence[int]) -> dict[int, float]:
 
 
 def _record(config: Config) -> tuple[np.ndarray, np.ndarray]:
-    """Times (s), rising, and accelerations (m/s²) of the record that [slide] names."""
+    """Return times (s), rising, and accelerations (m/s²) of the record that [slide] names."""
     record = accelerogram.read(Path(config.slide.accelerogram), config.slide.unit, config.slide.component)
     return record.time + APART * np.append(0.0, np.cumsum(np.diff(record.time) <= 0.0)), record.acceleration
 
 
 def _average(config: Config) -> tuple[np.ndarray, np.ndarray]:
-    """Times (s) and average accelerations (m/s²) of the soil above the slip surface, under the record of
+    """Return times (s) and average accelerations (m/s²) of the soil above the slip surface, under the record of
     [site_response]."""
     column = column_of(config.section, config.site_response)
     average = column.average_above(float(config.site_response.slip_depth or 0.0))

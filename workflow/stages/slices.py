@@ -54,7 +54,7 @@ def work(job: Job) -> None:
 
 
 def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
-    """The faces of all structures, including those without slip circles."""
+    """Yield the faces of all structures, including those without slip circles."""
     from fem.continuum.strength import is_dilating_fully, with_davis_strength
     from workflow.estimates.slices import LEFT, RIGHT
     from workflow.estimates.structures import face_circle, structures_of
@@ -92,7 +92,8 @@ def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
 
 
 def _with_longer(config: "Config", part: CirclePart) -> CirclePart:
-    """A circle with the least critical Kh and, where it ends at a side, the critical circle of a longer section."""
+    """Return a circle with the least critical Kh and, where it ends at a side, the critical circle of a longer
+    section."""
     from workflow.estimates.longer_section import circle_of_longer_section
     from workflow.estimates.slices import LEFT, RIGHT
 
@@ -117,7 +118,7 @@ def draw(job: Job) -> None:
 def _parts(
     section: "Section", kh: float | None, circles: "Iterable[tuple[Section, SlipCircle | None]]"
 ) -> tuple[CirclePart, ...]:
-    """The critical circles, each with its ground, the smallest value first."""
+    """Return the critical circles, each with its ground, the smallest value first."""
     parts = [
         CirclePart.taken(
             circle,

@@ -54,7 +54,7 @@ class PlannedSlide:
 
 
 def first_alike(config: Config, tasks: Sequence[PlannedSlide]) -> dict[PlannedSlide, PlannedSlide]:
-    """Return, for every slide, the first slide with the same inputs."""
+    """For every slide, return the first slide with the same inputs."""
     return first_equal({each: each.effect(config) for each in tasks})
 
 

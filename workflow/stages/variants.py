@@ -168,7 +168,7 @@ def variant(change: Change, tell: Tell) -> Variant:
 
 
 def _limit(change: Change, tell: Tell) -> "LimitLoadResult | CriticalResult":
-    """The limit load by limit analysis where it is unique, else by a path; raises NoAnswerError."""
+    """Return the limit load by limit analysis where it is unique, else by a path; raise NoAnswerError."""
     from mpi4py import MPI
 
     from fem.limit_load.limit_load import critical_limit_load, is_unique

@@ -124,7 +124,7 @@ def run(
 
 
 def _series(over: str, sizes: Sequence[float], rows: Sequence[TaskOutcome[Numbers]], within: float) -> Iterator[Series]:
-    """Every number of the slides over some sizes; empty if a run has no answer."""
+    """Yield every number of the slides over some sizes; empty if a run has no answer."""
     answers = [row.answer for row in rows if row.answer is not None]
     if len(answers) < len(rows):
         return

@@ -40,7 +40,7 @@ def discs(sample: StudySample) -> Numbers:
 
 
 def _numbers(answer: CasesAnswer) -> Numbers:
-    """The numbers of every case: means over its packings, or the values of the only packing."""
+    """Return the numbers of every case: means over its packings, or the values of the only packing."""
     numbers: dict[str, float | None] = {}
     errors = {}
     over_packings = answer.random.cases if answer.random is not None else {}

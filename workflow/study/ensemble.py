@@ -89,7 +89,7 @@ class Ensemble:
 
     @contextmanager
     def _executor(self, count: int) -> Iterator[futures.Executor]:
-        """An executor with processes of this machine, or with the workers of the scheduler; raises InputError
+        """Yield an executor with processes of this machine, or with the workers of the scheduler; raise InputError
         without any.
         """
         if self.scheduler is None:

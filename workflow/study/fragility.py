@@ -100,7 +100,7 @@ def _discs(config: Config, table: SampleTable, name: str) -> Iterator[Probabilit
 
 
 def _levels(config: Config, table: SampleTable) -> dict[str, np.ndarray]:
-    """The shaking of the discs in every sample, if it is uncertain: Kh, or the peak of their record over g."""
+    """Return the shaking of the discs in every sample, if it is uncertain: Kh, or the peak of their record over g."""
     record = config.slide.accelerogram
     path = SCALE if record else KH
     drawn = config.uncertain.numbers.get(path)
@@ -128,7 +128,7 @@ def _blocks(config: Config, kc: np.ndarray) -> Iterator[ProbabilityCurve]:
 
 
 def _under(record: Accelerogram, peak: float, kc: float) -> float:
-    """The slide (m) under the record scaled to a peak (g), in the direction with the larger slide."""
+    """Return the slide (m) under the record scaled to a peak (g), in the direction with the larger slide."""
     if peak <= kc:
         return 0.0
     scaled = record.acceleration * (peak * GRAVITY / record.peak)

@@ -12,7 +12,7 @@ from workflow.study.task import Numbers, StudySample
 
 @dataclass(frozen=True)
 class StudyPart:
-    """A part of a study.
+    """Holds a part of a study.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class StudyPart:
 
 
 def _read_by(stages: Sequence[Stage]) -> tuple[str, ...]:
-    """The tables of settings that some stages read."""
+    """Return the tables of settings that some stages read."""
     return tuple(dict.fromkeys(name.split(".")[0] for stage in stages for name in stage.reads))
 
 

@@ -17,7 +17,7 @@ FOLDER = "tasks"
 
 
 class Outcome(BaseModel):
-    """The outcome of a task."""
+    """Holds the outcome of a task."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 

@@ -59,7 +59,7 @@ def effects(table: SampleTable, name: str, words: Sequence[str], indices: bool) 
 
 
 def _correlation(drawn: Sequence[Any], values: np.ndarray, there: np.ndarray, words: bool) -> float | None:
-    """Spearman's rank correlation; for words the correlation ratio, the root of the share of variance between
+    """Return Spearman's rank correlation; for words the correlation ratio, the root of the share of variance between
     categories.
     """
     used = [value for value, use in zip(drawn, there, strict=True) if use]
@@ -73,7 +73,8 @@ def _correlation(drawn: Sequence[Any], values: np.ndarray, there: np.ndarray, wo
 
 
 def _sobol(values: np.ndarray, dimensions: int) -> dict[int, dict[str, Any]]:
-    """Sobol' indices of first order and total, with intervals by bootstrap, from samples of the method "saltelli".
+    """Return Sobol' indices of first order and total, with intervals by bootstrap, from samples of the method
+    "saltelli".
 
     scipy.stats.sobol_indices with the estimators of Saltelli et al., Comput. Phys. Commun. 181 (2010) 259-270.
     """
@@ -95,7 +96,8 @@ def _sobol(values: np.ndarray, dimensions: int) -> dict[int, dict[str, Any]]:
 
 
 def _indices(parts: np.ndarray, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First-order and total indices (d,) from a subset of the samples; the bootstrap of scipy takes no seed."""
+    """Return the first-order and total indices (d,) from a subset of the samples; the bootstrap of scipy takes no
+    seed."""
     selected = parts[:, :, chosen]
     indices = sobol_indices(func={"f_A": selected[0], "f_B": selected[1], "f_AB": selected[2:]}, n=len(chosen))
     return np.ravel(indices.first_order), np.ravel(indices.total_order)

@@ -98,7 +98,7 @@ def computed(
 
 
 def _input(config: Config, drawn: Mapping[str, Any]) -> Config | str:
-    """The input of a sample, or the reason why it is invalid."""
+    """Return the input of a sample, or the reason why it is invalid."""
     try:
         return config_after_triggering(config.with_drawn(drawn))
     except InputError as error:
@@ -181,12 +181,12 @@ def statistics_of(config: Config, table: SampleTable, only: Sequence[str]) -> St
 
 
 def _without_digits(reason: str) -> str:
-    """A reason without the numbers that were drawn, which differ from sample to sample."""
+    """Return a reason without the numbers that were drawn, which differ from sample to sample."""
     return re.sub(r"-?\d+\.\d{3,}(e-?\d+)?", "…", reason)
 
 
 def _spread(values: np.ndarray) -> Spread:
-    """The spread of a column; the single values are in samples.csv."""
+    """Return the spread of a column; the single values are in samples.csv."""
     known = [float(value) for value in values[np.isfinite(values)]]
     return Spread.of(known).model_copy(update={"values": ()})
 

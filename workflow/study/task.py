@@ -51,7 +51,7 @@ class Task(Generic[Input, Result]):
 
 
 def _text(module: str) -> str:
-    """The source of a module, which need not belong to the program."""
+    """Return the source of a module, which need not belong to the program."""
     file = inspect.getsourcefile(sys.modules[module])
     return fingerprint_of(Path(file).read_text(encoding="utf-8") if file else module)
 
@@ -71,7 +71,7 @@ class StudySample(BaseModel):
 
 
 class Numbers(BaseModel):
-    """The results of a task by the names of columns, and its outcome in words.
+    """Holds the results of a task by the names of columns, and its outcome in words.
 
     ``errors`` are half the 95 % intervals of numbers that are means over several packings.
     """

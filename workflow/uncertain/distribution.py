@@ -15,7 +15,7 @@ KINDS = ("normal", "lognormal", "uniform", "triangular", "list")
 
 
 class Distribution(Model):
-    """The distribution of one number; its parameters carry the unit, such as ["35 deg", "2 deg"]."""
+    """Holds the distribution of one number; its parameters carry the unit, such as ["35 deg", "2 deg"]."""
 
     normal: tuple[Number, Number] | None = Field(default=None, description="[mean, standard deviation]")
     lognormal: tuple[Number, Number] | None = Field(
@@ -60,7 +60,7 @@ class Distribution(Model):
         return self
 
     def _problem(self) -> str:
-        """The problem of the parameters; empty if they are valid."""
+        """Return the problem of the parameters; empty if they are valid."""
         if self.kind == "list":
             if self.chances is None:
                 return ""
@@ -115,7 +115,7 @@ class Distribution(Model):
         return self._normal_at(chance, *p)
 
     def _normal_at(self, chance: float, mean: float, deviation: float) -> float:
-        """Quantile of the normal or lognormal distribution, cut off at its bounds."""
+        """Return the quantile of the normal or lognormal distribution, cut off at its bounds."""
         logarithmic = self.kind == "lognormal"
         if logarithmic:
             variance = math.log1p((deviation / mean) ** 2)
@@ -174,7 +174,7 @@ def in_unit(value: Any, unit: str) -> float:
 
 
 def _si(unit: str) -> float:
-    """Factor from a unit to the SI unit; 1 without a unit."""
+    """Return the factor from a unit to the SI unit; 1 without a unit."""
     if not unit:
         return 1.0
     if unit in COMMON_UNITS:

@@ -21,7 +21,7 @@ Check = Callable[[Any], str]  # what is wrong with a number that is drawn; empty
 
 @dataclass(frozen=True)
 class Reach:
-    """The range of probabilities in which a distribution has only admissible numbers.
+    """Holds the range of probabilities in which a distribution has only admissible numbers.
 
     Attributes
     ----------
@@ -118,8 +118,8 @@ def _sentence(error: ValidationError) -> str:
 
 
 def _furthest(is_possible: Callable[[float], bool], end: float) -> float:
-    """The probability between the median and ``end`` (0 or 1) up to which all numbers are admissible; ``end`` if all
-    are.
+    """Return the probability between the median and ``end`` (0 or 1) up to which all numbers are admissible; ``end`` if
+    all are.
     """
     if is_possible(end):
         return round(end)

@@ -57,7 +57,7 @@ def places(data: Any, path: str) -> Iterator[Place]:
 
 
 def _entries(data: Any) -> dict[str, Any]:
-    """The keys of a table, or the names and numbers of the entries of a list, as in paths."""
+    """Return the keys of a table, or the names and numbers of the entries of a list, as in paths."""
     if isinstance(data, Mapping):
         return {str(key): key for key in data}
     if not isinstance(data, list | tuple):
@@ -67,7 +67,7 @@ def _entries(data: Any) -> dict[str, Any]:
 
 
 def _head(entries: Mapping[str, Any], path: str) -> str | None:
-    """The entry with which a path begins; names may have dots in them."""
+    """Return the entry with which a path begins; names may have dots in them."""
     return max((name for name in entries if path == name or path.startswith(f"{name}.")), key=len, default=None)
 
 
@@ -83,7 +83,7 @@ def changed_value(before: Any, distribution: Distribution, value: Any) -> Any:
 
 
 def _moved(before: Any, distribution: Distribution, value: Any) -> Any:
-    """A number or a line (or a table that contains a line), shifted or multiplied by a factor."""
+    """Return a number or a line (or a table that contains a line), shifted or multiplied by a factor."""
     if isinstance(before, dict):
         return {key: _moved(inside, distribution, value) for key, inside in before.items()}
     if _is_point(before):

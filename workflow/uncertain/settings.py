@@ -14,7 +14,7 @@ SamplingMethod = Literal["sobol", "latin", "saltelli"]
 
 
 class Correlation(Model):
-    """Correlation of two uncertain numbers."""
+    """Holds the correlation of two uncertain numbers."""
 
     of: tuple[str, str] = Field(description="two of the paths in this table")
     coefficient: float = Field(
@@ -23,7 +23,7 @@ class Correlation(Model):
 
 
 def _nested(path: str, value: Any, known: Set[str]) -> Iterator[str]:
-    """The paths to distributions within nested tables."""
+    """Yield the paths to distributions within nested tables."""
     for key, nested in value.items() if isinstance(value, Mapping) and not known & set(value) else ():
         if isinstance(nested, Mapping):
             deeper = not known & set(nested) and any(isinstance(item, Mapping) for item in nested.values())
@@ -31,7 +31,7 @@ def _nested(path: str, value: Any, known: Set[str]) -> Iterator[str]:
 
 
 class UncertainSettings(Model):
-    """Which numbers of the input have a distribution, by their paths, such as "strata.5 Asd.friction_angle"."""
+    """Holds which numbers of the input have a distribution, by their paths, such as "strata.5 Asd.friction_angle"."""
 
     model_config = ConfigDict(extra="allow", frozen=True, allow_inf_nan=False)
     __pydantic_extra__: dict[str, Distribution] = Field(init=False)
@@ -111,7 +111,7 @@ Length = Annotated[float, Field(gt=0.0)]
 
 
 class StudySettings(Model):
-    """Number and method of the samples of a study, and the slides whose probability it gives."""
+    """Holds the number and method of the samples of a study, and the slides whose probability it gives."""
 
     samples: int = Field(default=64, ge=2, le=1_000_000, description="samples; a power of two fills the space best")
     method: SamplingMethod = Field(

@@ -68,7 +68,7 @@ class Judged:
 
 @dataclass(frozen=True)
 class OfStratum:
-    """Share of a stratum that liquefies.
+    """Holds the share of a stratum that liquefies.
 
     Attributes
     ----------
@@ -139,7 +139,7 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
 
 
 def _why_not(section: Section, sample: Sample | Cone, where: Overburden) -> str:
-    """Why a test is not assessed by any method: the ground is above the water table, or clay; empty if a method
+    """Return why a test is not assessed by any method: the ground is above the water table, or clay; empty if a method
     applies.
     """
     if not where.below_water:
@@ -153,7 +153,8 @@ def _why_not(section: Section, sample: Sample | Cone, where: Overburden) -> str:
 def _resistance_of(
     relation: Relation, point: BlowCount | ConeTest, shaking: SurfaceMotion, settings: TriggeringSettings
 ) -> Resistance:
-    """The resistance of a test by a relation. Raises ValueError for missing input, or without effective stress."""
+    """Return the resistance of a test by a relation. Raises ValueError for missing input, or without effective
+    stress."""
     if point.effective <= 0.0:
         raise ValueError(
             f"the vertical effective stress is {point.effective:.1f} kPa; the relations of triggering need one above 0 "
@@ -163,7 +164,7 @@ def _resistance_of(
 
 
 def _missing(section: Section, earthquake: EarthquakeSettings, settings: TriggeringSettings) -> list[str]:
-    """Missing input of triggering."""
+    """Return the missing input of triggering."""
     problems = []
     if not settings.borings:
         problems.append("triggering, borings: missing; expected one table [[triggering.borings]] for each boring")

@@ -74,7 +74,7 @@ CHOICE: Mapping[CaseName, Callable[[Sequence[float]], float]] = {
 
 @dataclass(frozen=True)
 class Left:
-    """Residual strength of a stratum that liquefies; means over the depth of its tests with F_L below 1.
+    """Holds the residual strength of a stratum that liquefies; means over the depth of its tests with F_L below 1.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ def left(assessment: TriggeringAssessment, settings: TriggeringSettings) -> tupl
 
 
 def _liquefying(assessment: TriggeringAssessment, number: int) -> list[Judged]:
-    """The tests of a stratum with F_L below 1."""
+    """Return the tests of a stratum with F_L below 1."""
     names = [stratum.name for stratum in assessment.strata]
     return [test for test in judged_in_stratum(names, number, assessment.tests) if test.liquefies]
 
@@ -145,6 +145,6 @@ def _of_stratum(number: int, assessment: TriggeringAssessment, settings: Trigger
 
 
 def _mean(tests: Sequence[Judged], values: Sequence[float]) -> float:
-    """The mean over the area that tests represent; 0 without any."""
+    """Return the mean over the area that tests represent; 0 without any."""
     total = sum(test.area for test in tests)
     return sum(test.area * value for test, value in zip(tests, values, strict=True)) / total if total > 0.0 else 0.0

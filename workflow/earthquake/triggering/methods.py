@@ -13,7 +13,7 @@ from workflow.earthquake.triggering.settings import TriggeringMethod, Triggering
 
 @dataclass(frozen=True)
 class Relation:
-    """A published method of triggering analysis.
+    """Holds a published method of triggering analysis.
 
     Attributes
     ----------

@@ -28,7 +28,7 @@ class Penetration:
 
 @dataclass(frozen=True)
 class ResidualRelation:
-    """A relation of residual strength: its name, its publication, and the soils for which it is valid.
+    """Holds a relation of residual strength: its name, its publication, and the soils for which it is valid.
 
     ``count`` returns the blow count of the relation, ``most`` is the largest blow count of its cases, ``curve`` returns
     Sr/σ'v for a blow count.

@@ -22,7 +22,7 @@ Residual = Literal["strength", "ratio"]
 
 
 class TriggeringSettings(Model):
-    """Relation, energy of the hammer, and borings of the triggering analysis."""
+    """Holds the relation, energy of the hammer, and borings of the triggering analysis."""
 
     method: TriggeringMethod = Field(
         default="idriss_boulanger_2008",
@@ -89,7 +89,7 @@ def left_to_blow_counts(data: Mapping[str, Any]) -> bool:
 
 
 class FreeFaceSettings(Model):
-    """Toe and top of a free face, and the place behind it for which the displacement is required."""
+    """Holds the toe and top of a free face, and the place behind it for which the displacement is required."""
 
     crest: Coordinate | None = Field(default=None, description="the x of its upper edge")
     toe: Coordinate | None = Field(default=None, description="the x of its foot")
