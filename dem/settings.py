@@ -42,8 +42,7 @@ Parameter = Literal["stiffness", "friction", "pore_strength", "strength", "all"]
 
 
 class DemSettings(Model):
-    """Holds the settings of the discs and of the search for their critical Kh; they are the table [dem] of the input
-    file."""
+    """Holds the settings of discs and of their critical Kh, the table [dem] of the input file."""
 
     model: DiscModelName = Field(
         default="soil",
@@ -187,7 +186,7 @@ AVERAGE = "average"  # in place of a file: the response of the layers to a recor
 
 
 class SlideSettings(Model):
-    """Holds the settings of the liquefied slides; they are the table [slide] of the input file."""
+    """Holds the settings of the liquefied slides, the table [slide] of the input file."""
 
     cases: tuple[Case, ...] = Field(
         default=LOOSE_SAND,

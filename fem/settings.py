@@ -97,7 +97,7 @@ def _level_ends(section: Section) -> tuple[bool, bool]:
 
 
 class FemSettings(Model):
-    """Holds the settings of the finite element analysis; they are the table [fem] of the input file."""
+    """Holds the settings of the finite element analysis, the table [fem] of the input file."""
 
     element: Literal["auto", "quadratic", "reduced", "bilinear"] = Field(
         default="auto",
@@ -174,8 +174,7 @@ class FemSettings(Model):
 
 
 class BoundsSettings(Model):
-    """Holds the settings of limit analysis; they are the table [bounds]; sides, direction and vertical coefficient are
-    those of [fem] of the input file."""
+    """Holds the settings of limit analysis, the table [bounds] of the input file."""
 
     run: StrictBool | Literal["auto"] = Field(
         default="auto",

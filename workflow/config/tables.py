@@ -23,7 +23,7 @@ Language = Literal["en", "ja"]
 
 
 class FigureSettings(Model):
-    """Holds the settings of the pictures and of the report; they are the table [figures] of the input file."""
+    """Holds the settings of the pictures and of the report, the table [figures] of the input file."""
 
     report_width: int = Field(
         default=1280, ge=400, le=1600, description="pixels across of the pictures in the report, from 400 to 1600"
